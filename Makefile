@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# One verb per task; each sets up what it needs. `make` alone lists them.
+SHELL := /bin/bash
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+PY := .venv/bin/python
+# ROS on loopback only; the workspace's packages on every path
+RUN := unset PYTHONPATH PYTHONHOME; . catkin_ws/devel/setup.sh; export ROS_IP=127.0.0.1 PATH="$(CURDIR)/.venv/bin:$$PATH";
+
+INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
+    catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
+
+.PHONY: help setup demo test bench evaluate train lint report clean
+
+help: ## list the verbs
+	@echo "Voice interface for surgical robot assistants. Say one of:"
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 20
+
+.setup/system: docker/apt-packages.txt docker/setup.sh
+	@docker/setup.sh system
+	@mkdir -p .setup && touch $@
+
+.setup/python: .setup/system requirements.txt
+	@docker/setup.sh python
+	@touch $@
+
+.setup/workspace: .setup/python $(INTERFACES)
+	@docker/setup.sh workspace
+	@touch $@
+
+setup: .setup/workspace ## install and build all that the other verbs need
+
+demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you
+	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(OUT),--out '$(OUT)')
+
+test: setup ## all tests: unit, property, integration and rostest
+	@$(RUN) python -m pytest tests $(ARGS)
+
+bench: setup ## measure speed and accuracy of motion, voice and recording; writes bench/results/
+	@$(RUN) python -m bench $(ONLY)
+
+evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=active|standby] [JOBS=n] [MODEL=name]
+	@test -n "$(MANIFEST)" || { echo "make evaluate needs MANIFEST=file.csv (columns path, transcript) and OUT=file.json"; exit 2; }
+	@test -n "$(OUT)" || { echo "make evaluate needs OUT=file.json, the file to write"; exit 2; }
+	@$(RUN) python -m voice_assist.cli evaluate '$(MANIFEST)' --out '$(OUT)' $(if $(NOISE),--noise '$(NOISE)') \
+	    $(if $(SNR),--snr '$(SNR)') $(if $(MODE),--mode '$(MODE)') $(if $(JOBS),--jobs '$(JOBS)') $(if $(MODEL),--model '$(MODEL)')
+
+train: setup ## train the embedded recogniser anew; resumes where it was interrupted
+	@$(RUN) python -m voice_assist.training.fit $(ARGS)
+
+report: setup ## SESSION=sessions/<time>: make the report of a recorded session again
+	@test -n "$(SESSION)" || { echo "make report needs SESSION=folder or file.mcap"; exit 2; }
+	@$(RUN) python -m session_log.cli report '$(SESSION)'
+
+lint: setup ## style, types and the rule that only ros/ folders import ROS
+	@$(RUN) ruff check . && ruff format --check . && mypy && lint-imports && catkin_lint -q catkin_ws/src
+
+clean: ## remove what setup and the tests made; sessions stay
+	rm -rf .setup .venv catkin_ws/build catkin_ws/devel .pytest_cache .mypy_cache .ruff_cache .hypothesis

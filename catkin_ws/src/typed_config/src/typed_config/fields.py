@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Declares what a settings key may hold; no key has a default, so that the YAML shows everything in force.
+
+    @dataclass(frozen=True, kw_only=True)
+    class RcmConfig:
+        gain: float = number(0.0, 100.0, "1/s")
+        trocar: tuple[float, float, float] = number(-2.0, 2.0, "m")
+        solver: str = choice("newton", "damped")
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, field
+from typing import Any
+
+RULE = "typed_config.rule"
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What one value may be."""
+
+    allowed: str  # in words, for the error
+    accepts: Callable[[object], bool]
+    convert: Callable[[Any], object] = lambda value: value
+
+
+def _declare(rule: Rule, default: object = MISSING) -> Any:
+    if default is MISSING:
+        return field(metadata={RULE: rule})
+    return field(default=default, metadata={RULE: rule})
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def number(low: float, high: float, unit: str, *, default: object = MISSING) -> Any:
+    """Declare a finite number, or a tuple of them, within [low, high] in the given unit."""
+
+    def accepts(value: object) -> bool:
+        return _is_number(value) and low <= float(value) <= high  # type: ignore[arg-type]
+
+    return _declare(Rule(f"a number from {low:g} to {high:g} {unit}".rstrip(), accepts, float), default)
+
+
+def integer(low: int, high: int, unit: str = "", *, default: object = MISSING) -> Any:
+    """Declare a whole number within [low, high]."""
+
+    def accepts(value: object) -> bool:
+        return isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
+
+    return _declare(Rule(f"a whole number from {low} to {high} {unit}".rstrip(), accepts), default)
+
+
+def flag(*, default: object = MISSING) -> Any:
+    """Declare true or false."""
+    return _declare(Rule("true or false", lambda value: isinstance(value, bool)), default)
+
+
+def text(*, may_be_empty: bool = False, default: object = MISSING) -> Any:
+    """Declare a string, or a tuple of them."""
+    allowed = "text" if may_be_empty else "text that is not empty"
+    return _declare(
+        Rule(allowed, lambda value: isinstance(value, str) and (may_be_empty or bool(value.strip()))),
+        default,
+    )
+
+
+def choice(*values: str, default: object = MISSING) -> Any:
+    """Declare one of the given words."""
+    return _declare(Rule("one of " + ", ".join(values), lambda value: value in values), default)
+
+
+def items(low: int = 0, high: int = 10_000) -> Any:
+    """Declare a list of nested settings, `tuple[Inner, ...]`, of a length within [low, high]."""
+    return _declare(
+        Rule(
+            f"a list of {low} to {high} entries",
+            lambda value: isinstance(value, list) and low <= len(value) <= high,
+        )
+    )

@@ -1,0 +1,75 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# Sets the project up, one part per call: system | python | workspace. `make` and docker/Dockerfile call the same parts.
+# Every part can be interrupted and run again; a part with nothing to do says so by saying nothing.
+set -eu
+cd "$(dirname "$0")/.."
+PYTHON=/usr/bin/python3 # Debian's own: rospy and PyKDL belong to it, whatever other python comes first on PATH
+unset PYTHONPATH PYTHONHOME VIRTUAL_ENV || true
+
+say() { printf '\n== %s\n' "$*"; }
+fail() {
+    printf '\n%s\n' "$*" >&2
+    exit 1
+}
+
+system_packages() {
+    command -v dpkg-query >/dev/null || fail "This project runs on Debian 12: dpkg-query was not found."
+    wanted=$(grep -v '^#' docker/apt-packages.txt)
+    missing=
+    for package in $wanted; do
+        status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
+        [ "$status" = installed ] || missing="$missing $package"
+    done
+    [ -n "$missing" ] || return 0
+    say "Debian packages to install:$missing"
+    line="apt-get install -y --no-install-recommends$missing"
+    if [ "$(id -u)" = 0 ]; then
+        sudo=
+    elif command -v sudo >/dev/null && { sudo -n true 2>/dev/null || [ -t 0 ]; }; then
+        sudo=sudo
+    else
+        fail "These Debian packages are missing, and installing them needs root. Ask an administrator to run:
+
+    apt-get update && $line
+
+then run the same make command again."
+    fi
+    $sudo apt-get update
+    $sudo env DEBIAN_FRONTEND=noninteractive $line
+}
+
+python_packages() {
+    "$PYTHON" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' ||
+        fail "$PYTHON is not Python 3.11, the version of Debian 12: $("$PYTHON" --version)"
+    if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
+        say "Python environment in .venv"
+        rm -rf .venv
+        "$PYTHON" -m venv --system-site-packages .venv
+    fi
+    say "Python packages of requirements.txt"
+    rest=$(mktemp)
+    trap 'rm -f "$rest"' EXIT
+    grep -v '^openai-whisper==' requirements.txt >"$rest"
+    .venv/bin/python -m pip install --progress-bar on -r "$rest"
+    # openai-whisper asks for triton (only CUDA uses it) and any torch; what it really needs is pinned above it
+    .venv/bin/python -m pip install --no-deps "$(sed -n 's/^\(openai-whisper==[^ ]*\).*/\1/p' requirements.txt)"
+}
+
+workspace() {
+    say "catkin workspace"
+    cache=catkin_ws/build/CMakeCache.txt
+    if [ -f "$cache" ] && ! grep -qx "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD/catkin_ws/src" "$cache"; then
+        rm -rf catkin_ws/build catkin_ws/devel # the checkout has moved
+    fi
+    # Debian's ROS lives under /usr: nothing else may be chained in, and cmake must find Debian's tools first
+    (cd catkin_ws && env -u CMAKE_PREFIX_PATH -u ROS_PACKAGE_PATH PATH="/usr/bin:/bin:$PATH" \
+        catkin_make -DPYTHON_EXECUTABLE="$PWD/../.venv/bin/python" -DCATKIN_ENABLE_TESTING=OFF)
+}
+
+case "${1:-}" in
+system) system_packages ;;
+python) python_packages ;;
+workspace) workspace ;;
+*) fail "usage: docker/setup.sh system | python | workspace" ;;
+esac
