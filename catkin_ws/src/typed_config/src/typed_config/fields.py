@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Declares what a settings key may hold; no key has a default, so that the YAML shows everything in force.
+"""Declares what a settings key may hold; no key has a default, so the YAML shows all in force.
 
-    @dataclass(frozen=True, kw_only=True)
-    class RcmConfig:
-        gain: float = number(0.0, 100.0, "1/s")
-        trocar: tuple[float, float, float] = number(-2.0, 2.0, "m")
-        solver: str = choice("newton", "damped")
+@dataclass(frozen=True, kw_only=True)
+class RcmConfig:
+    gain: float = number(0.0, 100.0, "1/s")
+    trocar: tuple[float, float, float] = number(-2.0, 2.0, "m")
+    solver: str = choice("newton", "damped")
 """
 
 from __future__ import annotations
@@ -43,7 +43,9 @@ def number(low: float, high: float, unit: str, *, default: object = MISSING) -> 
     def accepts(value: object) -> bool:
         return _is_number(value) and low <= float(value) <= high  # type: ignore[arg-type]
 
-    return _declare(Rule(f"a number from {low:g} to {high:g} {unit}".rstrip(), accepts, float), default)
+    return _declare(
+        Rule(f"a number from {low:g} to {high:g} {unit}".rstrip(), accepts, float), default
+    )
 
 
 def integer(low: int, high: int, unit: str = "", *, default: object = MISSING) -> Any:
@@ -64,7 +66,9 @@ def text(*, may_be_empty: bool = False, default: object = MISSING) -> Any:
     """Declare a string, or a tuple of them."""
     allowed = "text" if may_be_empty else "text that is not empty"
     return _declare(
-        Rule(allowed, lambda value: isinstance(value, str) and (may_be_empty or bool(value.strip()))),
+        Rule(
+            allowed, lambda value: isinstance(value, str) and (may_be_empty or bool(value.strip()))
+        ),
         default,
     )
 

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`make demo`: a spoken session moves the simulated robot, is checked, recorded and reported."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import rospy
+import soundfile
+from rich.console import Console
+from rich.table import Table
+from std_srvs.srv import Trigger
+
+from demo.check import Verdict, verdicts
+from demo.script import Script, load_script
+from demo.sound import RATE, render
+from demo.system import System
+from demo.timeline import Timeline
+from demo.virtual_microphone import DEVICE, VirtualMicrophone
+
+ROOT = Path(__file__).resolve().parent.parent
+READY_TIME = 90.0  # [s] allowed for the system to come up
+WAV_LEAD = 12.0  # [s] of noise before the script where the voice node plays the file itself
+TAIL = 2.0  # [s] recorded after the last step
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the demonstration; returns the exit status: 0 when every step happened."""
+    options = _parse(argv)
+    console = Console()
+    script = load_script(options.script)
+    folder = options.out or ROOT / "sessions" / datetime.datetime.now().strftime(
+        "%Y-%m-%d_%H-%M-%S"
+    )
+    folder = folder.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        results = _session(script, folder, options, console)
+    except KeyboardInterrupt:
+        console.print("\nInterrupted: the session so far is in", str(folder))
+        _report(folder, console)
+        return 130
+    except (OSError, RuntimeError, rospy.ROSException) as error:
+        console.print(f"[red]The demo could not run:[/red] {error}")
+        console.print(f"What the nodes said is in {folder / 'launch.log'}")
+        return 1
+    _report(folder, console)
+    if options.microphone:
+        return 0
+    return _conclude(results, folder, console)
+
+
+def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
+    parser.add_argument("--script", type=Path, default=ROOT / "demo" / "session.yaml")
+    parser.add_argument("--out", type=Path, help="folder of the session (sessions/<time>)")
+    parser.add_argument("--gui", action="store_true", help="open the simulator's window")
+    parser.add_argument("--microphone", action="store_true", help="listen to you, until Ctrl-C")
+    parser.add_argument("--wav", action="store_true", help="do not try a virtual microphone")
+    return parser.parse_args(argv)
+
+
+def _session(
+    script: Script, folder: Path, options: argparse.Namespace, console: Console
+) -> list[Verdict]:
+    """Bring the system up, play the script into it and judge what came of it."""
+    with ExitStack() as stack:
+        microphone = None if options.microphone or options.wav else _virtual(stack, console)
+        lead = 0.0 if microphone else WAV_LEAD
+        wav = _record_script(script, folder / "script.wav", lead)
+        source: dict[str, str | Path]
+        if options.microphone:
+            source = {"source": "microphone"}
+        elif microphone:
+            source = {"source": "microphone", "device": DEVICE}
+        else:
+            source = {"source": "wav", "wav": wav}
+        console.print(f"Starting the system (log: {folder / 'launch.log'})")
+        environment = microphone.environment if microphone else {}
+        system = stack.enter_context(System(folder / "launch.log", environment))
+        rospy.init_node("demo", anonymous=True, disable_signals=True)
+        launch = ROOT / "launch" / "system.launch"
+        system.launch(launch, gui=options.gui, record_folder=folder, **source)
+        timeline = stack.enter_context(Timeline(console))
+        _wait_until_ready(system, timeline)
+        if options.microphone:
+            return _listen(system, timeline)
+        if microphone:
+            player = microphone.play(wav)
+            stack.callback(player.terminate)
+        timeline.start_clock()
+        _follow(script, system, timeline, lead)
+        return verdicts(script, timeline.observed)
+
+
+def _virtual(stack: ExitStack, console: Console) -> VirtualMicrophone | None:
+    try:
+        return stack.enter_context(VirtualMicrophone())
+    except OSError as error:
+        console.print(f"No virtual microphone ({error}): the voice node reads the sound file.")
+        return None
+
+
+def _record_script(script: Script, wav: Path, lead: float) -> Path:
+    sound = render(script)
+    padding = sound[: int(lead * RATE)] * 0.5
+    soundfile.write(wav, [*padding, *sound], RATE, subtype="PCM_16")
+    return wav
+
+
+def _wait_until_ready(system: System, timeline: Timeline) -> None:
+    deadline = time.monotonic() + READY_TIME
+    for part, ready in (("robot", timeline.controller_ready), ("voice", timeline.voice_ready)):
+        while not ready.wait(0.2):
+            if not system.is_running():
+                raise RuntimeError(f"a node ended while the {part} was starting")
+            if time.monotonic() > deadline:
+                raise RuntimeError(f"the {part} was not ready within {READY_TIME:g} s")
+        timeline.say(f"{part} ready", "green")
+
+
+def _follow(script: Script, system: System, timeline: Timeline, lead: float) -> None:
+    """Announce each step as it is spoken and take a picture at its end."""
+    offset = max(lead - timeline.now(), 0.0)
+    time.sleep(offset)
+    timeline.start_clock()
+    _picture(timeline)
+    for i, step in enumerate(script.steps):
+        _wait_until(step.at, system, timeline)
+        who = "surgeon" if step.speaker == "surgeon" else "people "
+        timeline.say(f'{who} says "{step.say}"', "bold white")
+        end = script.end_of(i)
+        if step.effect in ("tense", "more", "less", "stopped", "released"):
+            _wait_until(end - 1.0, system, timeline)
+            _picture(timeline)
+        _wait_until(end, system, timeline)
+    time.sleep(TAIL)
+
+
+def _wait_until(moment: float, system: System, timeline: Timeline) -> None:
+    while timeline.now() < moment:
+        if not system.is_running():
+            raise RuntimeError("a part of the system ended during the session")
+        time.sleep(min(0.05, max(moment - timeline.now(), 0.0)))
+
+
+def _picture(timeline: Timeline) -> None:
+    try:
+        reply = rospy.ServiceProxy("robot/snapshot", Trigger)()
+    except rospy.ServiceException as error:
+        timeline.say(f"no picture: {error}", "yellow")
+        return
+    if not reply.success:
+        timeline.say(f"no picture: {reply.message}", "yellow")
+
+
+def _listen(system: System, timeline: Timeline) -> list[Verdict]:
+    timeline.say('Listening to you: say "hey robot", then "tense". Ctrl-C ends the session.')
+    while system.is_running():
+        time.sleep(0.2)
+    raise RuntimeError("a part of the system ended during the session")
+
+
+def _report(folder: Path, console: Console) -> None:
+    """Make the report of the recording by the same command that a user has."""
+    command = [sys.executable, "-m", "session_log.cli", "report", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        console.print(f"[red]No report:[/red] {done.stderr.strip() or done.stdout.strip()}")
+    else:
+        console.print(f"Session, recording and report: {folder}")
+
+
+def _conclude(results: Sequence[Verdict], folder: Path, console: Console) -> int:
+    table = Table(title="What the script asked for")
+    for column in ("said", "effect", "happened", "seen"):
+        table.add_column(column)
+    for verdict in results:
+        mark = "[green]yes[/green]" if verdict.happened else "[red]no[/red]"
+        table.add_row(verdict.step.say, verdict.step.effect, mark, verdict.found)
+    console.print(table)
+    missed = [v.step.say for v in results if not v.happened]
+    for needed in ("session.mcap", "report.html"):
+        if not (folder / needed).is_file():
+            missed.append(needed)
+    if missed:
+        console.print(f"[red]Did not happen:[/red] {', '.join(missed)}")
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

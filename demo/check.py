@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Decides from what was observed whether each step of the script happened."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from demo.script import Script, Step
+
+STEP = 0.02  # [N] least change of tension that counts as more or less
+SLACK = 0.05  # [N] tension that counts as none
+REST = 1e-4  # [m/s] path speed that counts as rest
+
+
+@dataclass(frozen=True)
+class State:
+    """The controller at one moment of the script."""
+
+    time: float  # [s] since the first sound
+    state: str
+    active: bool
+    halted: bool
+    tissue_held: bool
+    tension: float  # [N]
+    path_speed: float  # [m/s]
+    rcm_error: float  # [m]
+
+
+@dataclass(frozen=True)
+class Heard:
+    """One decision of the recogniser."""
+
+    time: float  # [s] since the first sound
+    transcript: str
+    command: str  # empty: none
+
+
+@dataclass
+class Observed:
+    """All that was seen of the session, in order of time."""
+
+    states: list[State] = field(default_factory=list)
+    heard: list[Heard] = field(default_factory=list)
+    events: list[tuple[float, str, str]] = field(default_factory=list)  # time, kind, command
+
+    def between(self, begin: float, end: float) -> list[State]:
+        """States within [begin, end)."""
+        return [s for s in self.states if begin <= s.time < end]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether one step happened."""
+
+    step: Step
+    happened: bool
+    found: str  # what was seen, in words
+
+
+def verdicts(script: Script, observed: Observed) -> list[Verdict]:
+    """Judge every step of the script."""
+    return [_judge(script, i, observed) for i in range(len(script.steps))]
+
+
+def _judge(script: Script, index: int, observed: Observed) -> Verdict:
+    step, end = script.steps[index], script.end_of(index)
+    states = observed.between(step.at, end)
+    if not states:
+        return Verdict(step, False, "the controller said nothing")
+    commands = [h.command for h in observed.heard if step.at <= h.time < end and h.command]
+    before = observed.between(step.at - 0.5, step.at) or states[:1]
+    kinds = [kind for time, kind, _ in observed.events if step.at <= time < end]
+    happened = _effect_seen(step, states, before[-1], commands, kinds)
+    last = states[-1]
+    words = f"taken: {', '.join(commands) or 'nothing'}; then {last.state}, {last.tension:.2f} N"
+    return Verdict(step, happened, words)
+
+
+def _effect_seen(
+    step: Step,
+    states: Sequence[State],
+    before: State,
+    commands: Sequence[str],
+    kinds: Sequence[str],
+) -> bool:
+    last = states[-1]
+    at_rest = abs(last.path_speed) < REST
+    moved = any(abs(s.path_speed) > REST for s in states)
+    if step.effect == "nothing":
+        return not commands and not moved
+    if step.say not in commands:
+        return False
+    match step.effect:
+        case "activated":
+            return last.active and not last.halted
+        case "tense":
+            return last.tissue_held and before.tension < SLACK < last.tension and at_rest
+        case "more":
+            return last.tension > before.tension + STEP and last.tissue_held and at_rest
+        case "less":
+            return last.tension < before.tension - STEP and last.tissue_held and at_rest
+        case "moving":
+            return moved
+        case "stopped":
+            was_moving = abs(before.path_speed) > REST or "at_rest" in kinds
+            return was_moving and last.halted and at_rest and last.tissue_held
+        case "cleared":
+            return before.halted and not last.halted
+        case "released":
+            return not last.tissue_held and last.tension < SLACK and at_rest
+        case "standby":
+            return not last.active
+    return False
+
+
+def worst_rcm_error(observed: Observed) -> float:
+    """Largest RCM error while the tool moved [m]; zero when it never did."""
+    return max((s.rcm_error for s in observed.states if abs(s.path_speed) > REST), default=0.0)

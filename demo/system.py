@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Starts and ends the whole system: its own roscore on loopback and the launch files."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import time
+from pathlib import Path
+
+import rosgraph
+
+START_TIME = 20.0  # [s] allowed for roscore to answer
+STOP_TIME = 15.0  # [s] allowed for roslaunch to end before it is killed
+
+
+def free_port() -> int:
+    """Return a TCP port of the loopback that nobody uses at this moment."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+class System:
+    """One `roslaunch` with a roscore of its own, bound to loopback; context manager."""
+
+    def __init__(self, log: Path, environment: dict[str, str]) -> None:
+        port = free_port()
+        os.environ["ROS_IP"] = "127.0.0.1"
+        os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
+        os.environ["ROS_LOG_DIR"] = str(log.parent / "ros_logs")
+        self._log, self._port = log, port
+        self._environment = environment
+        self._launches: list[subprocess.Popen[bytes]] = []
+
+    def __enter__(self) -> System:
+        self._log.parent.mkdir(parents=True, exist_ok=True)
+        self._spawn(["roscore", "-p", str(self._port)])
+        deadline = time.monotonic() + START_TIME
+        while not rosgraph.is_master_online():
+            if time.monotonic() > deadline or not self.is_running():
+                self.__exit__()
+                raise RuntimeError(f"roscore did not start; see {self._log}")
+            time.sleep(0.1)
+        return self
+
+    def launch(self, file: Path, **arguments: str | bool | Path) -> None:
+        """Start one launch file with its arguments."""
+        words = [
+            f"{k}:={str(v).lower() if isinstance(v, bool) else v}" for k, v in arguments.items()
+        ]
+        self._spawn(["roslaunch", "--wait", str(file), *words])
+
+    def is_running(self) -> bool:
+        """Tell whether everything that was started is still there."""
+        return all(process.poll() is None for process in self._launches)
+
+    def __exit__(self, *_: object) -> None:
+        for process in reversed(self._launches):
+            _end(process)
+
+    def _spawn(self, command: list[str]) -> None:
+        with self._log.open("ab") as log:
+            process = subprocess.Popen(
+                command,
+                env={**os.environ, **self._environment},
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                stdin=subprocess.DEVNULL,
+                start_new_session=True,  # Ctrl-C reaches us alone; we end the rest in order
+            )
+        self._launches.append(process)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """Ask a process group to end, then make it."""
+    if process.poll() is not None:
+        return
+    process.send_signal(signal.SIGINT)
+    try:
+        process.wait(STOP_TIME)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()

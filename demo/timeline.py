@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Watches the running system's topics: prints them as a timeline and keeps them for the checks."""
+
+from __future__ import annotations
+
+import threading
+
+import rospy
+from rich.console import Console
+from rich.live import Live
+from rich.text import Text
+from std_msgs.msg import String
+
+from demo.check import Heard, Observed, State
+from rst_control.msg import ControllerState, Event
+from voice_assist.msg import Mode, Utterance
+
+COLOURS = {
+    "accepted": "green",
+    "refused": "yellow",
+    "motion_started": "cyan",
+    "motion_finished": "cyan",
+    "stop_received": "red",
+    "at_rest": "red",
+    "halted": "red",
+    "cleared": "green",
+}
+
+
+class Timeline:
+    """Subscribes to the session and shows it; context manager."""
+
+    def __init__(self, console: Console) -> None:
+        self.observed = Observed()
+        self.voice_ready = threading.Event()
+        self.controller_ready = threading.Event()
+        self._console = console
+        self._zero = rospy.Time.now().to_sec()
+        self._partial, self._mode = "", "?"
+        self._state: ControllerState | None = None
+        self._lock = threading.Lock()
+        self._live = Live(console=console, refresh_per_second=8, get_renderable=self._footer)
+
+    def start_clock(self) -> None:
+        """Call this moment the zero of the script, and forget what was before."""
+        with self._lock:
+            self._zero = rospy.Time.now().to_sec()
+            self.observed = Observed()
+
+    def now(self) -> float:
+        """Time of the script [s]."""
+        return float(rospy.Time.now().to_sec() - self._zero)
+
+    def __enter__(self) -> Timeline:
+        self._live.start()
+        self._subscribers = [
+            rospy.Subscriber("voice_assist/utterance", Utterance, self._on_utterance),
+            rospy.Subscriber("voice_assist/partial", String, self._on_partial),
+            rospy.Subscriber("voice_assist/mode", Mode, self._on_mode),
+            rospy.Subscriber("rst_control/state", ControllerState, self._on_state),
+            rospy.Subscriber("rst_control/event", Event, self._on_event),
+        ]
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for subscriber in self._subscribers:
+            subscriber.unregister()
+        self._live.stop()
+
+    def say(self, words: str, style: str = "bold") -> None:
+        """Print one line of the timeline."""
+        self._console.print(Text(f"{self.now():7.2f} s  {words}", style=style))
+
+    def _on_utterance(self, message: Utterance) -> None:
+        start = message.speech_start.to_sec() - self._zero
+        delay = (message.decision - message.speech_end).to_sec()
+        with self._lock:
+            self.observed.heard.append(Heard(start, message.transcript, message.command))
+        wer = dict(zip(message.phrases, message.wer, strict=False))
+        if message.command:
+            outcome = (
+                f"= {message.command}  (WER {wer.get(message.command, 0.0):.2f}, "
+                f"confidence {message.confidence:.2f}, {delay * 1e3:.0f} ms after the last sound)"
+            )
+            self.say(f'heard   "{message.transcript}"  {outcome}', "bold magenta")
+        elif message.transcript:
+            self.say(f'heard   "{message.transcript}"  no command: {message.reason}', "dim magenta")
+
+    def _on_event(self, message: Event) -> None:
+        time = message.header.stamp.to_sec() - self._zero
+        with self._lock:
+            self.observed.events.append((time, message.kind, message.command))
+        kind = message.kind.replace("_", " ")
+        self.say(
+            f"robot   {kind}: {message.command}. {message.message}",
+            COLOURS.get(message.kind, "white"),
+        )
+
+    def _on_partial(self, message: String) -> None:
+        self._partial = message.data
+
+    def _on_mode(self, message: Mode) -> None:
+        self._mode = message.mode
+        self.voice_ready.set()
+
+    def _on_state(self, message: ControllerState) -> None:
+        self._state = message
+        if message.state != "faulted":
+            self.controller_ready.set()
+        state = State(
+            time=message.header.stamp.to_sec() - self._zero,
+            state=message.state,
+            active=message.active,
+            halted=message.halted,
+            tissue_held=message.tissue_held,
+            tension=message.tension,
+            path_speed=message.path_speed,
+            rcm_error=message.rcm_error,
+        )
+        with self._lock:
+            self.observed.states.append(state)
+
+    def _footer(self) -> Text:
+        s = self._state
+        robot = (
+            "waiting for the controller"
+            if s is None
+            else f"{s.state} {s.phase} {s.progress:4.0%} | tension {s.tension:5.2f} N"
+            f" | RCM error {s.rcm_error * 1e6:5.1f} um"
+        )
+        words = f"{self.now():7.2f} s  voice {self._mode} | {robot} | hearing: {self._partial}"
+        return Text(words, style="reverse", no_wrap=True, overflow="ellipsis")

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs each tests/rostest/*.test as one pytest item, on a master of its own on loopback."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from demo.system import free_port
+
+ROOT = Path(__file__).resolve().parent.parent
+TIME_LIMIT = 240.0  # [s] for one .test file, start and end of its nodes included
+
+
+def pytest_collect_file(file_path, parent):
+    if file_path.suffix == ".test" and file_path.parent.name == "rostest":
+        return RosTestFile.from_parent(parent, path=file_path)
+    return None
+
+
+class RosTestFile(pytest.File):
+    def collect(self):
+        yield RosTest.from_parent(self, name=self.path.stem)
+
+
+class RosTest(pytest.Item):
+    def runtest(self):
+        port = free_port()
+        environment = {
+            **os.environ,
+            "ROS_IP": "127.0.0.1",
+            "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+            "ROS_HOME": str(ROOT / ".cache" / "ros"),
+        }
+        command = ["rostest", "--text", "--reuse-master", f"--pkgdir={ROOT}", "--package=tests"]
+        master = subprocess.Popen(
+            ["roscore", "-p", str(port)],
+            env=environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        try:
+            self._run([*command, str(self.path)], environment)
+        finally:
+            master.send_signal(signal.SIGINT)
+            master.wait(15.0)
+
+    def _run(self, command, environment):
+        process = subprocess.Popen(
+            command,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+        try:
+            output, _ = process.communicate(timeout=TIME_LIMIT)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise RosTestError(f"no end within {TIME_LIMIT:g} s") from None
+        ran = re.search(r"TESTS: (\d+)", output)
+        if process.returncode or ran is None or int(ran.group(1)) == 0:
+            raise RosTestError(output[-8000:])
+
+    def repr_failure(self, excinfo, style=None):
+        if isinstance(excinfo.value, RosTestError):
+            return f"{self.path.name}\n{excinfo.value}"
+        return super().repr_failure(excinfo, style)
+
+    def reportinfo(self):
+        return self.path, 0, f"rostest {self.path.name}"
+
+
+class RosTestError(Exception):
+    """A rostest failed, ran nothing or did not end."""

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the rostests of the robot side share: a client that speaks to the controller by ROS alone."""
+
+from __future__ import annotations
+
+import time
+
+import rospy
+from geometry_msgs.msg import WrenchStamped
+from rst_control.msg import ControllerState, Event
+from rst_control.srv import Command
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty
+
+START_LIMIT = 60.0  # [s] for the simulator and the compiled kernels to come up on a loaded machine
+
+
+class RobotClient:
+    """Calls the command service and watches what the robot does about it."""
+
+    def __init__(self) -> None:
+        self.state: ControllerState | None = None
+        self.joints: JointState | None = None
+        self.tension = 0.0
+        self.states: list[ControllerState] = []
+        self.events: list[Event] = []
+        self._subscribers = [
+            rospy.Subscriber("rst_control/state", ControllerState, self._on_state),
+            rospy.Subscriber("rst_control/event", Event, self.events.append),
+            rospy.Subscriber("joint_states", JointState, self._on_joints, tcp_nodelay=True),
+            rospy.Subscriber("robot/tension", WrenchStamped, self._on_tension),
+        ]
+        rospy.wait_for_service("rst_control/command", START_LIMIT)
+        self.command = rospy.ServiceProxy("rst_control/command", Command)
+        self.stop_topic = rospy.Publisher("rst_control/stop", Empty, queue_size=1)
+        self.wait(lambda: self.state is not None and self.joints is not None, START_LIMIT)
+
+    def _on_state(self, message: ControllerState) -> None:
+        self.state = message
+        self.states.append(message)
+
+    def _on_joints(self, message: JointState) -> None:
+        self.joints = message
+
+    def _on_tension(self, message: WrenchStamped) -> None:
+        force = message.wrench.force
+        self.tension = (force.x**2 + force.y**2 + force.z**2) ** 0.5
+
+    def wait(self, condition, limit: float = 30.0) -> None:
+        """Wait until the condition holds; fail with the controller's state where it never does."""
+        end = time.monotonic() + limit
+        while not condition():
+            if time.monotonic() > end:
+                raise AssertionError(f"waited {limit} s in vain; the controller says:\n{self.state}")
+            time.sleep(0.01)
+
+    def wait_for_state(self, *names: str, limit: float = 30.0) -> None:
+        """Wait until the controller is in one of the named states."""
+        self.wait(lambda: self.state.state in names, limit)
+
+    def say(self, command: str) -> str:
+        """Give a command that must be accepted; returns its message."""
+        reply = self.command(command)
+        assert reply.accepted, f"{command!r} was refused: {reply.message}"
+        return reply.message
+
+    def say_and_finish(self, command: str, limit: float = 30.0) -> None:
+        """Give a motion command and wait until it was carried out."""
+        count = self.finished(command)
+        self.say(command)
+        self.wait(lambda: self.finished(command) > count, limit)
+        self.wait_for_state("active")
+
+    def finished(self, command: str) -> int:
+        """How often a command was carried out to its end."""
+        return sum(e.kind == "motion_finished" and e.command == command for e in self.events)
+
+    def refused(self, command: str) -> str:
+        """Give a command that must be refused; returns the reason."""
+        reply = self.command(command)
+        assert not reply.accepted, f"{command!r} was accepted: {reply.message}"
+        return reply.message
+
+    def activate(self) -> None:
+        """Say "hey robot" until the robot is healthy and listens; as at the start of every session."""
+        self.wait(lambda: self.command("hey robot").accepted, START_LIMIT)
+        self.wait_for_state("active", "moving")
+
+    def start_fresh(self) -> None:
+        """Bring the robot to rest, active, with nothing grasped, whatever the last test left."""
+        self.wait_for_state("standby", "active", "halted", "faulted")
+        self.activate()
+        if self.state.tissue_held:
+            self.say_and_finish("release")
+
+    def speed(self) -> float:
+        """Largest measured joint speed [rad/s]."""
+        return max(abs(v) for v in self.joints.velocity)
+
+    def max_rcm_error(self) -> float:
+        """Largest RCM error that the controller reported while in motion [m]."""
+        moving = [s.rcm_error for s in self.states if s.state in ("moving", "stopping")]
+        return max(moving, default=0.0)
