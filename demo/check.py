@@ -42,7 +42,6 @@ class Observed:
 
     states: list[State] = field(default_factory=list)
     heard: list[Heard] = field(default_factory=list)
-    events: list[tuple[float, str, str]] = field(default_factory=list)  # time, kind, command
 
     def between(self, begin: float, end: float) -> list[State]:
         """States within [begin, end)."""
@@ -70,8 +69,7 @@ def _judge(script: Script, index: int, observed: Observed) -> Verdict:
         return Verdict(step, False, "the controller said nothing")
     commands = [h.command for h in observed.heard if step.at <= h.time < end and h.command]
     before = observed.between(step.at - 0.5, step.at) or states[:1]
-    kinds = [kind for time, kind, _ in observed.events if step.at <= time < end]
-    happened = _effect_seen(step, states, before[-1], commands, kinds)
+    happened = _effect_seen(step, states, before[-1], commands)
     last = states[-1]
     words = f"taken: {', '.join(commands) or 'nothing'}; then {last.state}, {last.tension:.2f} N"
     return Verdict(step, happened, words)
@@ -82,7 +80,6 @@ def _effect_seen(
     states: Sequence[State],
     before: State,
     commands: Sequence[str],
-    kinds: Sequence[str],
 ) -> bool:
     last = states[-1]
     at_rest = abs(last.path_speed) < REST
@@ -103,8 +100,8 @@ def _effect_seen(
         case "moving":
             return moved
         case "stopped":
-            was_moving = abs(before.path_speed) > REST or "at_rest" in kinds
-            return was_moving and last.halted and at_rest and last.tissue_held
+            kept_grip = last.tissue_held == before.tissue_held
+            return moved and last.halted and at_rest and kept_grip
         case "cleared":
             return before.halted and not last.halted
         case "released":

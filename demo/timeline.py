@@ -87,9 +87,6 @@ class Timeline:
             self.say(f'heard   "{message.transcript}"  no command: {message.reason}', "dim magenta")
 
     def _on_event(self, message: Event) -> None:
-        time = message.header.stamp.to_sec() - self._zero
-        with self._lock:
-            self.observed.events.append((time, message.kind, message.command))
         kind = message.kind.replace("_", " ")
         self.say(
             f"robot   {kind}: {message.command}. {message.message}",
