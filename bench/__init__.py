@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures what the README claims; every figure beside its target, with the machine and the date."""
+"""Measures what the README claims: each beside its target, with the machine and the date."""

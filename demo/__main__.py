@@ -87,7 +87,14 @@ def _session(
         system = stack.enter_context(System(folder / "launch.log", environment))
         rospy.init_node("demo", anonymous=True, disable_signals=True)
         launch = ROOT / "launch" / "system.launch"
-        system.launch(launch, gui=options.gui, record_folder=folder, **source)
+        system.launch(
+            launch,
+            gui=options.gui,
+            sessions=folder.parent,
+            session=folder.name,
+            controller_overrides=ROOT / "demo" / "overrides.yaml",
+            **source,
+        )
         timeline = stack.enter_context(Timeline(console))
         _wait_until_ready(system, timeline)
         if options.microphone:

@@ -69,7 +69,7 @@ class RobotClient:
         count = self.finished(command)
         self.say(command)
         self.wait(lambda: self.finished(command) > count, limit)
-        self.wait_for_state("active")
+        rospy.sleep(0.1)  # for the state of that moment to arrive
 
     def finished(self, command: str) -> int:
         """How often a command was carried out to its end."""

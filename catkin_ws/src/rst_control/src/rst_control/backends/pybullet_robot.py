@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The simulated robot: a servo that follows set-points, PyBullet's physics, and tissue between the jaws."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.backends.jaws import Jaws
+from rst_control.backends.physics import JointReading, RobotPhysics
+from rst_control.backends.servo import Servo, ServoLimits, ServoState
+from rst_control.backends.tissue import Tissue
+from rst_control.config import URDF_FILE, LimitsConfig, SimulationConfig
+from rst_control.configuration import planning_joints, robot_joints
+from rst_control.types import JOINTS, Measurement, Setpoint
+
+Vector = NDArray[np.float64]
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+class PybulletRobot:
+    """A RobotBackend whose time is moved on by `step`; a context manager.
+
+    Args:
+        config: Limits, scene and simulator settings.
+        urdf: Model of the robot.
+        start: Time of the first state [s]; set-points are stamped on the same clock.
+    """
+
+    def __init__(
+        self, config: SimulationConfig, urdf: Path = URDF_FILE, start: float = 0.0
+    ) -> None:
+        simulator, scene = config.simulator, config.scene
+        self.time_step = 1.0 / simulator.physics_rate
+        home = robot_joints(np.array(scene.home), scene.home_opening)
+        self._start, self._steps = start, 0
+        self._error = np.array([0.0] * 7 + list(simulator.tool_joint_error))
+        self._physics = RobotPhysics(urdf, home + self._error, self.time_step)
+        limits = servo_limits(config.limits, self._physics.torque_limits)
+        self._servo = Servo(simulator.servo, limits, home)
+        self._following_error = simulator.servo.following_error
+        self.tissue = Tissue(scene.tissue, self.time_step)
+        self._jaws = Jaws(self.tissue, simulator.closed_opening, simulator.held_opening)
+        self._load = simulator.tool_load * DOWN
+        self._target, self._reading = home, self._as_reported(self._physics.read())
+        self._force = np.zeros(3)
+
+    @property
+    def now(self) -> float:
+        """Time of the present state [s]."""
+        return self._start + self._steps * self.time_step
+
+    @property
+    def tip(self) -> Vector:
+        """Point between the tips of the jaws, base frame, [m]. Shape (3,)."""
+        return self._physics.grasp_centre
+
+    @property
+    def target(self) -> Vector:
+        """Where the joints should be now [rad]. Shape (10,)."""
+        return self._target
+
+    @property
+    def reading(self) -> JointReading:
+        """Joints as they are now."""
+        return self._reading
+
+    @property
+    def force(self) -> Vector:
+        """Force of the tissue on the jaws, base frame, [N]. Shape (3,)."""
+        return self._force
+
+    @property
+    def fault(self) -> str:
+        """Why the robot takes no set-points; empty when it is healthy."""
+        return self._servo.fault
+
+    @property
+    def servo_state(self) -> ServoState:
+        """Whether it holds, follows or brakes."""
+        return self._servo.state
+
+    @property
+    def newest_setpoint(self) -> float:
+        """Stamp of the newest set-point in play [s]; minus infinity while there is none."""
+        return self._servo.newest_stamp
+
+    def shaft(self) -> tuple[Vector, Vector]:
+        """Both ends of the tool's shaft, base frame, [m]. Shapes (3,)."""
+        return self._physics.shaft()
+
+    def measured_js(self) -> Measurement:
+        """Present joint states and the force on the jaws."""
+        return Measurement(
+            position=self._reading.position,
+            velocity=self._reading.velocity,
+            effort=self._reading.effort,
+            stamp=self.now,
+            force=self._force,
+            gripped=self.tissue.is_held,
+            fault=self._servo.fault,
+        )
+
+    def servo_jp(self, setpoint: Setpoint) -> None:
+        """Take one set-point of a stream; what no joint may follow raises a fault."""
+        self._servo.accept(setpoint, self.now)
+
+    def hold(self) -> None:
+        """Slow down and stay."""
+        self._servo.hold(self.now)
+
+    def fail(self, reason: str) -> None:
+        """Latch a fault found elsewhere, slow down and stay."""
+        self._servo.fail(reason, self.now)
+
+    def clear_fault(self) -> None:
+        """Take set-points again, if the joints are at rest."""
+        self._servo.clear_fault()
+
+    def step(self) -> None:
+        """Move on by one step of the physics."""
+        self._steps += 1
+        target, _ = self._servo.course(self.now)
+        self._physics.drive(self._target + self._error, (target - self._target) / self.time_step)
+        self._physics.push_jaws(self._force + self._load)
+        true, tip = self._physics.step(), self._physics.grasp_centre
+        self._reading, self._target = self._as_reported(true), target
+        self._jaws.follow(planning_joints(true.position)[1], tip)
+        self._force = self.tissue.advance(tip)
+        self._check_following()
+
+    def advance(self, until: float, each: Callable[[], None] = lambda: None) -> None:
+        """Step until a time.
+
+        Args:
+            until: Time to reach [s].
+            each: Called after every step.
+        """
+        while self.now < until - 0.5 * self.time_step:
+            self.step()
+            each()
+
+    def skip(self, duration: float) -> None:
+        """Let time pass in which nothing happens, as after the computer was too slow.
+
+        Raises:
+            RuntimeError: The joints are not at rest.
+        """
+        if self._servo.state is not ServoState.HOLDING:
+            raise RuntimeError("time cannot be skipped while the joints move")
+        self._start += duration
+
+    def close(self) -> None:
+        """Leave the physics; calling it twice does no harm."""
+        self._physics.close()
+
+    def __enter__(self) -> PybulletRobot:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _as_reported(self, true: JointReading) -> JointReading:
+        return replace(true, position=true.position - self._error)
+
+    def _check_following(self) -> None:
+        away = np.abs(self._reading.position - self._target)
+        if away.max() > self._following_error:
+            joint = int(away.argmax())
+            self.fail(
+                f"{JOINTS[joint]} is {away[joint]:.4f} rad off its course, "
+                f"allowed {self._following_error:.4f}"
+            )
+
+
+def servo_limits(config: LimitsConfig, torque: Vector) -> ServoLimits:
+    """Limits of the ten joints under the layer in force.
+
+    Args:
+        config: Layers and position limits.
+        torque: Of the URDF [N m]. Shape (10,).
+    """
+    layer = next(entry for entry in config.layers if entry.name == config.layer)
+    tool = np.array([config.pitch, config.finger, config.finger])
+    return ServoLimits(
+        names=JOINTS,
+        lower=np.concatenate([config.arm_lower, -tool]),
+        upper=np.concatenate([config.arm_upper, tool]),
+        speed=np.array([*layer.arm_velocity, *[layer.tool_velocity] * 3]),
+        torque=torque,
+    )

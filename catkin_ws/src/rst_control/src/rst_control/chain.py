@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Compiled kinematics of the arm and tool: frames and Jacobians in a microsecond.
+
+KDL is the reference that these kernels are tested against. A `Chain` holds 12 fixed transforms as
+(12, 3, 4): rows 0 to 8 place each moving joint behind the one before it, then interface_link and
+tool0 behind joint_7, and tool_tip behind the left finger. `frames` holds where they are, base
+frame, in the same order.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.kernels import kernel
+
+Array = NDArray[np.float64]
+
+SHAFT, TOOL0, TIP = 9, 10, 11  # rows of `frames` beside the 9 moving joints
+PITCH = 7  # row of the pitch joint: far end of the shaft
+
+
+@kernel
+def _place(frames: Any, parent: int, chain: Any, k: int) -> None:
+    for i in range(3):
+        a, b, c = frames[parent, i, 0], frames[parent, i, 1], frames[parent, i, 2]
+        for j in range(4):
+            frames[k, i, j] = a * chain[k, 0, j] + b * chain[k, 1, j] + c * chain[k, 2, j]
+        frames[k, i, 3] += frames[parent, i, 3]
+
+
+@kernel
+def _turn(frames: Any, k: int, angle: float) -> None:
+    c, s = np.cos(angle), np.sin(angle)
+    for i in range(3):
+        x, y = frames[k, i, 0], frames[k, i, 1]
+        frames[k, i, 0] = c * x + s * y
+        frames[k, i, 1] = c * y - s * x
+
+
+@kernel
+def forward(chain: Any, q: Any, frames: Any) -> None:
+    """Write all frames at q into `frames` (12, 3, 4)."""
+    for i in range(3):
+        for j in range(4):
+            frames[0, i, j] = chain[0, i, j]
+    _turn(frames, 0, q[0])
+    for k in range(1, 9):
+        _place(frames, k - 1, chain, k)
+        _turn(frames, k, q[k])
+    _place(frames, 6, chain, SHAFT)
+    _place(frames, 6, chain, TOOL0)
+    _place(frames, 8, chain, TIP)
+
+
+@kernel
+def tip_jacobian(frames: Any, scale: float, J: Any) -> None:
+    """Write the tip's Jacobian, base frame, into J (6, 9): metres, then radians times `scale`."""
+    px, py, pz = frames[TIP, 0, 3], frames[TIP, 1, 3], frames[TIP, 2, 3]
+    for i in range(9):
+        x, y, z = frames[i, 0, 2], frames[i, 1, 2], frames[i, 2, 2]
+        dx, dy, dz = px - frames[i, 0, 3], py - frames[i, 1, 3], pz - frames[i, 2, 3]
+        J[0, i] = y * dz - z * dy
+        J[1, i] = z * dx - x * dz
+        J[2, i] = x * dy - y * dx
+        J[3, i] = x * scale
+        J[4, i] = y * scale
+        J[5, i] = z * scale
+
+
+@kernel
+def rcm_offset(frames: Any, trocar: Any) -> tuple[float, float, float]:
+    """Trocar in the shaft's frame [m]: two lateral errors, and how far down the shaft it is."""
+    ox = trocar[0] - frames[SHAFT, 0, 3]
+    oy = trocar[1] - frames[SHAFT, 1, 3]
+    oz = trocar[2] - frames[SHAFT, 2, 3]
+    f = frames[SHAFT]
+    return (
+        f[0, 0] * ox + f[1, 0] * oy + f[2, 0] * oz,
+        f[0, 1] * ox + f[1, 1] * oy + f[2, 1] * oz,
+        f[0, 2] * ox + f[1, 2] * oy + f[2, 2] * oz,
+    )
+
+
+@kernel
+def rcm_jacobian(frames: Any, trocar: Any, J: Any) -> None:
+    """Write the derivative of both lateral errors by q into J (2, 9).
+
+    A joint that turns the shaft about its axis moves a trocar that is thought fixed to the shaft
+    the other way: in the shaft frame, the trocar moves with minus the velocity that the shaft has
+    at the trocar.
+    """
+    f = frames[SHAFT]
+    for i in range(7):
+        x, y, z = frames[i, 0, 2], frames[i, 1, 2], frames[i, 2, 2]
+        dx = trocar[0] - frames[i, 0, 3]
+        dy = trocar[1] - frames[i, 1, 3]
+        dz = trocar[2] - frames[i, 2, 3]
+        vx, vy, vz = y * dz - z * dy, z * dx - x * dz, x * dy - y * dx
+        J[0, i] = -(f[0, 0] * vx + f[1, 0] * vy + f[2, 0] * vz)
+        J[1, i] = -(f[0, 1] * vx + f[1, 1] * vy + f[2, 1] * vz)
+    J[0, 7] = J[0, 8] = J[1, 7] = J[1, 8] = 0.0
+
+
+@kernel
+def turn_between(a: Any, b: Any, out: Any) -> None:
+    """Write the rotation vector [rad], base frame, that turns frame a (3, 3+) into frame b."""
+    t = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            t[i, j] = b[i, 0] * a[j, 0] + b[i, 1] * a[j, 1] + b[i, 2] * a[j, 2]
+    out[0] = 0.5 * (t[2, 1] - t[1, 2])
+    out[1] = 0.5 * (t[0, 2] - t[2, 0])
+    out[2] = 0.5 * (t[1, 0] - t[0, 1])
+    sine = np.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2)
+    cosine = 0.5 * (t[0, 0] + t[1, 1] + t[2, 2] - 1.0)
+    if sine > 1e-9:
+        scale = np.arctan2(sine, cosine) / sine
+        for i in range(3):
+            out[i] *= scale
+    elif cosine < 0.0:  # half a turn: the axis is the column of t + 1 with the largest diagonal
+        k = 0
+        for i in range(1, 3):
+            if t[i, i] > t[k, k]:
+                k = i
+        norm = np.sqrt(max(2.0 * (t[k, k] + 1.0), 1e-300))
+        for i in range(3):
+            out[i] = np.pi * (t[i, k] + (1.0 if i == k else 0.0)) / norm

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where commands in words arrive, from any thread: read, verified one at a time, handed to the executor, answered.
+
+A stop never waits here: it goes straight to the executor, whatever else is being checked.
+"""
+
+from __future__ import annotations
+
+import math
+import queue
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+
+from rst_control.executor import Executor
+from rst_control.orders import Order, Outcome, Reply
+from rst_control.types import Accepted, Command, Plan, Rejected, Request, Situation
+
+Verify = Callable[[Request, Situation], Accepted | Rejected]
+
+COMMANDS = {command.value: command for command in Command}
+WAITING = 16  # commands that may wait to be verified; more are refused at once
+ATTEMPTS = 5  # to verify a command while the situation keeps changing
+READ = 200  # characters of a command that are looked at; the longest command has 9
+ECHOED = 80  # characters of an unknown command that a refusal repeats
+
+
+@dataclass(frozen=True, eq=False)
+class Ticket:
+    """What a caller gets: the answer to come, and how the motion ends."""
+
+    request: Request
+    caller: str
+    is_spoken: bool
+    reply: Future[Reply] = field(default_factory=Future)
+    ended: Future[Outcome] = field(default_factory=Future)
+    attempts: int = 0
+
+
+class CommandDesk:
+    """Takes commands and answers each one.
+
+    Args:
+        executor: Who carries them out.
+        verify: Plans a command and tells whether it may run.
+        clock: Time [s], as the executor's ticks are given it.
+    """
+
+    def __init__(self, executor: Executor, verify: Verify, clock: Callable[[], float]) -> None:
+        self._executor, self._verify, self._clock = executor, verify, clock
+        self._waiting: queue.Queue[Ticket] = queue.Queue(WAITING)
+
+    def take(self, request: Request, caller: str, is_spoken: bool = False) -> Ticket:
+        """Take a command; returns at once, with the answer to come in `Ticket.reply`.
+
+        Args:
+            request: The command in words, and its parameters.
+            caller: Who gives it, for the diary.
+            is_spoken: It came by voice: the voice node's heartbeat must go on while it is carried out.
+        """
+        ticket = Ticket(request, caller, is_spoken)
+        command = read_command(request.words)
+        if command is None:
+            self._refuse(ticket, unknown(request.words))
+        elif command is Command.STOP:
+            self._executor.stop(f'"stop" from {caller}')
+            ticket.reply.set_result(Reply(True, 'stops and holds; say "hey robot" to go on'))
+            ticket.ended.set_result(Outcome("succeeded", ""))
+        elif command in (Command.HEY_ROBOT, Command.TERMINATE):
+            self._post(ticket, Plan(command, _WORDS[command]), serial=-1)
+        elif not _is_amount(request.tension) or not _is_amount(request.distance):
+            self._refuse(ticket, "tension and distance must be numbers from 0 up")
+        else:
+            self._queue(ticket)
+        return ticket
+
+    def next(self, timeout: float) -> Ticket | None:
+        """Wait for the next command to verify; None where none came in time."""
+        try:
+            return self._waiting.get(timeout=timeout)
+        except queue.Empty:
+            return None
+
+    def check(self, ticket: Ticket) -> None:
+        """Verify one command, in the view of this moment, and hand it over or refuse it."""
+        view = self._executor.view
+        decision = self._verify(ticket.request, view.situation(self._clock()))
+        if isinstance(decision, Rejected):
+            self._refuse(ticket, decision.words)
+        else:
+            self._post(ticket, decision.plan, view.serial)
+
+    def fail(self, ticket: Ticket, error: Exception) -> None:
+        """Refuse a command whose verification raised."""
+        self._refuse(ticket, f"error while checking the command: {error!r}"[:300])
+
+    def _queue(self, ticket: Ticket) -> None:
+        try:
+            self._waiting.put_nowait(ticket)
+        except queue.Full:
+            self._refuse(ticket, f"{WAITING} commands are waiting already")
+
+    def _again(self, ticket: Ticket) -> None:
+        if ticket.attempts >= ATTEMPTS:
+            self._refuse(ticket, "the situation keeps changing; say it again")
+            return
+        again = Ticket(
+            ticket.request,
+            ticket.caller,
+            ticket.is_spoken,
+            ticket.reply,
+            ticket.ended,
+            ticket.attempts + 1,
+        )
+        self._queue(again)
+
+    def _post(self, ticket: Ticket, plan: Plan, serial: int) -> None:
+        order = Order(
+            plan,
+            serial,
+            ticket.is_spoken,
+            reply=ticket.reply.set_result,
+            stale=(lambda: self._again(ticket)) if plan.phases else None,
+            ended=ticket.ended.set_result,
+        )
+        self._executor.post(order)
+
+    def _refuse(self, ticket: Ticket, words: str) -> None:
+        self._executor.note_refusal(_shown(ticket.request.words), words, self._clock())
+        ticket.reply.set_result(Reply(False, words))
+        ticket.ended.set_result(Outcome("refused", words))
+
+
+_WORDS = {Command.HEY_ROBOT: "ready", Command.TERMINATE: "finishes braking, holds and stands by"}
+
+
+def read_command(words: str) -> Command | None:
+    """Command that the words are, apart from case and spaces; None where they are none."""
+    return COMMANDS.get(" ".join(words[:READ].lower().split()))
+
+
+def unknown(words: str) -> str:
+    """Reason for refusing words that are no command, with the list of those that are."""
+    return f"unknown command {_shown(words)!r}; say one of: {', '.join(COMMANDS)}"
+
+
+def _shown(words: str) -> str:
+    return "".join(c if c.isprintable() else "?" for c in words[:ECHOED])
+
+
+def _is_amount(value: float) -> bool:
+    return math.isfinite(value) and value >= 0.0

@@ -1,0 +1,350 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The life of a command: accepted, moved along its path tick by tick, finished, or braked and latched.
+
+One thread calls `tick`; it owns all state. Others only post orders, ask for a stop or report a heartbeat, which
+the next tick takes up. Nothing here plans, waits or reads a clock.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+
+from rst_control import lifecycle
+from rst_control.lifecycle import Life, State
+from rst_control.motion import Motion
+from rst_control.mover import STILL, Mover
+from rst_control.orders import DiaryEntry, DiaryKind, Order, Outcome, OutcomeKind, Reply, View
+from rst_control.types import Command, Measurement, Reason, Rejected, Setpoint, Vector
+from rst_control.watchdogs import Watchdogs, Watched
+
+log = logging.getLogger("rosout.rst_control.executor")
+
+ORDERS_PER_TICK = 4  # however many callers there are, a tick stays short
+WAKE_TIME = 0.3  # [s] that the robot gets to clear its own fault after "hey robot"
+MOST_PERIODS = 5  # of the path that one late tick may catch up with
+
+
+class Executor:
+    """Owns the state of the controller and turns orders into set-points.
+
+    Args:
+        watchdogs: What makes it brake.
+        rcm_error: Distance of the measured shaft from the trocar [m], from joint positions of shape (10,).
+        mover: Moves the set-point.
+        clear_fault: Asks the robot to take set-points again.
+        period: Time between ticks [s].
+    """
+
+    def __init__(
+        self,
+        watchdogs: Watchdogs,
+        rcm_error: Callable[[Vector], float],
+        mover: Mover,
+        clear_fault: Callable[[], None],
+        period: float,
+    ) -> None:
+        self._watchdogs, self._measure_rcm = watchdogs, rcm_error
+        self._mover, self._clear_fault, self._period = mover, clear_fault, period
+        self._now = 0.0
+        self._measured: Measurement | None = None
+        self._rcm_error = self._max_rcm_error = 0.0
+        self._life = Life()
+        self._life_changes = 0
+        self._order: Order | None = None  # the one in motion
+        self._waking: tuple[Order, float] | None = None  # "hey robot" until the robot's fault is clear
+        self._command = self._last_refusal = self._health = ""
+        self._heartbeat = -np.inf
+        self._orders: deque[Order] = deque()
+        self._stops: deque[str] = deque()
+        self.diary: deque[DiaryEntry] = deque(maxlen=10_000)  # emptied by whoever publishes it
+        self.view = View.at_start()
+
+    # From any thread.
+
+    def post(self, order: Order) -> None:
+        """Hand over a verified command; the next tick answers it."""
+        self._orders.append(order)
+
+    def stop(self, reason: str) -> None:
+        """Brake along the path, hold and latch, beginning with the next tick."""
+        self._stops.append(reason)
+
+    def heartbeat(self, now: float) -> None:
+        """Note that the voice node is alive."""
+        self._heartbeat = now
+
+    def note_refusal(self, command: str, words: str, now: float) -> None:
+        """Write a refusal into the diary."""
+        self._last_refusal = words
+        self.diary.append(DiaryEntry(now, "refused", command, words))
+
+    # From the loop's thread.
+
+    def tick(self, now: float, measured: Measurement | None) -> Setpoint | None:
+        """Do what is due.
+
+        Args:
+            now: Time at which this tick is due [s], the clock of the measurement.
+            measured: Newest from the robot; None while it never spoke.
+
+        Returns:
+            Where the joints should be now; None where nothing may be sent and the robot holds by itself.
+        """
+        periods = max(1, min(MOST_PERIODS, round((now - self._now) / self._period)))
+        self._now = now
+        self._look(measured)
+        self._take_stops()
+        self._take_orders()
+        self._keep_waking()
+        motion = self._mover.motion
+        velocity = self._rest() if motion is None else self._move(motion, periods)
+        self.view = self._seen()
+        held = self._mover.held
+        return None if held is None else Setpoint(held, velocity, now)
+
+    def crashed(self, error: Exception) -> None:
+        """After a tick raised: brake along the path, and where that raises too leave it to the robot to hold."""
+        reason = f"error in the control loop: {error!r}"[:300]
+        if self._life.reason != reason:
+            log.error(reason, exc_info=error)
+        if self._mover.motion is not None and self._life.then is not State.FAULTED:
+            self._fault(reason)
+            return
+        self._mover.lose()
+        self._change(lifecycle.at_rest(lifecycle.faulted(self._life, reason)))
+        self._end_order("failed", reason)
+
+    def _look(self, measured: Measurement | None) -> None:
+        lost = self._watchdogs.robot(self._now, measured)
+        self._health = lost.words if lost else ""
+        if measured is None or measured is self._measured:
+            return
+        self._measured = measured
+        self._rcm_error = self._measure_rcm(measured.position)
+        if self._mover.motion is not None:
+            self._max_rcm_error = max(self._max_rcm_error, self._rcm_error)
+
+    # Stops and orders.
+
+    def _take_stops(self) -> None:
+        while self._stops:
+            reason = self._stops.popleft()
+            self._note("stop_received", Command.STOP.value, reason)
+            self._drop_waking("stopped")
+            self._latch(lifecycle.stopped(self._life, reason))
+
+    def _take_orders(self) -> None:
+        for _ in range(min(ORDERS_PER_TICK, len(self._orders))):
+            order = self._orders.popleft()
+            refusal = lifecycle.refusal(self._life, order.command)
+            if refusal is not None:
+                self._refuse(order, refusal)
+            elif order.serial != self._serial and order.stale is not None:
+                order.stale()
+            elif order.command is Command.HEY_ROBOT:
+                self._wake(order)
+            elif order.command is Command.TERMINATE:
+                self._terminate(order)
+            else:
+                self._start(order)
+
+    def _start(self, order: Order) -> None:
+        if self._health:
+            self._refuse(order, Rejected(Reason.NOT_CONNECTED, self._health))
+            return
+        refusal = self._mover.start(order.plan, self._now)
+        if refusal is not None:
+            self._refuse(order, refusal)
+            return
+        self._end_order("stopped", f'replaced by "{order.command.value}"')
+        if self._life.state is not State.MOVING:
+            self._max_rcm_error = self._rcm_error
+        self._order = order
+        self._change(lifecycle.started(self._life))
+        self._accept(order)
+        self._note("motion_started", order.command.value, order.plan.words)
+
+    def _terminate(self, order: Order) -> None:
+        self._accept(order)
+        order.ended(Outcome("succeeded", ""))
+        self._latch(lifecycle.terminated(self._life))
+
+    def _wake(self, order: Order) -> None:
+        refusal = self._cannot_wake()
+        if refusal is None:
+            self._resume(order)
+        elif refusal.reason is Reason.FAULTED:
+            self._drop_waking("said again")
+            self._clear_fault()
+            self._waking = (order, self._now + WAKE_TIME)
+        else:
+            self._refuse(order, refusal)
+
+    def _keep_waking(self) -> None:
+        if self._waking is None:
+            return
+        order, until = self._waking
+        refusal = self._cannot_wake()
+        if refusal is None:
+            self._waking = None
+            self._resume(order)
+        elif self._now >= until:
+            self._drop_waking(refusal.words)
+
+    def _drop_waking(self, words: str) -> None:
+        if self._waking is not None:
+            order, self._waking = self._waking[0], None
+            self._refuse(order, Rejected(Reason.FAULTED, words))
+
+    def _cannot_wake(self) -> Rejected | None:
+        measured = self._measured
+        lost = self._watchdogs.robot(self._now, measured)
+        if lost is not None or measured is None or self._mover.motion is not None:
+            return lost
+        if not self._watchdogs.is_at_rest(measured):
+            return Rejected(Reason.NOT_AT_REST, "robot not at rest yet; say it again")
+        return None
+
+    def _resume(self, order: Order) -> None:
+        was = self._life
+        if self._measured is not None and self._mover.motion is None:
+            self._synchronise(self._measured)
+        self._accept(order)
+        order.ended(Outcome("succeeded", ""))
+        self._change(lifecycle.activated(was))
+        if was.is_latched:
+            self._note("cleared", order.command.value, was.reason)
+
+    # Motion and rest.
+
+    def _move(self, motion: Motion, periods: int) -> Vector:
+        self._watch(motion)
+        velocity = self._mover.advance(periods, self._measured, self._now)
+        if motion.failure and self._life.state is State.MOVING:
+            self._latch(lifecycle.failed(self._life))
+        if motion.is_done:
+            self._finish(motion)
+        return velocity
+
+    def _watch(self, motion: Motion) -> None:
+        if self._life.state is State.STOPPING and self._life.then is State.FAULTED:
+            return
+        spoken = self._order is not None and self._order.is_spoken
+        watched = Watched(
+            setpoint=STILL if self._mover.held is None else self._mover.held,
+            rcm_error=self._rcm_error,
+            raises_tension=motion.raises_tension,
+            needs_grip=motion.needs_grip,
+            phase_age=self._now - motion.phase_start,
+            heartbeat_age=self._now - self._heartbeat if spoken else None,
+        )
+        self._fault(self._watchdogs.motion(self._now, self._measured, watched))
+
+    def _finish(self, motion: Motion) -> None:
+        was = self._life
+        self._mover.finish()
+        self._change(lifecycle.at_rest(was))
+        if was.state is State.MOVING:
+            self._note("motion_finished", self._command, f"tension {self._tension:.2f} N")
+            self._end_order("succeeded", "")
+            return
+        reason = was.reason if was.is_latched else motion.failure or "terminated"
+        self._note("at_rest", self._command, reason)
+        self._note_latch()
+        self._end_order("stopped" if was.then in (State.HALTED, State.STANDBY) else "failed", reason)
+
+    def _rest(self) -> Vector:
+        measured = self._measured
+        lost = self._watchdogs.robot(self._now, measured)
+        if lost is not None and lost.reason is not Reason.STALE:
+            self._mover.lose()
+            self._fault(lost.words)
+        elif lost is None and measured is not None:
+            self._keep_still(measured, self._mover.held)
+        return STILL
+
+    def _keep_still(self, measured: Measurement, held: Vector | None) -> None:
+        if held is None:
+            if self._watchdogs.is_at_rest(measured):
+                self._mover.synchronise(measured)
+        elif self._life.state is State.ACTIVE:
+            self._fault(self._watchdogs.following(measured, held))
+        if not measured.gripped:
+            self._mover.drop_grasp()
+
+    def _synchronise(self, measured: Measurement) -> None:
+        held = self._mover.held
+        if held is None or self._watchdogs.following(measured, held):
+            self._mover.synchronise(measured)
+
+    # State, replies and diary.
+
+    @property
+    def _serial(self) -> int:
+        return self._life_changes + self._mover.changes
+
+    @property
+    def _tension(self) -> float:
+        return self._measured.tension if self._measured else 0.0
+
+    def _change(self, life: Life) -> None:
+        if life != self._life:
+            self._life = life
+            self._life_changes += 1
+
+    def _latch(self, life: Life) -> None:
+        """Take a state in which nothing moves; brake where something does."""
+        was_latched = self._life.is_latched
+        self._change(life)
+        if not self._mover.brake() and not was_latched:
+            self._note_latch()
+
+    def _fault(self, reason: str) -> None:
+        if reason:
+            life = lifecycle.faulted(self._life, reason)
+            if life != self._life:
+                self._latch(life)
+
+    def _accept(self, order: Order) -> None:
+        self._command = order.command.value
+        self._note("accepted", self._command, order.plan.words)
+        order.reply(Reply(True, order.plan.words))
+
+    def _refuse(self, order: Order, refusal: Rejected) -> None:
+        self.note_refusal(order.command.value, refusal.words, self._now)
+        order.reply(Reply(False, refusal.words))
+        order.ended(Outcome("refused", refusal.words, self._tension))
+
+    def _end_order(self, kind: OutcomeKind, reason: str) -> None:
+        order, self._order = self._order, None
+        if order is not None:
+            order.ended(Outcome(kind, reason, self._tension, self._max_rcm_error))
+
+    def _note(self, kind: DiaryKind, command: str, message: str) -> None:
+        self.diary.append(DiaryEntry(self._now, kind, command, message))
+
+    def _note_latch(self) -> None:
+        if self._life.state in lifecycle.LATCHED:
+            self._note("halted", self._command, self._life.reason)
+
+    def _seen(self) -> View:
+        motion, measured = self._mover.motion, self._measured
+        holds = measured is not None and measured.gripped
+        return View(
+            stamp=self._now,
+            life=self._life,
+            serial=self._serial,
+            motion=None if motion is None else motion.glimpse,
+            path_position=self._mover.path_position,
+            command=self._command,
+            rcm_error=self._rcm_error,
+            measurement=measured,
+            setpoint=self._mover.held,
+            grasp=self._mover.grasp if holds else None,
+            last_refusal=self._last_refusal,
+            health=self._health,
+        )

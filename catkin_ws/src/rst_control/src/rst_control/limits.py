@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Joint limits of the layer in force, for the robot's joints and for planning configurations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rst_control.config import LimitsConfig
+from rst_control.errors import JointLimitExceeded, UnknownLimitLayerError
+from rst_control.types import ARM_JOINTS, Vector, frozen_array
+
+PLAN_NAMES = (*ARM_JOINTS, "joint_pitch", "yaw")
+
+
+@dataclass(frozen=True, eq=False)
+class JointLimits:
+    """Limits of a planning configuration q, in its order; each of shape (9,), read-only."""
+
+    lower: Vector  # [rad], margin taken off
+    upper: Vector  # [rad], margin taken off
+    velocity: Vector  # [rad/s]
+    acceleration: Vector  # [rad/s^2]
+
+    def violation(self, q: Vector) -> JointLimitExceeded | None:
+        """What `require` would raise, or None."""
+        outside = np.maximum(self.lower - q, q - self.upper)
+        worst = int(outside.argmax())
+        if outside[worst] <= 0.0:
+            return None
+        low, high = float(self.lower[worst]), float(self.upper[worst])
+        return JointLimitExceeded(PLAN_NAMES[worst], float(q[worst]), low, high)
+
+    def require(self, q: Vector) -> None:
+        """Check a configuration (9,) [rad].
+
+        Raises:
+            JointLimitExceeded: The joint furthest outside, with its range.
+        """
+        if (error := self.violation(q)) is not None:
+            raise error
+
+
+def make_limits(config: LimitsConfig, opening: float) -> JointLimits:
+    """Limits in force, where jaws may open by `opening` [rad] at any yaw.
+
+    Raises:
+        UnknownLimitLayerError: limits.yaml asks for a layer it does not define.
+    """
+    layers = {layer.name: layer for layer in config.layers}
+    if config.layer not in layers:
+        raise UnknownLimitLayerError(config.layer, tuple(layers))
+    layer, margin = layers[config.layer], config.position_margin
+    yaw = config.finger - 0.5 * opening
+    return JointLimits(
+        lower=frozen_array(np.array([*config.arm_lower, -config.pitch, -yaw]) + margin, 9),
+        upper=frozen_array(np.array([*config.arm_upper, config.pitch, yaw]) - margin, 9),
+        velocity=frozen_array([*layer.arm_velocity, *[layer.tool_velocity] * 2], 9),
+        acceleration=frozen_array([*layer.arm_acceleration, *[layer.tool_acceleration] * 2], 9),
+    )

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where the joints are sent, and what is remembered of where they stand: set-point, place on a path, grasp."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rst_control.motion import Motion, MotionMaker, Place
+from rst_control.types import JOINT_COUNT, Grasp, Measurement, Plan, Reason, Rejected, Vector
+
+STILL = np.zeros(JOINT_COUNT)
+
+
+class Mover:
+    """Owns the motion under way and the set-point. Every change that verification must know of counts `changes` up."""
+
+    def __init__(self, motions: MotionMaker) -> None:
+        self._motions = motions
+        self._place: Place | None = None
+        self._grasp: Grasp | None = None
+        self.motion: Motion | None = None
+        self.held: Vector | None = None  # (10,), last set-point; None: not known where the joints are
+        self.changes = 0
+
+    @property
+    def grasp(self) -> Grasp | None:
+        """What is remembered of the grasp; the plan's from its start on, before anything is held."""
+        return self._grasp
+
+    @property
+    def path_position(self) -> float:
+        """Way of the tip on the path where it is, or last was [m]."""
+        place = self.motion.place if self.motion else self._place
+        return place.state.s if place else 0.0
+
+    def start(self, plan: Plan, now: float) -> Rejected | None:
+        """Set off with a plan, or let it take over from the pull under way."""
+        if self.held is None:
+            return Rejected(Reason.NOT_CONNECTED, "robot not connected")
+        made = self._motions.make(plan, self.held, self.motion, self._place, now)
+        if isinstance(made, Rejected):
+            return made
+        self.motion, self._grasp = made, plan.grasp or self._grasp
+        self.changes += 1
+        return None
+
+    def advance(self, periods: int, measured: Measurement | None, now: float) -> Vector:
+        """Move the set-point on; returns the velocities that belong to it [rad/s]. Shape (10,)."""
+        if self.motion is None or measured is None:
+            return STILL
+        self.held, velocity = self.motion.advance(periods, measured, now)
+        return velocity
+
+    def brake(self) -> bool:
+        """Brake along the path; returns whether anything moves."""
+        if self.motion is None:
+            return False
+        self.motion.brake()
+        return True
+
+    def finish(self) -> None:
+        """Note where the motion that has come to rest left the robot."""
+        if self.motion is not None:
+            self._place = self.motion.place
+            self._grasp = self.motion.grasp_after(self._grasp)
+            self.motion = None
+            self.changes += 1
+
+    def lose(self) -> None:
+        """Forget the set-point: where the joints are is no longer known."""
+        if self.held is not None or self.motion is not None:
+            self.motion, self.held, self._place = None, None, None
+            self.changes += 1
+
+    def synchronise(self, measured: Measurement) -> None:
+        """Take the measured joints as the set-point."""
+        self.held, self._place = measured.position, None
+        self.changes += 1
+
+    def drop_grasp(self) -> None:
+        """Note that the jaws hold nothing any more."""
+        if self._grasp is not None:
+            self._grasp = None
+            self.changes += 1

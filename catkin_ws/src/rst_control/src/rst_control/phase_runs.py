@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Carries out one phase of a plan tick by tick: along a path, to a tension on a path, or with the jaws alone.
+
+All can brake at any tick. Braking begins at once: an acceleration that still pushes on is cut, not faded out.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from rst_control.config import TensionConfig
+from rst_control.configuration import planning_joints, robot_joints
+from rst_control.path import Path
+from rst_control.profile import Bounds, Profile
+from rst_control.tension import TensionControl
+from rst_control.types import PLAN_COUNT, Measurement, PathState, Phase, Vector
+
+TINY = 1e-9  # [m] or [rad] of way, below which a phase has none to go
+
+
+class PhaseRun(Protocol):
+    """One phase under way."""
+
+    phase: Phase
+    is_done: bool  # at its end, or at rest after braking
+    failure: str  # why it could not reach its end; empty: it did, or is under way
+    is_pulling: bool  # it may raise the tension
+
+    def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
+        """Move on by a time [s].
+
+        Returns:
+            Joints [rad] and their velocities [rad/s], each of shape (10,).
+        """
+        ...
+
+    def brake(self) -> None:
+        """Come to rest as soon as the limits allow."""
+        ...
+
+    @property
+    def state(self) -> PathState:
+        """Where on the path it is; of the jaws' motion, the tip's: at rest."""
+        ...
+
+    @property
+    def progress(self) -> float:
+        """Share of the phase that is done, from 0 to 1."""
+        ...
+
+
+class _Braking:
+    """Comes to rest on a path; what both kinds of motion along one share.
+
+    Args:
+        phase: With a path.
+        opening: Of the jaws, which stays [rad].
+        bounds: Of the motion along the path.
+    """
+
+    def __init__(self, phase: Phase, path: Path, opening: float, bounds: Bounds) -> None:
+        self.phase = phase
+        self.is_done, self.failure, self.is_pulling = False, "", False
+        self._path, self._opening, self._bounds = path, opening, bounds
+        self._brake: Profile | None = None
+
+    def _brake_from(self, state: PathState) -> None:
+        if self._brake is None:
+            self.is_pulling = False
+            self._brake = Profile(_not_pushing(state), self._bounds)
+
+    def _joints(self, state: PathState) -> tuple[Vector, Vector]:
+        point = self._path.evaluate(state.s)
+        return robot_joints(point.q, self._opening), robot_joints(point.dq * state.speed, 0.0)
+
+
+class PathRun(_Braking):
+    """Goes along a path to the target of the phase.
+
+    Args:
+        phase: With a path.
+        path: That of the phase.
+        state: Where on the path, and how fast, it starts.
+        opening: Of the jaws, which stays [rad].
+        bounds: Of the motion along the path.
+    """
+
+    def __init__(
+        self, phase: Phase, path: Path, state: PathState, opening: float, bounds: Bounds
+    ) -> None:
+        super().__init__(phase, path, opening, bounds)
+        self.is_pulling = phase.target > state.s
+        self._start = state.s
+        self._profile = Profile(state, bounds)
+        self._profile.go_to(phase.target)
+
+    @property
+    def state(self) -> PathState:
+        """Where on the path it is."""
+        return (self._brake or self._profile).state
+
+    def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
+        """Move on by a time [s]; see `PhaseRun`."""
+        profile = self._brake or self._profile
+        state = profile.step(dt)
+        self.is_done = profile.is_done
+        return self._joints(state)
+
+    def brake(self) -> None:
+        """Come to rest as soon as the limits allow."""
+        self._brake_from(self.state)
+
+    @property
+    def progress(self) -> float:
+        """Share of the way that is done, from 0 to 1."""
+        return _share(self._start, self.state.s, self.phase.target)
+
+
+class TensionRun(_Braking):
+    """Pulls or eases along a path until the tension is that of the phase, or the furthest s is reached.
+
+    Args:
+        phase: With a path and a tension.
+        path: That of the phase.
+        state: Where on the path, and how fast, it starts.
+        opening: Of the jaws, which stays [rad].
+        bounds: Of the motion along the path.
+        config: Of the tension control.
+    """
+
+    def __init__(
+        self,
+        phase: Phase,
+        path: Path,
+        state: PathState,
+        opening: float,
+        bounds: Bounds,
+        config: TensionConfig,
+    ) -> None:
+        super().__init__(phase, path, opening, bounds)
+        self._goal = phase.tension or 0.0
+        self._first: float | None = None  # [N] when it began
+        self._now = 0.0
+        furthest = max(phase.target, state.s)
+        self._control = TensionControl(config, bounds, furthest, state, self._goal)
+
+    @property
+    def state(self) -> PathState:
+        """Where on the path it is."""
+        return self._brake.state if self._brake else self._control.state
+
+    def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
+        """Move on by a time [s]; see `PhaseRun`."""
+        self._now = measured.tension
+        if self._first is None:
+            self._first = self._now
+            self.is_pulling = self._goal > self._now
+        if self._brake is not None:
+            state = self._brake.step(dt)
+            self.is_done = self._brake.is_done
+            return self._joints(state)
+        state = self._control.step(self._now, dt)
+        if self._control.is_settled or self._control.is_at_limit:
+            self._brake_from(state)
+        return self._joints(state)
+
+    def brake(self) -> None:
+        """Come to rest as soon as the limits allow."""
+        self._brake_from(self.state)
+
+    @property
+    def progress(self) -> float:
+        """Share of the change of tension that is done, from 0 to 1."""
+        return 0.0 if self._first is None else _share(self._first, self._now, self._goal)
+
+
+class JawRun:
+    """Moves the jaws while the tip stands still, and waits until they have settled.
+
+    Args:
+        phase: With an opening.
+        held: Joints where it starts [rad]. Shape (10,).
+        bounds: Of the opening.
+        settle_time: After the jaws came to rest [s].
+        must_grip: It fails where no tissue is held at the end.
+    """
+
+    is_pulling = False
+
+    def __init__(
+        self, phase: Phase, held: Vector, bounds: Bounds, settle_time: float, must_grip: bool
+    ) -> None:
+        self.phase, self.is_done, self.failure = phase, False, ""
+        self._q, self._start = planning_joints(held)
+        self._target = self._start if phase.opening is None else phase.opening
+        self._bounds, self._left, self._must_grip = bounds, settle_time, must_grip
+        self._is_braking = False
+        self._profile = Profile(PathState(self._start), bounds)
+        self._profile.go_to(self._target)
+
+    @property
+    def state(self) -> PathState:
+        """The tip stands still; its place on a path is known to whoever started this."""
+        return PathState(0.0)
+
+    def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
+        """Move on by a time [s]; see `PhaseRun`."""
+        opening = self._profile.step(dt)
+        if self._profile.is_done:
+            self._left -= dt
+            self.is_done = self._is_braking or self._left <= 0.0
+            if self.is_done and self._must_grip and not measured.gripped and not self._is_braking:
+                self.failure = "nothing grasped: no tissue between the closed jaws"
+        still = np.zeros(PLAN_COUNT)
+        return robot_joints(self._q, opening.s), robot_joints(still, opening.speed)
+
+    def brake(self) -> None:
+        """Let the jaws come to rest where they are."""
+        if not self._is_braking:
+            self._is_braking = True
+            self._profile = Profile(_not_pushing(self._profile.state), self._bounds)
+
+    @property
+    def progress(self) -> float:
+        """Share of the way that is done, from 0 to 1."""
+        return _share(self._start, self._profile.state.s, self._target)
+
+
+def _not_pushing(state: PathState) -> PathState:
+    """The state without an acceleration that makes it faster."""
+    if state.speed * state.acceleration > 0.0:
+        return PathState(state.s, state.speed, 0.0)
+    return state
+
+
+def _share(start: float, now: float, end: float) -> float:
+    if abs(end - start) < TINY:
+        return 1.0
+    return min(max((now - start) / (end - start), 0.0), 1.0)

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plans paths through the trocar and checks each of them before anything moves."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control import chain, tracking
+from rst_control.config import MotionConfig
+from rst_control.configuration import Configuration
+from rst_control.errors import (
+    Infeasible,
+    InsertionOutOfRange,
+    OutsideWorkspace,
+    TrocarDrift,
+    Unreachable,
+)
+from rst_control.limits import make_limits
+from rst_control.path import Path, Samples, speed_bounds
+from rst_control.profile import Bounds
+from rst_control.rcm import SHAFT_LENGTH, rcm_state
+from rst_control.robot_model import RobotModel
+from rst_control.solve_ik import IkSolver
+from rst_control.types import Vector, frozen_array
+
+Array = NDArray[np.float64]
+
+LEAST_KNOTS: Final = 4
+SAME_PLACE: Final = 1e-7  # [m] of path below which there is nothing to move
+SEAT_SCALE: Final = 0.1  # [m/rad] of path for a joint motion back to the trocar
+PROJECTIONS: Final = 20
+
+
+class Planner:
+    """Plans straight tool motions for one robot and scene.
+
+    It never changes, so any thread may plan.
+
+    Args:
+        model: The robot.
+        config: Scene, limits and tolerances.
+    """
+
+    def __init__(self, model: RobotModel, config: MotionConfig) -> None:
+        self.model, self.config = model, config
+        self.trocar = frozen_array(config.scene.trocar, 3)
+        self.centre = frozen_array(config.scene.workspace_centre, 3)
+        self.limits = make_limits(config.limits, config.controller.jaws.open)
+        self.solver = IkSolver(model, self.limits, config.scene.home, config.rcm.solver)
+        self.T_base_grasp = grasp_pose(config)
+
+    def warm_up(self) -> None:
+        """Compile or load every kernel, by planning once from home."""
+        home = np.array(self.config.scene.home)
+        for path in self.reach(home):
+            self.bounds(path, self.config.controller.speed.tip_speed)
+        self.pull(path.end)
+        path.evaluate(0.0)
+        self.project(home)
+
+    def reach(self, q: Vector) -> tuple[Path, ...]:
+        """Ways from q (9,) to before the grasp point, then to it; what is already done is left out.
+
+        Raises:
+            Infeasible: No such way keeps all limits; the error says which.
+        """
+        before = self.T_base_grasp.copy()
+        before[:3, 3] -= _unit(self.config.scene.approach_axis) * self.config.scene.clearance
+        return self.route(q, before, self.T_base_grasp)
+
+    def pull(self, q: Vector) -> Path:
+        """Way from the grasp at q (9,) along the pull direction, as far as pulling may ever go.
+
+        Raises:
+            Infeasible: No such way keeps all limits; the error says which.
+        """
+        scene = self.config.scene
+        goal = Configuration(self.model, q).T_base_tip
+        goal[:3, 3] += _unit(scene.pull_direction) * scene.max_displacement
+        return self.leg(q, goal)
+
+    def retreat(self, q: Vector) -> Path:
+        """Way from q (9,) straight back out of the tissue.
+
+        Raises:
+            Infeasible: No such way keeps all limits; the error says which.
+        """
+        scene = self.config.scene
+        goal = Configuration(self.model, q).T_base_tip
+        goal[:3, 3] -= _unit(scene.approach_axis) * scene.clearance
+        return self.leg(q, goal)
+
+    def route(self, q: Vector, *goals: Array) -> tuple[Path, ...]:
+        """Straight ways from q (9,) to each pose (4, 4) in turn; first to the trocar if off it.
+
+        Raises:
+            Infeasible: No such way keeps all limits; the error says which.
+        """
+        paths: list[Path] = []
+        if rcm_state(Configuration(self.model, q), self.trocar).error > self._seated:
+            paths.append(self.seat(q))
+            q = paths[-1].end
+        for goal in goals:
+            if self._distance(q, goal) > SAME_PLACE:
+                paths.append(self.leg(q, goal))
+                q = paths[-1].end
+        return tuple(paths)
+
+    def seat(self, q: Vector) -> Path:
+        """Smallest joint motion that puts a shaft slightly off the trocar back into it.
+
+        Raises:
+            TrocarDrift: The shaft is further off than may be put right by itself.
+        """
+        allowed = self.config.rcm.measured_tolerance
+        error = rcm_state(Configuration(self.model, q), self.trocar).error
+        if error > allowed:
+            raise TrocarDrift(error, allowed)
+        seated = self.project(q)
+        length = max(float(np.abs(seated - q).max()) * SEAT_SCALE, 10 * SAME_PLACE)
+        slope = (seated - q) / length
+        return Path(np.array([q, seated]), np.array([slope, slope]), length)
+
+    def project(self, q: Vector) -> Vector:
+        """Nearest joints (9,) [rad] with the shaft through the trocar.
+
+        Raises:
+            TrocarDrift: There are none near.
+        """
+        q, frames, J = np.array(q), np.empty((12, 3, 4)), np.zeros((2, 9))
+        for _ in range(PROJECTIONS):
+            chain.forward(self.model.chain, q, frames)
+            lateral = np.array(chain.rcm_offset(frames, self.trocar)[:2])
+            if np.abs(lateral).max() < self.config.rcm.solver.tolerance:
+                return q
+            chain.rcm_jacobian(frames, self.trocar, J)
+            q -= J.T @ np.linalg.solve(J @ J.T, lateral)
+        raise TrocarDrift(float(np.hypot(*lateral)), self.config.rcm.solver.tolerance)
+
+    def leg(self, q: Vector, goal: Array) -> Path:
+        """Checked straight way of the tool from q (9,) to a pose (4, 4) of tool_tip in base_link.
+
+        Raises:
+            Infeasible: It breaks a limit; the error says which.
+        """
+        settled = self.solver.settle(q, goal, self.trocar)
+        if not settled.is_solved:
+            self.limits.require(settled.q)
+            raise Unreachable(settled.residual, self.config.rcm.solver.tolerance)
+        try:
+            return self._checked(self._track(q, goal, settled.q))
+        except (
+            Infeasible
+        ):  # the best posture lies beyond a limit of the way there; stay as near as possible
+            return self._checked(self._track(q, goal, None))
+
+    def bounds(self, path: Path, speed: float) -> Bounds:
+        """Speed, acceleration and jerk that joints can follow on a path, up to `speed` [m/s]."""
+        settings = self.config.controller.speed
+        samples = path.sample(self.model.chain, self.trocar)
+        speed, acceleration = speed_bounds(samples, self.limits, speed, settings.acceleration)
+        return Bounds(speed, acceleration, settings.jerk)
+
+    @property
+    def _seated(self) -> float:
+        return 0.1 * self.config.rcm.planned_tolerance
+
+    def _distance(self, q: Vector, goal: Array) -> float:
+        tip, turn = Configuration(self.model, q).T_base_tip, np.empty(3)
+        chain.turn_between(tip, goal, turn)
+        shift = float(np.linalg.norm(goal[:3, 3] - tip[:3, 3]))
+        return max(shift, float(np.linalg.norm(turn)) * self.config.rcm.rotation_radius)
+
+    def _track(self, q: Vector, goal: Array, q_goal: Vector | None) -> Path:
+        length = max(self._distance(q, goal), SAME_PLACE)
+        count = max(LEAST_KNOTS, int(np.ceil(length / self.config.rcm.knot_spacing)) + 1)
+        knots, slopes, axis = np.zeros((count, 9)), np.zeros((count, 9)), np.empty(9)
+        knots[0] = q
+        start, turn = Configuration(self.model, q).T_base_tip[:3], np.empty(3)
+        chain.turn_between(start, goal, turn)
+        tracking.free_direction(self.model.chain, knots[0], self.trocar, axis)
+        missing, reached = tracking.track(
+            self.model.chain,
+            np.ascontiguousarray(start),
+            np.array([goal[:3, 3] - start[:3, 3], turn]),
+            self.trocar,
+            axis,
+            0.0 if q_goal is None else float(axis @ (q_goal - q)),
+            length,
+            self.config.rcm.solver.tolerance,
+            knots,
+            slopes,
+        )
+        if reached < count - 1 or not missing <= self.config.rcm.solver.tolerance:
+            share = reached / (count - 1)
+            raise Unreachable(missing, self.config.rcm.solver.tolerance, share * length)
+        return Path(knots, slopes, length)
+
+    def _checked(self, path: Path) -> Path:
+        samples = path.sample(self.model.chain, self.trocar)
+        self._check_joints(samples)
+        self._check_trocar(samples)
+        distance = float(np.linalg.norm(samples.tip - self.centre, axis=1).max())
+        if distance > (allowed := self.config.scene.workspace_radius):
+            raise OutsideWorkspace(distance, allowed)
+        return path
+
+    def _check_joints(self, samples: Samples) -> None:
+        for q in (samples.q[:, 0].min(axis=0), samples.q[:, 0].max(axis=0)):
+            self.limits.require(q)
+
+    def _check_trocar(self, samples: Samples) -> None:
+        allowed = self.config.rcm.planned_tolerance
+        if (worst := float(samples.rcm_error.max())) > allowed:
+            raise TrocarDrift(worst, allowed)
+        least, most = self.config.rcm.insertion
+        depth = SHAFT_LENGTH - samples.along
+        for value in (float(depth.min()), float(depth.max())):
+            if not least <= value <= most:
+                raise InsertionOutOfRange(value, least, most)
+
+
+def grasp_pose(config: MotionConfig) -> Array:
+    """Pose of tool_tip in base_link at the grasp: jaws along -y, opening about z. Shape (4, 4)."""
+    y = -_unit(config.scene.approach_axis)
+    z = _unit(config.scene.jaw_axis)
+    z = _unit(z - y * float(y @ z))
+    T = np.eye(4)
+    T[:3, 0], T[:3, 1], T[:3, 2] = np.cross(y, z), y, z
+    T[:3, 3] = config.scene.grasp_point
+    return T
+
+
+def _unit(direction: object) -> Vector:
+    vector = np.array(direction, dtype=np.float64)
+    unit: Vector = vector / np.linalg.norm(vector)
+    return unit

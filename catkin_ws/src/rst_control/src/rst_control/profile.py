@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Jerk-limited motion of one number: to a target that may change, to a speed, or to rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import ruckig
+
+from rst_control.errors import RstError
+from rst_control.types import PathState
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What a profile keeps; metres on a path, radians for jaws."""
+
+    speed: float  # [m/s]
+    acceleration: float  # [m/s^2]
+    jerk: float  # [m/s^3]
+
+
+class ProfileError(RstError):
+    """Ruckig found no profile; the numbers asked for make none possible."""
+
+
+class Profile:
+    """Motion of s; each change of target or mode goes on from the present speed and acceleration.
+
+    Args:
+        state: Where it starts.
+        bounds: Speed, acceleration and jerk that it keeps.
+    """
+
+    def __init__(self, state: PathState, bounds: Bounds) -> None:
+        self.bounds = bounds
+        self._solver = ruckig.Ruckig(1)
+        self._trajectory = ruckig.Trajectory(1)
+        self._state = state
+        self._time = 0.0
+        self.brake()
+
+    @property
+    def state(self) -> PathState:
+        """Where s is now."""
+        return self._state
+
+    @property
+    def is_done(self) -> bool:
+        """Whether s rests at the target, or at rest after braking."""
+        return self._time >= self._trajectory.duration
+
+    @property
+    def remaining(self) -> float:
+        """Time until it is done [s]."""
+        return max(0.0, float(self._trajectory.duration) - self._time)
+
+    @property
+    def end(self) -> float:
+        """Where s will be once done [m]."""
+        return float(self._trajectory.at_time(self._trajectory.duration)[0][0])
+
+    def go_to(self, target: float, bounds: Bounds | None = None) -> None:
+        """Head for a target and stop there, from the present motion; may change the bounds."""
+        self.bounds = bounds or self.bounds
+        request = self._request(self.bounds)
+        request.target_position = [target]
+        self._plan(request)
+
+    def go_at(self, speed: float) -> None:
+        """Change to a speed [m/s] as fast as the bounds allow, and keep it."""
+        request = self._request(self.bounds)
+        request.control_interface = ruckig.ControlInterface.Velocity
+        request.target_velocity = [speed]
+        self._plan(request)
+
+    def brake(self) -> None:
+        """Come to rest as soon as the bounds allow."""
+        self.go_at(0.0)
+
+    def step(self, dt: float) -> PathState:
+        """Move on by a time [s]; returns the state then."""
+        self._time += dt
+        duration = self._trajectory.duration
+        (s,), (speed,), (acceleration,) = self._trajectory.at_time(self._time)
+        if self._time >= duration and abs(speed) < 1e-12:
+            speed = acceleration = 0.0
+        self._state = PathState(s, speed, acceleration)
+        return self._state
+
+    def _request(self, bounds: Bounds) -> ruckig.InputParameter:
+        request = ruckig.InputParameter(1)
+        request.current_position = [self._state.s]
+        request.current_velocity = [self._state.speed]
+        request.current_acceleration = [self._state.acceleration]
+        request.max_velocity = [bounds.speed]
+        request.max_acceleration = [bounds.acceleration]
+        request.max_jerk = [bounds.jerk]
+        return request
+
+    def _plan(self, request: ruckig.InputParameter) -> None:
+        trajectory = ruckig.Trajectory(1)
+        outcome = self._solver.calculate(request, trajectory)
+        if outcome not in (ruckig.Result.Working, ruckig.Result.Finished):
+            raise ProfileError(f"no profile from {self._state} within {self.bounds}: {outcome}")
+        self._trajectory, self._time = trajectory, 0.0
+
+
+def stopping_distance(state: PathState, bounds: Bounds) -> float:
+    """How far s still goes if it brakes now [m]."""
+    return Profile(state, bounds).end - state.s

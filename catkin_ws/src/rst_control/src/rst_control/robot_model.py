@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads the URDF: the compiled chain for control, and KDL chains as the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as Xml
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.config import URDF_FILE
+from rst_control.errors import RobotModelError
+from rst_control.types import ARM_JOINTS
+
+Array = NDArray[np.float64]
+MOVING = (
+    *ARM_JOINTS,
+    "joint_pitch",
+    "joint_finger_left",
+)  # whose values are q: the last one is yaw
+FRAMES = ("interface_link", "tool0", "tool_tip")  # in the order of `chain.SHAFT` and so on
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """How one link hangs on its parent."""
+
+    joint: str
+    type: str
+    parent: str
+    xyz: tuple[float, float, float]  # [m]
+    rpy: tuple[float, float, float]  # [rad], fixed axes
+    lower: float  # [rad]
+    upper: float  # [rad]
+
+    @property
+    def T_parent_link(self) -> Array:
+        """Pose of the link in its parent at joint angle zero. Shape (4, 4)."""
+        T = np.eye(4)
+        T[:3, :3] = rotation(self.rpy)
+        T[:3, 3] = self.xyz
+        return T
+
+
+@dataclass(frozen=True, eq=False)
+class RobotModel:
+    """The robot as its URDF describes it."""
+
+    links: dict[str, Link]  # by the name of the link
+    chain: Array  # (12, 3, 4), see chain.py, read-only
+
+    def route(self, tip: str) -> tuple[str, ...]:
+        """Links from the base, which is left out, to the tip.
+
+        Raises:
+            RobotModelError: There is no such link.
+        """
+        route: list[str] = []
+        while tip != "base_link":
+            if tip not in self.links:
+                raise RobotModelError(f"no link {tip!r}, allowed: {', '.join(self.links)}")
+            route.append(tip)
+            tip = self.links[tip].parent
+        return tuple(reversed(route))
+
+
+@lru_cache(maxsize=4)
+def load_robot(path: Path = URDF_FILE) -> RobotModel:
+    """Read a URDF file; cached, since the result never changes.
+
+    Raises:
+        RobotModelError: It is not this robot's.
+        OSError: The file cannot be read.
+    """
+    return parse_robot(path.read_text(encoding="utf-8"))
+
+
+def parse_robot(text: str) -> RobotModel:
+    """Read a URDF text, such as the parameter `robot_description`.
+
+    Raises:
+        RobotModelError: It is not this robot's.
+    """
+    try:
+        joints = Xml.fromstring(text).iter("joint")
+        links = dict(_read_link(joint) for joint in joints)
+    except (Xml.ParseError, AttributeError, KeyError, ValueError) as error:
+        raise RobotModelError(f"URDF cannot be read: {error}") from error
+    model = RobotModel(links, np.zeros((12, 3, 4)))
+    model.chain[:] = _compile(model)
+    model.chain.flags.writeable = False
+    return model
+
+
+def kdl_chain(model: RobotModel, tip: str) -> Any:
+    """PyKDL chain from base_link to a link; Debian has no kdl_parser for Python.
+
+    KDL's solvers only refer to their chain, so keep it as long as them.
+    """
+    import PyKDL
+
+    chain = PyKDL.Chain()
+    for name in model.route(tip):
+        link = model.links[name]
+        frame = PyKDL.Frame(PyKDL.Rotation.RPY(*link.rpy), PyKDL.Vector(*link.xyz))
+        if link.type == "fixed":
+            joint = PyKDL.Joint(link.joint, PyKDL.Joint.Fixed)
+        else:  # KDL turns about an axis of the parent, which here goes through the link's origin
+            axis = frame.M * PyKDL.Vector(0.0, 0.0, 1.0)
+            joint = PyKDL.Joint(link.joint, frame.p, axis, PyKDL.Joint.RotAxis)
+        chain.addSegment(PyKDL.Segment(name, joint, frame))
+    return chain
+
+
+def rotation(rpy: Sequence[float]) -> Array:
+    """Rotation matrix of roll, pitch and yaw about fixed axes [rad]. Shape (3, 3)."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def _read_link(joint: Xml.Element) -> tuple[str, Link]:
+    origin, limit, axis = joint.find("origin"), joint.find("limit"), joint.find("axis")
+    _require_z_axis(axis)
+    bounds = {} if limit is None else limit.attrib
+    link = Link(
+        joint=joint.attrib["name"],
+        type=joint.attrib["type"],
+        parent=joint.find("parent").attrib["link"],  # type: ignore[union-attr]
+        xyz=_triple(origin.attrib["xyz"]),  # type: ignore[union-attr]
+        rpy=_triple(origin.attrib["rpy"]),  # type: ignore[union-attr]
+        lower=float(bounds.get("lower", "-inf")),
+        upper=float(bounds.get("upper", "inf")),
+    )
+    return joint.find("child").attrib["link"], link  # type: ignore[union-attr]
+
+
+def _require_z_axis(axis: Xml.Element | None) -> None:
+    """Refuse a joint that does not turn about its own z axis.
+
+    Raises:
+        RobotModelError: It does not.
+    """
+    if axis is not None and _triple(axis.attrib["xyz"]) != (0.0, 0.0, 1.0):
+        raise RobotModelError(f"joint axis {axis.attrib['xyz']}, allowed: 0 0 1")
+
+
+def _triple(text: str) -> tuple[float, float, float]:
+    x, y, z = (float(word) for word in text.split())
+    return x, y, z
+
+
+def _compile(model: RobotModel) -> Array:
+    by_joint = {link.joint: name for name, link in model.links.items()}
+    missing = [name for name in MOVING if name not in by_joint]
+    missing += [name for name in FRAMES if name not in model.links]
+    if missing:
+        raise RobotModelError(f"URDF without {', '.join(missing)}")
+    if tuple(j for j in _moving(model, "tool_tip")) != MOVING:
+        raise RobotModelError(f"joints up to tool_tip are not {', '.join(MOVING)}")
+    targets = [by_joint[name] for name in MOVING] + list(FRAMES)
+    return np.array([_behind_joint(model, name)[:3] for name in targets])
+
+
+def _moving(model: RobotModel, tip: str) -> list[str]:
+    links = [model.links[name] for name in model.route(tip)]
+    return [link.joint for link in links if link.type != "fixed"]
+
+
+def _behind_joint(model: RobotModel, name: str) -> Array:
+    """Pose of a link in the last moving link before it."""
+    link = model.links[name]
+    T = link.T_parent_link
+    while link.parent != "base_link" and model.links[link.parent].type == "fixed":
+        link = model.links[link.parent]
+        T = link.T_parent_link @ T
+    return T

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The controller node: commands in words and action goals in, joint set-points out, 500 times a second."""
+
+from __future__ import annotations
+
+import gc
+import sys
+import time
+from contextlib import ExitStack
+
+import rospy
+from geometry_msgs.msg import PointStamped
+from typed_config import ConfigError, load_config
+
+from rst_control.assembly import make_executor, make_verify
+from rst_control.config import MotionConfig
+from rst_control.desk import CommandDesk
+from rst_control.errors import RstError
+from rst_control.msg import ControllerState, Event
+from rst_control.robot_model import RobotModel, parse_robot
+from rst_control.ros.action_server import AssistServer
+from rst_control.ros.command_service import CommandService
+from rst_control.ros.control_loop import ControlLoop
+from rst_control.ros.diagnostics import Diagnostics
+from rst_control.ros.messages import RosClock, event_message, state_message, trocar_message
+from rst_control.ros.robot_link import RobotLink
+from rst_control.ros.worker import Worker
+
+FEEDBACK_RATE = 20.0  # [Hz] to action clients
+DIAGNOSTICS_PERIOD = 1.0  # [s]
+COLLECT_PERIOD = 30.0  # [s] between collections of garbage, at rest only
+BRAKING_TIME = 1.0  # [s] that a motion gets to brake when the node is shut down
+
+
+class ControllerNode:
+    """Everything that belongs to the node, as a context: inside it the loop runs.
+
+    Args:
+        config: Settings.
+        model: The robot.
+    """
+
+    def __init__(self, config: MotionConfig, model: RobotModel) -> None:
+        settings = config.controller
+        self._clock = RosClock()
+        self._link = RobotLink(self._clock)
+        self._executor = make_executor(config, model, self._link.clear_fault)
+        self._desk = CommandDesk(self._executor, make_verify(config, model), time.monotonic)
+        self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
+        self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
+        self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
+        self._trocar = rospy.Publisher("rst_control/trocar", PointStamped, queue_size=1, latch=True)
+        self._trocar.publish(trocar_message(config.scene.trocar))
+        self._diagnostics = Diagnostics()
+        self._actions = AssistServer(self._desk, self._executor)
+        self._service = CommandService(
+            self._desk,
+            self._executor,
+            settings.spoken_by,
+            settings.watchdogs.voice_heartbeat_age,
+        )
+        self._state_period = 1.0 / settings.state_rate
+        self._due = dict.fromkeys(("feedback", "diagnostics", "collect"), 0.0)
+        self._is_sending = False
+        self._stack = ExitStack()
+
+    def __enter__(self) -> ControllerNode:
+        for name, step in (
+            ("planning", self._plan),
+            ("publishing", self._publish),
+            ("action", lambda: self._actions.take_news(timeout=0.2)),
+        ):
+            self._stack.enter_context(Worker(name, step, self._diagnostics.error))
+        self._stack.enter_context(self._loop)
+        self._service.start()
+        self._actions.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def brake(self) -> None:
+        """Bring the robot to rest before the node ends."""
+        self._executor.stop("the controller is being shut down")
+        end = time.monotonic() + BRAKING_TIME
+        while self._executor.view.is_moving and time.monotonic() < end:
+            time.sleep(0.005)
+
+    def _tick(self, due: float) -> None:
+        setpoint = self._executor.tick(due, self._link.measured_js())
+        if setpoint is not None:
+            self._link.servo_jp(setpoint)
+        elif self._is_sending:
+            self._link.hold()
+        self._is_sending = setpoint is not None
+
+    def _plan(self) -> None:
+        ticket = self._desk.next(timeout=0.2)
+        if ticket is None:
+            return
+        try:
+            self._desk.check(ticket)
+        except Exception as error:  # the caller must hear of it; the worker reports it
+            self._desk.fail(ticket, error)
+            raise
+
+    def _publish(self) -> None:
+        time.sleep(self._state_period)
+        view = self._executor.view
+        self._state.publish(state_message(view, self._clock))
+        while self._executor.diary:
+            self._event.publish(event_message(self._executor.diary.popleft(), self._clock))
+        now = time.monotonic()
+        if self._is_due("feedback", now, 1.0 / FEEDBACK_RATE):
+            self._actions.publish_feedback()
+        if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
+            loop, age = self._loop.statistics.summary(), now - self._service.last_command
+            self._diagnostics.publish(view, loop, self._link.objection, age)
+        if not view.is_moving and self._is_due("collect", now, COLLECT_PERIOD):
+            gc.collect()
+
+    def _is_due(self, what: str, now: float, period: float) -> bool:
+        if now < self._due[what]:
+            return False
+        self._due[what] = now + period
+        return True
+
+
+def main() -> None:
+    """Run the controller node."""
+    rospy.init_node("controller")
+    try:
+        config = load_config(MotionConfig, rospy.get_param("~", {}), "controller parameters")
+        node = ControllerNode(config, parse_robot(rospy.get_param("robot_description")))
+    except (ConfigError, RstError, KeyError) as error:
+        rospy.logfatal(f"the controller cannot start: {error}; start it by launch/controller.launch")
+        sys.exit(2)
+    with node:
+        rospy.on_shutdown(node.brake)
+        rospy.loginfo("controller ready; it waits for the robot and for commands")
+        rospy.spin()

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values of the core to ROS messages and back."""
+
+from __future__ import annotations
+
+import time
+
+import rospy
+from geometry_msgs.msg import PointStamped
+
+from rst_control.lifecycle import LATCHED
+from rst_control.msg import AssistFeedback, AssistResult, ControllerState, Event
+from rst_control.orders import DiaryEntry, Outcome, View
+
+BASE = "base_link"
+CLOCK_JUMP = 1e-3  # [s] change of the wall clock against the steady one that is taken over
+
+
+class RosClock:
+    """Translates the steady clock, which everything inside uses, into stamps of ROS."""
+
+    def __init__(self) -> None:
+        self._offset = time.time() - time.monotonic()
+
+    def stamp(self, steady: float) -> rospy.Time:
+        """Stamp of a moment given by time.monotonic() [s]."""
+        offset = time.time() - time.monotonic()
+        if abs(offset - self._offset) > CLOCK_JUMP:
+            self._offset = offset
+        return rospy.Time.from_sec(max(0.0, steady + self._offset))
+
+
+def state_message(view: View, clock: RosClock) -> ControllerState:
+    """The controller's state for `rst_control/state`."""
+    life, motion = view.life, view.motion
+    message = ControllerState(
+        state=life.state.value,
+        phase=view.phase,
+        command=view.command,
+        active=life.is_active,
+        halted=life.state in LATCHED,
+        halt_reason=life.reason if life.is_latched else "",
+        tissue_held=view.is_tissue_held,
+        progress=motion.progress if motion else 1.0,
+        path_position=view.path_position,
+        path_speed=motion.path_speed if motion else 0.0,
+        rcm_error=view.rcm_error,
+        tension=view.tension,
+        tension_target=view.tension_target,
+        last_refusal=view.last_refusal,
+    )
+    message.header.stamp = clock.stamp(view.stamp)
+    message.header.frame_id = BASE
+    return message
+
+
+def event_message(entry: DiaryEntry, clock: RosClock) -> Event:
+    """A diary entry for `rst_control/event`."""
+    message = Event(kind=entry.kind, command=entry.command, message=entry.message)
+    message.header.stamp = clock.stamp(entry.stamp)
+    return message
+
+
+def feedback_message(view: View) -> AssistFeedback:
+    """Progress of an action goal."""
+    return AssistFeedback(
+        phase=view.phase,
+        progress=view.motion.progress if view.motion else 1.0,
+        tension=view.tension,
+        rcm_error=view.rcm_error,
+    )
+
+
+def result_message(outcome: Outcome) -> AssistResult:
+    """Ending of an action goal."""
+    return AssistResult(
+        outcome=outcome.kind,
+        reason=outcome.reason,
+        tension=outcome.tension,
+        max_rcm_error=outcome.max_rcm_error,
+    )
+
+
+def trocar_message(trocar: tuple[float, float, float]) -> PointStamped:
+    """The remote centre of motion [m], frame base_link."""
+    message = PointStamped()
+    message.header.frame_id = BASE
+    message.header.stamp = rospy.Time.now()
+    message.point.x, message.point.y, message.point.z = trocar
+    return message

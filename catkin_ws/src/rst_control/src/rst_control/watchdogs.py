@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What makes the controller brake and latch: each check is a pure function of what was measured and commanded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rst_control.config import WatchdogConfig
+from rst_control.types import JOINTS, Measurement, Reason, Rejected, Vector
+
+
+@dataclass(frozen=True)
+class WatchdogLimits:
+    """Settings of the watchdogs, gathered from their files."""
+
+    settings: WatchdogConfig
+    rcm_error: float  # [m]
+    tension: float  # [N]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Watched:
+    """What a motion shows to the watchdogs in one tick."""
+
+    setpoint: Vector  # (10,), [rad] last commanded
+    rcm_error: float  # [m] measured
+    raises_tension: bool  # the present phase may pull
+    needs_grip: bool  # the present phase pulls on tissue
+    phase_age: float  # [s] since the phase began
+    heartbeat_age: float | None  # [s] of the voice node; None: the command was not spoken
+
+
+class Watchdogs:
+    """Names the first thing that is wrong; an empty string means that nothing is."""
+
+    def __init__(self, limits: WatchdogLimits) -> None:
+        self._limits = limits
+        self._settings = limits.settings
+
+    def robot(self, now: float, measured: Measurement | None) -> Rejected | None:
+        """Whether the robot is there and speaks, at rest as in motion."""
+        if measured is None or not measured.connected:
+            return Rejected(Reason.NOT_CONNECTED, "robot not connected")
+        age, allowed = now - measured.stamp, self._settings.joint_state_age
+        if age > allowed:
+            words = f"joint states stale, {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
+            return Rejected(Reason.STALE, words)
+        if measured.fault:
+            return Rejected(Reason.FAULTED, f"robot fault: {measured.fault}")
+        return None
+
+    def following(self, measured: Measurement, setpoint: Vector) -> str:
+        """Whether every joint is where it was sent."""
+        error = np.abs(measured.position - setpoint)
+        joint = int(error.argmax())
+        if error[joint] <= self._settings.following_error:
+            return ""
+        return (
+            f"{JOINTS[joint]} {error[joint]:.3f} rad off its set-point, "
+            f"allowed {self._settings.following_error:.3f}"
+        )
+
+    def is_at_rest(self, measured: Measurement) -> bool:
+        """Whether every joint is measured at rest."""
+        return bool(np.abs(measured.velocity).max() <= self._settings.at_rest_speed)
+
+    def motion(self, now: float, measured: Measurement | None, watched: Watched) -> str:
+        """Whether a motion may go on."""
+        lost = self.robot(now, measured)
+        if lost is not None or measured is None:
+            return lost.words if lost else ""
+        return (
+            self.following(measured, watched.setpoint)
+            or self._rcm(watched.rcm_error)
+            or self._tension(measured, watched)
+            or self._grip(measured, watched)
+            or self._times(watched)
+        )
+
+    def _rcm(self, error: float) -> str:
+        allowed = self._limits.rcm_error
+        if error <= allowed:
+            return ""
+        return f"shaft {error * 1e3:.2f} mm off the trocar, allowed {allowed * 1e3:.2f} mm"
+
+    def _tension(self, measured: Measurement, watched: Watched) -> str:
+        allowed = self._limits.tension
+        if not watched.raises_tension or measured.tension <= allowed:
+            return ""
+        return f"tension {measured.tension:.2f} N, allowed {allowed:.2f} N"
+
+    def _grip(self, measured: Measurement, watched: Watched) -> str:
+        return "tissue slipped from the jaws" if watched.needs_grip and not measured.gripped else ""
+
+    def _times(self, watched: Watched) -> str:
+        age, allowed = watched.heartbeat_age, self._settings.voice_heartbeat_age
+        if age is not None and age > allowed:
+            return f"voice node silent for {age:.1f} s, allowed {allowed:.1f} s"
+        if watched.phase_age > self._settings.phase_timeout:
+            return f"phase took longer than {self._settings.phase_timeout:.0f} s"
+        return ""

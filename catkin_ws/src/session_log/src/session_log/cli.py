@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The command `session_log`: look into recordings, mend them, take things out, report."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from datetime import datetime
+from pathlib import Path
+
+from session_log.config import ReportConfig
+from session_log.errors import OutputFailed, SessionLogError
+from session_log.reader import SessionReader
+from session_log.survey import Survey, survey
+from typed_config import ConfigError, load_config, load_yaml
+
+CONFIG = Path(__file__).resolve().parents[2] / "config" / "report.yaml"
+
+
+def main(words: Sequence[str] | None = None) -> None:
+    """Run the command line; exits with 0, or with 1 and what is wrong."""
+    arguments = _parser().parse_args(words)
+    try:
+        code = arguments.run(arguments)
+    except (SessionLogError, ConfigError) as error:
+        print(f"session_log: {error}", file=sys.stderr)
+        code = 1
+    except BrokenPipeError:
+        code = 1
+    sys.exit(code)
+
+
+def _info(arguments: argparse.Namespace) -> int:
+    result = survey(SessionReader(arguments.session))
+    if arguments.json:
+        print(json.dumps(_as_json(result), indent=2))
+    else:
+        _print_survey(result, arguments.session)
+    return 0
+
+
+def _recover(arguments: argparse.Namespace) -> int:
+    from session_log.recover import recover
+
+    reader = SessionReader(arguments.session, tolerant=True)
+    target = arguments.out or reader.path.with_name(reader.path.stem + "_recovered.mcap")
+    if target.exists():
+        raise OutputFailed(target, FileExistsError(0, "it exists already"))
+    result = recover(reader, target)
+    print(f"{target}: {result.messages} messages, {result.duration:.1f} s")
+    for line in _losses(result):
+        print(line)
+    return 0
+
+
+def _export(arguments: argparse.Namespace) -> int:
+    from session_log.export import export
+
+    config = _config(arguments.config)
+    topics = config.topics
+    wanted = arguments.topic or [topics.utterance, topics.event, topics.state, topics.mode]
+    reader = SessionReader(arguments.session)
+    folder = arguments.out or reader.path.parent / "export"
+    result = export(reader, folder, wanted, topics.audio)
+    for path, rows in result.rows.items():
+        print(f"{path}: {rows} rows")
+    for topic in sorted(set(wanted) - {t for t in wanted if _is_written(t, result.rows)}):
+        print(f"{topic}: nothing recorded")
+    if result.sound:
+        print(f"{result.sound}: {result.samples} samples, {result.lost_samples} lost")
+    if result.undecodable:
+        print(f"{result.undecodable} messages do not fit their definition")
+    return 0
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from session_log.report import write_report
+
+    config = _config(arguments.config)
+    reader = SessionReader(arguments.session)
+    report = write_report(reader, arguments.out or reader.path.parent, config)
+    print(f"{report.page}")
+    for path in report.figures:
+        print(f"{path}")
+    return 0
+
+
+def _config(path: Path) -> ReportConfig:
+    return load_config(ReportConfig, load_yaml(path), path.name)
+
+
+def _is_written(topic: str, rows: dict[Path, int]) -> bool:
+    return any(path.stem == topic.strip("/").replace("/", "_") for path in rows)
+
+
+def _print_survey(result: Survey, path: Path) -> None:
+    began = datetime.fromtimestamp(result.start * 1e-9).astimezone() if result.start else None
+    print(f"{path}: {result.messages} messages, {result.duration:.1f} s")
+    if began:
+        print(f"began {began:%Y-%m-%d %H:%M:%S %Z}")
+    for line in _losses(result):
+        print(line)
+    width = max((len(name) for name in result.topics), default=5)
+    print(f"\n{'topic':{width}}  {'messages':>9}  {'rate':>9}  {'missing':>7}  type")
+    for name, topic in sorted(result.topics.items()):
+        rate = f"{topic.rate:.1f} Hz" if topic.messages > 1 else "-"
+        print(f"{name:{width}}  {topic.messages:9}  {rate:>9}  {topic.missing:7}  {topic.datatype}")
+    latest = dict(result.condition.metadata)
+    for name in (n for n in latest if n != "parameters"):
+        print(f"\n[{name}]")
+        for key, value in latest[name].items():
+            print(f"{key}: {_first_line(value)}")
+
+
+def _first_line(value: str) -> str:
+    lines = value.splitlines()
+    return value if len(lines) < 2 else f"{lines[0]} (and {len(lines) - 1} more lines)"
+
+
+def _losses(result: Survey) -> list[str]:
+    """Say in words what is wrong with a recording; sound ones say so too."""
+    condition = result.condition
+    lines = []
+    if not condition.is_closed:
+        lines.append("not closed: the recorder was killed, or is still running")
+    if condition.checksum == "wrong":
+        lines.append("checksum wrong: the file was changed after it was written")
+    for damage in condition.damage:
+        lines.append(f"lost {damage.length} bytes at {damage.offset}: {damage.what}")
+    if result.missing:
+        lines.append(f"{result.missing} messages were received but are not in the file")
+    return lines or ["complete" + (", checksum good" if condition.checksum == "good" else "")]
+
+
+def _as_json(result: Survey) -> dict[str, object]:
+    topics = {
+        name: {**asdict(topic), "publishers": sorted(topic.publishers), "rate": topic.rate}
+        for name, topic in result.topics.items()
+    }
+    condition = asdict(result.condition)
+    condition["metadata"] = dict(result.condition.metadata)
+    start = result.start * 1e-9
+    return {"start": start, "duration": result.duration, "condition": condition, "topics": topics}
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="session_log", description=__doc__)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    info = _command(commands, "info", _info, "say what a recording holds and what it lost")
+    info.add_argument("--json", action="store_true", help="as JSON")
+    recover = _command(commands, "recover", _recover, "copy what is readable to a sound file")
+    recover.add_argument("--out", type=Path, help="file to write; default: beside the recording")
+    export = _command(commands, "export", _export, "topics to CSV, sound to WAV")
+    export.add_argument("--out", type=Path, help="folder; default: export beside the recording")
+    export.add_argument("--topic", action="append", help="a topic to write, instead of the usual")
+    report = _command(commands, "report", _report, "one HTML page and its figures as PNG")
+    report.add_argument("--out", type=Path, help="folder; default: that of the recording")
+    for command in (export, report):
+        command.add_argument("--config", type=Path, default=CONFIG, help="settings of the report")
+    return parser
+
+
+def _command(commands: object, name: str, run: object, words: str) -> argparse.ArgumentParser:
+    parser: argparse.ArgumentParser = commands.add_parser(name, help=words, description=words)  # type: ignore[attr-defined]
+    parser.add_argument("session", type=Path, help="an MCAP file, or the folder of a session")
+    parser.set_defaults(run=run)
+    return parser
+
+
+if __name__ == "__main__":
+    main()

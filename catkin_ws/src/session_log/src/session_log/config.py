@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Settings of the recorder and of the report; the YAML files under config/ explain each key."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from typed_config import flag, integer, items, number, text
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecorderConfig:
+    """What to record, where to, and how much may wait in memory."""
+
+    folder: str = text()
+    name: str = text(may_be_empty=True)
+    exclude: tuple[str, ...] = text()
+    subscribe_early: tuple[str, ...] = text()
+    wait_for: tuple[str, ...] = text()
+    wait_timeout: float = number(0.0, 3600.0, "s")
+    discovery_period: float = number(0.05, 10.0, "s")
+    flush_period: float = number(0.0005, 1.0, "s")
+    sync_period: float = number(0.0, 3600.0, "s")
+    retry_period: float = number(0.05, 60.0, "s")
+    queue_messages: int = integer(100, 10_000_000, "messages")
+    queue_size: int = integer(1_000_000, 8_000_000_000, "B")
+    low_space: int = integer(0, 1_000_000_000_000, "B")
+    acknowledge_rate: float = number(0.1, 100.0, "Hz")
+    parameters_period: float = number(0.5, 3600.0, "s")
+    seed: int = integer(0, 2**31 - 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportTopics:
+    """Where the report looks for what."""
+
+    utterance: str = text()
+    mode: str = text()
+    audio: str = text()
+    event: str = text()
+    state: str = text()
+    tension: str = text()
+    joint_states: str = text()
+    set_points: str = text()
+    picture: str = text()
+    diagnostics: str = text()
+
+
+@dataclass(frozen=True, kw_only=True)
+class PaperLatency:
+    """One row of the paper's table 1."""
+
+    command: str = text()
+    latency: float = number(0.0, 60.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportConfig:
+    """What the report reads and the lines it draws."""
+
+    topics: ReportTopics
+    rcm_limit: float = number(0.0, 1.0, "m")
+    match_window: float = number(0.0, 60.0, "s")
+    motion_window: float = number(0.0, 600.0, "s")
+    sample_period: float = number(0.0, 10.0, "s")
+    late_factor: float = number(1.0, 100.0, "")
+    pictures: int = integer(0, 64)
+    paper_hardware: str = text()
+    paper_latency: tuple[PaperLatency, ...] = items(0, 100)
+    resolution: int = integer(50, 600, "dpi")
+    vector: bool = flag()

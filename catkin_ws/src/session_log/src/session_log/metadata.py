@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Facts about a session that its messages do not tell: code, machine, versions, settings."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import subprocess
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+PACKAGES = ("numpy", "torch", "openai-whisper", "pybullet", "ruckig", "mcap", "matplotlib")
+HASHED_SUFFIX = "_sha256"
+
+
+def code_facts(folder: Path) -> dict[str, str]:
+    """Name the git commit of the working tree that holds `folder`, and whether it was changed."""
+    commit = _git(folder, "rev-parse", "HEAD")
+    if not commit:
+        return {"commit": "unknown", "changed_files": ""}
+    changed = _git(folder, "status", "--porcelain")
+    return {"commit": commit, "changed_files": changed}
+
+
+def machine_facts() -> dict[str, str]:
+    """Name the machine, its system and its processor."""
+    return {
+        "host": platform.node(),
+        "system": platform.platform(),
+        "processor": _processor(),
+        "cores": str(os.cpu_count()),
+        "memory_bytes": str(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")),
+        "python": platform.python_version(),
+    }
+
+
+def version_facts(packages: Iterable[str] = PACKAGES) -> dict[str, str]:
+    """Name the installed version of each package; those that are not installed are left out."""
+    found = {}
+    for package in packages:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def session_facts(started: int, seed: int) -> dict[str, str]:
+    """Name when the session started ([ns] since 1970) and its random seed."""
+    time = datetime.fromtimestamp(started * 1e-9, tz=UTC)
+    return {"started": time.isoformat(timespec="milliseconds"), "seed": str(seed)}
+
+
+def parameter_facts(parameters: Mapping[str, Any]) -> dict[str, str]:
+    """Flatten the parameter server into one YAML text per top-level key; the URDF is kept apart."""
+    return {
+        key: yaml.safe_dump(value, default_flow_style=False, width=120).strip()
+        for key, value in sorted(parameters.items())
+        if key != "robot_description"
+    }
+
+
+def named_facts(facts: Mapping[str, Any]) -> dict[str, str]:
+    """Turn what a node says about itself into text; a named file gets its hash beside it."""
+    words = {str(key): str(value) for key, value in facts.items()}
+    for key, value in list(words.items()):
+        path = Path(value)
+        if path.is_absolute() and path.is_file() and key + HASHED_SUFFIX not in words:
+            words[key + HASHED_SUFFIX] = file_hash(path)
+    return words
+
+
+def file_hash(path: Path) -> str:
+    """SHA-256 of a file, in hexadecimal; empty if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""
+
+
+def _git(folder: Path, *words: str) -> str:
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(folder), *words],
+            capture_output=True,
+            text=True,
+            timeout=5.0,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return done.stdout.strip()
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Walks the records of an MCAP file and finds the way again after a damaged stretch."""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+from session_log.types import Damage
+
+MAGIC = b"\x89MCAP0\r\n"
+HEAD = struct.Struct("<BQ")  # opcode, length of the body
+LONGEST = 1 << 31  # [B] no record of ours is longer
+WINDOW = 1 << 20  # [B] searched at once for the next record
+
+HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06
+METADATA, DATA_END = 0x0C, 0x0F
+_SHORTEST = {HEADER: 8, FOOTER: 20, SCHEMA: 14, CHANNEL: 16, MESSAGE: 22, CHUNK: 40, DATA_END: 4}
+_CANDIDATE = re.compile(rb"(?=[\x01-\x0f][\s\S]{4}\x00{4})")  # opcode, length below 4 GiB
+
+
+@dataclass(frozen=True)
+class Record:
+    """One record as it stands in the file."""
+
+    offset: int  # [B]
+    opcode: int
+    body: bytes
+
+
+class RecordWalker:
+    """Iterates over the records of an open file.
+
+    Args:
+        file: Open for reading in binary, seekable.
+        accepts: Tells whether a record's first bytes (opcode, start of body) make sense.
+    """
+
+    def __init__(self, file: BinaryIO, accepts: Callable[[int, bytes], bool]) -> None:
+        self._file, self._accepts = file, accepts
+        self._size = file.seek(0, 2)
+
+    def walk(self, start: int) -> Iterator[Record | Damage]:
+        """Yield every record from `start` on, and a `Damage` for each stretch that is none.
+
+        Ends after a footer or at the end of the file.
+        """
+        position = start
+        while position < self._size:
+            record = self._read(position)
+            if record is not None:
+                yield record
+                position += HEAD.size + len(record.body)
+                if record.opcode == FOOTER:
+                    return
+                continue
+            found = self._find(position + 1)
+            yield _damage(position, found, self._size)
+            position = found
+
+    def _read(self, position: int) -> Record | None:
+        length = self._length(position)
+        if length is None:
+            return None
+        self._file.seek(position + HEAD.size)
+        opcode = self._opcode
+        body = self._file.read(length)
+        return Record(position, opcode, body)
+
+    def _length(self, position: int) -> int | None:
+        """Length of the body of the record at a position; None if there is no sound record."""
+        self._file.seek(position)
+        head = self._file.read(HEAD.size + 22)
+        if len(head) < HEAD.size:
+            return None
+        self._opcode, length = HEAD.unpack_from(head)
+        fits = length <= LONGEST and position + HEAD.size + length <= self._size
+        if not fits or length < _SHORTEST.get(self._opcode, 0):
+            return None
+        return length if self._accepts(self._opcode, head[HEAD.size :]) else None
+
+    def _find(self, start: int) -> int:
+        """Find the next position at which two sound records follow each other, or the end."""
+        for position in self._candidates(start):
+            length = self._length(position)
+            if length is None:
+                continue
+            end = position + HEAD.size + length
+            if end == self._size or self._length(end) is not None or self._is_ending(end):
+                return position
+        return self._size
+
+    def _candidates(self, start: int) -> Iterator[int]:
+        while start < self._size:
+            self._file.seek(start)
+            window = self._file.read(WINDOW + HEAD.size)
+            for match in _CANDIDATE.finditer(window):
+                if match.start() < WINDOW:
+                    yield start + match.start()
+            start += WINDOW
+
+    def _is_ending(self, position: int) -> bool:
+        self._file.seek(position)
+        return self._file.read(len(MAGIC)) == MAGIC
+
+
+def _damage(position: int, found: int, size: int) -> Damage:
+    what = "cut off inside a record" if found == size else "not readable as records"
+    return Damage(position, found - position, what)

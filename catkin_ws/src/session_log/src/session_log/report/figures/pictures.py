@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of the scene over the session."""
+
+from __future__ import annotations
+
+import io
+import math
+
+import matplotlib.image
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from session_log.report.figures.figure import Material, SessionFigure
+from session_log.report.style import Layout, new_figure
+from session_log.session_data import Picture
+
+
+class Pictures(SessionFigure):
+    """A sheet of pictures, each with its time."""
+
+    name = "scene"
+    title = "The scene"
+    lacking = "The recording holds no pictures of the scene."
+
+    def can_draw(self, material: Material) -> bool:
+        """Tell whether a readable picture was recorded."""
+        return any(_image(picture) is not None for picture in material.data.pictures)
+
+    def caption(self, material: Material) -> str:
+        """Say where they come from."""
+        topic = material.config.topics.picture
+        return f"Pictures from {topic}, with the time since the session began."
+
+    def draw(self, material: Material, layout: Layout) -> Figure:
+        """Draw the pictures in rows."""
+        shown = _spread(material)
+        columns = min(layout.columns, len(shown))
+        rows = math.ceil(len(shown) / columns)
+        height, width = shown[0][1].shape[:2]
+        cell = layout.width / columns
+        figure = new_figure(layout, rows * (cell * height / width + 0.2))
+        axes = figure.subplots(rows, columns, squeeze=False).ravel()
+        for ax in axes:
+            ax.set_axis_off()
+        for ax, (time, image) in zip(axes, shown, strict=False):
+            ax.imshow(image, interpolation="antialiased")
+            ax.set_title(f"{time:.1f} s", pad=2)
+        return figure
+
+
+def _spread(material: Material) -> list[tuple[float, NDArray[np.generic]]]:
+    read = [(p.time, _image(p)) for p in material.data.pictures]
+    good = [(time, image) for time, image in read if image is not None]
+    count = min(max(material.config.pictures, 1), len(good))
+    return [good[int(i)] for i in np.linspace(0, len(good) - 1, count).round()]
+
+
+def _image(picture: Picture) -> NDArray[np.generic] | None:
+    kind = "jpeg" if "jp" in picture.format else "png"
+    try:
+        return np.asarray(matplotlib.image.imread(io.BytesIO(picture.data), format=kind))
+    except (OSError, ValueError, SyntaxError):
+        return None

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""RCM error over time with its limit."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from session_log.analysis import rcm_above, rcm_while_moving
+from session_log.report.figures.figure import Material, SessionFigure
+from session_log.report.style import BLUE, RED, Layout, new_figure, shade_motion, thin, time_axis
+
+
+class RcmError(SessionFigure):
+    """Distance of the measured shaft line from the trocar."""
+
+    name = "rcm_error"
+    title = "RCM error"
+    lacking = "The recording holds no controller states."
+
+    def can_draw(self, material: Material) -> bool:
+        """Tell whether the controller's state was recorded."""
+        return len(material.data.controller) > 0
+
+    def caption(self, material: Material) -> str:
+        """Name the errors while moving."""
+        moving = rcm_while_moving(material.data)
+        if not moving.count:
+            return "Distance of the measured shaft line from the trocar. The robot did not move."
+        limit = material.config.rcm_limit
+        above = rcm_above(material.data, limit)
+        return (
+            "Distance of the measured shaft line from the trocar; shaded while the robot moves. "
+            f"While moving: RMS {moving.rms * 1e6:.1f} µm, 95 % {moving.p95 * 1e6:.1f} µm, "
+            f"largest {moving.largest * 1e6:.1f} µm; {above} of {moving.count} samples above "
+            f"the limit of {limit * 1e6:.0f} µm."
+        )
+
+    def draw(self, material: Material, layout: Layout) -> Figure:
+        """Draw error and limit in micrometres."""
+        table, limit = material.data.controller, material.config.rcm_limit * 1e6
+        figure = new_figure(layout, 2.2)
+        ax = figure.subplots()
+        shade_motion(ax, material.data.states)
+        time, error = thin(table["time"], table["rcm_error"] * 1e6)
+        ax.plot(time, error, color=BLUE, lw=0.8)
+        ax.axhline(limit, color=RED, lw=1.0, ls="--")
+        ax.annotate(
+            f"limit {limit:.0f} µm",
+            (1.0, limit),
+            xycoords=("axes fraction", "data"),
+            xytext=(-2, -3),
+            textcoords="offset points",
+            ha="right",
+            va="top",
+            color=RED,
+            fontsize=7.5,
+        )
+        ax.set_ylim(0.0, max(limit, float(error.max())) * 1.12)
+        ax.set_ylabel("RCM error [µm]")
+        time_axis(ax, material.duration)
+        return figure

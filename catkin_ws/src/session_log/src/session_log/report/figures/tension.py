@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pull of the tissue on the jaws over time, with its target."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from session_log.analysis import tension_error, tension_statistics
+from session_log.report.figures.figure import Material, SessionFigure
+from session_log.report.style import (
+    BLUE,
+    INK,
+    Layout,
+    new_figure,
+    shade_motion,
+    thin,
+    time_axis,
+)
+from session_log.session_data import Table
+
+
+class Tension(SessionFigure):
+    """Tension and the target that it was steered to."""
+
+    name = "tension"
+    title = "Tissue tension"
+    lacking = "The recording holds no tension."
+
+    def can_draw(self, material: Material) -> bool:
+        """Tell whether tension was recorded."""
+        return len(material.data.tension) > 0 or len(material.data.controller) > 0
+
+    def caption(self, material: Material) -> str:
+        """Name the largest tension and its distance from the target."""
+        pulled, error = tension_statistics(material.data), tension_error(material.data)
+        words = "Force of the tissue on the jaws and its target; shaded while the robot moves."
+        if pulled.count:
+            words += f" Largest with a target set: {pulled.largest:.2f} N."
+        if error.count:
+            words += (
+                f" Distance from the target while the robot holds: mean {error.mean:.2f} N, "
+                f"95 % {error.p95:.2f} N."
+            )
+        return words
+
+    def draw(self, material: Material, layout: Layout) -> Figure:
+        """Draw tension and target in newtons."""
+        data = material.data
+        figure = new_figure(layout, 2.2)
+        ax = figure.subplots()
+        shade_motion(ax, data.states)
+        measured: Table = data.tension if len(data.tension) else data.controller
+        time, tension = thin(measured["time"], measured["tension"])
+        ax.plot(time, tension, color=BLUE, lw=0.9, label="measured")
+        top = float(tension.max())
+        if len(data.controller):
+            target = data.controller["target"]
+            shown = np.where(target > 0, target, np.nan)
+            ax.plot(data.controller["time"], shown, color=INK, ls="--", lw=1.0, label="target")
+            top = max(top, float(target.max()))
+        ax.set_ylim(0.0, max(top, 0.1) * 1.25)
+        ax.set_ylabel("tension [N]")
+        ax.legend(loc="upper right", ncols=2, borderaxespad=0.2)
+        time_axis(ax, material.duration)
+        return figure

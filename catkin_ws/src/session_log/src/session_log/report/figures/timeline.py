@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Timeline: what was said, what was decided, what the robot did."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from session_log.report.figures.figure import Material, SessionFigure
+from session_log.report.style import (
+    GREEN,
+    INK,
+    QUIET,
+    RED,
+    SKY,
+    SOUND,
+    STATE_COLORS,
+    Layout,
+    new_figure,
+    thin,
+)
+from session_log.session_data import Heard, Span
+
+MOST_ROWS = 6
+LANES = 4
+LONGEST_LABEL = 26  # characters
+LETTER = 0.058  # [in] width of a letter of a label
+QUIETEST, LOUDEST = -70.0, 0.0  # [dBFS]
+
+
+@dataclass(frozen=True)
+class Row:
+    """The stretch of time that one row of the timeline shows."""
+
+    start: float  # [s]
+    end: float  # [s]
+    letter: float  # [s] width of a letter of a label
+
+
+class Timeline(SessionFigure):
+    """Speech, decisions, voice mode, robot state and phase."""
+
+    name = "timeline"
+    title = "Timeline"
+    lacking = "The recording holds no utterances, events or controller states."
+
+    def can_draw(self, material: Material) -> bool:
+        """Tell whether anything happened."""
+        data = material.data
+        return bool(data.heard or data.events or data.states)
+
+    def caption(self, material: Material) -> str:
+        """Count what happened."""
+        heard = material.data.heard
+        matched = sum(1 for h in heard if h.command)
+        refused = sum(1 for row in material.rows if row.outcome == "refused")
+        return (
+            f"{len(heard)} utterances, {matched} taken for a command, {len(heard) - matched} not; "
+            f"{refused} commands refused by the controller. Bars: speech; labels stand at the "
+            "decision. Grey: sound level."
+        )
+
+    def draw(self, material: Material, layout: Layout) -> Figure:
+        """Draw the session in rows of equal length."""
+        rows = _rows(material.duration, layout)
+        figure = new_figure(layout, 0.55 + 1.75 * len(rows))
+        heights = [1.0, 0.62] * len(rows)
+        axes = figure.subplots(2 * len(rows), 1, height_ratios=heights, squeeze=False)[:, 0]
+        for index, row in enumerate(rows):
+            speech, bands = axes[2 * index], axes[2 * index + 1]
+            _draw_speech(speech, material, row)
+            _draw_bands(bands, material, row)
+            for ax in (speech, bands):
+                ax.set_xlim(row.start, row.end)
+        axes[-1].set_xlabel("time since the session began [s]")
+        columns = 5 if layout.is_wide else 3
+        figure.legend(handles=_legend(material), loc="outside lower center", ncols=columns)
+        return figure
+
+
+def _rows(duration: float, layout: Layout) -> list[Row]:
+    count = min(max(math.ceil(duration / layout.seconds_per_row), 1), MOST_ROWS)
+    length = max(duration, 1.0) / count
+    letter = LETTER * length / (layout.width - 0.8)
+    return [Row(i * length, (i + 1) * length, letter) for i in range(count)]
+
+
+def _draw_speech(ax: Axes, material: Material, row: Row) -> None:
+    sound = material.data.sound
+    ax.set_ylim(-0.5, 1.0 + 0.8 * LANES)
+    ax.set_yticks([0.15], ["speech"])
+    ax.tick_params(axis="x", labelbottom=False, length=0)
+    ax.tick_params(axis="y", length=0)
+    ax.spines[["left", "bottom"]].set_visible(False)
+    if len(sound):
+        level = (sound["level"].clip(QUIETEST, LOUDEST) - QUIETEST) / (LOUDEST - QUIETEST)
+        time, level = thin(sound["time"], level)
+        ax.fill_between(time, -0.1, -0.1 + 0.8 * level, color=SOUND, lw=0)
+    visible = [h for h in material.data.heard if row.start <= h.decision < row.end]
+    for heard in material.data.heard:
+        length = max(heard.speech_end - heard.speech_start, 0.05)
+        color = GREEN if heard.command else QUIET
+        ax.barh(-0.3, length, left=heard.speech_start, height=0.3, color=color, lw=0)
+    if sum(len(_label(h)) * row.letter for h in visible) < 0.9 * LANES * (row.end - row.start):
+        _draw_labels(ax, material, visible, row)
+
+
+def _draw_labels(ax: Axes, material: Material, visible: list[Heard], row: Row) -> None:
+    refused = {id(r.heard) for r in material.rows if r.heard and r.outcome == "refused"}
+    free = [row.start] * LANES
+    for heard in sorted(visible, key=lambda h: h.decision):
+        words = _label(heard)
+        width = (len(words) + 2) * row.letter
+        left = min(heard.decision, row.end - width)
+        lane = next((i for i in range(LANES) if free[i] <= left), None)
+        if lane is None:
+            continue
+        free[lane] = left + width
+        color = RED if id(heard) in refused else INK if heard.command else QUIET
+        style = "normal" if heard.command else "italic"
+        y = 1.0 + 0.8 * lane
+        ax.plot([heard.decision] * 2, [-0.45, y + 0.5], color=color, lw=0.5, zorder=1)
+        ax.text(
+            left + 0.5 * row.letter,
+            y,
+            words,
+            fontsize=7,
+            color=color,
+            style=style,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
+            zorder=2,
+        )
+
+
+def _label(heard: Heard) -> str:
+    words = heard.command or f"“{heard.transcript}”"
+    return words if len(words) <= LONGEST_LABEL else words[: LONGEST_LABEL - 2] + "…”"
+
+
+def _draw_bands(ax: Axes, material: Material, row: Row) -> None:
+    data = material.data
+    modes = {"active": SKY, "standby": STATE_COLORS["standby"]}
+    _draw_band(ax, 2.0, data.modes, modes)
+    _draw_band(ax, 1.0, data.states, STATE_COLORS)
+    shades = _phase_colors(data.phases)
+    _draw_band(ax, 0.0, data.phases, shades)
+    for span in data.phases:
+        wide_enough = span.end - span.start > (len(span.word) + 0.5) * 0.75 * row.letter
+        if span.word and wide_enough and row.start <= span.start and span.end <= row.end:
+            middle = (span.start + span.end) / 2
+            ax.text(middle, 0.0, span.word, ha="center", va="center", fontsize=6.5)
+    for event in data.events:
+        if event.kind == "refused":
+            ax.plot(event.time, 1.0, marker="X", color=RED, ms=6, mec="white", mew=0.6)
+        if event.kind == "stop_received":
+            ax.plot(event.time, 1.0, marker="s", color=INK, ms=5, mec="white", mew=0.6)
+    ax.set_ylim(-0.5, 2.5)
+    ax.set_yticks([2.0, 1.0, 0.0], ["voice", "robot", "phase"])
+    ax.tick_params(axis="y", length=0)
+    ax.spines["left"].set_visible(False)
+
+
+def _draw_band(ax: Axes, y: float, spans: list[Span], colors: dict[str, str]) -> None:
+    for span in spans:
+        if span.word in colors:
+            width = span.end - span.start
+            ax.barh(y, width, left=span.start, height=0.72, color=colors[span.word], lw=0)
+
+
+def _phase_colors(phases: list[Span]) -> dict[str, str]:
+    shades = ("#cfe3f1", "#e6eff6")
+    words = dict.fromkeys(span.word for span in phases if span.word)
+    return {word: shades[i % 2] for i, word in enumerate(words)}
+
+
+def _legend(material: Material) -> list[Patch | Line2D]:
+    data = material.data
+    shown = {span.word for span in data.states}
+    handles: list[Patch | Line2D] = [Patch(color=GREEN, label="command")]
+    if any(not h.command for h in data.heard):
+        handles.append(Patch(color=QUIET, label="no command"))
+    if data.modes:
+        handles.append(Patch(color=SKY, label="voice active"))
+    handles += [
+        Patch(color=color, label=state) for state, color in STATE_COLORS.items() if state in shown
+    ]
+    if any(e.kind == "refused" for e in data.events):
+        handles.append(_marker("X", RED, "refused"))
+    if any(e.kind == "stop_received" for e in data.events):
+        handles.append(_marker("s", INK, "stop received"))
+    return handles
+
+
+def _marker(marker: str, color: str, label: str) -> Line2D:
+    return Line2D([], [], ls="", marker=marker, color=color, mec="white", ms=6, label=label)

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One look for every figure: colours that colour-blind readers can tell apart, sizes, helpers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from session_log.session_data import Span, Track
+
+INK = "#1f2933"
+QUIET = "#7b8794"
+PALE = "#e4e7eb"
+SOUND = "#b8c2cc"
+BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
+    "#0072B2",
+    "#E69F00",
+    "#009E73",
+    "#D55E00",
+    "#56B4E9",
+    "#AA4499",
+)
+STATE_COLORS = {
+    "standby": "#d5dae0",
+    "active": "#bfe3d6",
+    "moving": BLUE,
+    "stopping": ORANGE,
+    "halted": RED,
+    "faulted": PURPLE,
+}
+RC: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.size": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.labelsize": 8.0,
+    "axes.edgecolor": QUIET,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "text.color": INK,
+    "lines.linewidth": 1.1,
+    "pdf.fonttype": 42,
+}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A width for which figures are drawn: two columns of a paper, or one column and a phone."""
+
+    name: str
+    width: float  # [in]
+    seconds_per_row: float  # of the timeline
+    columns: int  # of pictures
+
+    @property
+    def is_wide(self) -> bool:
+        """Whether there is room beside things, not only below them."""
+        return self.width > 5.0
+
+
+WIDE = Layout("wide", 7.16, 60.0, 4)
+NARROW = Layout("narrow", 3.5, 24.0, 2)
+
+
+def new_figure(layout: Layout, height: float) -> Figure:
+    """Make a figure of the layout's width and the given height [in]."""
+    return Figure(figsize=(layout.width, height), layout="constrained")
+
+
+def shade_motion(ax: Axes, states: Iterable[Span]) -> None:
+    """Mark when the robot moved."""
+    for span in states:
+        if span.word in ("moving", "stopping"):
+            ax.axvspan(span.start, span.end, color=STATE_COLORS[span.word], alpha=0.13, lw=0)
+
+
+def time_axis(ax: Axes, duration: float) -> None:
+    """Label a time axis that spans the session."""
+    ax.set_xlim(0.0, max(duration, 1.0))
+    ax.set_xlabel("time since the session began [s]")
+
+
+def thin(time: Track, value: Track, points: int = 4000) -> tuple[Track, Track]:
+    """Keep extremes of long tracks: the least and the largest of each of `points / 2` stretches."""
+    if len(time) <= points:
+        return time, value
+    stretch = -(-len(time) // (points // 2))
+    keep = []
+    for begin in range(0, len(time), stretch):
+        part = value[begin : begin + stretch]
+        keep += sorted({begin + int(part.argmin()), begin + int(part.argmax())})
+    index = np.array(keep)
+    return time[index], value[index]

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Says in /diagnostics what is being recorded, and what is not."""
+
+from __future__ import annotations
+
+import os
+
+import diagnostic_updater
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from session_log.config import RecorderConfig
+from session_log.recorder import Recorder, RecorderStatus
+
+
+class RecorderDiagnostics:
+    """Fills one diagnostic status from the recorder's."""
+
+    def __init__(self, recorder: Recorder, config: RecorderConfig) -> None:
+        self._recorder, self._config = recorder, config
+        self.problem = ""  # of discovery or of the topics that were waited for
+        self._updater = diagnostic_updater.Updater()
+        self._updater.setHardwareID("session_log")
+        self._updater.add("recording", self._fill)
+
+    def update(self) -> None:
+        """Publish, at most once a second."""
+        self._updater.update()
+
+    def force_update(self) -> None:
+        """Publish now."""
+        self._updater.force_update()
+
+    def _fill(self, stat: diagnostic_updater.DiagnosticStatusWrapper) -> object:
+        status = self._recorder.status()
+        stat.summary(*self._summary(status))
+        stat.add("file", status.path)
+        stat.add("size [B]", status.size)
+        stat.add("topics", status.topics)
+        stat.add("messages received", status.received)
+        stat.add("messages written", status.written)
+        stat.add("messages waiting", status.waiting)
+        stat.add("messages dropped", status.dropped)
+        stat.add("messages missed", status.missed)
+        stat.add("free space [B]", free_space(status.path))
+        for tally in self._recorder.tallies():
+            if tally.dropped or tally.missed:
+                words = f"{tally.dropped} dropped, {tally.missed} missed"
+                stat.add(f"loss on {tally.source.topic} from {tally.source.publisher}", words)
+        return stat
+
+    def _summary(self, status: RecorderStatus) -> tuple[bytes, str]:
+        if not status.is_recording:
+            return DiagnosticStatus.ERROR, f"NOT RECORDING: {status.error or 'starting'}"
+        if status.dropped:
+            return (
+                DiagnosticStatus.ERROR,
+                f"{status.dropped} messages dropped: the disk is too slow",
+            )
+        if self.problem:
+            return DiagnosticStatus.ERROR, self.problem
+        if free_space(status.path) < self._config.low_space:
+            return DiagnosticStatus.WARN, "little disk space left"
+        if status.missed:
+            return DiagnosticStatus.WARN, f"{status.missed} messages lost before they came here"
+        return DiagnosticStatus.OK, "recording"
+
+
+def free_space(path: str) -> int:
+    """Free space of the disk that holds a file [B]; zero if it cannot be told."""
+    try:
+        info = os.statvfs(path)
+    except OSError:
+        return 0
+    return info.f_bavail * info.f_frsize

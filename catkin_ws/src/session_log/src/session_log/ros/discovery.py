@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Finds topics as they appear and hands each message on as bytes."""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Callable, Iterable
+from functools import partial
+
+import rosgraph
+import rospy
+
+from session_log.recorder import Recorder, Tally
+from session_log.types import Source
+
+RECEIVE_BUFFER = 1 << 20  # [B] taken from a socket at once
+
+
+class TopicSubscriber:
+    """Subscribes a recorder to every topic that is not excluded."""
+
+    def __init__(self, recorder: Recorder, exclude: Iterable[str]) -> None:
+        self._recorder = recorder
+        self._exclude = [re.compile(pattern) for pattern in exclude]
+        self._subscribers: dict[str, rospy.Subscriber] = {}
+        self._tallies: dict[int, tuple[object, Tally]] = {}
+        self._lock = threading.Lock()
+
+    def subscribe(self, topic: str) -> None:
+        """Record a topic from now on, whether or not someone publishes it yet."""
+        name = rospy.resolve_name(topic)
+        if name in self._subscribers or any(p.fullmatch(name) for p in self._exclude):
+            return
+        self._subscribers[name] = rospy.Subscriber(
+            name,
+            rospy.AnyMsg,
+            partial(self._receive, name),
+            queue_size=None,  # None: rospy drops nothing on its side
+            buff_size=RECEIVE_BUFFER,
+            tcp_nodelay=True,
+        )
+
+    def connected_topics(self) -> set[str]:
+        """Topics with at least one publisher connected."""
+        return {n for n, s in list(self._subscribers.items()) if s.get_num_connections() > 0}
+
+    def close(self) -> None:
+        """Stop receiving."""
+        for subscriber in self._subscribers.values():
+            subscriber.unregister()
+
+    def _receive(self, topic: str, message: rospy.AnyMsg) -> None:
+        header = message._connection_header
+        entry = self._tallies.get(id(header))
+        if entry is None:
+            entry = self._register(topic, header)
+        self._recorder.offer(entry[1], message._buff)
+
+    def _register(self, topic: str, header: dict[str, str]) -> tuple[object, Tally]:
+        source = Source(
+            topic=topic,
+            datatype=header["type"],
+            md5sum=header.get("md5sum", ""),
+            definition=header.get("message_definition", ""),
+            publisher=header.get("callerid", ""),
+            is_latched=header.get("latching", "0") == "1",
+        )
+        with self._lock:
+            known = next((t for _, t in self._tallies.values() if t.source == source), None)
+            tally = known or self._recorder.register(source)
+            self._tallies[id(header)] = (header, tally)  # the reference keeps the id unique
+            return self._tallies[id(header)]
+
+
+class Discovery:
+    """Looks for new topics at the master, again and again."""
+
+    def __init__(self, subscriber: TopicSubscriber, name: str, period: float) -> None:
+        self._subscriber, self._period = subscriber, period
+        self._master = rosgraph.Master(name)
+        self.error = ""
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="discovery", daemon=True)
+
+    def start(self) -> None:
+        """Begin to look."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Look no more."""
+        self._stopped.set()
+
+    def _run(self) -> None:
+        while not self._stopped.is_set():
+            self.error = self._look()
+            self._stopped.wait(self._period)
+
+    def _look(self) -> str:
+        try:
+            for topic, _ in self._master.getPublishedTopics(""):
+                self._subscriber.subscribe(topic)
+        except Exception as error:  # top of the thread: the next look may succeed
+            return f"cannot look for new topics: {error}"
+        return ""
+
+
+def ready_when(topics: Iterable[str], subscriber: TopicSubscriber) -> Callable[[], list[str]]:
+    """Make a function that lists which of the topics nobody publishes yet."""
+    wanted = [rospy.resolve_name(topic) for topic in topics]
+    return lambda: [topic for topic in wanted if topic not in subscriber.connected_topics()]

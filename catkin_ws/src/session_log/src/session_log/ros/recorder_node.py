@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The recorder node: every topic of the session into one MCAP file."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import rosgraph
+import rospy
+from std_msgs.msg import String, Time
+
+from session_log import metadata
+from session_log.config import RecorderConfig
+from session_log.recorder import Recorder
+from session_log.ros.diagnostics import RecorderDiagnostics
+from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
+from session_log.session_folder import open_session
+from session_log.types import Source
+from typed_config import load_config
+
+FACTS = "session"  # any node may put facts about itself under /session/<name>
+URDF_TOPIC = "/robot_description"
+
+
+class Announcer:
+    """Tells the system which file is being written and up to when it is complete."""
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._recorder = recorder
+        self._file = rospy.Publisher("session_log/file", String, latch=True, queue_size=1)
+        self._written = rospy.Publisher("session_log/written", Time, queue_size=10)
+        self._said: tuple[str, str] | None = None
+
+    def announce(self, is_ready: bool) -> None:
+        """Publish the file (empty while nothing is recorded) and the acknowledged time."""
+        status = self._recorder.status()
+        path = status.path if status.is_recording and is_ready else ""
+        if (path, status.error) != self._said:
+            self._said = (path, status.error)
+            self._file.publish(path)
+            if status.error:
+                rospy.logerr("NOT RECORDING: %s", status.error)
+            elif path:
+                rospy.loginfo("recording to %s", path)
+        if status.is_recording:
+            self._written.publish(rospy.Time(*divmod(status.written_until, 1_000_000_000)))
+
+
+class ParameterWatcher:
+    """Writes the parameter server into the recording, again whenever it changes."""
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._recorder = recorder
+        self._master = rosgraph.Master(rospy.get_name())
+        self._hashes: dict[str, str] = {}
+        source = Source(URDF_TOPIC, String._type, String._md5sum, String._full_text, "", True)
+        self._urdf = recorder.register(source)
+
+    def look(self) -> None:
+        """Compare with the last look and record what changed."""
+        try:
+            parameters = self._master.getParam("/")
+        except (OSError, rosgraph.MasterException) as error:
+            rospy.logwarn_throttle(10.0, "cannot read the parameters: %s", error)
+            return
+        facts = parameters.pop(FACTS, {})
+        self._record("parameters", metadata.parameter_facts(parameters))
+        for name, values in facts.items():
+            if isinstance(values, dict):
+                self._record(f"session/{name}", metadata.named_facts(values))
+        if isinstance(parameters.get("robot_description"), str):
+            self._record_urdf(parameters["robot_description"])
+
+    def _record(self, name: str, values: dict[str, str]) -> None:
+        if self._is_new(name, repr(sorted(values.items()))):
+            self._recorder.add_metadata(name, values)
+
+    def _record_urdf(self, urdf: str) -> None:
+        """Keep the URDF as a latched message, so that viewers show the robot."""
+        if self._is_new(URDF_TOPIC, urdf):
+            data = urdf.encode()
+            self._recorder.offer(self._urdf, len(data).to_bytes(4, "little") + data)
+
+    def _is_new(self, name: str, content: str) -> bool:
+        digest = hashlib.sha256(content.encode()).hexdigest()
+        is_new = self._hashes.get(name) != digest
+        self._hashes[name] = digest
+        return is_new
+
+
+def add_facts(recorder: Recorder, config: RecorderConfig, started: int) -> None:
+    """Record what is known from the start."""
+    recorder.add_metadata("session", metadata.session_facts(started, config.seed))
+    recorder.add_metadata("code", metadata.code_facts(Path(__file__).resolve().parent))
+    recorder.add_metadata("machine", metadata.machine_facts())
+    recorder.add_metadata("versions", metadata.version_facts())
+
+
+class RecorderNode:
+    """Joins recorder, discovery, parameters and diagnostics."""
+
+    def __init__(self, config: RecorderConfig) -> None:
+        started = time.time_ns()
+        self._config = config
+        folder = Path(config.folder).expanduser().absolute()
+        opener = partial(open_session, folder, config.name, started)
+        self._recorder = Recorder(opener, config, time.time_ns)
+        self._topics = TopicSubscriber(self._recorder, config.exclude)
+        self._discovery = Discovery(self._topics, rospy.get_name(), config.discovery_period)
+        self._missing = ready_when(config.wait_for, self._topics)
+        self._deadline = time.monotonic() + config.wait_timeout
+        self._is_ready = not config.wait_for
+        self._diagnostics = RecorderDiagnostics(self._recorder, config)
+        self._announcer = Announcer(self._recorder)
+        self._parameters = ParameterWatcher(self._recorder)
+        add_facts(self._recorder, config, started)
+
+    def run(self) -> None:
+        """Record until the node is shut down."""
+        for topic in self._config.subscribe_early:
+            self._topics.subscribe(topic)
+        self._recorder.start()
+        self._discovery.start()
+        rospy.on_shutdown(self.close)
+        rate = rospy.Rate(self._config.acknowledge_rate)
+        next_look = 0.0
+        while not rospy.is_shutdown():
+            if time.monotonic() >= next_look:
+                self._parameters.look()
+                next_look = time.monotonic() + self._config.parameters_period
+            self._check_ready()
+            self._announcer.announce(self._is_ready)
+            self._diagnostics.update()
+            _sleep(rate)
+
+    def close(self) -> None:
+        """Stop receiving, write the ending, say how it went."""
+        self._discovery.stop()
+        self._topics.close()
+        error = self._recorder.close()
+        status = self._recorder.status()
+        if error:
+            rospy.logerr("the recording is not complete: %s", error)
+        print(f"session_log: {status.written} messages in {status.path or 'no file'}", flush=True)
+
+    def _check_ready(self) -> None:
+        problem = self._discovery.error
+        if not self._is_ready:
+            missing = self._missing()
+            self._is_ready = not missing
+            if missing and time.monotonic() > self._deadline:
+                problem = "nobody publishes " + ", ".join(missing)
+        if problem and problem != self._diagnostics.problem:
+            rospy.logerr("%s", problem)
+        self._diagnostics.problem = problem
+
+
+def _sleep(rate: rospy.Rate) -> None:
+    try:
+        rate.sleep()
+    except rospy.ROSInterruptException:
+        return
+
+
+def main() -> None:
+    """Run the recorder node."""
+    rospy.init_node("recorder")
+    settings: Any = rospy.get_param("~", {})
+    RecorderNode(load_config(RecorderConfig, settings, "recorder.yaml")).run()

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values that recorder, reader and report pass to each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Source:
+    """One publisher's connection on one topic, as its connection header describes it."""
+
+    topic: str  # resolved name, such as /joint_states
+    datatype: str  # such as sensor_msgs/JointState
+    md5sum: str
+    definition: str  # full text, nested definitions included
+    publisher: str = ""  # name of the publishing node
+    is_latched: bool = False
+
+
+@dataclass(frozen=True)
+class Message:
+    """One recorded message, still as bytes."""
+
+    source: Source
+    data: bytes
+    log_time: int  # [ns] since 1970, when it was received
+    sequence: int  # counts the source's messages from 1; a gap means loss
+
+
+@dataclass(frozen=True)
+class Damage:
+    """A stretch of a file that could not be read."""
+
+    offset: int  # [B] from the start of the file
+    length: int  # [B]
+    what: str
+
+
+@dataclass
+class TopicCount:
+    """How much of one topic a recording holds."""
+
+    datatype: str
+    messages: int = 0
+    size: int = 0  # [B] of message data
+    missing: int = 0  # gaps in the sequence: received but not in the file
+    first: int = 0  # [ns] log time
+    last: int = 0  # [ns] log time
+    publishers: set[str] = field(default_factory=set)
+
+    @property
+    def rate(self) -> float:
+        """Mean rate [Hz]; zero for fewer than two messages."""
+        span = (self.last - self.first) * 1e-9
+        return (self.messages - 1) / span if self.messages > 1 and span > 0 else 0.0

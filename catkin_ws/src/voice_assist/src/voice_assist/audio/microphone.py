@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A microphone by its name: a missing or lost one is reported and waited for, never replaced."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from queue import Empty, Full, Queue
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voice_assist.audio.portaudio import Backend, Device, Stream, choose
+from voice_assist.audio.rate import Resampler
+from voice_assist.audio.source import Clock, Framer, Report
+from voice_assist.config import MicrophoneConfig
+from voice_assist.errors import DeviceError
+from voice_assist.types import RATE, Frame
+
+_QUEUE = 500  # blocks of 32 ms between the sound card's thread and the reader
+_CHECK_EVERY = 2.0  # [s] between looks whether a PulseAudio source is still there
+_OVERFLOW_GAP = 0.02  # [s] from which late sound after a reported overflow counts as lost
+
+Pause = Callable[[float], bool]  # waits so many seconds; True: give up now
+
+
+@dataclass(frozen=True)
+class _Block:
+    samples: NDArray[np.int16]
+    arrived: float  # [s] clock time
+    is_after_loss: bool
+
+
+class Microphone:
+    """Frames from a microphone, as long as somebody reads them."""
+
+    def __init__(
+        self,
+        config: MicrophoneConfig,
+        backend: Backend,
+        clock: Clock,
+        pause: Pause,
+        report: Report,
+    ) -> None:
+        """Remember which one.
+
+        Args:
+            config: Its name and what counts as lost.
+            backend: Gives the devices.
+            clock: For the stamps [s].
+            pause: Waits between attempts, and says when to give up; `threading.Event.wait` does.
+            report: Told what is wrong, and when it is right again (an empty text).
+        """
+        self._config, self._backend, self._clock = config, backend, clock
+        self._pause, self._report = pause, report
+        self._queue: Queue[_Block] = Queue(_QUEUE)
+        self._dropped = False
+        self._stream: Stream | None = None
+        self._framer = Framer()
+        self.name = config.device  # of the open device
+
+    def __enter__(self) -> Microphone:
+        """Do nothing yet: the device is opened, and waited for, by reading."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the device."""
+        self._close()
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Frames until `pause` says to give up; silent while the device is lost."""
+        lost_at: float | None = None
+        while True:
+            try:
+                device = self._open()
+                if lost_at is not None:
+                    self._framer.skip(round((self._clock() - lost_at) * RATE))
+                self._report("")
+                yield from self._read(device)
+            except DeviceError as error:
+                self._close()
+                lost_at = self._clock() if lost_at is None else lost_at
+                self._report(str(error))
+            else:
+                return
+            if self._pause(self._config.retry_after):
+                return
+
+    def _open(self) -> Device:
+        device = choose(self._config.device, self._backend.devices())
+        self._queue, self._dropped = Queue(_QUEUE), False
+        self._stream = self._backend.open(device, self._enqueue)
+        self.name = device.name
+        return device
+
+    def _close(self) -> None:
+        if self._stream is not None:
+            self._stream.close()
+            self._stream = None
+
+    def _enqueue(self, samples: NDArray[np.int16], is_after_loss: bool) -> None:
+        """In the sound card's thread: only hand the block over."""
+        try:
+            block = _Block(samples, self._clock(), is_after_loss or self._dropped)
+            self._queue.put_nowait(block)
+            self._dropped = False
+        except Full:
+            self._dropped = True
+
+    def _read(self, device: Device) -> Iterator[Frame]:
+        """Frames until the device is lost.
+
+        Raises:
+            DeviceError: It is.
+        """
+        if self._stream is None:
+            raise DeviceError("not open", device.name)
+        rate = self._stream.rate
+        resample = Resampler(rate)
+        expected: float | None = None  # [s] when the next block should begin
+        checked = self._clock()
+        while not self._pause(0.0):
+            block = self._next_block(device)
+            start = block.arrived - len(block.samples) / rate
+            late = 0.0 if expected is None else start - expected
+            if late > self._config.lost_after:
+                raise DeviceError(f"gave no sound for {late:.1f} s", device.name, self._names())
+            if block.is_after_loss and late > _OVERFLOW_GAP:
+                self._framer.skip(round(late * RATE))
+                expected = None
+            expected = start if expected is None else expected
+            yield from self._framer.push(resample(block.samples), start)
+            # a slow clock drift follows the arrivals; single late blocks do not
+            expected = expected + len(block.samples) / rate + 0.05 * (start - expected)
+            if self._clock() - checked > _CHECK_EVERY:
+                checked = self._clock()
+                self._check_presence(device)
+
+    def _next_block(self, device: Device) -> _Block:
+        try:
+            return self._queue.get(timeout=self._config.lost_after)
+        except Empty:
+            seconds = self._config.lost_after
+            problem = f"lost: no sound for {seconds:.1f} s"
+            self._close()  # devices can only be searched anew while none is open
+            raise DeviceError(problem, device.name, self._names()) from None
+
+    def _check_presence(self, device: Device) -> None:
+        """A PulseAudio server may move a stream to another source when its own goes."""
+        from voice_assist.audio.pulse import PREFIX, pulse_sources
+
+        if device.name.startswith(PREFIX):
+            found = pulse_sources()
+            if device.name[len(PREFIX) :] not in found:
+                raise DeviceError("its source is gone", device.name, [PREFIX + n for n in found])
+
+    def _names(self) -> list[str]:
+        self._close()
+        return [device.name for device in self._backend.devices()]

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The sound devices of this machine, through PortAudio; imported late, since it may be missing."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from voice_assist.audio.pulse import PREFIX, pulse_sources
+from voice_assist.audio.source import FRAME
+from voice_assist.errors import DeviceError
+from voice_assist.types import RATE
+
+_PULSE_LATENCY_MS = "20"  # else a PulseAudio server hands sound over in blocks of up to 2 s
+OnBlock = Callable[[NDArray[np.int16], bool], None]  # samples (n,), whether sound before was lost
+
+
+@dataclass(frozen=True)
+class Device:
+    """A microphone that exists."""
+
+    name: str
+    rate: int  # [Hz] its own
+    is_default: bool
+
+
+class Stream(Protocol):
+    """An open microphone."""
+
+    rate: int  # [Hz] of the blocks
+
+    def close(self) -> None:
+        """Stop the blocks; may be called twice."""
+        ...
+
+
+class Backend(Protocol):
+    """Where microphones come from."""
+
+    def devices(self) -> list[Device]:
+        """All microphones, searched anew."""
+        ...
+
+    def open(self, device: Device, on_block: OnBlock) -> Stream:
+        """Open one; `on_block` is called from a thread of the backend.
+
+        Raises:
+            DeviceError: It cannot be opened.
+        """
+        ...
+
+
+class PortAudio:
+    """Microphones through PortAudio, and the sources of PulseAudio by their names."""
+
+    def __init__(self) -> None:
+        """Load PortAudio.
+
+        Raises:
+            DeviceError: The library is not installed.
+        """
+        try:
+            import sounddevice
+        except OSError as error:
+            raise DeviceError(f"PortAudio is missing ({error}); install libportaudio2") from error
+        self._sd: Any = sounddevice
+        self._source = os.environ.get("PULSE_SOURCE")
+        os.environ.setdefault("PULSE_LATENCY_MSEC", _PULSE_LATENCY_MS)
+
+    def devices(self) -> list[Device]:
+        """All microphones; only while no stream is open, since PortAudio is started anew."""
+        self._sd._terminate()
+        self._sd._initialize()
+        default = self._sd.default.device[0]
+        found = [
+            Device(entry["name"], int(entry["default_samplerate"]), entry["index"] == default)
+            for entry in self._sd.query_devices()
+            if entry["max_input_channels"] > 0
+        ]
+        if any(device.name == "pulse" for device in found):
+            found += [Device(PREFIX + name, RATE, False) for name in pulse_sources()]
+        return found
+
+    def open(self, device: Device, on_block: OnBlock) -> Stream:
+        """Open a microphone at 16 kHz, or at its own rate where it cannot do that."""
+        name = device.name
+        if name.startswith(PREFIX):
+            os.environ["PULSE_SOURCE"] = name[len(PREFIX) :]
+            name = "pulse"
+        elif self._source is not None:
+            os.environ["PULSE_SOURCE"] = self._source
+        else:
+            os.environ.pop("PULSE_SOURCE", None)
+        try:
+            return _PortAudioStream(self._sd, name, RATE, on_block)
+        except (self._sd.PortAudioError, ValueError):
+            pass  # many devices know only their own rate
+        try:
+            return _PortAudioStream(self._sd, name, device.rate, on_block)
+        except (self._sd.PortAudioError, ValueError) as error:
+            raise DeviceError(f"cannot be opened ({error})", device.name) from error
+
+
+class _PortAudioStream:
+    def __init__(self, sd: Any, name: str, rate: int, on_block: OnBlock) -> None:
+        self.rate = rate
+
+        def enqueue(indata: NDArray[np.int16], frames: int, time: object, status: Any) -> None:
+            on_block(indata[:, 0].copy(), bool(status.input_overflow))
+
+        self._stream = sd.InputStream(
+            device=name,
+            samplerate=rate,
+            channels=1,
+            dtype="int16",
+            blocksize=FRAME * rate // RATE,
+            latency="low",
+            callback=enqueue,
+        )
+        self._stream.start()
+
+    def close(self) -> None:
+        self._stream.close(ignore_errors=True)
+
+
+def choose(name: str, devices: list[Device]) -> Device:
+    """The one microphone of that name; never another.
+
+    Args:
+        name: The whole name, or a part of only one; empty for the system's default.
+        devices: Those that exist.
+
+    Raises:
+        DeviceError: None or several fit.
+    """
+    names = [device.name for device in devices]
+    if not name:
+        fitting = [device for device in devices if device.is_default]
+    else:
+        wanted = name.casefold()
+        fitting = [device for device in devices if device.name.casefold() == wanted]
+        fitting = fitting or [device for device in devices if wanted in device.name.casefold()]
+    if not fitting:
+        raise DeviceError("not found", name, names)
+    if len(fitting) > 1:
+        some = ", ".join(repr(device.name) for device in fitting)
+        raise DeviceError(f"the name fits several ({some})", name, names)
+    return fitting[0]

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Any sample rate and any number of channels to 16 kHz mono."""
+
+from __future__ import annotations
+
+import numpy as np
+import soxr
+from numpy.typing import NDArray
+
+from voice_assist.errors import AudioError
+from voice_assist.types import RATE, Samples
+
+
+class Resampler:
+    """Resamples a stream block by block, without clicks between them."""
+
+    def __init__(self, rate: int) -> None:
+        """Start a stream.
+
+        Args:
+            rate: Of the blocks to come [Hz].
+
+        Raises:
+            AudioError: The rate is none of a sound device or file.
+        """
+        if not 1000 <= rate <= 768_000:
+            raise AudioError(f"sample rate {rate} Hz, allowed: 1000 to 768000 Hz")
+        self._stream = None if rate == RATE else soxr.ResampleStream(rate, RATE, 1, "float32")
+
+    def __call__(self, samples: NDArray[np.generic], is_last: bool = False) -> Samples:
+        """Resample one block.
+
+        Args:
+            samples: Float in [-1, 1] or int16. Shape (n,) or (n, channels).
+            is_last: Nothing follows: give all that is still inside.
+
+        Returns:
+            As many samples as are ready, 16 kHz. Shape (m,).
+        """
+        mono = to_mono(samples)
+        if self._stream is None:
+            return mono
+        return np.asarray(self._stream.resample_chunk(mono, last=is_last), np.float32)
+
+
+def to_mono(samples: NDArray[np.generic]) -> Samples:
+    """Mean of the channels, float32 in [-1, 1]. From shape (n,) or (n, channels) to (n,)."""
+    scale = 32767.0 if samples.dtype == np.int16 else 1.0
+    values = np.asarray(samples, np.float32) / np.float32(scale)
+    return values if values.ndim == 1 else np.asarray(values.mean(axis=1), np.float32)

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A recording in place of a microphone, in real time or faster."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+import soundfile
+import soxr
+
+from voice_assist.audio.rate import Resampler, to_mono
+from voice_assist.audio.source import FRAME, Clock, Framer
+from voice_assist.errors import AudioError
+from voice_assist.types import RATE, Frame, Samples
+
+Wait = Callable[[float], object]  # pauses for so many seconds
+_BLOCK = 1600  # samples read at once, at the file's rate
+
+
+class WavFile:
+    """Frames of a sound file of any format of libsndfile."""
+
+    def __init__(
+        self,
+        path: str | Path,
+        clock: Clock,
+        wait: Wait,
+        *,
+        speed: float = 1.0,
+        then_silence: bool = False,
+    ) -> None:
+        """Remember what to play.
+
+        Args:
+            path: The file.
+            clock: Gives the stamps of the frames [s].
+            wait: Pauses for so many seconds; never called where speed is 0.
+            speed: Times real time; 0: as fast as the frames are taken.
+            then_silence: Go on with silence for ever after the end of the file.
+        """
+        self._path, self._clock, self._wait = Path(path), clock, wait
+        self._speed, self._then_silence = speed, then_silence
+        self._file: soundfile.SoundFile | None = None
+
+    def __enter__(self) -> WavFile:
+        """Open the file.
+
+        Raises:
+            AudioError: It is missing or no sound.
+        """
+        self._file = open_sound(self._path)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Give each frame when its last sample would have been heard."""
+        start = self._clock()
+        frames = self._frames()
+        for number, samples in enumerate(frames):
+            if self._speed:
+                due = start + (number + 1) * FRAME / RATE / self._speed
+                if (ahead := due - self._clock()) > 0:
+                    self._wait(ahead)
+                yield Frame(samples, number * FRAME, due - FRAME / RATE)
+            else:
+                yield Frame(samples, number * FRAME, start + number * FRAME / RATE)
+
+    def _frames(self) -> Iterator[Samples]:
+        if self._file is None:
+            raise AudioError(f"{self._path} is not open; enter the source first")
+        framer = Framer()
+        resample = Resampler(self._file.samplerate)
+        for block in self._file.blocks(_BLOCK, dtype="float32"):
+            yield from (f.samples for f in framer.push(resample(block), 0.0))
+        last = resample(np.zeros(0, np.float32), is_last=True)
+        yield from (f.samples for f in framer.push(last, 0.0))
+        yield from (f.samples for f in framer.flush())
+        silence = np.zeros(FRAME, np.float32)
+        silence.flags.writeable = False
+        while self._then_silence:
+            yield silence
+
+
+def open_sound(path: Path) -> soundfile.SoundFile:
+    """Open a sound file.
+
+    Raises:
+        AudioError: It is missing, empty or no sound.
+    """
+    if not path.is_file():
+        raise AudioError(f"{path}: no such file")
+    try:
+        file = soundfile.SoundFile(str(path))
+    except (soundfile.LibsndfileError, RuntimeError) as error:
+        raise AudioError(f"{path}: not a sound file that can be read ({error})") from error
+    if file.frames == 0:
+        file.close()
+        raise AudioError(f"{path}: holds no sound")
+    return file
+
+
+def read_sound(path: str | Path) -> Samples:
+    """All of a sound file, 16 kHz mono. Shape (n,).
+
+    Raises:
+        AudioError: It is missing, empty, damaged or no sound.
+    """
+    with open_sound(Path(path)) as file:
+        try:
+            samples = to_mono(file.read(dtype="float32"))
+        except (soundfile.LibsndfileError, RuntimeError) as error:
+            raise AudioError(f"{path}: damaged ({error})") from error
+        if not len(samples) or not np.isfinite(samples).all():
+            raise AudioError(f"{path}: holds no sound, or values that are no numbers")
+        if file.samplerate != RATE:
+            samples = soxr.resample(samples, file.samplerate, RATE)
+        return np.asarray(samples, np.float32)

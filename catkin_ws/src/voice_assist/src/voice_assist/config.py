@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Settings of the voice part: audio.yaml, recognizer.yaml and commands.yaml, typed and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from typed_config import choice, flag, integer, items, load_config, load_yaml, number, text
+from voice_assist.errors import CommandsError
+from voice_assist.normalize import is_negated, normalize
+
+CONFIG_DIR = Path(__file__).resolve().parents[2] / "config"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MicrophoneConfig:
+    """Which microphone, and when it counts as lost."""
+
+    device: str = text(may_be_empty=True)
+    lost_after: float = number(0.2, 60.0, "s")
+    retry_after: float = number(0.1, 60.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class WavConfig:
+    """A recording in place of a microphone."""
+
+    path: str = text(may_be_empty=True)
+    speed: float = number(0.0, 1000.0, "times real time")
+    then: str = choice("silence", "exit")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TopicConfig:
+    """An audio topic in place of a microphone."""
+
+    name: str = text()
+    lost_after: float = number(0.2, 60.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DenoiseConfig:
+    """Noise reduction."""
+
+    mode: str = choice("off", "endpointing_only", "on")
+    high_pass: float = number(0.0, 1000.0, "Hz")
+    reduction_db: float = number(0.0, 60.0, "dB")
+    margin_db: float = number(0.0, 30.0, "dB")
+    noise_rise: float = number(0.1, 60.0, "dB/s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class VadConfig:
+    """Where speech starts and ends."""
+
+    detector: str = choice("silero", "energy", "either")
+    start: float = number(0.01, 0.99, "")
+    stop: float = number(0.01, 0.99, "")
+    min_speech: float = number(0.0, 1.0, "s")
+    hangover: float = number(0.05, 3.0, "s")
+    pre_roll: float = number(0.0, 2.0, "s")
+    max_utterance: float = number(1.0, 28.0, "s")
+    energy_margin_db: float = number(3.0, 40.0, "dB")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AudioConfig:
+    """Everything before recognition."""
+
+    source: str = choice("microphone", "wav", "topic")
+    queue: int = integer(4, 100_000, "frames")
+    deaf_after: float = number(0.1, 30.0, "s")
+    microphone: MicrophoneConfig
+    wav: WavConfig
+    topic: TopicConfig
+    denoise: DenoiseConfig
+    vad: VadConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class EarlyConfig:
+    """When a decision may come before the end of the utterance is confirmed."""
+
+    is_enabled: bool = flag()
+    partial_interval: float = number(0.032, 5.0, "s")
+    pause: float = number(0.03, 2.0, "s")
+    unchanged_for: float = number(0.2, 10.0, "s")
+    stop_agreement: int = integer(1, 10, "partials")
+    stop_confidence: float = number(0.0, 1.0, "")
+    window: float = number(1.0, 28.0, "s")
+    max_backlog: float = number(0.0, 10.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecognizerConfig:
+    """Recognition and the moment of decision."""
+
+    model: str = text()
+    device: str = text()
+    threads: int = integer(1, 64, "threads")
+    second_opinion: bool = flag()
+    score_scale: float = number(0.01, 1000.0, "nat")
+    early: EarlyConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandConfig:
+    """One spoken command."""
+
+    phrase: str = text()
+    spellings: tuple[str, ...] = text()
+    threshold: float = number(0.0, 1.0, "WER")
+    modes: tuple[str, ...] = choice("standby", "active")
+    then: str = choice("same", "standby", "active")
+    call: str = text(may_be_empty=True)
+    is_motion: bool = flag()
+    is_halt: bool = flag()
+    refuse_below: float = number(-1000.0, 1000.0, "nat")
+    fire_above: float = number(-1000.0, 1000.0, "nat")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandsConfig:
+    """All spoken commands."""
+
+    answer_within: float = number(0.05, 30.0, "s")
+    commands: tuple[CommandConfig, ...] = items(1, 200)
+
+    def __post_init__(self) -> None:
+        """Check what no single key can show.
+
+        Raises:
+            CommandsError: A phrase is said twice, has no word, or a motion's phrase denies.
+        """
+        owners: dict[tuple[str, ...], str] = {}
+        for command in self.commands:
+            for spelling in (command.phrase, *command.spellings):
+                _check_spelling(command, spelling, owners)
+
+    @property
+    def phrases(self) -> tuple[str, ...]:
+        """Names of all commands, in their order."""
+        return tuple(command.phrase for command in self.commands)
+
+    def get(self, phrase: str) -> CommandConfig:
+        """The command of that phrase.
+
+        Raises:
+            KeyError: There is none.
+        """
+        for command in self.commands:
+            if command.phrase == phrase:
+                return command
+        raise KeyError(f"{phrase!r}, allowed: {', '.join(self.phrases)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class VoiceConfig:
+    """All settings of the voice part."""
+
+    audio: AudioConfig
+    recognizer: RecognizerConfig
+    commands: CommandsConfig
+
+
+def load_voice_config(folder: str | Path = CONFIG_DIR, **changes: Any) -> VoiceConfig:
+    """Read audio.yaml, recognizer.yaml and commands.yaml.
+
+    Args:
+        folder: That holds the three files.
+        **changes: Single settings to replace, by their path with `__` for dots, such as
+            `audio__wav__speed=0.0`.
+
+    Raises:
+        typed_config.ConfigError: A file or a key is not as it must be.
+        CommandsError: The commands contradict each other.
+    """
+    data = {name: _load_one(Path(folder), name) for name in ("audio", "recognizer", "commands")}
+    for path, value in changes.items():
+        *parents, key = path.split("__")
+        branch: dict[str, Any] = data
+        for parent in parents:
+            branch = branch[parent]
+        branch[key] = value
+    return voice_config(data)
+
+
+def voice_config(data: Mapping[str, Any]) -> VoiceConfig:
+    """Build the settings from a mapping, as the parameter server gives it."""
+    return load_config(VoiceConfig, data)
+
+
+def _load_one(folder: Path, name: str) -> dict[str, Any]:
+    return dict(load_yaml(folder / f"{name}.yaml"))
+
+
+def _check_spelling(
+    command: CommandConfig, spelling: str, owners: dict[tuple[str, ...], str]
+) -> None:
+    words = normalize(spelling)
+    if not words:
+        raise CommandsError(f"{command.phrase!r}: spelling {spelling!r} has no word")
+    if command.is_motion and is_negated(words):
+        raise CommandsError(f"{command.phrase!r}: {spelling!r} denies, and a motion may not")
+    if owners.setdefault(words, command.phrase) != command.phrase:
+        raise CommandsError(f"{spelling!r} belongs to {owners[words]!r} and {command.phrase!r}")

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a recognised command does to the voice mode, and what it asks of the robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from voice_assist.config import CommandConfig
+from voice_assist.types import Action, Call, Halt, Mode, SetMode
+
+
+@dataclass(frozen=True)
+class State:
+    """All that the dialogue remembers."""
+
+    mode: Mode
+    reason: str  # the command or event that set the mode
+
+
+@dataclass(frozen=True)
+class Heard:
+    """A command was recognised."""
+
+    command: CommandConfig
+
+
+@dataclass(frozen=True)
+class Answered:
+    """The controller answered a call."""
+
+    command: str
+    is_accepted: bool
+    message: str
+
+
+@dataclass(frozen=True)
+class Step:
+    """Outcome of one event."""
+
+    state: State
+    actions: tuple[Action, ...]  # to be done in this order
+    why: str  # why nothing is done; empty where something is
+
+
+AT_START = State(Mode.STANDBY, "start")
+
+
+def step(state: State, event: Heard | Answered) -> Step:
+    """Next state and what to do; pure.
+
+    A command counts only in its modes. A refusal by the controller leaves the mode as the spoken
+    word set it, but is written into the reason, so that nobody takes the mode for the robot's.
+    """
+    if isinstance(event, Answered):
+        return _answered(state, event)
+    command = event.command
+    if state.mode.value not in command.modes:
+        return Step(state, (), _why_not(command, state.mode))
+    actions: list[Action] = [Halt()] if command.is_halt else []
+    if command.call:
+        actions.append(Call(command.call))
+    mode = state.mode if command.then == "same" else Mode(command.then)
+    if mode is state.mode:
+        return Step(state, tuple(actions), "")
+    return Step(State(mode, command.phrase), (*actions, SetMode(mode, command.phrase)), "")
+
+
+def _answered(state: State, event: Answered) -> Step:
+    if event.is_accepted:
+        return Step(state, (), "")
+    reason = f"{event.command}, refused by the robot: {event.message}"
+    if state.reason != event.command:
+        return Step(state, (), reason)
+    return Step(State(state.mode, reason), (SetMode(state.mode, reason),), reason)
+
+
+def _why_not(command: CommandConfig, mode: Mode) -> str:
+    allowed = " or ".join(command.modes)
+    return f"{command.phrase!r} counts only in {allowed} mode, and the mode is {mode.value}"

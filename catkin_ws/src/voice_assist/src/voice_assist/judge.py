@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""When a transcript that still grows is decided upon, and as what; follows one utterance.
+
+A halt fires as soon as it is surely heard. Any other command waits for a short pause, so that
+"pull more is what he said" does not move, and there is one per utterance at most: what follows it
+in the same breath can only halt.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from voice_assist.config import CommandsConfig, EarlyConfig
+from voice_assist.mapper import Mapper
+from voice_assist.normalize import normalize
+from voice_assist.types import Hypothesis, Match, NoMatch
+
+_SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where in an utterance a transcript was made."""
+
+    time: float  # [s] stream time
+    quiet: float  # [s] since the last speech
+    is_complete: bool  # the end of the utterance is confirmed
+    is_whole: bool  # the transcript is of the utterance from its very beginning
+
+
+class Judge:
+    """Decides about the transcripts of one utterance, oldest first."""
+
+    def __init__(self, mapper: Mapper, commands: CommandsConfig, config: EarlyConfig) -> None:
+        """Start with a new utterance."""
+        self._mapper, self._config = mapper, config
+        self._halts = {command.phrase for command in commands.commands if command.is_halt}
+        self.reset()
+
+    def reset(self) -> None:
+        """Start with a new utterance."""
+        self._decided = ""  # command taken from this utterance
+        self._has_halted = False
+        self._votes = 0  # transcripts in a row that say a halt
+        self._words: tuple[str, ...] = ()
+        self._unchanged_since = 0.0  # [s] stream time
+
+    @property
+    def has_decided(self) -> bool:
+        """A command was already taken from this utterance."""
+        return bool(self._decided) or self._has_halted
+
+    def __call__(self, heard: Hypothesis, moment: Moment) -> Match | NoMatch | None:
+        """Judge a transcript; None: wait for more."""
+        outcome = self._mapper(heard.text)
+        self._follow(heard, outcome, moment)
+        if isinstance(outcome, Match) and outcome.command in self._halts:
+            return self._halt(outcome, heard, moment)
+        if not moment.is_complete and not self._may_commit(outcome, heard, moment):
+            return None
+        if not self._words:
+            return None
+        if isinstance(outcome, Match) and (self.has_decided or not moment.is_whole):
+            return NoMatch(self._continues(), outcome.command, outcome.wer)
+        if isinstance(outcome, NoMatch) and self.has_decided:
+            return replace(outcome, reason=self._continues())
+        return outcome
+
+    def accept(self, phrase: str) -> None:
+        """Note that a command was taken."""
+        if phrase in self._halts:
+            self._has_halted = True
+        else:
+            self._decided = phrase
+        self._votes, self._words = 0, ()
+
+    def _follow(self, heard: Hypothesis, outcome: Match | NoMatch, moment: Moment) -> None:
+        is_halt = isinstance(outcome, Match) and outcome.command in self._halts
+        self._votes = self._votes + 1 if is_halt else 0
+        words = normalize(heard.text)
+        if words != self._words:
+            self._words, self._unchanged_since = words, moment.time
+
+    def _halt(self, outcome: Match, heard: Hypothesis, moment: Moment) -> Match | None:
+        if self._has_halted:
+            return None
+        config = self._config
+        is_sure = config.is_enabled and (
+            self._votes >= config.stop_agreement
+            or heard.confidence >= config.stop_confidence
+            or self._is_pause(moment)
+        )
+        return outcome if is_sure or moment.is_complete else None
+
+    def _may_commit(self, outcome: Match | NoMatch, heard: Hypothesis, moment: Moment) -> bool:
+        """Whether a whole command is taken before the end of the utterance."""
+        config = self._config
+        if not config.is_enabled or not isinstance(outcome, Match) or not moment.is_whole:
+            return False
+        if self.has_decided or self._mapper.can_grow(heard.text):
+            return False
+        is_still = moment.time - self._unchanged_since >= config.unchanged_for - _SLACK
+        return is_still or self._is_pause(moment)
+
+    def _is_pause(self, moment: Moment) -> bool:
+        return moment.quiet >= self._config.pause - _SLACK
+
+    def _continues(self) -> str:
+        first = f"{self._decided!r}" if self._decided else "a longer utterance"
+        if self._has_halted and not self._decided:
+            first = "a stop"
+        return f"it continues {first} in the same breath; pause before the next command"

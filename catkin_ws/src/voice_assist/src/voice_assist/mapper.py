@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Transcript to command by Word Error Rate; what is not clearly a command is none."""
+
+from __future__ import annotations
+
+from voice_assist.config import CommandsConfig
+from voice_assist.normalize import Words, is_negated, normalize
+from voice_assist.types import Match, NoMatch
+from voice_assist.wer import wer
+
+SILENCE = "nothing was said"
+
+
+class Mapper:
+    """Names the command whose words are nearest to the transcript's, if they are near enough."""
+
+    def __init__(self, config: CommandsConfig) -> None:
+        """Prepare the words of every command and its spellings."""
+        self._spellings: dict[str, tuple[Words, ...]] = {
+            command.phrase: tuple(normalize(s) for s in (command.phrase, *command.spellings))
+            for command in config.commands
+        }
+        self._thresholds = {command.phrase: command.threshold for command in config.commands}
+        self._halts = {command.phrase for command in config.commands if command.is_halt}
+
+    def __call__(self, transcript: str) -> Match | NoMatch:
+        """The command with the lowest WER below its own threshold.
+
+        Args:
+            transcript: As recognised; may have punctuation, contractions and capitals.
+        """
+        words = normalize(transcript)
+        errors = self._errors(words)
+        if not words:
+            return NoMatch(SILENCE, "", errors)
+        nearest = min(errors, key=errors.__getitem__)
+        near = {p: error for p, error in errors.items() if error < self._thresholds[p]}
+        best = [phrase for phrase, error in near.items() if error == min(near.values())]
+        if len(best) == 1 and (near[best[0]] == 0.0 or not is_negated(words)):
+            return Match(best[0], errors)
+        return NoMatch(self._reason(words, nearest, errors, best), nearest, errors)
+
+    def can_grow(self, transcript: str) -> bool:
+        """Whether more words could make another command of it, other than a halt.
+
+        A halt may follow any decision, so nothing has to wait for one.
+        """
+        words = normalize(transcript)
+        outcome = self(transcript)
+        own = outcome.command if isinstance(outcome, Match) else ""
+        return any(
+            len(spelling) > len(words) and spelling[: len(words)] == words
+            for phrase, spellings in self._spellings.items()
+            if phrase != own and phrase not in self._halts
+            for spelling in spellings
+        )
+
+    def accepted(self) -> dict[str, tuple[str, ...]]:
+        """Per command every phrase that is taken for it without an error, in normalised words."""
+        return {
+            phrase: tuple(dict.fromkeys(" ".join(words) for words in spellings))
+            for phrase, spellings in self._spellings.items()
+        }
+
+    def _errors(self, words: Words) -> dict[str, float]:
+        return {
+            phrase: min(wer(spelling, words) for spelling in spellings)
+            for phrase, spellings in self._spellings.items()
+        }
+
+    def _reason(self, words: Words, nearest: str, errors: dict[str, float], best: list[str]) -> str:
+        if is_negated(words):
+            return "it denies; what is denied never moves"
+        if len(best) > 1:
+            return "it fits " + " and ".join(repr(phrase) for phrase in best) + " equally well"
+        error, allowed = errors[nearest], self._thresholds[nearest]
+        return f"WER {error:.2f} to {nearest!r}, allowed below {allowed:.2f}"

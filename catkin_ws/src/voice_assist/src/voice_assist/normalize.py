@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Text as it was heard to words that can be compared."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+Words = tuple[str, ...]
+
+NEGATIONS = frozenset({"not", "no", "never", "dont", "nor", "neither", "without", "cannot"})
+
+_APOSTROPHES = str.maketrans(dict.fromkeys("\u2019\u2018\u02bc\u00b4`\u02b9\uff07", "'"))
+_IRREGULAR = {
+    "won't": "will not",
+    "can't": "can not",
+    "shan't": "shall not",
+    "ain't": "is not",
+    "let's": "let us",
+    "it's": "it is",
+    "that's": "that is",
+    "what's": "what is",
+    "he's": "he is",
+    "she's": "she is",
+    "there's": "there is",
+    "gonna": "going to",
+    "wanna": "want to",
+    "dont": "do not",
+    "cant": "can not",
+    "wont": "will not",
+    "doesnt": "does not",
+    "didnt": "did not",
+    "isnt": "is not",
+    "shouldnt": "should not",
+    "cannot": "can not",
+}
+_ENDINGS = (
+    ("n't", " not"),
+    ("'re", " are"),
+    ("'ll", " will"),
+    ("'ve", " have"),
+    ("'m", " am"),
+    ("'d", " would"),
+)
+_ONES = [
+    "zero",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
+    "thirteen",
+    "fourteen",
+    "fifteen",
+    "sixteen",
+    "seventeen",
+    "eighteen",
+    "nineteen",
+]
+_TENS = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
+_TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)*|\d+")
+
+
+def normalize(text: str) -> Words:
+    """Words of a text in lower case, without punctuation, contractions, accents or digits.
+
+    Args:
+        text: Any text, such as a transcript with punctuation.
+
+    Returns:
+        Words of letters only; empty for text without a word.
+    """
+    folded = unicodedata.normalize("NFKD", text.translate(_APOSTROPHES)).casefold()
+    plain = "".join(c for c in folded if not unicodedata.combining(c))
+    return tuple(word for token in _TOKEN.findall(plain) for word in _expand(token))
+
+
+def is_negated(words: Words) -> bool:
+    """Whether a word among them denies."""
+    return not NEGATIONS.isdisjoint(words)
+
+
+def spoken_number(value: int) -> str:
+    """A whole number from 0 to 999,999 in English words; larger ones digit by digit."""
+    if value < 20:
+        return _ONES[value]
+    if value < 100:
+        tens, ones = divmod(value, 10)
+        return _TENS[tens - 2] + (f" {_ONES[ones]}" if ones else "")
+    if value < 1000:
+        hundreds, rest = divmod(value, 100)
+        return f"{_ONES[hundreds]} hundred" + (f" {spoken_number(rest)}" if rest else "")
+    if value < 1_000_000:
+        thousands, rest = divmod(value, 1000)
+        return f"{spoken_number(thousands)} thousand" + (f" {spoken_number(rest)}" if rest else "")
+    return " ".join(_ONES[int(digit)] for digit in str(value))
+
+
+def _expand(token: str) -> list[str]:
+    if token.isdigit():
+        digits = token[:18]  # no number in speech is longer
+        return spoken_number(int(digits)).split()
+    if token in _IRREGULAR:
+        return _IRREGULAR[token].split()
+    for ending, words in _ENDINGS:
+        if token.endswith(ending) and len(token) > len(ending):
+            return (token[: -len(ending)] + words).split()
+    return [token.replace("'", "")]

@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From frames of sound to decisions; the whole way, top to bottom."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from voice_assist.audio.source import GapWatch
+from voice_assist.config import VoiceConfig
+from voice_assist.denoise import Denoiser
+from voice_assist.dialogue import AT_START, Answered, Heard, State, step
+from voice_assist.judge import Judge, Moment
+from voice_assist.mapper import Mapper
+from voice_assist.normalize import is_negated, normalize
+from voice_assist.types import (
+    RATE,
+    Action,
+    Decision,
+    Frame,
+    Hypothesis,
+    Lost,
+    Match,
+    Mode,
+    NoMatch,
+    Partial,
+    Samples,
+    Utterance,
+)
+from voice_assist.vad.analyzer import Analyzer
+from voice_assist.vad.cutter import Cutter, Growth, last
+from voice_assist.vad.detector import Detector
+
+if TYPE_CHECKING:
+    from voice_assist.recognizer.recognizer import Recognizer
+
+Event = Partial | Decision | Lost
+Clock = Callable[[], float]
+
+NEVER = 1000.0  # [nat] a `fire_above` that switches firing off
+_SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
+_KEPT_OF_PAUSE = 0.064  # [s] before a decision in a pause that may begin the next word
+
+
+class Pipeline:
+    """Hears a stream frame by frame, and decides."""
+
+    def __init__(
+        self, config: VoiceConfig, recognizer: Recognizer, detector: Detector, clock: Clock
+    ) -> None:
+        """Join the stages.
+
+        Args:
+            config: Of all stages.
+            recognizer: Makes text of sound.
+            detector: Tells speech from quiet.
+            clock: The one that stamps the frames [s].
+        """
+        self._config, self._clock = config, clock
+        self._recognizer, self._detector = recognizer, detector
+        self._early = config.recognizer.early
+        self._gaps = GapWatch()
+        self._denoise = Denoiser(config.audio.denoise)
+        self._analyze = Analyzer(config.audio.vad)
+        self._cut = Cutter(config.audio.vad)
+        self._judge = Judge(Mapper(config.commands), config.commands, self._early)
+        self._state = AT_START
+        self._new_utterance()
+
+    @property
+    def state(self) -> State:
+        """Of the dialogue."""
+        return self._state
+
+    @property
+    def is_hearing(self) -> bool:
+        """An utterance is in progress."""
+        return self._is_hearing
+
+    def set_mode(self, mode: Mode, reason: str) -> None:
+        """Put the dialogue into a mode."""
+        self._state = State(mode, reason)
+
+    def answer(self, answered: Answered) -> tuple[Action, ...]:
+        """Tell the dialogue what the controller replied."""
+        outcome = step(self._state, answered)
+        self._state = outcome.state
+        return outcome.actions
+
+    def warm_up(self, samples: Samples) -> None:
+        """Let the recogniser do once what it does only once, on any sound, shape (n,)."""
+        self._recognizer.transcribe(samples)
+        self._recognizer.score(samples, self._config.commands.phrases)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the stream so far, and keep the mode."""
+        self._gaps = GapWatch()
+        self._denoise.reset()
+        self._detector.reset()
+        self._analyze.reset()
+        self._cut.reset()
+        self._new_utterance()
+
+    def __call__(self, frame: Frame) -> tuple[Event, ...]:
+        """Take the next frame of the stream; gives what came of it, oldest first."""
+        lost = self._check_gap(frame)
+        cleaned = self._denoise(frame.samples)
+        endpoint = self._analyze(self._detector(cleaned), frame.duration)
+        if self._config.audio.denoise.mode == "on":
+            frame = replace(frame, samples=cleaned)
+        growth = self._cut(frame, endpoint)
+        if growth is None:
+            return lost
+        self._is_hearing = True
+        self._has_news |= growth.quiet == 0.0
+        time = frame.first_sample / RATE + frame.duration
+        is_new = self._is_due(growth, frame, time) and self._transcribe(growth, time)
+        events: tuple[Event, ...] = (*lost, *self._partial(frame)) if is_new else lost
+        if is_new or growth.utterance.is_complete:
+            events += self._decide(growth, time)
+        if growth.utterance.is_complete:
+            events += (Partial("", frame.stamp),) if self._shown else ()
+            self._new_utterance()
+        return events
+
+    # --- hear
+
+    def _check_gap(self, frame: Frame) -> tuple[Event, ...]:
+        lost = self._gaps(frame)
+        if lost is None:
+            return ()
+        self._detector.reset()
+        self._analyze.reset()
+        self._cut.break_at(frame.stamp)
+        self._new_utterance()
+        return (Lost(lost, frame.stamp),)
+
+    def _new_utterance(self) -> None:
+        self._judge.reset()
+        self._is_hearing = False
+        self._heard: Hypothesis | None = None
+        self._heard_at = -1.0  # [s] stream time of the last transcript; below 0: none
+        self._is_window = False  # the last transcript is only of the utterance's last part
+        self._has_news = False  # there was speech since the last transcript
+        self._shown = ""
+
+    def _is_due(self, growth: Growth, frame: Frame, time: float) -> bool:
+        """Whether the sound is worth another look now."""
+        if self._heard_at < 0.0:
+            self._heard_at = time
+        if growth.utterance.is_complete:
+            return self._has_news or self._is_window
+        if not (self._early.is_enabled and self._has_news):
+            return False
+        if self._clock() - frame.stamp - frame.duration > self._early.max_backlog:
+            return False
+        is_time = time - self._heard_at >= self._early.partial_interval - _SLACK
+        return is_time or self._is_pause(growth)
+
+    def _is_pause(self, growth: Growth) -> bool:
+        return growth.quiet >= self._early.pause - _SLACK
+
+    def _transcribe(self, growth: Growth, time: float) -> bool:
+        samples = growth.utterance.samples
+        if not growth.utterance.is_complete:
+            samples = last(samples, self._early.window)
+        self._heard = self._recognizer.transcribe(samples)
+        self._heard_at = time
+        self._is_window = len(samples) < len(growth.utterance.samples)
+        self._has_news = not (growth.utterance.is_complete or self._is_pause(growth))
+        return True
+
+    def _partial(self, frame: Frame) -> tuple[Event, ...]:
+        text = self._heard.text if self._heard else ""
+        if text == self._shown:
+            return ()
+        self._shown = text
+        return (Partial(text, frame.stamp + frame.duration),)
+
+    # --- decide
+
+    def _decide(self, growth: Growth, time: float) -> tuple[Event, ...]:
+        utterance, heard = growth.utterance, self._heard
+        if heard is None:
+            return ()
+        is_whole = growth.is_whole and not self._is_window
+        moment = Moment(time, growth.quiet, utterance.is_complete, is_whole)
+        outcome = self._judge(heard, moment)
+        origin = "recognizer"
+        if not isinstance(outcome, Match) and (fired := self._fire(growth, heard)):
+            outcome, origin = fired, "spotter"
+        if outcome is None:
+            return ()
+        confidence = heard.confidence
+        if isinstance(outcome, Match):
+            outcome, confidence = self._second_opinion(outcome, heard, utterance)
+        return (self._conclude(outcome, heard, confidence, growth, origin),)
+
+    def _second_opinion(
+        self, match: Match, heard: Hypothesis, utterance: Utterance
+    ) -> tuple[Match | NoMatch, float]:
+        """The model's scores of whole commands may refuse a motion; gives the confidence too."""
+        command = self._config.commands.get(match.command)
+        if command.is_halt or not self._config.recognizer.second_opinion:
+            return match, heard.confidence
+        scores = self._recognizer.score(utterance.samples, self._config.commands.phrases)
+        best, score = max(scores, key=scores.__getitem__), scores[match.command]
+        confidence = _logistic(score / self._config.recognizer.score_scale)
+        if not command.is_motion:
+            return match, confidence
+        if best != match.command:
+            return NoMatch(f"it sounds more like {best!r}", match.command, match.wer), confidence
+        if score < command.refuse_below:
+            reason = f"the sound supports {best!r} by {score:.1f} nat"
+            reason += f", allowed: at least {command.refuse_below:.1f}"
+            return NoMatch(reason, match.command, match.wer), confidence
+        return match, confidence
+
+    def _fire(self, growth: Growth, heard: Hypothesis) -> Match | None:
+        """A halt that the transcript misses, but the scores are sure of."""
+        halts = [c for c in self._config.commands.commands if c.is_halt and c.fire_above < NEVER]
+        is_time = growth.utterance.is_complete or self._is_pause(growth)
+        if not (halts and is_time and self._config.recognizer.second_opinion):
+            return None
+        if self._judge.has_decided or is_negated(normalize(heard.text)):
+            return None
+        samples = last(growth.utterance.samples, self._early.window)
+        scores = self._recognizer.score(samples, tuple(halt.phrase for halt in halts))
+        for halt in halts:
+            if scores[halt.phrase] > halt.fire_above:
+                return Match(halt.phrase, {})
+        return None
+
+    def _conclude(
+        self,
+        outcome: Match | NoMatch,
+        heard: Hypothesis,
+        confidence: float,
+        growth: Growth,
+        origin: str,
+    ) -> Decision:
+        """Let the dialogue act on it, and make ready for the rest of the utterance."""
+        mode = self._state.mode
+        actions: tuple[Action, ...] = ()
+        if isinstance(outcome, Match):
+            self._judge.accept(outcome.command)
+            outcome, actions = self._act(outcome)
+        utterance = growth.utterance
+        if not utterance.is_complete:
+            self._cut.restart(_KEPT_OF_PAUSE if self._is_pause(growth) else 0.0)
+            self._heard, self._is_window, self._has_news = None, False, False
+        return Decision(
+            hypothesis=heard,
+            outcome=outcome,
+            confidence=min(max(confidence, 0.0), 1.0),
+            mode=mode,
+            speech_start=utterance.speech_start,
+            speech_end=utterance.speech_end,
+            decided=self._clock(),
+            is_early=not utterance.is_complete,
+            origin=origin,
+            actions=actions,
+        )
+
+    def _act(self, match: Match) -> tuple[Match | NoMatch, tuple[Action, ...]]:
+        outcome = step(self._state, Heard(self._config.commands.get(match.command)))
+        self._state = outcome.state
+        if outcome.why:
+            return NoMatch(outcome.why, match.command, match.wer), ()
+        return match, outcome.actions
+
+
+def _logistic(x: float) -> float:
+    return 1.0 / (1.0 + math.exp(-min(max(x, -700.0), 700.0)))

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The recogniser of this project's own small checkpoint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from voice_assist.recognizer.checkpoint import Checkpoint
+from voice_assist.recognizer.ctc import greedy_text
+from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.mel import log_mel
+from voice_assist.recognizer.recognizer import LONGEST, SHORTEST
+from voice_assist.recognizer.scoring import (
+    ctc_likelihoods,
+    decoder_likelihoods,
+    ratios,
+)
+from voice_assist.recognizer.vocabulary import (
+    END,
+    NO_SPEECH,
+    PROMPT,
+    WHISPER_IDS,
+    decode,
+    encode,
+)
+from voice_assist.types import RATE, Hypothesis, Samples
+
+EMBEDDING = "decoder.token_embedding.weight"
+FEWEST_FRAMES = 40  # of the spectrogram; shorter sound gets quiet appended
+MOST_ROUNDS = 64  # corrections of a draft; what is left after them is dropped
+
+
+class EmbeddedRecognizer:
+    """Greedy decoding by letters, with the CTC head's text as a draft.
+
+    The decoder reads the whole draft in one pass; where it would have written
+    another letter, the draft is corrected there and read again. The result is
+    exactly that of greedy decoding, mostly for the price of one step.
+    """
+
+    def __init__(self, name: str, checkpoint: Checkpoint, device: str = "cpu") -> None:
+        """Take the weights.
+
+        Args:
+            name: As asked for.
+            checkpoint: With a CTC head.
+            device: A torch device.
+        """
+        self.name, self.model_hash = name, checkpoint.sha256
+        self.model = restore(checkpoint).to(device).eval()
+        self._device = device
+
+    def transcribe(self, samples: Samples) -> Hypothesis:
+        """Text of the sound; see Recognizer."""
+        if not is_audible(samples):
+            return Hypothesis("", 0.0, 1.0)
+        with torch.inference_mode():
+            states, ctc = self._listen(samples)
+            return self._decode(states, greedy_text(ctc.cpu().numpy()))
+
+    def score(self, samples: Samples, phrases: Sequence[str]) -> dict[str, float]:
+        """Mean of the decoder's and the CTC head's opinion; see Recognizer."""
+        if not is_audible(samples):
+            return dict.fromkeys(phrases, float("-inf"))
+        with torch.inference_mode():
+            states, ctc = self._listen(samples)
+            heard = greedy_text(ctc.cpu().numpy())
+            rivals = ["", heard.strip(), self._decode(states, heard).text]
+            texts = list(dict.fromkeys([*phrases, *rivals]))
+            both = decoder_likelihoods(self.model, states, texts).cpu()
+            both = (both + ctc_likelihoods(ctc.cpu(), texts)) / 2
+        return ratios(dict(zip(texts, both.tolist(), strict=True)), phrases)
+
+    def _listen(self, samples: Samples) -> tuple[Tensor, Tensor]:
+        """Encoder states (1, time, d) and CTC log-probabilities (time, classes)."""
+        heard = np.array(samples[-int(LONGEST * RATE) :], dtype=np.float32)
+        missing = FEWEST_FRAMES * 160 - len(heard)
+        heard = np.pad(heard, (0, max(missing, 0)))
+        mel = log_mel(torch.from_numpy(heard)[None].to(self._device))
+        states = self.model.encode(mel)
+        return states, self.model.ctc_logprobs(states)[0]
+
+    def _decode(self, states: Tensor, draft: str) -> Hypothesis:
+        ids = encode(draft)[: self.model.dims.n_text_ctx - len(PROMPT) - 1]
+        for _ in range(MOST_ROUNDS):
+            tokens = torch.tensor([[*PROMPT, *ids]], device=self._device)
+            logprobs = self.model.logits(tokens, states)[0].log_softmax(-1)
+            best, chosen = logprobs[len(PROMPT) - 1 :].max(-1)
+            wanted = chosen.tolist()
+            agreed = _agreed(ids, wanted)
+            if wanted[agreed] == END or agreed + 1 >= self.model.dims.n_text_ctx - 2:
+                break
+            ids = [*ids[:agreed], wanted[agreed], *_rest(ids, agreed, wanted[agreed])]
+        total = float(best[: agreed + 1].mean())
+        no_speech = float(logprobs[0, NO_SPEECH].exp())
+        return Hypothesis(decode(ids[:agreed]).strip(), min(total, 0.0), no_speech)
+
+
+def restore(checkpoint: Checkpoint) -> HybridWhisper:
+    """The compact model inside an exported checkpoint."""
+    model = HybridWhisper(checkpoint.dims)
+    state = {name: weight.float() for name, weight in checkpoint.state.items()}
+    full = state[EMBEDDING]
+    unused = min(set(range(max(WHISPER_IDS))) - set(WHISPER_IDS))
+    state[EMBEDDING] = full[[*WHISPER_IDS, unused]]
+    model.whisper.load_state_dict(state)
+    head = checkpoint.ctc or {}
+    model.ctc.load_state_dict({name: weight.float() for name, weight in head.items()})
+    return model
+
+
+def is_audible(samples: Samples) -> bool:
+    """Whether there is enough sound to listen to at all."""
+    return len(samples) >= SHORTEST * RATE and bool(np.any(samples))
+
+
+def _agreed(draft: list[int], wanted: list[int]) -> int:
+    """Leading letters of the draft that the decoder writes too."""
+    for index, letter in enumerate(draft):
+        if letter != wanted[index]:
+            return index
+    return len(draft)
+
+
+def _rest(draft: list[int], at: int, letter: int) -> list[int]:
+    """What may follow in the draft once a letter is put in its place."""
+    has_one_too_many = draft[at + 1 : at + 2] == [letter]
+    return draft[at + 2 :] if has_one_too_many else draft[at + 1 :]

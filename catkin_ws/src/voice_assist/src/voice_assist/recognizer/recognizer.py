@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the pipeline asks of any recogniser."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from voice_assist.types import Hypothesis, Samples
+
+SHORTEST = 0.1  # [s] shorter sound is heard as nothing
+LONGEST = 10.0  # [s] of longer sound, the last part is heard
+
+
+class Recognizer(Protocol):
+    """Turns a stretch of sound into text, and weighs given texts against it."""
+
+    name: str  # as asked for: "embedded", a Whisper model or a file
+    model_hash: str  # SHA-256 of the checkpoint file, hexadecimal
+
+    def transcribe(self, samples: Samples) -> Hypothesis:
+        """Text of the sound, empty when nothing was said.
+
+        Args:
+            samples: float32 in [-1, 1], 16 kHz mono. Shape (n,).
+        """
+        ...
+
+    def score(self, samples: Samples, phrases: Sequence[str]) -> dict[str, float]:
+        """Second opinion on phrases: does the sound say this and nothing else?
+
+        Args:
+            samples: As for transcribe.
+            phrases: Normalised texts, each at least one letter.
+
+        Returns:
+            For each phrase the natural log of its likelihood over that of the best
+            other text: the free transcripts, silence and the other phrases. At
+            most 0 where another text explains the sound as well or better.
+        """
+        ...

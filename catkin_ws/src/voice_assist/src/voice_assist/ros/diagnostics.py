@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Health of the voice node, as diagnostics at 1 Hz."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper, Updater
+
+_SMOOTHING = 0.02  # per frame: the real-time factor follows within about 2 s
+
+
+@dataclass
+class Health:
+    """What the threads of the node note down; single values, so no lock is needed."""
+
+    model: str
+    source: str
+    capacity: int  # frames that fit the queue
+    trouble: str = "starting"  # with the source of sound
+    failure: str = ""  # a thread ended by an error
+    controller: str = ""  # what is wrong with the controller
+    level: float = -100.0  # [dB] of full scale
+    queued: int = 0  # frames
+    dropped: int = 0  # frames
+    lost: int = 0  # samples
+    real_time_factor: float = 0.0
+    frame_done: float = field(default=float("-inf"))  # [s] when the last frame was worked off
+    behind: float = 0.0  # [s] of that frame then
+    commanded: float = field(default=float("-inf"))  # [s] when the last command was taken
+    last_command: str = ""
+
+    def worked(self, compute: float, duration: float) -> None:
+        """Note the time spent on one frame [s]."""
+        self.real_time_factor += _SMOOTHING * (compute / duration - self.real_time_factor)
+
+    def would_hear(self, now: float, deaf_after: float) -> bool:
+        """Whether a spoken stop would be heard in time."""
+        is_fresh = now - self.frame_done < deaf_after and self.behind < deaf_after
+        return is_fresh and not self.trouble and not self.failure
+
+
+class Diagnostics:
+    """Publishes the health."""
+
+    def __init__(self, health: Health, clock: Callable[[], float], deaf_after: float) -> None:
+        """Announce the node."""
+        self._health, self._clock, self._deaf_after = health, clock, deaf_after
+        self._updater = Updater()
+        self._updater.setHardwareID(health.source)
+        self._updater.add("voice", self._fill)
+
+    def publish(self) -> None:
+        """Publish once."""
+        self._updater.force_update()
+
+    def _fill(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        health, now = self._health, self._clock()
+        status.summary(*_summary(health, now, self._deaf_after))
+        status.add("source", health.source)
+        status.add("model", health.model)
+        status.add("microphone level [dB]", f"{health.level:.1f}")
+        status.add("queue [frames]", f"{health.queued}")
+        status.add("frames dropped", f"{health.dropped}")
+        status.add("samples lost", f"{health.lost}")
+        status.add("real-time factor", f"{health.real_time_factor:.3f}")
+        status.add("behind the sound [s]", f"{health.behind:.3f}")
+        status.add("last command", health.last_command or "none")
+        age = now - health.commanded
+        status.add("last command age [s]", f"{age:.1f}" if health.last_command else "never")
+        return status
+
+
+def _summary(health: Health, now: float, deaf_after: float) -> tuple[int, str]:
+    if health.failure:
+        return DiagnosticStatus.ERROR, health.failure
+    if health.trouble:
+        return DiagnosticStatus.ERROR, health.trouble
+    if not health.would_hear(now, deaf_after):
+        return DiagnosticStatus.ERROR, "recognition does not keep up: a spoken stop is not heard"
+    if health.controller:
+        return DiagnosticStatus.WARN, health.controller
+    if health.queued > health.capacity // 2:
+        return DiagnosticStatus.WARN, "recognition falls behind"
+    return DiagnosticStatus.OK, "listening"

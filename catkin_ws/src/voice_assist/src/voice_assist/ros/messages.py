@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values of the core to ROS messages and back."""
+
+from __future__ import annotations
+
+import numpy as np
+import rospy
+from numpy.typing import NDArray
+
+from voice_assist.msg import AudioChunk
+from voice_assist.msg import Mode as ModeMessage
+from voice_assist.msg import Utterance as UtteranceMessage
+from voice_assist.types import RATE, Decision, Frame, Match, Mode
+
+FULL_SCALE = 32767
+
+
+def audio_chunk(frame: Frame) -> AudioChunk:
+    """A frame as 16-bit PCM."""
+    chunk = AudioChunk(rate=RATE, first_sample=frame.first_sample)
+    chunk.header.stamp = rospy.Time.from_sec(frame.stamp)
+    scaled = np.rint(np.clip(frame.samples, -1.0, 1.0) * FULL_SCALE)
+    chunk.samples = scaled.astype(np.int16).tolist()
+    return chunk
+
+
+def pcm(chunk: AudioChunk) -> NDArray[np.int16]:
+    """Samples of a chunk, shape (n,)."""
+    return np.asarray(chunk.samples, np.int16)
+
+
+def utterance(decision: Decision, now: float) -> UtteranceMessage:
+    """A decision with all that led to it.
+
+    Args:
+        decision: Its stamps are seconds of ROS time.
+        now: Stamp of the message [s].
+    """
+    outcome = decision.outcome
+    is_match = isinstance(outcome, Match)
+    message = UtteranceMessage(
+        transcript=decision.hypothesis.text,
+        phrases=list(outcome.wer),
+        wer=list(outcome.wer.values()),
+        command=outcome.command if is_match else "",
+        reason="" if is_match else outcome.reason,
+        nearest=outcome.command if is_match else outcome.nearest,
+        confidence=decision.confidence,
+        mode=decision.mode.value,
+        origin=decision.origin,
+        early=decision.is_early,
+        speech_start=rospy.Time.from_sec(decision.speech_start),
+        speech_end=rospy.Time.from_sec(decision.speech_end),
+        decision=rospy.Time.from_sec(decision.decided),
+    )
+    message.header.stamp = rospy.Time.from_sec(now)
+    return message
+
+
+def mode_message(mode: Mode, reason: str, now: float) -> ModeMessage:
+    """The voice mode and why it is that."""
+    message = ModeMessage(mode=mode.value, reason=reason)
+    message.header.stamp = rospy.Time.from_sec(now)
+    return message

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The voice node: one thread listens, one hears, one calls the controller, one sends heartbeats."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Callable
+from queue import Empty, Full, Queue
+
+import rospy
+
+from typed_config import ConfigError
+from voice_assist.assembly import make_pipeline, make_recognizer, make_source
+from voice_assist.audio.source import Source, level_db
+from voice_assist.config import VoiceConfig, load_voice_config, voice_config
+from voice_assist.dialogue import Answered
+from voice_assist.errors import VoiceError
+from voice_assist.pipeline import Event
+from voice_assist.ros.caller import CommandCaller
+from voice_assist.ros.diagnostics import Diagnostics, Health
+from voice_assist.ros.publishers import Publishers
+from voice_assist.ros.topic_source import TopicSource
+from voice_assist.types import Action, Call, Decision, Frame, Halt, Lost, Match, Partial, SetMode
+
+HEARTBEAT = 0.1  # [s]
+_DIAGNOSTICS_EVERY = 10  # heartbeats
+
+
+def main() -> None:
+    """Run the voice node."""
+    rospy.init_node("voice_assist")
+    try:
+        node = VoiceNode(_load_config())
+        node.run()
+    except (ConfigError, VoiceError) as error:
+        rospy.logfatal("%s", error)
+        sys.exit(2)
+
+
+class VoiceNode:
+    """Joins the source, the pipeline and the robot's controller."""
+
+    def __init__(self, config: VoiceConfig) -> None:
+        """Load the model and announce the topics."""
+        self._config = config
+        recognizer = make_recognizer(config)
+        self._pipeline = make_pipeline(config, _now, recognizer)
+        self._frames: Queue[Frame | None] = Queue(config.audio.queue)
+        self._answers: Queue[Answered] = Queue()
+        self._over = threading.Event()
+        self._publish = Publishers()
+        self._health = Health(
+            f"{recognizer.name} {recognizer.model_hash[:12]}",
+            config.audio.source,
+            config.audio.queue,
+        )
+        self._caller = CommandCaller(config.commands.answer_within, self._answers.put)
+        self._repeatable = {c.call for c in config.commands.commands if not c.is_motion}
+
+    def run(self) -> None:
+        """Hear until ROS shuts down, or the recording ends where the settings say so."""
+        state = self._pipeline.state
+        self._publish.mode(state.mode, state.reason, _now())
+        rospy.on_shutdown(self._over.set)
+        for target in (self._listen, self._hear, self._beat):
+            threading.Thread(target=self._guard, args=(target,), daemon=True).start()
+        rospy.loginfo("listening to the %s, model %s", self._health.source, self._health.model)
+        rospy.spin()
+        self._over.set()
+
+    def _guard(self, target: Callable[[], None]) -> None:
+        """Top of a thread: what goes wrong ends the heartbeat, which brakes the robot."""
+        try:
+            target()
+        except Exception as error:
+            name = target.__name__.strip("_")
+            self._health.failure = f"{name}: {error}"
+            expected = isinstance(error, VoiceError)
+            rospy.logfatal("%s", self._health.failure, exc_info=not expected)
+            rospy.signal_shutdown(self._health.failure)
+
+    # --- thread 1: sound
+
+    def _listen(self) -> None:
+        with self._source() as source:
+            for frame in source:
+                if self._over.is_set():
+                    return
+                self._trouble("")
+                self._publish.audio(frame)
+                self._health.level = level_db(frame.samples)
+                try:
+                    self._frames.put_nowait(frame)
+                except Full:
+                    self._health.dropped += 1  # the pipeline notices the gap
+        self._frames.put(None)
+
+    def _source(self) -> Source:
+        if self._config.audio.source == "topic":
+            return TopicSource(self._config.audio.topic, self._trouble)
+        return make_source(self._config.audio, _now, self._over.wait, self._trouble)
+
+    def _trouble(self, trouble: str) -> None:
+        """Note and say, once, what is wrong with the source, or that it is well again."""
+        before, self._health.trouble = self._health.trouble, trouble
+        if trouble and trouble != before:
+            rospy.logerr("%s", trouble)
+        elif before and not trouble:
+            rospy.loginfo("sound comes in")
+
+    # --- thread 2: recognition
+
+    def _hear(self) -> None:
+        while not self._over.is_set():
+            self._take_answers()
+            try:
+                frame = self._frames.get(timeout=HEARTBEAT)
+            except Empty:
+                continue
+            if frame is None:
+                rospy.signal_shutdown("the recording is over")
+                return
+            started = time.perf_counter()
+            for event in self._pipeline(frame):
+                self._take(event)
+            health = self._health
+            health.worked(time.perf_counter() - started, frame.duration)
+            health.queued, health.frame_done = self._frames.qsize(), _now()
+            health.behind = health.frame_done - frame.stamp - frame.duration
+
+    def _take(self, event: Event) -> None:
+        if isinstance(event, Decision):
+            for action in event.actions:
+                self._do(action)
+            self._publish.utterance(event, _now())
+            self._say(event)
+        elif isinstance(event, Partial):
+            self._publish.partial(event)
+        elif isinstance(event, Lost):
+            self._health.lost += event.samples
+            rospy.logwarn("%d samples of sound were lost", event.samples)
+
+    def _do(self, action: Action) -> None:
+        if isinstance(action, Halt):
+            self._publish.stop()
+            self._caller.forget()
+        elif isinstance(action, Call):
+            self._caller.call(action.command, action.command in self._repeatable)
+        elif isinstance(action, SetMode):
+            self._publish.mode(action.mode, action.reason, _now())
+
+    def _take_answers(self) -> None:
+        while not self._answers.empty():
+            answered = self._answers.get()
+            if answered.is_accepted:
+                rospy.loginfo("%s: %s", answered.command, answered.message)
+            else:
+                rospy.logwarn("%s refused: %s", answered.command, answered.message)
+            for action in self._pipeline.answer(answered):
+                self._do(action)
+
+    def _say(self, decision: Decision) -> None:
+        outcome, text = decision.outcome, decision.hypothesis.text
+        if isinstance(outcome, Match):
+            self._health.commanded, self._health.last_command = _now(), outcome.command
+            rospy.loginfo("heard %r: %s (%.2f)", text, outcome.command, decision.confidence)
+        else:
+            nearest = f", nearest {outcome.nearest!r}" if outcome.nearest else ""
+            rospy.loginfo("heard %r: no command, %s%s", text, outcome.reason, nearest)
+
+    # --- thread 3: heartbeat and diagnostics
+
+    def _beat(self) -> None:
+        diagnostics = Diagnostics(self._health, _now, self._config.audio.deaf_after)
+        count = 0
+        while not self._over.wait(HEARTBEAT):
+            if self._health.would_hear(_now(), self._config.audio.deaf_after):
+                self._publish.heartbeat(_now())
+            if count % _DIAGNOSTICS_EVERY == 0:
+                self._health.controller = self._caller.trouble
+                diagnostics.publish()
+            count += 1
+
+
+def _load_config() -> VoiceConfig:
+    """From the node's private parameters; from the package's files where there are none."""
+    names = ("audio", "recognizer", "commands")
+    given = {name: rospy.get_param(f"~{name}") for name in names if rospy.has_param(f"~{name}")}
+    if not given:
+        rospy.loginfo("no private parameters; the settings are those of the package's files")
+        return load_voice_config()
+    return voice_config(given)
+
+
+def _now() -> float:
+    return float(rospy.get_time())

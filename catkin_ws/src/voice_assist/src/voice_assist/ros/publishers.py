@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Everything that the voice node publishes, except diagnostics."""
+
+from __future__ import annotations
+
+import rospy
+from std_msgs.msg import Empty, String, Time
+
+from voice_assist.msg import AudioChunk
+from voice_assist.msg import Mode as ModeMessage
+from voice_assist.msg import Utterance as UtteranceMessage
+from voice_assist.ros import messages
+from voice_assist.types import Decision, Frame, Mode, Partial
+
+
+class Publishers:
+    """The topics, by relative names."""
+
+    def __init__(self) -> None:
+        """Announce them."""
+        advertise = rospy.Publisher
+        self._audio = advertise("voice_assist/audio", AudioChunk, queue_size=100)
+        self._partial = advertise("voice_assist/partial", String, queue_size=20)
+        self._utterance = advertise("voice_assist/utterance", UtteranceMessage, queue_size=100)
+        self._mode = advertise("voice_assist/mode", ModeMessage, queue_size=10, latch=True)
+        self._stop = advertise("rst_control/stop", Empty, queue_size=10)
+        self._heartbeat = advertise("rst_control/heartbeat", Time, queue_size=1)
+
+    def audio(self, frame: Frame) -> None:
+        """What is heard, unmodified."""
+        self._audio.publish(messages.audio_chunk(frame))
+
+    def partial(self, partial: Partial) -> None:
+        """What has been heard so far."""
+        self._partial.publish(String(data=partial.text))
+
+    def utterance(self, decision: Decision, now: float) -> None:
+        """What was decided, at ROS time `now` [s]."""
+        self._utterance.publish(messages.utterance(decision, now))
+
+    def mode(self, mode: Mode, reason: str, now: float) -> None:
+        """The voice mode, latched."""
+        self._mode.publish(messages.mode_message(mode, reason, now))
+
+    def stop(self) -> None:
+        """Stop the robot, without waiting for an answer."""
+        self._stop.publish(Empty())
+
+    def heartbeat(self, now: float) -> None:
+        """A spoken stop would be heard now."""
+        self._heartbeat.publish(Time(data=rospy.Time.from_sec(now)))

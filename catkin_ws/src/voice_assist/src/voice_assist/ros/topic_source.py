@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An audio topic in place of a microphone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from queue import Empty, Full, Queue
+from types import TracebackType
+
+import rospy
+
+from voice_assist.audio.rate import Resampler
+from voice_assist.audio.source import Framer, Report
+from voice_assist.config import TopicConfig
+from voice_assist.msg import AudioChunk
+from voice_assist.ros.messages import pcm
+from voice_assist.types import RATE, Frame
+
+_QUEUE = 1000  # chunks
+
+
+class TopicSource:
+    """Frames of a topic of AudioChunk, until the node shuts down."""
+
+    def __init__(self, config: TopicConfig, report: Report) -> None:
+        """Remember the topic.
+
+        Args:
+            config: Its name, and when it counts as silent.
+            report: Told what is wrong; an empty text when all is well again.
+        """
+        self._config, self._report = config, report
+        self._queue: Queue[AudioChunk] = Queue(_QUEUE)
+        self._subscriber: rospy.Subscriber | None = None
+
+    def __enter__(self) -> TopicSource:
+        """Subscribe."""
+        self._subscriber = rospy.Subscriber(self._config.name, AudioChunk, self._enqueue)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Unsubscribe."""
+        if self._subscriber is not None:
+            self._subscriber.unregister()
+
+    def _enqueue(self, chunk: AudioChunk) -> None:
+        with suppress(Full):  # the jump of first_sample tells the reader
+            self._queue.put_nowait(chunk)
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Frames as they come; a jump of first_sample is kept as a gap."""
+        framer, resample, rate, expected = Framer(), Resampler(RATE), RATE, None
+        while not rospy.is_shutdown():
+            chunk = self._next()
+            if chunk is None:
+                continue
+            if chunk.rate != rate:
+                resample, rate = Resampler(chunk.rate), chunk.rate
+            if expected is not None and chunk.first_sample != expected:
+                lost = chunk.first_sample - expected
+                framer.skip(max(round(lost * RATE / rate), RATE // 10))
+            expected = chunk.first_sample + len(chunk.samples)
+            yield from framer.push(resample(pcm(chunk)), chunk.header.stamp.to_sec())
+
+    def _next(self) -> AudioChunk | None:
+        try:
+            chunk = self._queue.get(timeout=self._config.lost_after)
+        except Empty:
+            name = rospy.resolve_name(self._config.name)
+            self._report(f"no sound on {name} for {self._config.lost_after:.1f} s")
+            return None
+        self._report("")
+        return chunk

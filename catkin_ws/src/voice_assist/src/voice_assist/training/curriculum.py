@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The order of lessons: short and clear first, then everything, then in pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from voice_assist.training.augment import Strength
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What is trained on up to a step."""
+
+    until: int  # step
+    weights: Mapping[str, float]  # relative frequency by kind of item
+    seconds: float  # of sound per batch
+    longest: float  # [s] of an item
+    how: Strength
+    needs_word_times: bool  # found by the model itself when the stage begins
+
+
+GENTLE = Strength(
+    speed=(0.9, 1.1), lead=(0.02, 0.3), room=0.15, noise=0.4, snr=(10.0, 35.0), warp=0.06
+)
+
+# Human speech always comes with its transcript, and people say commands too.
+SHORT = {
+    **{"command": 25, "variant": 5, "near": 14, "span": 24, "noise": 2},
+    **{"human stop": 3, "human rare": 5, "human word": 12, "sentence": 10},
+}
+WHOLE = {
+    **{"command": 20, "variant": 6, "near": 11, "span": 16, "noise": 3},
+    **{"human stop": 4, "human rare": 5, "human word": 10, "sentence": 25},
+}
+PIECES = {
+    **{"command": 17, "variant": 6, "near": 11, "span": 9, "noise": 4},
+    **{"human stop": 4, "human rare": 4, "human word": 7, "sentence": 4},
+    **{"human span": 22, "cut": 7, "splice": 8, "mined": 4},
+}
+
+STAGES = (
+    Stage(900, SHORT, 64.0, 3.5, GENTLE, False),
+    Stage(1700, WHOLE, 100.0, 7.8, Strength(), False),
+    Stage(3200, PIECES, 90.0, 7.8, Strength(), True),
+    Stage(1_000_000, PIECES, 90.0, 7.8, Strength(), True),
+)
+
+
+def stage_of(step: int) -> tuple[int, Stage]:
+    """The stage that a step belongs to, with its number."""
+    return next((n, stage) for n, stage in enumerate(STAGES) if step < stage.until)

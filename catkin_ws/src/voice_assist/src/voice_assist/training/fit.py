@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Train the embedded recogniser: python -m voice_assist.training.fit."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import time
+from pathlib import Path
+
+import torch
+from whisper.model import ModelDimensions, disable_sdpa
+
+from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.training.align import align_clips
+from voice_assist.training.batches import Batch, Batches
+from voice_assist.training.checkpoints import (
+    Average,
+    Progress,
+    load_progress,
+    save_progress,
+)
+from voice_assist.training.corpus import Corpus, load_corpus
+from voice_assist.training.curriculum import stage_of
+from voice_assist.training.export import export
+from voice_assist.training.mixture import Aligned, Mixture
+from voice_assist.training.objective import joint_loss
+from voice_assist.training.report import Figures, measure
+from voice_assist.training.schedule import Schedule
+from voice_assist.training.synthesis import Amounts, Clip
+
+DIMS = ModelDimensions(
+    n_mels=80,
+    n_audio_ctx=512,
+    n_audio_state=192,
+    n_audio_head=3,
+    n_audio_layer=5,
+    n_vocab=51864,
+    n_text_ctx=192,
+    n_text_state=192,
+    n_text_head=3,
+    n_text_layer=2,
+)
+PACKAGE = Path(__file__).resolve().parents[3]  # catkin_ws/src/voice_assist
+REPOSITORY = PACKAGE.parents[2]
+LOG = logging.getLogger("fit")
+
+
+class Run:
+    """One training run: model, optimiser and where it stands."""
+
+    def __init__(self, options: argparse.Namespace, corpus: Corpus) -> None:
+        """Build the model, or restore it where the run was broken off."""
+        torch.manual_seed(options.seed)
+        self.options, self.corpus = options, corpus
+        self.model = HybridWhisper(DIMS)
+        self.model.initialise()
+        self.schedule = Schedule(options.steps, options.rate, decay=options.decay)
+        self.optimiser = torch.optim.AdamW(
+            self.model.parameters(), betas=(0.9, 0.98), weight_decay=0.02, fused=True
+        )
+        self.average = Average(self.model)
+        self.folder: Path = options.cache / "run"
+        self.folder.mkdir(parents=True, exist_ok=True)
+        path = self.folder / "progress.pt"
+        self.progress = load_progress(
+            path, self.model, self.optimiser, self.average
+        )
+        self.measured = HybridWhisper(DIMS).eval()
+
+    def train(self) -> None:
+        """Step until the schedule ends, measuring and saving on the way."""
+        while self.progress.step < self.options.steps:
+            number, stage = stage_of(self.progress.step)
+            LOG.info("stage %d from step %d", number, self.progress.step)
+            corpus = self.corpus
+            aligned = self._word_times(number) if stage.needs_word_times else []
+            mixture = Mixture(corpus.train, aligned, stage.weights, stage.longest)
+            batches = Batches(
+                mixture, corpus.around, stage.how, self.options.seed, stage.seconds
+            )
+            self._stage(batches, min(stage.until, self.options.steps))
+
+    def _stage(self, batches: Batches, until: int) -> None:
+        """Train until a step; a stage starts a pool of its own."""
+        progress, began, losses = self.progress, time.monotonic(), []
+        for pool, batch in batches.pools(progress.pool):
+            progress.pool = pool
+            losses.append(self._step(batch))
+            progress.step += 1
+            if progress.step % 50 == 0:
+                progress.seconds += time.monotonic() - began
+                began = time.monotonic()
+                self._note(losses)
+                losses = []
+            if progress.step % self.options.measure_every == 0:
+                self._measure()
+            if progress.step >= until:
+                break
+        progress.pool += 1
+        self._save()
+
+    def _step(self, batch: Batch) -> tuple[float, float]:
+        for group in self.optimiser.param_groups:
+            group["lr"] = self.schedule.rate(self.progress.step)
+        loss = joint_loss(self.model, batch)
+        loss.total.backward()
+        torch.nn.utils.clip_grad_norm_(self.model.parameters(), 1.0)
+        self.optimiser.step()
+        self.optimiser.zero_grad(set_to_none=True)
+        self.average.update(self.model, self.progress.step)
+        return loss.ctc, loss.decoder
+
+    def _note(self, losses: list[tuple[float, float]]) -> None:
+        ctc, decoder = (sum(part) / len(losses) for part in zip(*losses, strict=True))
+        progress = self.progress
+        LOG.info("step %d, %.0f s: ctc %.3f, decoder %.3f, rate %.1e", progress.step,
+                 progress.seconds, ctc, decoder, self.schedule.rate(progress.step))
+
+    def _averaged(self) -> HybridWhisper:
+        self.measured.load_state_dict(self.average.weights)
+        return self.measured
+
+    def _measure(self) -> None:
+        """Log figures; export the checkpoint where they are the best so far."""
+        figures: Figures = measure(self._averaged(), self.corpus)
+        line = {"step": self.progress.step, "seconds": self.progress.seconds}
+        line |= figures.flat()
+        LOG.info("measured %s", json.dumps(line))
+        with (self.folder / "figures.jsonl").open("a") as file:
+            file.write(json.dumps(line) + "\n")
+        if figures.score > self.progress.best:
+            self.progress.best = figures.score
+            export(self.measured, self.options.out)
+        self._save()
+
+    def _save(self) -> None:
+        save_progress(
+            self.folder / "progress.pt",
+            self.model,
+            self.optimiser,
+            self.average,
+            self.progress,
+        )
+
+    def _word_times(self, stage: int) -> list[Aligned]:
+        """Clips with the times of their words, found as the stage begins."""
+        path = self.folder / f"word_times_{stage}.npz"
+        aligned = align_clips(self._averaged(), _to_align(self.corpus.train), path)
+        LOG.info("%d clips aligned", len(aligned))
+        return aligned
+
+
+def _to_align(clips: list[Clip]) -> list[Clip]:
+    """All human sentences, and enough synthesis to cut short."""
+    synthetic = [c for c in clips if c.kind in ("command", "variant", "near")]
+    return [c for c in clips if c.kind == "sentence"] + synthetic[::4]
+
+
+def parse(arguments: list[str] | None = None) -> argparse.Namespace:
+    """Options of a run; the defaults make the shipped checkpoint."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    add = parser.add_argument
+    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
+    add("--out", type=Path, default=PACKAGE / "models" / "embedded.pt")
+    add("--seed", type=int, default=1)
+    add("--steps", type=int, default=9000)
+    add("--rate", type=float, default=1.5e-3, help="peak learning rate")
+    add("--decay", type=float, default=0.35, help="share of steps on the way down")
+    add("--measure-every", type=int, default=400, help="steps")
+    add("--threads", type=int, default=2)
+    return parser.parse_args(arguments)
+
+
+def main() -> None:
+    """Train, say how long it took, and leave the checkpoint in place."""
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
+    options = parse()
+    torch.set_num_threads(options.threads)
+    corpus = load_corpus(
+        options.speech, options.cache, options.seed, Amounts(), options.threads
+    )
+    LOG.info("%d training clips", len(corpus.train))
+    run = Run(options, corpus)
+    with disable_sdpa():  # its backward pass is slow on processors
+        run.train()
+    LOG.info("trained %.0f s; %s", run.progress.seconds, options.out)
+
+
+if __name__ == "__main__":
+    main()

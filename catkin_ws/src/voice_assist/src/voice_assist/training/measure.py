@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Quick figures during training: transcripts of clips never trained on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.mel import log_mel
+from voice_assist.recognizer.vocabulary import END, PROMPT, decode
+from voice_assist.training.noise import Surroundings, background
+from voice_assist.training.synthesis import Clip
+from voice_assist.training.texts import COMMANDS
+from voice_assist.types import RATE, Samples
+
+LETTERS = 40  # decoded at most; no command is longer
+
+
+@dataclass(frozen=True)
+class Tally:
+    """How a set of clips was written down."""
+
+    n: int
+    right: int  # transcript equals the text
+    taken: int  # transcript is a command, though another was or none was said
+    hours: float
+
+    @property
+    def accuracy(self) -> float:
+        """Share of exact transcripts."""
+        return self.right / max(self.n, 1)
+
+
+def greedy(model: HybridWhisper, mel: Tensor, letters: int = LETTERS) -> list[str]:
+    """Greedy transcripts of a batch, shape (batch, 80, frames)."""
+    states = model.encode(mel)
+    tokens = torch.tensor([PROMPT] * len(mel))
+    is_open = torch.ones(len(mel), dtype=torch.bool)
+    for _ in range(letters):
+        best = model.logits(tokens, states)[:, -1].argmax(-1)
+        best = torch.where(is_open, best, END)
+        tokens = torch.cat([tokens, best[:, None]], dim=1)
+        is_open &= best != END
+        if not is_open.any():
+            break
+    return [decode(row) for row in tokens[:, len(PROMPT) :].tolist()]
+
+
+@torch.inference_mode()
+def transcripts(
+    model: HybridWhisper, sounds: Sequence[Samples], quiet: float = 0.25
+) -> list[str]:
+    """Greedy transcripts of clips of any lengths, each amid a little quiet."""
+    order = sorted(range(len(sounds)), key=lambda i: len(sounds[i]))
+    written = [""] * len(sounds)
+    for start in range(0, len(order), 32):
+        chosen = order[start : start + 32]
+        longest = min(max(len(sounds[i]) for i in chosen) + int(2 * quiet * RATE), 163200)
+        batch = np.random.default_rng(0).normal(0, 1e-4, (len(chosen), longest))
+        for row, index in zip(batch, chosen, strict=True):
+            first = int(quiet * RATE)
+            kept = sounds[index][: longest - first]
+            row[first : first + len(kept)] += kept
+        with torch.autocast("cpu", torch.bfloat16):
+            texts = greedy(model, log_mel(torch.from_numpy(batch.astype(np.float32))))
+        for index, text in zip(chosen, texts, strict=True):
+            written[index] = text.strip()
+    return written
+
+
+def tally(clips: Sequence[Clip], written: Sequence[str]) -> Tally:
+    """Count exact transcripts and wrong commands."""
+    pairs = list(zip(clips, written, strict=True))
+    return Tally(
+        n=len(pairs),
+        right=sum(clip.text == text for clip, text in pairs),
+        taken=sum(text in COMMANDS and text != clip.text for clip, text in pairs),
+        hours=sum(len(clip.samples) for clip in clips) / RATE / 3600,
+    )
+
+
+def in_noise(
+    clips: Sequence[Clip], snr: float | None, around: Surroundings, seed: int = 5
+) -> list[Samples]:
+    """Clips as float32, with background at a signal-to-noise ratio [dB]."""
+    rng = np.random.default_rng(seed)
+    sounds = []
+    for clip in clips:
+        sound = clip.samples.astype(np.float32) / 32768
+        if snr is not None:
+            loud = np.sqrt(np.mean(sound**2))
+            noise = background(around, len(sound), rng)
+            sound = sound + noise * np.float32(loud * 10 ** (-snr / 20))
+        sounds.append(sound)
+    return sounds

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The figures that choose the checkpoint to keep."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.training.corpus import Corpus
+from voice_assist.training.measure import Tally, in_noise, tally, transcripts
+from voice_assist.training.noise import Surroundings
+from voice_assist.training.synthesis import Clip
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Exact transcripts by set; synthetic voices and people apart."""
+
+    quiet: Tally  # held-out synthetic commands
+    noisy: Tally  # the same at 10 dB
+    loud: Tally  # the same at 0 dB
+    near: Tally  # held-out synthetic near misses
+    stop: Tally  # human "stop", split dev
+    words: Tally  # other human words, split dev
+    talk: Tally  # human talk, a part of split false_accept_dev
+
+    @property
+    def score(self) -> float:
+        """Commands heard, less three times the share of false commands."""
+        heard = 0.35 * self.quiet.accuracy + 0.15 * self.noisy.accuracy
+        heard += 0.1 * self.loud.accuracy + 0.4 * self.stop.accuracy
+        others = (self.near, self.words, self.talk)
+        false = sum(part.taken for part in others) / max(sum(p.n for p in others), 1)
+        return heard - 3.0 * false
+
+    def flat(self) -> dict[str, object]:
+        """Figures as plain numbers for a log."""
+        parts = {name: getattr(self, name) for name in asdict(self)}
+        numbers: dict[str, object] = {"score": round(self.score, 4)}
+        for name, part in parts.items():
+            numbers[name] = f"{part.right}/{part.n}, false {part.taken}"
+        return numbers
+
+
+def measure(model: HybridWhisper, corpus: Corpus) -> Figures:
+    """Transcribe everything that is measured during training."""
+    commands = [clip for clip in corpus.held_out if clip.kind == "command"]
+    near = [clip for clip in corpus.held_out if clip.kind != "command"]
+    stop = [clip for clip in corpus.people if clip.text == "stop"]
+    words = [clip for clip in corpus.people if clip.text != "stop"]
+    around = corpus.around
+
+    def read(clips: Sequence[Clip], snr: float | None = None) -> Tally:
+        return _read(model, clips, snr, around)
+
+    return Figures(
+        quiet=read(commands),
+        noisy=read(commands[::2], 10.0),
+        loud=read(commands[::2], 0.0),
+        near=read(near),
+        stop=read(stop),
+        words=read(words[::2]),
+        talk=read(corpus.talk),
+    )
+
+
+def _read(
+    model: HybridWhisper,
+    clips: Sequence[Clip],
+    snr: float | None,
+    around: Surroundings,
+) -> Tally:
+    return tally(clips, transcripts(model, in_noise(clips, snr, around)))

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Synthetic voices: which exist, which are held out, how each one speaks."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+from tempfile import TemporaryDirectory
+from typing import Literal
+
+import numpy as np
+import soundfile
+import soxr
+from numpy.typing import NDArray
+
+from voice_assist.errors import ModelError
+from voice_assist.types import RATE
+
+Engine = Literal["espeak", "phonemes", "flite", "festival"]
+Int16 = NDArray[np.int16]
+
+ACCENTS = ("en-us", "en-gb", "en-gb-scotland", "en-gb-x-rp", "en-gb-x-gbclan")
+ACCENTS += ("en-029", "en-us-nyc")
+HELD_OUT_ACCENT = "en-gb-x-gbcwmd"
+FOREIGN = ("de", "fr-fr", "es", "it", "hi", "pl", "nl", "sv", "pt-br", "tr")
+# English phonemes of espeak-ng, in symbols that the languages above all know.
+_SHARED_PHONEMES = {
+    **{"I#": "i", "I2": "i", "i:": "i", "I": "i", "t2": "t", "D@2": "de", "D": "d"},
+    **{"@2": "e", "@L": "el", "@": "e", "3:": "er", "3": "er", "e@": "er", "E": "e"},
+    **{"o@": "or", "O@": "or", "oU": "ou", "O:": "o", "O2": "o", "0#": "o", "0": "o"},
+    **{"a#": "a", "A@": "ar", "A:": "a", "aa": "a", "aI": "ai", "aU": "au", "V": "a"},
+    **{"i@": "ir", "eI": "ei", "U@": "ur", "u:": "u", "U": "u", "T": "t", "w": "v"},
+    **{"dZ": "dj", "N": "n", "h": "x"},
+}
+_PHONEME = re.compile("|".join(map(re.escape, _SHARED_PHONEMES)))
+FLITE = ("slt", "kal16", "kal")
+HELD_OUT_FLITE = ("awb", "rms")
+FESTIVAL = ("kal_diphone", "cmu_us_slt_arctic_hts")
+HELD_OUT_FESTIVAL = ("ked_diphone",)
+HELD_OUT_EVERY = 5  # of the espeak variants, one in so many is held out
+
+
+@dataclass(frozen=True)
+class Prompt:
+    """One text in one voice."""
+
+    text: str
+    engine: Engine
+    voice: str
+    rate: float  # relative speed, 1 is the engine's own
+    pitch: float  # [0, 1], 0.5 is the voice's own
+
+
+def espeak_variants() -> tuple[list[str], list[str]]:
+    """Names of the espeak-ng variants for training and of those held out."""
+    listing = _run(["espeak-ng", "--voices=variant"]).decode().splitlines()[1:]
+    names = sorted({line.split("!v/")[1].split("  ")[0].strip() for line in listing})
+    held_out = names[::HELD_OUT_EVERY]
+    return [name for name in names if name not in held_out], held_out
+
+
+def speak(prompts: list[Prompt]) -> list[Int16 | None]:
+    """Synthesise prompts of one engine and voice.
+
+    Args:
+        prompts: Same engine and voice in all; festival starts once for all.
+
+    Returns:
+        Sound of each, int16, 16 kHz mono, trimmed of silence; None where the
+        engine gave no sound.
+    """
+    if prompts[0].engine == "festival":
+        return _festival(prompts)
+    one = {"espeak": _espeak, "phonemes": _phonemes, "flite": _flite}[prompts[0].engine]
+    return [one(prompt) for prompt in prompts]
+
+
+def random_style(rng: Random) -> tuple[float, float]:
+    """A relative speaking rate and a pitch."""
+    return rng.uniform(0.7, 1.4), rng.uniform(0.2, 0.8)
+
+
+def _run(command: list[str]) -> bytes:
+    try:
+        return subprocess.run(command, check=True, capture_output=True).stdout
+    except FileNotFoundError as error:
+        raise ModelError(f"training needs the program {command[0]!r}") from error
+
+
+def _espeak(prompt: Prompt, text: str | None = None) -> Int16 | None:
+    speed = ["-s", str(round(165 * prompt.rate)), "-p", str(round(99 * prompt.pitch))]
+    said = prompt.text if text is None else text
+    data = _run(["espeak-ng", "-v", prompt.voice, *speed, "--stdout", said])
+    return _finish(np.frombuffer(data[44 : 44 + (len(data) - 44) // 2 * 2], "<i2"), 22050)
+
+
+def _phonemes(prompt: Prompt) -> Int16 | None:
+    """English phonemes spoken by the voice of another language: an accent."""
+    mnemonics = _run(["espeak-ng", "-q", "-x", "-v", "en-us", prompt.text]).decode()
+    shared = _PHONEME.sub(lambda m: _SHARED_PHONEMES[m[0]], " ".join(mnemonics.split()))
+    return _espeak(prompt, f"[[{shared}]]")
+
+
+def _flite(prompt: Prompt) -> Int16 | None:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "a.wav"
+        stretch = f"duration_stretch={1 / prompt.rate:.3f}"
+        style = ["--setf", stretch, "-voice", prompt.voice]
+        _run(["flite", *style, "-t", prompt.text, "-o", str(path)])
+        return _finish(*soundfile.read(path, dtype="int16"))
+
+
+def _festival(prompts: list[Prompt]) -> list[Int16 | None]:
+    with TemporaryDirectory() as folder:
+        lines = [f"(voice_{prompts[0].voice})"]
+        for index, prompt in enumerate(prompts):
+            lines.append(f"(Parameter.set 'Duration_Stretch {1 / prompt.rate:.3f})")
+            wave = f'(utt.synth (Utterance Text "{prompt.text}"))'
+            lines.append(f"(utt.save.wave {wave} \"{folder}/{index}.wav\" 'riff)")
+        script = Path(folder) / "say.scm"
+        script.write_text("\n".join(lines))
+        _run(["festival", "-b", str(script)])
+        paths = [Path(folder) / f"{index}.wav" for index in range(len(prompts))]
+        return [
+            _finish(*soundfile.read(path, dtype="int16")) if path.exists() else None
+            for path in paths
+        ]
+
+
+def _finish(samples: Int16, rate: int) -> Int16 | None:
+    """Resample to 16 kHz, trim silence, set the peak to half of full scale."""
+    sound = soxr.resample(samples.astype(np.float32), rate, RATE)
+    if len(sound) < RATE // 20 or np.abs(sound).max() < 100:
+        return None
+    loud = np.flatnonzero(np.abs(sound) > 0.01 * np.abs(sound).max())
+    sound = sound[max(loud[0] - 160, 0) : loud[-1] + 320]
+    return np.round(sound * (16000 / np.abs(sound).max())).astype(np.int16)

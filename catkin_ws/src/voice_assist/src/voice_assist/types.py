@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values that the stages of the voice pipeline pass to each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+RATE = 16_000  # [Hz] of all sound inside the package
+
+Samples = NDArray[np.float32]
+
+
+def frozen_samples(samples: NDArray[np.generic]) -> Samples:
+    """Copy samples to a read-only float32 array.
+
+    Args:
+        samples: Mono sound; int16 is scaled to [-1, 1]. Shape (n,).
+
+    Returns:
+        Read-only copy, float32. Shape (n,).
+
+    Raises:
+        ValueError: The array is not one-dimensional.
+    """
+    if samples.ndim != 1:
+        raise ValueError(f"samples have shape {samples.shape}, allowed: (n,) mono")
+    scale = 32767.0 if samples.dtype == np.int16 else 1.0
+    copy = np.array(samples, dtype=np.float32) / np.float32(scale)
+    copy.flags.writeable = False
+    return copy
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A block of consecutive sound from one source."""
+
+    samples: Samples  # (n,), float32 in [-1, 1], 16 kHz mono, read-only
+    first_sample: int  # index of samples[0] since the stream began
+    stamp: float  # [s] clock time at which samples[0] was captured
+
+    @property
+    def duration(self) -> float:
+        """Length of the block [s]."""
+        return len(self.samples) / RATE
+
+
+@dataclass(frozen=True, eq=False)
+class Utterance:
+    """One stretch of speech cut out by endpointing, complete or still growing."""
+
+    samples: Samples  # (n,), float32 in [-1, 1], 16 kHz mono, read-only; raw sound
+    speech_start: float  # [s] clock time of the first speech
+    speech_end: float  # [s] clock time of the last speech so far
+    is_complete: bool  # the end has been confirmed by silence
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """What a recogniser made of an utterance."""
+
+    text: str  # as decoded, before normalisation; empty for no speech
+    avg_logprob: float  # mean log-probability per token, at most 0
+    no_speech_prob: float  # [0, 1]
+
+    @property
+    def confidence(self) -> float:
+        """Geometric mean of the token probabilities, [0, 1]."""
+        return float(np.exp(min(self.avg_logprob, 0.0)))
+
+
+class Mode(Enum):
+    """Whether spoken motion commands count."""
+
+    STANDBY = "standby"
+    ACTIVE = "active"
+
+
+@dataclass(frozen=True)
+class Match:
+    """A command was recognised."""
+
+    command: str  # phrase, a key of commands.yaml
+    wer: dict[str, float]  # WER of the transcript to every command
+
+
+@dataclass(frozen=True)
+class NoMatch:
+    """No command was recognised, and why."""
+
+    reason: str
+    nearest: str  # command with the lowest WER; empty when nothing was said
+    wer: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Halt:
+    """Stop the robot now, by the way that needs no answer."""
+
+
+@dataclass(frozen=True)
+class Call:
+    """Ask the controller for a command, in its words."""
+
+    command: str
+
+
+@dataclass(frozen=True)
+class SetMode:
+    """The voice changed its mode."""
+
+    mode: Mode
+    reason: str
+
+
+Action = Halt | Call | SetMode
+
+
+@dataclass(frozen=True)
+class Partial:
+    """What has been heard so far of an utterance that goes on."""
+
+    text: str  # as recognised; empty when the utterance is over or nothing was said
+    stamp: float  # [s] clock time
+
+
+@dataclass(frozen=True)
+class Lost:
+    """Sound is missing from the stream."""
+
+    samples: int  # that were lost; 0: the stream began anew
+    stamp: float  # [s] clock time of the first sample after the gap
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What one utterance came to."""
+
+    hypothesis: Hypothesis
+    outcome: Match | NoMatch
+    confidence: float  # [0, 1]
+    mode: Mode  # in which it was heard
+    speech_start: float  # [s] clock time
+    speech_end: float  # [s] clock time of the last speech before the decision
+    decided: float  # [s] clock time
+    is_early: bool  # before the end of the utterance was confirmed
+    origin: str = "recognizer"  # or "spotter"
+    actions: tuple[Action, ...] = ()  # what must now be done, in this order

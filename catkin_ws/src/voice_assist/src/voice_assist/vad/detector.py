@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a speech detector is, and the one that only compares levels."""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+from voice_assist.audio.source import level_db
+from voice_assist.config import VadConfig
+from voice_assist.types import Samples
+
+_STEEPNESS = 0.5  # [1/dB] of the probability around the margin
+_FALL = 0.3  # share of the way down to a quieter room that the floor goes per frame
+_RISE_DB = 0.06  # [dB] per frame that the floor rises, about 2 dB/s
+_START_FRAMES = 5  # the first frames set the floor
+
+
+class Detector(Protocol):
+    """Gives the probability that a frame holds speech."""
+
+    def __call__(self, samples: Samples) -> float:
+        """Probability of speech in the next frame, shape (512,): within [0, 1]."""
+        ...
+
+    def reset(self) -> None:
+        """Forget the stream so far."""
+        ...
+
+
+class EnergyDetector:
+    """Takes for speech what is clearly louder than the room has been."""
+
+    def __init__(self, margin_db: float, quietest_db: float = -60.0) -> None:
+        """Start in an unknown room.
+
+        Args:
+            margin_db: Above the room's level at which the probability is 0.5 [dB].
+            quietest_db: Level of full scale below which nothing is speech [dB].
+        """
+        self._margin, self._quietest = margin_db, quietest_db
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the room."""
+        self._floor = 0.0
+        self._frames = 0
+
+    def __call__(self, samples: Samples) -> float:
+        """Probability of speech in the next frame."""
+        level = level_db(samples)
+        self._frames += 1
+        if self._frames <= _START_FRAMES:
+            self._floor = min(self._floor, max(level, self._quietest))
+        elif level < self._floor:
+            self._floor += _FALL * (level - self._floor)
+        else:
+            self._floor += min(_RISE_DB, level - self._floor)
+        reference = max(self._floor, self._quietest) + self._margin
+        return 1.0 / (1.0 + math.exp(min(-_STEEPNESS * (level - reference), 60.0)))
+
+
+class Either:
+    """The surer of two detectors."""
+
+    def __init__(self, first: Detector, second: Detector) -> None:
+        """Join them."""
+        self._both = (first, second)
+
+    def reset(self) -> None:
+        """Forget the stream so far."""
+        for detector in self._both:
+            detector.reset()
+
+    def __call__(self, samples: Samples) -> float:
+        """Higher probability of both."""
+        return max([detector(samples) for detector in self._both])
+
+
+def make_detector(config: VadConfig) -> Detector:
+    """The detector that the settings name."""
+    energy = EnergyDetector(config.energy_margin_db)
+    if config.detector == "energy":
+        return energy
+    from voice_assist.vad.silero import SileroDetector
+
+    silero = SileroDetector()
+    return silero if config.detector == "silero" else Either(silero, energy)

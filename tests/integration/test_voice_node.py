@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The voice node on a master of its own, with a recogniser that hears tones."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import soundfile
+
+from demo.system import free_port
+from tests.unit.voice_assist.fake_speech import say
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).parent
+START = 30.0  # [s] allowed for a process to be ready
+DEBUG, INFO, WARN, ERROR = 1, 2, 4, 8
+
+
+@pytest.fixture(scope="module")
+def master(tmp_path_factory):
+    """Environment of a roscore that only this file uses."""
+    port = free_port()
+    environment = {
+        **os.environ,
+        "ROS_IP": "127.0.0.1",
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_LOG_DIR": str(tmp_path_factory.mktemp("log")),
+        "PYTHONPATH": f"{ROOT}:{os.environ.get('PYTHONPATH', '')}",
+    }
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, **quiet)
+    try:
+        wait_until(
+            lambda: not subprocess.run(["rosnode", "list"], env=environment, **quiet).returncode,
+            "roscore",
+        )
+        yield environment
+    finally:
+        core.send_signal(signal.SIGINT)
+        core.wait(20.0)
+
+
+def wait_until(is_done, what):
+    deadline = time.monotonic() + START
+    while not is_done():
+        assert time.monotonic() < deadline, f"{what} was not ready within {START:g} s"
+        time.sleep(0.1)
+
+
+def watch(master, folder, seconds, behaviour=(), **settings):
+    """What a witness saw while the node ran with the given settings."""
+    out = folder / "seen.json"
+    given = {"audio/source": "wav", **settings}
+    load(master, given)
+    witness = [sys.executable, str(HERE / "voice_witness.py"), str(seconds), str(out), *behaviour]
+    node = [sys.executable, str(HERE / "fake_voice_node.py"), "__name:=voice_assist"]
+    processes = []
+    try:
+        processes.append(subprocess.Popen(witness, env=master))
+        wait_until(Path(f"{out}.ready").exists, "the witness")
+        processes.append(subprocess.Popen(node, env=master))
+        processes[0].wait(seconds + START)
+    finally:
+        for process in reversed(processes):
+            process.send_signal(signal.SIGINT)
+            process.wait(20.0)
+    return json.loads(out.read_text())
+
+
+def load(master, settings):
+    """Put the package's settings on the parameter server, with some changed."""
+    folder = ROOT / "catkin_ws" / "src" / "voice_assist" / "config"
+    subprocess.run(["rosparam", "delete", "/voice_assist"], env=master, capture_output=True)
+    for name in ("audio", "recognizer", "commands"):
+        path = str(folder / f"{name}.yaml")
+        subprocess.run(["rosparam", "load", path, f"/voice_assist/{name}"], env=master, check=True)
+    for key, value in settings.items():
+        subprocess.run(
+            ["rosparam", "set", f"/voice_assist/{key}", str(value)], env=master, check=True
+        )
+
+
+def firsts(seen, kind):
+    return [entry[0] for entry in seen.get(kind, [])]
+
+
+@pytest.fixture(scope="module")
+def session(master, tmp_path_factory):
+    """One spoken session: what the witness saw."""
+    folder = tmp_path_factory.mktemp("session")
+    sound = say("tense 1 hey robot 1 tense 1 he said pull more 1 pull more 1 stop 1 terminate")
+    soundfile.write(folder / "sound.wav", sound, 16_000)
+    return watch(
+        master,
+        folder,
+        18,
+        ["pull more=refuse"],
+        **{"audio/wav/path": folder / "sound.wav"},
+    )
+
+
+def test_the_commands_reach_the_controller_in_order(session):
+    assert firsts(session, "call") == ["hey robot", "tense", "pull more", "stop", "terminate"]
+    assert {entry[1] for entry in session["call"]} == {"/voice_assist"}
+
+
+def test_stop_is_sent_on_its_own_topic_before_the_call(session):
+    (stop,) = session["stop"]
+    called = next(entry for entry in session["call"] if entry[0] == "stop")
+    assert stop[-1] <= called[-1] + 0.05
+
+
+def test_the_mode_follows_the_words(session):
+    assert firsts(session, "mode") == ["standby", "active", "standby"]
+
+
+def test_every_utterance_is_told_with_its_error_rates(session):
+    taken = [(entry[0], entry[1]) for entry in session["utterance"]]
+    assert taken == [
+        ("tense", ""),
+        ("hey robot", "hey robot"),
+        ("tense", "tense"),
+        ("he said pull more", ""),
+        ("pull more", "pull more"),
+        ("stop", "stop"),
+        ("terminate", "terminate"),
+    ]
+    assert "counts only in active mode" in session["utterance"][0][2]
+    assert session["utterance"][2][4]["tense"] == 0.0
+    assert len(session["utterance"][2][4]) == 7
+
+
+def test_a_refusal_by_the_controller_is_shown(session):
+    warnings = [entry[2] for entry in session["log"] if entry[1] == WARN]
+    assert "pull more refused: nothing is grasped" in warnings
+
+
+def test_the_sound_is_published_without_gaps(session):
+    first = firsts(session, "audio")
+    assert len(first) > 300
+    assert {b - a for a, b in zip(first, first[1:], strict=False)} == {512}
+    assert {entry[1] for entry in session["audio"]} == {16_000}
+
+
+def test_what_is_being_heard_is_published_as_it_grows(session):
+    partials = firsts(session, "partial")
+    assert "he said" in partials and "he said pull more" in partials
+    assert partials[-1] == ""
+
+
+def test_heartbeats_go_on_while_it_listens(session):
+    beats = firsts(session, "heartbeat")
+    assert len(beats) > 50
+    assert "listening" in [entry[1] for entry in session["diagnostics"]]
+
+
+def test_a_controller_that_hangs_does_not_delay_hearing(master, tmp_path):
+    soundfile.write(tmp_path / "sound.wav", say("hey robot 0.7 tense 0.7 stop"), 16_000)
+    settings = {"audio/wav/path": tmp_path / "sound.wav"}
+    seen = watch(master, tmp_path, 9, ["tense=hang"], **settings)
+    hung = next(entry[-1] for entry in seen["call"] if entry[0] == "tense")
+    (stop,) = seen["stop"]
+    assert stop[-1] - hung < 3.0, "the stop did not wait for the answer"
+    assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "tense", "stop"]
+    assert "stop" in firsts(seen, "call"), "a new connection was made"
+
+
+def test_without_a_controller_that_is_said_and_hearing_goes_on(master, tmp_path):
+    soundfile.write(tmp_path / "sound.wav", say("hey robot 1 tense", after=2.0), 16_000)
+    settings = {"audio/wav/path": tmp_path / "sound.wav"}
+    seen = watch(master, tmp_path, 10, ["service=missing"], **settings)
+    assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "tense"]
+    warnings = [entry[2] for entry in seen["log"] if entry[1] == WARN]
+    assert any("hey robot refused: the robot's controller is missing" in w for w in warnings)
+    assert "refused by the robot" in seen["mode"][-1][1]
+    assert any("controller is missing" in entry[1] for entry in seen["diagnostics"])
+
+
+def test_without_a_microphone_it_lives_says_so_and_sends_no_heartbeat(master, tmp_path):
+    settings = {"audio/source": "microphone", "audio/microphone/device": "no such microphone"}
+    seen = watch(master, tmp_path, 8, **settings)
+    errors = [entry[2] for entry in seen["log"] if entry[1] == ERROR]
+    assert any("'no such microphone': not found; microphones found:" in e for e in errors)
+    assert seen["diagnostics"][-1][0] == 2
+    assert "heartbeat" not in seen
+
+
+def test_a_wrong_setting_ends_it_at_once_with_the_reason(master):
+    load(master, {"audio/vad/detector": "magic"})
+    node = [sys.executable, str(HERE / "fake_voice_node.py"), "__name:=voice_assist"]
+    done = subprocess.run(node, env=master, capture_output=True, text=True, timeout=START)
+    assert done.returncode == 2
+    assert "audio.vad.detector is 'magic', allowed: one of silero, energy, either" in (
+        done.stdout + done.stderr
+    )

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Inverse kinematics over many targets: what can be reached is found, and what is found is right."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rst_control import chain
+from rst_control.configuration import Configuration
+from rst_control.errors import TrocarDrift
+from rst_control.rcm import SHAFT_LENGTH, rcm_state
+from rst_control.robot_model import rotation
+
+COUNT = 1000
+LEAST_STEEPNESS = 0.3  # cosine of the shaft from straight down
+BENCHMARK_TURN = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+
+
+@pytest.fixture(scope="module")
+def reachable(planner):
+    """Joints with the shaft through the trocar: each one's tool pose can be reached, by construction."""
+    rng, found = np.random.default_rng(11), []
+    low = np.maximum(planner.limits.lower, -np.pi)
+    high = np.minimum(planner.limits.upper, np.pi)
+    low[7:], high[7:] = -1.2, 1.2
+    while len(found) < COUNT:
+        try:
+            q = planner.project(rng.uniform(low, high))
+        except (TrocarDrift, np.linalg.LinAlgError):
+            continue
+        q[:7] = np.where(np.isinf(high[:7]), q[:7], (q[:7] + np.pi) % (2.0 * np.pi) - np.pi)
+        configuration = Configuration(planner.model, q)
+        depth = rcm_state(configuration, planner.trocar).insertion
+        steepness = -configuration.frames[chain.SHAFT, 2, 2]
+        if planner.limits.violation(q) is None and 0.05 < depth < 0.25:
+            if steepness > LEAST_STEEPNESS:
+                found.append(configuration)
+    return found
+
+
+def assert_solved(planner, result, target):
+    assert result.is_solved
+    planner.limits.require(result.q)
+    configuration = Configuration(planner.model, result.q)
+    state = rcm_state(configuration, planner.trocar)
+    assert state.error < 1e-9
+    assert 0.0 < state.insertion < SHAFT_LENGTH
+    np.testing.assert_allclose(configuration.T_base_tip, target, atol=2e-9)
+
+
+def test_every_reachable_pose_is_solved_from_cold(planner, reachable):
+    for configuration in reachable:
+        target = configuration.T_base_tip
+        assert_solved(planner, planner.solver.search(target, planner.trocar), target)
+
+
+def test_the_same_pose_gives_the_same_joints_again(planner, reachable):
+    for configuration in reachable[:50]:
+        first = planner.solver.search(configuration.T_base_tip, planner.trocar)
+        again = planner.solver.search(configuration.T_base_tip, planner.trocar)
+        assert (first.q == again.q).all()
+
+
+def test_the_published_benchmark_circle_is_solved_at_all_points(planner):
+    for angle in np.linspace(0.0, 2.0 * np.pi, 100, endpoint=False):
+        target = np.eye(4)
+        target[:3, :3] = BENCHMARK_TURN
+        target[:3, 3] = [
+            0.468 + 0.015 * np.cos(angle),
+            -0.024 + 0.015 * np.sin(angle),
+            0.279,
+        ]
+        assert_solved(planner, planner.solver.search(target, planner.trocar), target)
+
+
+def test_settling_gives_one_posture_wherever_it_starts_nearby(planner, home):
+    goal = planner.T_base_grasp
+    rng = np.random.default_rng(5)
+    postures = [
+        planner.solver.settle(home + rng.uniform(-0.1, 0.1, 9), goal, planner.trocar).q
+        for _ in range(30)
+    ]
+    np.testing.assert_allclose(postures, np.tile(postures[0], (30, 1)), atol=1e-6)
+
+
+def test_a_pose_far_away_is_not_called_solved(planner):
+    target = np.eye(4)
+    target[:3, :3] = rotation((0.3, 0.2, 0.1))
+    target[:3, 3] = [1.5, 0.0, 0.3]
+    result = planner.solver.search(target, planner.trocar)
+    assert not result.is_solved
+    assert result.residual > 0.1
+
+
+def test_a_pose_that_only_forbidden_joints_reach_is_not_called_solved(planner, home):
+    configuration = Configuration(planner.model, home)
+    target = configuration.T_base_tip
+    target[:3, :3] = target[:3, :3] @ rotation((np.pi, 0.0, 0.0))  # jaws bent back along the shaft
+    assert not planner.solver.search(target, planner.trocar).is_solved

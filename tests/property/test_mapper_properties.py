@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+from hypothesis import given
+from hypothesis import strategies as st
+
+from voice_assist.config import load_voice_config
+from voice_assist.mapper import Mapper
+from voice_assist.normalize import NEGATIONS, normalize
+from voice_assist.types import Match
+
+CONFIG = load_voice_config().commands
+MAPPER = Mapper(CONFIG)
+MOTIONS = [command.phrase for command in CONFIG.commands if command.is_motion]
+WORDS = (
+    "hey robot tense release pull more less stop terminate the please now it a not no don't never"
+)
+SENTENCES = st.lists(st.sampled_from(WORDS.split()), max_size=7)
+MARKS = st.sampled_from(["", ".", "!", ", ", "?", " "])
+
+
+def taken(text):
+    outcome = MAPPER(text)
+    return outcome.command if isinstance(outcome, Match) else ""
+
+
+@given(SENTENCES)
+def test_only_a_spelling_itself_is_ever_taken_for_a_motion(words):
+    command = taken(" ".join(words))
+    if command in MOTIONS:
+        assert " ".join(words) == command
+
+
+@given(SENTENCES, st.sampled_from(sorted(NEGATIONS)), st.integers(0, 7))
+def test_a_denial_anywhere_never_moves(words, denial, place):
+    words.insert(min(place, len(words)), denial)
+    assert taken(" ".join(words)) not in MOTIONS
+
+
+@given(st.sampled_from(MOTIONS), SENTENCES.filter(bool), st.booleans())
+def test_a_motion_inside_a_longer_sentence_does_not_move(motion, words, is_before):
+    sentence = [*words, motion] if is_before else [motion, *words]
+    assert taken(" ".join(sentence)) not in MOTIONS
+
+
+@given(SENTENCES, MARKS, st.sampled_from([str.upper, str.title, str.lower]))
+def test_capitals_and_marks_make_no_difference(words, mark, change):
+    plain = " ".join(words)
+    assert taken(change(plain) + mark) == taken(plain)
+
+
+@given(SENTENCES)
+def test_every_command_gets_an_error_and_the_match_has_the_lowest(words):
+    outcome = MAPPER(" ".join(words))
+    assert tuple(outcome.wer) == CONFIG.phrases
+    assert all(error >= 0.0 for error in outcome.wer.values())
+    if isinstance(outcome, Match):
+        others = [error for phrase, error in outcome.wer.items() if phrase != outcome.command]
+        assert outcome.wer[outcome.command] < CONFIG.get(outcome.command).threshold
+        assert outcome.wer[outcome.command] <= min(others) or outcome.command == "stop"
+
+
+@given(st.text(max_size=80))
+def test_no_text_whatever_raises_or_moves_by_chance(text):
+    command = taken(text)
+    if command:
+        assert set(normalize(text)) & set(WORDS.split())

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Properties of the distance between shaft and trocar, and of every Jacobian."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from rst_control import chain, newton
+from rst_control.configuration import Configuration, planning_joints, robot_joints
+from rst_control.rcm import rcm_error, rcm_jacobian, rcm_state
+from rst_control.robot_model import load_robot, rotation
+
+STEP = 1e-6  # [rad] of finite differences
+TROCAR = np.array([0.406, -0.024, 0.415])
+
+coordinates = st.floats(-1.0, 1.0)
+points = st.tuples(coordinates, coordinates, coordinates).map(np.array)
+angles = st.floats(-2.0, 2.0)
+configurations = st.lists(angles, min_size=9, max_size=9).map(np.array)
+
+
+@st.composite
+def directions(draw):
+    vector = draw(points.filter(lambda v: np.linalg.norm(v) > 0.05))
+    return vector / np.linalg.norm(vector)
+
+
+@given(directions(), points, points, st.floats(-0.3, 0.3))
+def test_error_ignores_sliding_along_the_shaft(d, p, trocar, slide):
+    moved = rcm_error(p + slide * d, d, trocar)
+    assert_allclose(moved, rcm_error(p, d, trocar), atol=1e-12)
+
+
+@given(directions(), points, points)
+def test_error_is_square_to_the_shaft_and_ends_on_it(d, p, trocar):
+    error = rcm_error(p, d, trocar)
+    assert abs(error @ d) < 1e-12
+    assert np.linalg.norm(np.cross(trocar - error - p, d)) < 1e-12
+
+
+@given(directions(), points, points, st.floats(-0.5, 0.5))
+def test_no_point_of_the_shaft_is_nearer(d, p, trocar, along):
+    assert np.linalg.norm(trocar - p - along * d) >= np.linalg.norm(rcm_error(p, d, trocar)) - 1e-12
+
+
+@settings(deadline=None)
+@given(configurations, points)
+def test_lateral_errors_are_the_error_in_the_frame_of_the_shaft(q, trocar):
+    configuration = Configuration(load_robot(), q)
+    T, state = configuration.T_base_shaft, rcm_state(configuration, trocar)
+    error = T[:3, :3].T @ rcm_error(T[:3, 3], T[:3, 2], trocar)
+    assert_allclose([*state.lateral, 0.0], error, atol=1e-12)
+    assert abs(state.error - np.linalg.norm(error)) < 1e-12
+
+
+def differences(function, q):
+    columns = []
+    for joint in range(9):
+        step = np.zeros(9)
+        step[joint] = STEP
+        columns.append((function(q + step) - function(q - step)) / (2.0 * STEP))
+    return np.column_stack(columns)
+
+
+@settings(deadline=None)
+@given(configurations)
+def test_rcm_jacobian_equals_finite_differences(q):
+    model = load_robot()
+
+    def lateral(joints):
+        return np.array(rcm_state(Configuration(model, joints), TROCAR).lateral)
+
+    J = rcm_jacobian(Configuration(model, q), TROCAR)
+    assert_allclose(J, differences(lateral, q), atol=1e-8)
+
+
+@settings(deadline=None)
+@given(configurations)
+def test_tip_jacobian_equals_finite_differences(q):
+    model, J = load_robot(), Configuration(load_robot(), q).J_tip
+    assert_allclose(J[:3], differences(lambda x: Configuration(model, x).tip, q), atol=1e-8)
+    R = Configuration(model, q).T_base_tip[:3, :3]
+    for joint in range(9):
+        step = np.zeros(9)
+        step[joint] = STEP
+        ahead = Configuration(model, q + step).T_base_tip[:3, :3]
+        skew = (ahead @ R.T - R @ ahead.T) / (2.0 * STEP)
+        assert_allclose(J[3:, joint], [skew[2, 1], skew[0, 2], skew[1, 0]], atol=1e-5)
+
+
+@settings(deadline=None)
+@given(configurations)
+def test_small_joint_steps_change_the_residual_by_minus_the_constraints(q):
+    model = load_robot()
+    frames, r, J = np.empty((12, 3, 4)), np.empty(8), np.zeros((8, 9))
+    chain.forward(model.chain, q, frames)
+    target = frames[chain.TIP].copy()
+    newton.constraints(frames, TROCAR, J)
+
+    def missing(joints):
+        chain.forward(model.chain, joints, frames)
+        newton.residual(frames, target, TROCAR, r)
+        return r.copy()
+
+    assert_allclose(-J, differences(missing, q), atol=1e-7)
+
+
+@settings(deadline=None)
+@given(points, points)
+def test_turn_between_two_frames_turns_one_into_the_other(a, b):
+    first, second, turn = rotation(3.0 * a), rotation(3.0 * b), np.empty(3)
+    chain.turn_between(first, second, turn)
+    angle = np.linalg.norm(turn)
+    assert angle <= np.pi + 1e-9
+    axis = turn / angle if angle > 1e-12 else np.array([0.0, 0.0, 1.0])
+    K = np.cross(np.eye(3), axis)
+    R = np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
+    assert_allclose(R @ first, second, atol=1e-7)
+
+
+def test_turn_between_opposite_frames_is_half_a_turn():
+    for axis in np.eye(3):
+        turn = np.empty(3)
+        chain.turn_between(np.eye(3), 2.0 * np.outer(axis, axis) - np.eye(3), turn)
+        assert_allclose(np.abs(turn), np.pi * axis, atol=1e-9)
+
+
+@given(configurations, st.floats(0.0, 1.0))
+def test_jaws_give_back_the_yaw_and_opening_they_were_made_of(q, opening):
+    again, open_again = planning_joints(robot_joints(q, opening))
+    assert_allclose(again, q, atol=1e-12)
+    assert abs(open_again - opening) < 1e-12

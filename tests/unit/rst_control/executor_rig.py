@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A controller without ROS on a robot without physics, ticked by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from rst_control.assembly import make_executor, make_verify, rcm_gauge
+from rst_control.backends.fake import FakeRobot, LinearSpring
+from rst_control.config import load_motion_config
+from rst_control.configuration import Configuration, planning_joints, robot_joints
+from rst_control.desk import CommandDesk
+from rst_control.lifecycle import State
+from rst_control.robot_model import load_robot
+from rst_control.types import Request
+
+PERIOD = 0.002
+AT_ONCE = ("hey robot", "stop", "terminate")
+
+
+@lru_cache(maxsize=1)
+def shared():
+    config, model = load_motion_config(), load_robot()
+    return config, model, make_verify(config, model), rcm_gauge(config, model)
+
+
+def tip_of(joints):
+    return Configuration(shared()[1], planning_joints(joints)[0]).tip
+
+
+class Rig:
+    """Time goes on only by `run`."""
+
+    def __init__(self, stiffness=200.0, config=None):
+        settings, model, verify, self.rcm = shared()
+        self.config = config or settings
+        self.now = 10.0
+        home = robot_joints(np.array(self.config.scene.home), self.config.scene.home_opening)
+        self.robot = FakeRobot(home, lambda: self.now, tissue=LinearSpring(tip_of, stiffness))
+        self.executor = make_executor(self.config, model, self.robot.clear_fault)
+        self.desk = CommandDesk(self.executor, verify, lambda: self.now)
+        self.sent = []  # every set-point, None where nothing was sent
+
+    def tick(self):
+        self.now += PERIOD
+        setpoint = self.executor.tick(self.now, self.robot.measured_js())
+        if setpoint is not None:
+            self.robot.servo_jp(setpoint)
+        self.sent.append(setpoint)
+        return setpoint
+
+    def run(self, seconds):
+        for _ in range(round(seconds / PERIOD)):
+            self.tick()
+        return self
+
+    def until(self, condition, limit=30.0):
+        for _ in range(round(limit / PERIOD)):
+            if condition():
+                return self
+            self.tick()
+        raise AssertionError(f"not within {limit} s; {self.executor.view}")
+
+    def give(self, words, spoken=False, **amounts):
+        """Give a command and tick until it is answered."""
+        ticket = self.desk.take(Request(words, **amounts), "test", spoken)
+        if words == "stop":  # answered before anybody ticks
+            self.tick()
+        while not ticket.reply.done():
+            waiting = self.desk.next(0.0) if words not in AT_ONCE else None
+            if waiting is not None:
+                self.desk.check(waiting)
+            self.tick()
+        return ticket
+
+    def say(self, words, **more):
+        """Give a command that must be accepted."""
+        ticket = self.give(words, **more)
+        assert ticket.reply.result(0).accepted, ticket.reply.result(0).message
+        return ticket
+
+    def refused(self, words, **more):
+        """Give a command that must be refused; returns the reason."""
+        reply = self.give(words, **more).reply.result(0)
+        assert not reply.accepted, reply.message
+        return reply.message
+
+    def finish(self, words, **more):
+        """Give a motion and carry it out to its end."""
+        ticket = self.say(words, **more)
+        self.until(ticket.ended.done)
+        assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
+        return ticket.ended.result(0)
+
+    def awake(self):
+        self.run(0.01)
+        self.say("hey robot")
+        return self
+
+    def moving(self, *phases):
+        """Set off with "tense" and go on until one of the phases is well under way."""
+        self.awake().say("tense")
+        return self.until(lambda: self.phase in phases and self.executor.view.motion.progress > 0.3)
+
+    @property
+    def view(self):
+        return self.executor.view
+
+    @property
+    def state(self):
+        return self.view.life.state
+
+    @property
+    def phase(self):
+        return self.view.phase
+
+    @property
+    def joints(self):
+        """Last set-point's joints."""
+        return next(s.position for s in reversed(self.sent) if s is not None)
+
+    def diary(self):
+        return [entry.kind for entry in self.executor.diary]
+
+    def rest(self, limit=2.0):
+        """Go on until nothing moves."""
+        return self.until(lambda: self.state not in (State.MOVING, State.STOPPING), limit)
+
+    def still_for(self, seconds):
+        """Whether the set-point stays exactly where it is."""
+        before = self.joints
+        self.run(seconds)
+        return bool(np.array_equal(before, self.joints))
+
+
+def with_watchdogs(**changes):
+    """Settings with other watchdogs."""
+    config = shared()[0]
+    watchdogs = replace(config.controller.watchdogs, **changes)
+    return replace(config, controller=replace(config.controller, watchdogs=watchdogs))

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: BSD-3-Clause
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from executor_rig import Rig, shared, with_watchdogs
+
+from rst_control.lifecycle import State
+from rst_control.types import Measurement, Reason
+from rst_control.watchdogs import Watched, WatchdogLimits, Watchdogs
+
+WATCHDOGS = Watchdogs(
+    WatchdogLimits(shared()[0].controller.watchdogs, rcm_error=1e-3, tension=2.4)
+)
+GOOD = Watched(
+    setpoint=np.zeros(10),
+    rcm_error=1e-6,
+    raises_tension=True,
+    needs_grip=False,
+    phase_age=0.1,
+    heartbeat_age=None,
+)
+
+
+def measured(**changes):
+    zeros = np.zeros(10)
+    return replace(Measurement(position=zeros, velocity=zeros, effort=zeros, stamp=0.0), **changes)
+
+
+def test_nothing_is_wrong_with_a_robot_where_it_was_sent():
+    assert WATCHDOGS.motion(0.001, measured(), GOOD) == ""
+
+
+@pytest.mark.parametrize(
+    ("now", "measurement", "watched", "words"),
+    [
+        (0.0, None, GOOD, "not connected"),
+        (0.0, measured(connected=False), GOOD, "not connected"),
+        (0.021, measured(), GOOD, "stale, 21 ms old, allowed 20 ms"),
+        (0.0, measured(fault="brakes on"), GOOD, "brakes on"),
+        (0.0, measured(position=np.eye(10)[3] * 0.06), GOOD, "joint_4 0.060 rad off"),
+        (0.0, measured(), replace(GOOD, setpoint=np.full(10, np.nan)), "off its set-point"),
+        (0.0, measured(), replace(GOOD, rcm_error=1.1e-3), "1.10 mm off the trocar"),
+        (0.0, measured(), replace(GOOD, rcm_error=float("nan")), "off the trocar"),
+        (0.0, measured(force=np.array([0.0, 0.0, -2.5])), GOOD, "tension 2.50 N, allowed 2.40 N"),
+        (0.0, measured(), replace(GOOD, needs_grip=True), "slipped"),
+        (0.0, measured(), replace(GOOD, heartbeat_age=0.6), "voice node silent"),
+        (0.0, measured(), replace(GOOD, phase_age=61.0), "longer than 60 s"),
+    ],
+)
+def test_each_fault_is_named_with_what_was_allowed(now, measurement, watched, words):
+    assert words in WATCHDOGS.motion(now, measurement, watched)
+
+
+def test_tension_over_its_limit_does_not_keep_the_robot_from_easing_it():
+    high = measured(force=np.array([0.0, 0.0, 3.0]))
+    assert WATCHDOGS.motion(0.0, high, replace(GOOD, raises_tension=False)) == ""
+
+
+def test_a_robot_fault_is_told_apart_from_a_lost_robot():
+    assert WATCHDOGS.robot(0.0, measured(fault="x")).reason is Reason.FAULTED
+    assert WATCHDOGS.robot(0.0, None).reason is Reason.NOT_CONNECTED
+    assert WATCHDOGS.robot(1.0, measured()).reason is Reason.STALE
+
+
+# In the running executor: every fault brakes along the path, latches, and needs "hey robot".
+
+
+def raise_error(joints):
+    raise ArithmeticError("not a number")
+
+
+def _freeze(rig):
+    rig.robot.freeze()
+
+
+def _push(rig):
+    rig.robot.servo_jp = lambda setpoint: None
+    rig.robot.push(np.full(10, 0.06))
+
+
+def _disconnect(rig):
+    rig.robot.is_connected = False
+
+
+def _fault(rig):
+    rig.robot.fault = "brakes on"
+
+
+def _stiffen(rig):
+    rig.robot.tissue.stiffness = 20_000.0
+
+
+def _slip(rig):
+    rig.robot.tissue = None
+
+
+def _crash(rig):
+    rig.executor._measure_rcm = raise_error
+
+
+FAULTS = {
+    _freeze: "stale",
+    _push: "off its set-point",
+    _disconnect: "not connected",
+    _fault: "brakes on",
+    _stiffen: "tension",
+    _slip: "slipped",
+}
+
+
+def fault_in_motion(rig, fault):
+    """Bring the fault about while the robot pulls; returns set-points from then on."""
+    fault(rig)
+    first = len(rig.sent)
+    rig.until(lambda: rig.state is not State.MOVING, limit=0.1)
+    rig.until(lambda: rig.state is State.FAULTED, limit=0.5)
+    return [s for s in rig.sent[first:] if s is not None]
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_each_fault_brakes_along_the_path_and_latches_with_its_name(fault):
+    rig = Rig().moving("pull")
+    sent = fault_in_motion(rig, fault)
+    assert FAULTS[fault] in rig.view.life.reason
+    assert max(rig.rcm(s.position) for s in sent) < 1e-6
+    speed = [np.linalg.norm(s.velocity) for s in sent]
+    assert speed[-1] < 1e-9
+    assert rig.diary()[-2:] == ["at_rest", "halted"]
+    assert "halted" in rig.refused("pull more")
+
+
+def test_a_motion_that_a_fault_ended_has_failed_with_its_reason():
+    rig = Rig().awake()
+    ticket = rig.say("tense")
+    rig.until(lambda: rig.phase == "reach")
+    fault_in_motion(rig, _freeze)
+    assert ticket.ended.result(0).kind == "failed"
+    assert "stale" in ticket.ended.result(0).reason
+
+
+def test_joint_states_that_come_back_move_nothing_until_hey_robot():
+    rig = Rig().moving("pull")
+    fault_in_motion(rig, _freeze)
+    rig.robot.thaw()
+    assert rig.still_for(0.5)
+    rig.say("hey robot")
+    assert rig.still_for(0.2)
+    assert rig.state is State.ACTIVE
+
+
+def test_hey_robot_clears_the_fault_of_the_robot_and_waits_until_it_is_clear():
+    rig = Rig().moving("reach")
+    fault_in_motion(rig, _fault)
+    rig.robot.hold()
+    rig.say("hey robot")
+    assert rig.robot.clear_count == 1
+    assert rig.state is State.ACTIVE
+
+
+def test_hey_robot_is_refused_where_the_robot_cannot_clear_its_fault():
+    rig = Rig().moving("reach")
+    fault_in_motion(rig, _fault)
+    rig.robot.clears_fault = False
+    assert "brakes on" in rig.refused("hey robot")
+    assert rig.state is State.FAULTED
+
+
+def test_an_error_in_the_loop_brakes_and_a_second_one_leaves_holding_to_the_robot():
+    rig = Rig().moving("reach")
+    measure = rig.executor._measure_rcm
+    _crash(rig)
+    with pytest.raises(ArithmeticError):
+        rig.tick()
+    rig.executor.crashed(ArithmeticError("not a number"))
+    rig.executor._measure_rcm = measure
+    rig.tick()
+    assert rig.state is State.STOPPING and "not a number" in rig.view.life.reason
+    rig.executor.crashed(ArithmeticError("again"))
+    assert rig.executor._mover.motion is None
+    rig.robot.hold()
+    rig.rest()
+    assert rig.state is State.FAULTED
+    assert rig.still_for(0.1)
+
+
+def test_a_spoken_command_brakes_when_the_voice_node_falls_silent():
+    rig = Rig().awake()
+    rig.executor.heartbeat(rig.now)
+    rig.say("tense", spoken=True)
+    for _ in range(8):
+        rig.run(0.1)
+        rig.executor.heartbeat(rig.now)
+    assert rig.state is State.MOVING
+    rig.until(lambda: rig.state is State.FAULTED, limit=1.0)
+    assert "voice node silent" in rig.view.life.reason
+
+
+def test_a_command_by_hand_needs_no_voice_node():
+    rig = Rig().awake()
+    rig.executor.heartbeat(rig.now)
+    rig.finish("tense")
+
+
+def test_a_phase_that_takes_too_long_brakes():
+    rig = Rig(config=with_watchdogs(phase_timeout=1.0)).awake()
+    rig.say("tense")
+    rig.until(lambda: rig.state is State.FAULTED, limit=5.0)
+    assert "longer than 1 s" in rig.view.life.reason
+
+
+def test_a_shaft_off_the_trocar_brakes():
+    config = shared()[0]
+    rig = Rig(config=replace(config, rcm=replace(config.rcm, measured_tolerance=1e-6)))
+    rig.moving("reach")
+    rig.robot.push(np.full(10, 1e-3))
+    rig.robot.servo_jp = lambda setpoint: None
+    rig.until(lambda: rig.state is State.FAULTED, limit=0.5)
+    assert "off the trocar" in rig.view.life.reason
+
+
+def test_an_arm_pushed_away_at_rest_latches():
+    rig = Rig().awake()
+    rig.robot.servo_jp = lambda setpoint: None
+    rig.robot.push(np.full(10, 0.06))
+    rig.run(0.01)
+    assert rig.state is State.FAULTED
+
+
+def test_stale_joint_states_at_rest_refuse_motion_but_latch_nothing():
+    rig = Rig().awake()
+    rig.robot.freeze()
+    rig.run(0.05)
+    assert rig.state is State.ACTIVE
+    assert "old" in rig.refused("tense")
+    rig.robot.thaw()
+    rig.run(0.01)
+    rig.say("tense")
+
+
+def test_over_tension_can_be_eased_after_hey_robot():
+    rig = Rig().moving("pull")
+    fault_in_motion(rig, _stiffen)
+    assert rig.view.tension > rig.config.controller.tension.limit
+    rig.say("hey robot")
+    rig.refused("pull more")
+    rig.finish("release")
+    assert rig.view.tension == 0.0

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sessions and settings that several tests share; no test changes them."""
+
+from __future__ import annotations
+
+import pytest
+
+from session_log.cli import CONFIG
+from session_log.config import RecorderConfig, ReportConfig
+from tests.unit.session_log.synthetic_session import write_session
+from typed_config import load_config, load_yaml
+
+
+@pytest.fixture(scope="session")
+def report_config():
+    return load_config(ReportConfig, load_yaml(CONFIG), "report.yaml")
+
+
+@pytest.fixture
+def recorder_settings(tmp_path):
+    """The settings of recorder.yaml as a mapping, with the folder of the test."""
+    settings = dict(load_yaml(CONFIG.with_name("recorder.yaml")))
+    return {**settings, "folder": str(tmp_path / "sessions")}
+
+
+@pytest.fixture
+def recorder_config(recorder_settings):
+    return load_config(RecorderConfig, recorder_settings, "recorder.yaml")
+
+
+@pytest.fixture(scope="session")
+def story(tmp_path_factory):
+    """A sound recording of a whole session at a tenth of the real rate, and its messages."""
+    path = tmp_path_factory.mktemp("story") / "session.mcap"
+    return path, write_session(path, rate=50)

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import csv
+import json
+import wave
+
+import pytest
+
+from session_log.cli import main
+
+
+def run(capsys, *words):
+    with pytest.raises(SystemExit) as end:
+        main([str(word) for word in words])
+    shown = capsys.readouterr()
+    return end.value.code, shown.out, shown.err
+
+
+def test_info_names_topics_rates_and_condition(story, capsys):
+    code, out, _ = run(capsys, "info", story[0])
+    assert code == 0 and "complete, checksum good" in out
+    assert any(line.split()[:2] == ["/rst_control/state", "2350"] for line in out.splitlines())
+    assert "seed: 7" in out
+
+
+def test_info_is_also_for_machines(story, capsys):
+    _, out, _ = run(capsys, "info", story[0], "--json")
+    data = json.loads(out)
+    assert data["topics"]["/rst_control/state"]["messages"] == 2350
+    assert data["condition"]["is_closed"] is True
+
+
+def test_info_of_a_cut_file_says_what_is_lost(story, tmp_path, capsys):
+    (tmp_path / "s.mcap").write_bytes(story[0].read_bytes()[:100_000])
+    code, out, _ = run(capsys, "info", tmp_path / "s.mcap")
+    assert code == 0 and "not closed" in out and "cut off inside a record" in out
+
+
+@pytest.mark.parametrize("command", ["info", "report", "export", "recover"])
+def test_a_missing_file_is_one_clear_line(tmp_path, capsys, command):
+    code, _, err = run(capsys, command, tmp_path / "none.mcap")
+    assert (code, err) == (1, f"session_log: {tmp_path / 'none.mcap'}: no such file or folder\n")
+
+
+def test_another_kind_of_file_is_one_clear_line(tmp_path, capsys):
+    (tmp_path / "x.bag").write_bytes(b"#ROSBAG V2.0")
+    code, _, err = run(capsys, "info", tmp_path / "x.bag")
+    assert code == 1 and "is not an MCAP recording" in err and err.count("\n") == 1
+
+
+def test_recover_writes_beside_the_recording_and_never_over_anything(story, tmp_path, capsys):
+    (tmp_path / "session.mcap").write_bytes(story[0].read_bytes()[:500_000])
+    code, out, _ = run(capsys, "recover", tmp_path)
+    assert code == 0 and (tmp_path / "session_recovered.mcap").exists() and "lost" in out
+    code, _, err = run(capsys, "recover", tmp_path)
+    assert code == 1 and "it exists already" in err
+
+
+def test_export_gives_tables_and_the_sound(story, tmp_path, capsys):
+    code, out, _ = run(capsys, "export", story[0], "--out", tmp_path)
+    assert code == 0 and "0 lost" in out
+    with (tmp_path / "voice_assist_utterance.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["command"] for row in rows[:2]] == ["hey robot", "tense"]
+    assert json.loads(rows[0]["phrases"])[0] == "hey robot"
+    with wave.open(str(tmp_path / "audio.wav")) as sound:
+        form = (sound.getnchannels(), sound.getsampwidth(), sound.getframerate())
+        assert form == (1, 2, 16000)
+        assert sound.getnframes() == pytest.approx(47 * 16000, abs=512)
+
+
+def test_export_of_a_topic_that_was_not_recorded_says_so(story, tmp_path, capsys):
+    code, out, _ = run(capsys, "export", story[0], "--out", tmp_path, "--topic", "/none")
+    assert code == 0 and "/none: nothing recorded" in out
+
+
+def test_report_is_written_beside_the_recording(story, tmp_path, capsys):
+    (tmp_path / "session.mcap").write_bytes(story[0].read_bytes())
+    code, out, _ = run(capsys, "report", tmp_path)
+    assert code == 0 and str(tmp_path / "report.html") in out
+    assert (tmp_path / "report.html").is_file() and (tmp_path / "timeline.png").is_file()
+
+
+def test_a_wrong_key_in_the_settings_is_named(story, tmp_path, capsys):
+    (tmp_path / "report.yaml").write_text("rcm_limits: 3\n", encoding="utf-8")
+    code, _, err = run(capsys, "report", story[0], "--config", tmp_path / "report.yaml")
+    assert code == 1 and "did you mean rcm_limit?" in err

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The report as a reader gets it: sections, figures, nothing from outside the page."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+from PIL import Image
+
+from session_log.errors import OutputFailed
+from session_log.reader import SessionReader
+from session_log.report import write_report
+from tests.unit.session_log.synthetic_session import write_session
+
+FIGURES = {"timeline", "latency", "rcm_error", "tension", "scene", "joints", "loop_timing"}
+SECTIONS = [
+    "Timeline",
+    "Commands",
+    "From the end of speech to motion",
+    "RCM error",
+    "Tissue tension",
+    "The scene",
+    "Joint ranges and margins",
+    "Loop timing",
+    "Health",
+    "Recording",
+    "Origin",
+]
+
+
+class Page(HTMLParser):
+    """Text, headings and sources of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.headings, self.sources, self.rows, self._tag = [], [], [], ""
+        self.feed(text)
+        self.words = re.sub(r"<style>.*?</style>|<[^>]*>", " ", text, flags=re.DOTALL)
+
+    def handle_starttag(self, tag, attributes):
+        self._tag = tag
+        values = dict(attributes)
+        self.sources += [values[k] for k in ("src", "srcset", "href") if k in values]
+        if tag == "tr":
+            self.rows.append([])
+
+    def handle_data(self, data):
+        if self._tag == "h2" and data.strip():
+            self.headings.append(data)
+        if self._tag == "span" and self.rows and data.strip():
+            self.rows[-1].append(data)
+
+
+@pytest.fixture(scope="module")
+def report(story, report_config, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report")
+    result = write_report(SessionReader(story[0]), folder, report_config)
+    return result, Page(result.page.read_text(encoding="utf-8"))
+
+
+def test_every_section_is_there(report):
+    assert report[1].headings == SECTIONS
+
+
+def test_every_figure_is_a_png_of_a_papers_width(report):
+    result, _ = report
+    assert {path.stem for path in result.figures} == FIGURES
+    for path in result.figures:
+        with Image.open(path) as image:
+            assert image.format == "PNG" and image.width == pytest.approx(7.16 * 200, abs=2)
+
+
+def test_the_page_needs_nothing_outside_itself(report):
+    _, page = report
+    assert len(page.sources) == 2 * len(FIGURES)
+    assert all(source.startswith("data:image/png;base64,") for source in page.sources)
+    assert "http" not in page.words and "<script" not in report[0].page.read_text(encoding="utf-8")
+
+
+def test_latency_stands_beside_the_papers_table(report):
+    rows = {row[0]: row for row in report[1].rows if len(row) == 6}
+    paper = {"hey robot": 1.97, "tense": 1.14, "release": 1.42, "pull more": 2.39}
+    paper |= {"pull less": 2.50, "stop": 1.29, "terminate": 1.52}
+    for command, latency in paper.items():
+        assert rows[command][-1] == f"{latency:.2f}\u00a0s"
+    assert rows["all"][1] == "10"
+
+
+def test_refusals_and_ignored_talk_are_told_with_their_reason(report):
+    rows = {row[1]: row for row in report[1].rows if len(row) == 8}
+    assert rows["“could you pass me the clamp”"][-1].startswith("nothing close enough")
+    assert any(
+        row[4] == "refused" and row[-1] == "tissue is held already"
+        for row in report[1].rows
+        if len(row) == 8
+    )
+
+
+def test_origin_and_limits_are_named(report):
+    words = report[1].words
+    assert "0123456789abcdef0123456789abcdef01234567" in words
+    assert "model_sha256" in words and "limit of 50 µm" in words
+
+
+def test_what_was_recorded_is_text_never_markup(tmp_path, report_config, monkeypatch):
+    from tests.unit.session_log import synthetic_session
+
+    hostile = [(1.0, 0.5, "<script>alert(1)</script>", "", "<b>no</b>")]
+    monkeypatch.setattr(synthetic_session, "SPEECH", hostile)
+    write_session(tmp_path / "s.mcap", duration=3.0, rate=50)
+    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
+    text = result.page.read_text(encoding="utf-8")
+    assert "<script>" not in text and "&lt;script&gt;alert(1)" in text and "<b>no" not in text
+
+
+def test_a_session_without_anything_still_gives_a_page_that_says_so(tmp_path, report_config):
+    write_session(tmp_path / "s.mcap", duration=-1.0)
+    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
+    page = Page(result.page.read_text(encoding="utf-8"))
+    assert result.figures == [] and page.headings == SECTIONS
+    assert "No spoken command led to an action." in page.words
+
+
+def test_a_killed_recording_is_reported_with_a_warning(story, tmp_path, report_config):
+    content = story[0].read_bytes()
+    (tmp_path / "s.mcap").write_bytes(content[: len(content) * 2 // 3])
+    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
+    assert "The recorder did not close this file" in result.page.read_text(encoding="utf-8")
+
+
+def test_figures_are_also_written_for_a_paper_when_asked(tmp_path, report_config):
+    write_session(tmp_path / "s.mcap", duration=4.0, rate=50)
+    config = replace(report_config, vector=True)
+    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, config)
+    assert (tmp_path / "rcm_error.pdf") in result.figures
+    assert (tmp_path / "rcm_error.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_folder_that_cannot_be_made_is_named(story, tmp_path, report_config):
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(OutputFailed, match=r"cannot write .*file"):
+        write_report(SessionReader(story[0]), tmp_path / "file", report_config)

@@ -1,0 +1,170 @@
+"""The recogniser: what the shipped checkpoint hears, and what it refuses to load."""
+
+import shutil
+import subprocess
+import zipfile
+
+import numpy as np
+import pytest
+import soxr
+import torch
+import whisper
+
+from voice_assist.errors import ModelError
+from voice_assist.recognizer import load_recognizer
+from voice_assist.recognizer.checkpoint import EMBEDDED_PATH
+from voice_assist.types import RATE
+
+COMMANDS = ("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate")
+
+
+@pytest.fixture(scope="module")
+def embedded():
+    return load_recognizer()
+
+
+def say(text, voice="en-us+john"):
+    """Speech of a voice that training never heard, amid a little quiet."""
+    command = ["espeak-ng", "-v", voice, "-s", "160", "--stdout", text]
+    data = subprocess.run(command, check=True, capture_output=True).stdout[44:]
+    sound = soxr.resample(np.frombuffer(data, "<i2").astype(np.float32) / 32768, 22050, RATE)
+    quiet = np.zeros(RATE // 5, np.float32)
+    return np.concatenate([quiet, sound.astype(np.float32), quiet])
+
+
+@pytest.mark.skipif(shutil.which("espeak-ng") is None, reason="needs espeak-ng")
+@pytest.mark.parametrize("text", COMMANDS)
+def test_a_voice_never_trained_on_is_understood(embedded, text):
+    assert embedded.transcribe(say(text)).text == text
+
+
+@pytest.mark.skipif(shutil.which("espeak-ng") is None, reason="needs espeak-ng")
+@pytest.mark.parametrize("text", ["stop", "pull less"])
+def test_second_opinion_prefers_what_was_said(embedded, text):
+    scores = embedded.score(say(text), COMMANDS)
+    assert max(scores, key=scores.__getitem__) == text
+    assert sum(score > 0 for score in scores.values()) <= 1
+
+
+@pytest.mark.parametrize("level", [0.0, 1e-4, 0.02, 0.2])
+def test_nothing_is_heard_in_silence_and_noise(embedded, level):
+    noise = np.random.default_rng(3).normal(0, 1, 2 * RATE).astype(np.float32) * level
+    assert embedded.transcribe(noise).text not in COMMANDS
+
+
+def test_digital_silence_is_empty_text(embedded):
+    heard = embedded.transcribe(np.zeros(RATE, np.float32))
+    assert (heard.text, heard.no_speech_prob) == ("", 1.0)
+
+
+@pytest.mark.parametrize("seconds", [0.05, 0.1, 0.31, 10.0, 14.0])
+def test_any_length_of_sound_is_accepted(embedded, seconds):
+    noise = np.random.default_rng(3).normal(0, 0.01, int(seconds * RATE)).astype(np.float32)
+    assert 0.0 <= embedded.transcribe(noise).confidence <= 1.0
+    assert set(embedded.score(noise, ["stop"])) == {"stop"}
+
+
+def test_read_only_samples_are_not_changed(embedded):
+    sound = np.random.default_rng(3).normal(0, 0.01, RATE).astype(np.float32)
+    before = sound.copy()
+    sound.flags.writeable = False
+    embedded.transcribe(sound)
+    np.testing.assert_array_equal(sound, before)
+
+
+def test_the_whisper_library_loads_the_shipped_file():
+    model = whisper.load_model(str(EMBEDDED_PATH), device="cpu")
+    assert model.dims.n_vocab == 51864
+    assert not model.is_multilingual
+
+
+def test_the_shipped_file_is_at_most_20_megabytes():
+    assert EMBEDDED_PATH.stat().st_size <= 20e6
+
+
+def test_hash_names_the_file(embedded):
+    assert len(embedded.model_hash) == 64
+    assert embedded.model_hash == load_recognizer(str(EMBEDDED_PATH)).model_hash
+
+
+def test_loading_leaves_the_thread_count_alone():
+    before = torch.get_num_threads()
+    load_recognizer()
+    assert torch.get_num_threads() == before
+
+
+def test_an_unknown_model_is_refused_with_what_is_allowed():
+    with pytest.raises(ModelError, match=r"'big\.english'.*embedded, tiny\.en"):
+        load_recognizer("big.english")
+
+
+def test_an_unknown_device_is_refused():
+    with pytest.raises(ModelError, match="abacus"):
+        load_recognizer(device="abacus")
+
+
+def test_a_truncated_checkpoint_is_refused(tmp_path):
+    path = tmp_path / "cut.pt"
+    path.write_bytes(EMBEDDED_PATH.read_bytes()[:100_000])
+    with pytest.raises(ModelError, match=r"cut\.pt"):
+        load_recognizer(str(path))
+
+
+def test_a_checkpoint_with_a_flipped_byte_is_refused(tmp_path):
+    path = tmp_path / "flipped.pt"
+    data = bytearray(EMBEDDED_PATH.read_bytes())
+    data[len(data) // 2] ^= 0xFF
+    path.write_bytes(data)
+    with pytest.raises(ModelError, match=r"flipped\.pt"):
+        load_recognizer(str(path))
+
+
+class Intruder:
+    """Would make a file if it were unpickled."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return (open, (str(self.path), "w"))
+
+
+def test_code_inside_a_checkpoint_never_runs(tmp_path):
+    path, trace = tmp_path / "evil.pt", tmp_path / "ran"
+    torch.save({"dims": {}, "model_state_dict": Intruder(trace)}, path)
+    with pytest.raises(ModelError, match=r"evil\.pt"):
+        load_recognizer(str(path))
+    assert not trace.exists()
+
+
+def test_weights_that_do_not_fit_are_refused(tmp_path):
+    path = tmp_path / "misfit.pt"
+    content = torch.load(EMBEDDED_PATH, weights_only=True)
+    torch.save({**content, "dims": {**content["dims"], "n_audio_layer": 2}}, path)
+    with pytest.raises(ModelError, match=r"misfit\.pt.*do not fit"):
+        load_recognizer(str(path))
+
+
+def test_a_checkpoint_without_dims_is_refused(tmp_path):
+    path = tmp_path / "empty.pt"
+    torch.save({"weights": torch.zeros(3)}, path)
+    with pytest.raises(ModelError, match="dims"):
+        load_recognizer(str(path))
+
+
+def test_the_shipped_file_is_compressed():
+    with zipfile.ZipFile(EMBEDDED_PATH) as archive:
+        assert all(entry.compress_type == zipfile.ZIP_DEFLATED for entry in archive.infolist())
+
+
+def test_an_openai_model_is_decoded_without_padding(tmp_path):
+    torch.manual_seed(0)
+    dims = whisper.model.ModelDimensions(80, 1500, 64, 2, 1, 51864, 448, 64, 2, 1)
+    model = whisper.model.Whisper(dims)
+    torch.nn.init.normal_(model.decoder.positional_embedding)
+    path = tmp_path / "small.pt"
+    torch.save({"dims": vars(dims), "model_state_dict": model.state_dict()}, path)
+    recognizer = load_recognizer(str(path))
+    noise = np.random.default_rng(3).normal(0, 0.01, RATE).astype(np.float32)
+    assert 0.0 <= recognizer.transcribe(noise).confidence <= 1.0
+    assert all(np.isfinite(list(recognizer.score(noise, ["stop", "tense"]).values())))
