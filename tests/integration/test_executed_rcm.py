@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Planned paths on the simulated robot: how far shaft and tip leave their course, by PyBullet's own kinematics."""
+"""Planned paths on the simulated robot: how far shaft and tip leave their course, by PyBullet."""
 
 from __future__ import annotations
 
@@ -157,8 +157,5 @@ def test_a_tool_whose_joints_are_truly_elsewhere_moves_the_tip_but_not_the_shaft
         for path in planner.reach(np.array(SIMULATION.scene.home)):
             course.drive(path, 0.02)
         assert np.abs(arm.reading.position - arm.target).max() < 1e-5
-    print(
-        f"\n0.11 rad of pitch: rcm max {max(course.rcm) * 1e6:.2f} um, tip {max(course.tip) * 1e3:.2f} mm"
-    )
     assert max(course.rcm) < 10e-6
     assert 1e-3 < max(course.tip) < 5e-3

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The recorder as a process of its own, with a roscore of its own and a second process that talks."""
+"""The recorder as a process of its own, with its own roscore and a second process that talks."""
 
 from __future__ import annotations
 
@@ -56,13 +56,19 @@ class Ros:
             "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
         }
         self.master = rosgraph.Master("/test", master_uri=self.uri)
+        self._children = []
         self._core = self.start(["roscore", "-p", str(port)], stdout=subprocess.DEVNULL)
         wait_until(self.master.is_online, "roscore answers")
 
     def start(self, command, **options):
-        return subprocess.Popen(command, env=self.environment, cwd=ROOT, **options)
+        process = subprocess.Popen(command, env=self.environment, cwd=ROOT, **options)
+        self._children.append(process)
+        return process
 
     def close(self):
+        for process in self._children[1:]:
+            process.kill()  # only those that a failed test left
+            process.wait(PATIENCE)
         self._core.send_signal(signal.SIGINT)
         self._core.wait(PATIENCE)
 
@@ -187,7 +193,8 @@ def test_a_folder_that_cannot_be_written_is_an_error_until_it_can(ros, tmp_path)
         assert "cannot record to" in first["message"] and first["file"] == ""
         obstacle.unlink()
         found = first
-        while found["level"] != 0:
+        deadline = time.monotonic() + PATIENCE
+        while found["level"] != 0 and time.monotonic() < deadline:
             found = json.loads(watcher.stdout.readline())
         assert found["message"] == "recording"
         watcher.kill()
@@ -268,9 +275,9 @@ def until_killed():
     stamps = []
 
     def acknowledge(message):
-        # the stamp is taken before the message leaves, so what left half a second before the
+        # the stamp is taken before the message leaves, so what left two seconds before the
         # acknowledged time had arrived by then
-        until = message.data.to_sec() - 0.5
+        until = message.data.to_sec() - 2.0
         say(acknowledged=sum(stamp < until for stamp in list(stamps)))
 
     rospy.Subscriber("/session_log/written", Time, acknowledge)

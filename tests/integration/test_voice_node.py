@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The voice node on a master of its own, with a recogniser that hears tones."""
 
+import itertools
 import json
 import os
 import signal
@@ -17,6 +18,7 @@ from tests.unit.voice_assist.fake_speech import say
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent
+HANG = 4.0  # [s] as in voice_witness.py
 START = 30.0  # [s] allowed for a process to be ready
 DEBUG, INFO, WARN, ERROR = 1, 2, 4, 8
 
@@ -109,10 +111,8 @@ def test_the_commands_reach_the_controller_in_order(session):
     assert {entry[1] for entry in session["call"]} == {"/voice_assist"}
 
 
-def test_stop_is_sent_on_its_own_topic_before_the_call(session):
-    (stop,) = session["stop"]
-    called = next(entry for entry in session["call"] if entry[0] == "stop")
-    assert stop[-1] <= called[-1] + 0.05
+def test_stop_is_also_sent_on_its_own_topic_once(session):
+    assert len(session["stop"]) == 1
 
 
 def test_the_mode_follows_the_words(session):
@@ -143,7 +143,7 @@ def test_a_refusal_by_the_controller_is_shown(session):
 def test_the_sound_is_published_without_gaps(session):
     first = firsts(session, "audio")
     assert len(first) > 300
-    assert {b - a for a, b in zip(first, first[1:], strict=False)} == {512}
+    assert {b - a for a, b in itertools.pairwise(first)} == {512}
     assert {entry[1] for entry in session["audio"]} == {16_000}
 
 
@@ -165,7 +165,7 @@ def test_a_controller_that_hangs_does_not_delay_hearing(master, tmp_path):
     seen = watch(master, tmp_path, 9, ["tense=hang"], **settings)
     hung = next(entry[-1] for entry in seen["call"] if entry[0] == "tense")
     (stop,) = seen["stop"]
-    assert stop[-1] - hung < 3.0, "the stop did not wait for the answer"
+    assert stop[-1] - hung < HANG, "the stop did not wait for the answer"
     assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "tense", "stop"]
     assert "stop" in firsts(seen, "call"), "a new connection was made"
 
@@ -173,7 +173,7 @@ def test_a_controller_that_hangs_does_not_delay_hearing(master, tmp_path):
 def test_without_a_controller_that_is_said_and_hearing_goes_on(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("hey robot 1 tense", after=2.0), 16_000)
     settings = {"audio/wav/path": tmp_path / "sound.wav"}
-    seen = watch(master, tmp_path, 10, ["service=missing"], **settings)
+    seen = watch(master, tmp_path, 9, ["service=missing"], **settings)
     assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "tense"]
     warnings = [entry[2] for entry in seen["log"] if entry[1] == WARN]
     assert any("hey robot refused: the robot's controller is missing" in w for w in warnings)
@@ -183,7 +183,7 @@ def test_without_a_controller_that_is_said_and_hearing_goes_on(master, tmp_path)
 
 def test_without_a_microphone_it_lives_says_so_and_sends_no_heartbeat(master, tmp_path):
     settings = {"audio/source": "microphone", "audio/microphone/device": "no such microphone"}
-    seen = watch(master, tmp_path, 8, **settings)
+    seen = watch(master, tmp_path, 6, **settings)
     errors = [entry[2] for entry in seen["log"] if entry[1] == ERROR]
     assert any("'no such microphone': not found; microphones found:" in e for e in errors)
     assert seen["diagnostics"][-1][0] == 2

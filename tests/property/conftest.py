@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from rst_control.config import load_motion_config
 from rst_control.planner import Planner
 from rst_control.robot_model import load_robot

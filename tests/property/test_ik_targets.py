@@ -1,24 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Inverse kinematics over many targets: what can be reached is found, and what is found is right."""
+"""Inverse kinematics over many targets: what can be reached is found, and found right."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from rst_control import chain
 from rst_control.configuration import Configuration
 from rst_control.errors import TrocarDrift
 from rst_control.rcm import SHAFT_LENGTH, rcm_state
 from rst_control.robot_model import rotation
 
-COUNT = 1000
+COUNT = 400
 LEAST_STEEPNESS = 0.3  # cosine of the shaft from straight down
 BENCHMARK_TURN = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 @pytest.fixture(scope="module")
 def reachable(planner):
-    """Joints with the shaft through the trocar: each one's tool pose can be reached, by construction."""
+    """Joints with the shaft through the trocar: by construction, their tool poses are reachable."""
     rng, found = np.random.default_rng(11), []
     low = np.maximum(planner.limits.lower, -np.pi)
     high = np.minimum(planner.limits.upper, np.pi)
@@ -28,13 +29,14 @@ def reachable(planner):
             q = planner.project(rng.uniform(low, high))
         except (TrocarDrift, np.linalg.LinAlgError):
             continue
-        q[:7] = np.where(np.isinf(high[:7]), q[:7], (q[:7] + np.pi) % (2.0 * np.pi) - np.pi)
+        turning = planner.limits.upper > np.pi
+        q[turning] = (q[turning] + np.pi) % (2.0 * np.pi) - np.pi
         configuration = Configuration(planner.model, q)
         depth = rcm_state(configuration, planner.trocar).insertion
         steepness = -configuration.frames[chain.SHAFT, 2, 2]
-        if planner.limits.violation(q) is None and 0.05 < depth < 0.25:
-            if steepness > LEAST_STEEPNESS:
-                found.append(configuration)
+        is_inside = planner.limits.violation(q) is None and 0.05 < depth < 0.25
+        if is_inside and steepness > LEAST_STEEPNESS:
+            found.append(Configuration(planner.model, q))
     return found
 
 

@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import numpy as np
-import PyKDL
 import pybullet
+import PyKDL
 import pytest
+
 from rst_control import chain
 from rst_control.config import URDF_FILE
 from rst_control.configuration import Configuration, robot_joints
@@ -92,7 +93,9 @@ def bullet():
 
 def random_joints(limits, count):
     rng = np.random.default_rng(7)
-    return rng.uniform(np.maximum(limits.lower, -np.pi), np.minimum(limits.upper, np.pi), (count, 9))
+    return rng.uniform(
+        np.maximum(limits.lower, -np.pi), np.minimum(limits.upper, np.pi), (count, 9)
+    )
 
 
 def test_kernels_kdl_and_pybullet_agree_over_ten_thousand_configurations(robot, planner, bullet):

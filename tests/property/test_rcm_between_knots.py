@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 import PyKDL
 import pytest
+
 from rst_control.errors import Infeasible
 from rst_control.path import speed_bounds
 from rst_control.rcm import rcm_error

@@ -7,6 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+
 from rst_control import chain, newton
 from rst_control.configuration import Configuration, planning_joints, robot_joints
 from rst_control.rcm import rcm_error, rcm_jacobian, rcm_state

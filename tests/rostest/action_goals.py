@@ -10,6 +10,7 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from robot_client import RobotClient
+
 from rst_control.msg import AssistAction, AssistGoal
 
 

@@ -8,6 +8,7 @@ import unittest
 import rospy
 import rostest
 from robot_client import RobotClient
+
 from rst_control.srv import Command, CommandRequest
 
 
@@ -26,7 +27,15 @@ class CommandsByHand(unittest.TestCase):
     def test_2_what_is_no_command_is_refused_with_the_list_of_commands(self):
         for words in ("dance", "", "tense now", "ten\x00se", "停", "pull", "x" * 100_000):
             reason = self.robot.refused(words)
-            for command in ("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate"):
+            for command in (
+                "hey robot",
+                "tense",
+                "release",
+                "pull more",
+                "pull less",
+                "stop",
+                "terminate",
+            ):
                 self.assertIn(command, reason)
             self.assertLess(len(reason), 400)
 

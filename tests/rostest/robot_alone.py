@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What happens when the controller dies in the middle of a motion: the robot side holds by itself."""
+"""The controller dies in the middle of a motion: the robot side holds by itself."""
 
 import os
 import signal

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the rostests of the robot side share: a client that speaks to the controller by ROS alone."""
+"""What the rostests of the robot side share: a client that speaks by ROS alone."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ import time
 
 import rospy
 from geometry_msgs.msg import WrenchStamped
-from rst_control.msg import ControllerState, Event
-from rst_control.srv import Command
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
+
+from rst_control.msg import ControllerState, Event
+from rst_control.srv import Command
 
 START_LIMIT = 60.0  # [s] for the simulator and the compiled kernels to come up on a loaded machine
 
@@ -51,7 +52,9 @@ class RobotClient:
         end = time.monotonic() + limit
         while not condition():
             if time.monotonic() > end:
-                raise AssertionError(f"waited {limit} s in vain; the controller says:\n{self.state}")
+                raise AssertionError(
+                    f"waited {limit} s in vain; the controller says:\n{self.state}"
+                )
             time.sleep(0.01)
 
     def wait_for_state(self, *names: str, limit: float = 30.0) -> None:
@@ -82,7 +85,7 @@ class RobotClient:
         return reply.message
 
     def activate(self) -> None:
-        """Say "hey robot" until the robot is healthy and listens; as at the start of every session."""
+        """Say "hey robot" until the robot is healthy and listens, as every session begins."""
         self.wait(lambda: self.command("hey robot").accepted, START_LIMIT)
         self.wait_for_state("active", "moving")
 

@@ -10,8 +10,9 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from robot_client import RobotClient
-from rst_control.msg import AssistAction, AssistGoal
 from std_msgs.msg import Empty
+
+from rst_control.msg import AssistAction, AssistGoal
 
 
 class StopInMotion(unittest.TestCase):

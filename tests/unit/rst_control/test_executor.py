@@ -246,7 +246,9 @@ def test_a_late_tick_catches_up_with_time_but_never_by_much():
     step = np.linalg.norm(rig.sent[-1].position - rig.sent[-2].position)
     rig.now += 2 * PERIOD
     rig.tick()
-    assert np.linalg.norm(rig.sent[-1].position - rig.sent[-2].position) == pytest.approx(3 * step, rel=0.05)
+    assert np.linalg.norm(rig.sent[-1].position - rig.sent[-2].position) == pytest.approx(
+        3 * step, rel=0.05
+    )
     rig.now += 1.0
     rig.robot._updated = rig.now
     rig.tick()

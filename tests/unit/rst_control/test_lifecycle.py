@@ -11,7 +11,7 @@ MOTIONS = (Command.TENSE, Command.RELEASE, Command.PULL_MORE, Command.PULL_LESS)
 
 
 def commanded(life, command):
-    """What the executor makes of a command, where the robot is healthy and every motion verified."""
+    """What the executor makes of a command where the robot is healthy and all is verified."""
     if lifecycle.refusal(life, command) is not None:
         return life
     if command is Command.HEY_ROBOT:
@@ -32,7 +32,7 @@ EVENTS = {
 
 
 def reachable():
-    """Every life that any sequence of events leads to, each with the events that led there first."""
+    """Every life that any sequence of events leads to, with the events that led there."""
     found, edge = {Life(): ()}, [Life()]
     while edge:
         life = edge.pop()

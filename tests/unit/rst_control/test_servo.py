@@ -30,7 +30,7 @@ def wave(t: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def stream(robot: Servo, duration: float, jitter=lambda k: 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Play the wave at 500 Hz, each set-point arriving late by jitter(k); times and course at 1 kHz."""
+    """Play the wave at 500 Hz, each set-point late by jitter(k); times and course at 1 kHz."""
     arrivals = [(0.002 * k + jitter(k), 0.002 * k) for k in range(int(duration / 0.002) + 1)]
     times, course = [], []
     for step in range(int(duration * 1000)):

@@ -83,8 +83,8 @@ def test_every_step_the_forces_explain_the_change_of_momentum():
 
 def test_taking_hold_changes_no_force():
     sheet = tissue()
-    assert sheet.grasp(GRASP + [0.001, 0.0005, -0.001])
-    assert np.linalg.norm(sheet.advance(GRASP + [0.001, 0.0005, -0.001])) < 1e-9
+    assert sheet.grasp(GRASP + np.array([0.001, 0.0005, -0.001]))
+    assert np.linalg.norm(sheet.advance(GRASP + np.array([0.001, 0.0005, -0.001]))) < 1e-9
 
 
 def test_release_drops_the_force_to_zero_at_once_and_the_sheet_comes_back():
@@ -100,9 +100,9 @@ def test_release_drops_the_force_to_zero_at_once_and_the_sheet_comes_back():
 
 def test_jaws_that_close_away_from_the_sheet_hold_nothing():
     sheet = tissue()
-    assert not sheet.grasp(GRASP + [0.0, 0.0, 2.0 * CONFIG.grasp_radius])
+    assert not sheet.grasp(GRASP + np.array([0.0, 0.0, 2.0 * CONFIG.grasp_radius]))
     assert not sheet.is_held
-    assert not sheet.advance(GRASP + [0.0, 0.0, 0.1]).any()
+    assert not sheet.advance(GRASP + np.array([0.0, 0.0, 0.1])).any()
 
 
 def test_the_rim_is_never_grasped_and_never_moves():
@@ -133,7 +133,7 @@ def test_strain_and_flatness_are_zero_at_rest_and_tell_of_pull_and_push():
     assert sheet.out_of_plane_rms == pytest.approx(0.0, abs=1e-9)
     sheet.grasp(GRASP)
     for k in range(500):
-        sheet.advance(GRASP + [0.0, 2e-5 * k, 0.0])
+        sheet.advance(GRASP + np.array([0.0, 2e-5 * k, 0.0]))
     assert sheet.max_strain > 0.01
     assert sheet.out_of_plane_rms > 1e-4
 
@@ -165,5 +165,5 @@ def test_a_sheet_turned_in_space_pulls_the_same():
     for k in range(800):
         step = 1e-5 * k
         a = turned.advance(np.array([0.0, 0.035 + step, 0.0]))
-        b = upright.advance(GRASP + [0.0, 0.0, step])
+        b = upright.advance(GRASP + np.array([0.0, 0.0, step]))
     assert a[1] == pytest.approx(b[2], rel=1e-6)

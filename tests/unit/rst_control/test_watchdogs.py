@@ -7,11 +7,9 @@ from executor_rig import Rig, shared, with_watchdogs
 
 from rst_control.lifecycle import State
 from rst_control.types import Measurement, Reason
-from rst_control.watchdogs import Watched, WatchdogLimits, Watchdogs
+from rst_control.watchdogs import WatchdogLimits, Watchdogs, Watched
 
-WATCHDOGS = Watchdogs(
-    WatchdogLimits(shared()[0].controller.watchdogs, rcm_error=1e-3, tension=2.4)
-)
+WATCHDOGS = Watchdogs(WatchdogLimits(shared()[0].controller.watchdogs, rcm_error=1e-3, tension=2.4))
 GOOD = Watched(
     setpoint=np.zeros(10),
     rcm_error=1e-6,

@@ -173,6 +173,17 @@ def test_gaps_in_the_publishers_own_count_are_reported_and_recorded(tmp_path, re
     assert losses == {"/rst_control/event from /controller": "0 dropped, 3 missed"}
 
 
+def test_the_latched_message_from_before_the_connection_opens_no_gap(recorder_config):
+    recorder = Recorder(pytest.fail, recorder_config, time.time_ns)
+    source = source_of("/mode", "voice_assist/Mode", "/voice", is_latched=True)
+    tally = recorder.register(source)
+    for sequence in (1, 7, 8, 10):
+        message = class_of("voice_assist/Mode")()
+        message.header.seq = sequence
+        recorder.offer(tally, serialise(message))
+    assert recorder.status().missed == 1
+
+
 def test_metadata_may_come_at_any_time_and_the_last_of_a_name_counts(tmp_path, recorder_config):
     recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
     recorder.start()

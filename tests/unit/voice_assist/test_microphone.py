@@ -66,7 +66,9 @@ def listen(sound, device="", attempts=5, lost_after=0.2):
         return left[0] <= 0
 
     config = load_voice_config(
-        audio__microphone__device=device, audio__microphone__lost_after=lost_after
+        audio__microphone__device=device,
+        audio__microphone__lost_after=lost_after,
+        audio__microphone__open_within=lost_after,
     ).audio.microphone
     with Microphone(config, sound, sound.clock, pause, reports.append) as microphone:
         frames = list(microphone)

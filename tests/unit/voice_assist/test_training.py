@@ -165,7 +165,7 @@ def surroundings():
 
 def clips():
     made = [clip(text, 0.6) for text in texts.COMMANDS]
-    return made + [clip("tents", 0.5, "near"), clip("stop", 0.8, "word")]
+    return [*made, clip("tents", 0.5, "near"), clip("stop", 0.8, "word")]
 
 
 def test_batches_depend_on_the_seed_and_the_pool_alone():

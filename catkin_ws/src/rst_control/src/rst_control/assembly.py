@@ -47,7 +47,7 @@ def make_verify(config: MotionConfig, model: RobotModel) -> Verify:
 
 
 def rcm_gauge(config: MotionConfig, model: RobotModel) -> Callable[[Vector], float]:
-    """Function that gives the distance of the shaft from the trocar [m] for the robot's joints (10,)."""
+    """Function that gives the shaft's distance from the trocar [m] for the robot's joints (10,)."""
     trocar = frozen_array(config.scene.trocar, 3)
 
     def gauge(joints: Vector) -> float:

@@ -136,7 +136,6 @@ class TensionConfig:
     step_tension: float = number(0.01, 1.0, "N")
     step_distance: float = number(1e-4, 0.02, "m")
     bandwidth: float = number(0.5, 100.0, "1/s")
-    stiffness_guess: float = number(10.0, 10_000.0, "N/m")
     stiffness_range: tuple[float, float] = number(1.0, 20_000.0, "N/m")
     settle_time: float = number(0.0, 2.0, "s")
 

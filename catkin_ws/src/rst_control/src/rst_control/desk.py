@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where commands in words arrive, from any thread: read, verified one at a time, handed to the executor, answered.
+"""Where commands in words arrive, from any thread, and are answered.
 
-A stop never waits here: it goes straight to the executor, whatever else is being checked.
+They are read, verified one at a time and handed to the executor. A stop never waits here: it goes
+straight to the executor, whatever else is being checked.
 """
 
 from __future__ import annotations
@@ -51,12 +52,12 @@ class CommandDesk:
         self._waiting: queue.Queue[Ticket] = queue.Queue(WAITING)
 
     def take(self, request: Request, caller: str, is_spoken: bool = False) -> Ticket:
-        """Take a command; returns at once, with the answer to come in `Ticket.reply`.
+        """Take a command; returns at once, with the answer to come in the ticket.
 
         Args:
             request: The command in words, and its parameters.
             caller: Who gives it, for the diary.
-            is_spoken: It came by voice: the voice node's heartbeat must go on while it is carried out.
+            is_spoken: It came by voice: that node's heartbeat must go on while it is carried out.
         """
         ticket = Ticket(request, caller, is_spoken)
         command = read_command(request.words)

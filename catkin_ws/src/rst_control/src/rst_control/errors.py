@@ -25,15 +25,14 @@ class Infeasible(RstError):  # noqa: N818 - named as what it says of a path
 
 
 class Unreachable(Infeasible):
-    """The inverse kinematics found no joint angles for a pose."""
+    """The arm cannot take the tool all along the way with the shaft through the trocar."""
 
-    def __init__(self, residual: float, allowed: float, where: float | None = None) -> None:
-        at = "" if where is None else f" {where * 1e3:.1f} mm along the path"
+    def __init__(self, reached: float, length: float) -> None:
         super().__init__(
-            f"unreachable{at}: best pose is {residual * 1e3:.3g} mm off, "
-            f"allowed {allowed * 1e3:.3g} mm"
+            f"unreachable beyond {reached * 1e3:.1f} mm of a way of {length * 1e3:.1f} mm "
+            "with the shaft through the trocar"
         )
-        self.residual, self.allowed = residual, allowed
+        self.reached, self.length = reached, length
 
 
 class JointLimitExceeded(Infeasible):

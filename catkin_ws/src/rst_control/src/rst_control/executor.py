@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The life of a command: accepted, moved along its path tick by tick, finished, or braked and latched.
+"""The life of a command: accepted, moved tick by tick, finished, or braked and latched.
 
-One thread calls `tick`; it owns all state. Others only post orders, ask for a stop or report a heartbeat, which
-the next tick takes up. Nothing here plans, waits or reads a clock.
+One thread calls `tick`; it owns all state. Others only post orders, ask for a stop or report a
+heartbeat, which the next tick takes up. Nothing here plans, waits or reads a clock.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Executor:
 
     Args:
         watchdogs: What makes it brake.
-        rcm_error: Distance of the measured shaft from the trocar [m], from joint positions of shape (10,).
+        rcm_error: Distance of the shaft from the trocar [m] for joint positions of shape (10,).
         mover: Moves the set-point.
         clear_fault: Asks the robot to take set-points again.
         period: Time between ticks [s].
@@ -55,7 +55,9 @@ class Executor:
         self._life = Life()
         self._life_changes = 0
         self._order: Order | None = None  # the one in motion
-        self._waking: tuple[Order, float] | None = None  # "hey robot" until the robot's fault is clear
+        self._waking: tuple[Order, float] | None = (
+            None  # "hey robot" until the robot's fault is clear
+        )
         self._command = self._last_refusal = self._health = ""
         self._heartbeat = -np.inf
         self._orders: deque[Order] = deque()
@@ -92,7 +94,7 @@ class Executor:
             measured: Newest from the robot; None while it never spoke.
 
         Returns:
-            Where the joints should be now; None where nothing may be sent and the robot holds by itself.
+            Where the joints should be now; None where the robot is to hold by itself.
         """
         periods = max(1, min(MOST_PERIODS, round((now - self._now) / self._period)))
         self._now = now
@@ -107,7 +109,7 @@ class Executor:
         return None if held is None else Setpoint(held, velocity, now)
 
     def crashed(self, error: Exception) -> None:
-        """After a tick raised: brake along the path, and where that raises too leave it to the robot to hold."""
+        """After a tick raised: brake along the path; where that raises too, let the robot hold."""
         reason = f"error in the control loop: {error!r}"[:300]
         if self._life.reason != reason:
             log.error(reason, exc_info=error)
@@ -255,7 +257,9 @@ class Executor:
         reason = was.reason if was.is_latched else motion.failure or "terminated"
         self._note("at_rest", self._command, reason)
         self._note_latch()
-        self._end_order("stopped" if was.then in (State.HALTED, State.STANDBY) else "failed", reason)
+        self._end_order(
+            "stopped" if was.then in (State.HALTED, State.STANDBY) else "failed", reason
+        )
 
     def _rest(self) -> Vector:
         measured = self._measured

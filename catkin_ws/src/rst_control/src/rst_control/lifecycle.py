@@ -11,7 +11,10 @@ from enum import Enum
 
 from rst_control.types import Command, Reason, Rejected
 
-RETARGETS = (Command.PULL_MORE, Command.PULL_LESS)  # may be said again while the last one still moves
+RETARGETS = (
+    Command.PULL_MORE,
+    Command.PULL_LESS,
+)  # may be said again while the last one still moves
 
 
 class State(Enum):
@@ -50,7 +53,9 @@ def refusal(life: Life, command: Command) -> Rejected | None:
         return None
     if command is Command.HEY_ROBOT:
         braking = life.state is State.STOPPING
-        return Rejected(Reason.NOT_AT_REST, "still braking; say it again at rest") if braking else None
+        return (
+            Rejected(Reason.NOT_AT_REST, "still braking; say it again at rest") if braking else None
+        )
     if life.state is State.STANDBY:
         return Rejected(Reason.WRONG_MODE, 'in standby; say "hey robot" first')
     if command is Command.TERMINATE:
@@ -112,7 +117,7 @@ def stopped(life: Life, reason: str) -> Life:
 
 
 def faulted(life: Life, reason: str) -> Life:
-    """After a watchdog fired. In standby nothing is to be stopped, and "hey robot" asks for health."""
+    """After a watchdog fired; in standby there is nothing to stop, and waking asks for health."""
     match life.state:
         case State.MOVING:
             return replace(life, state=State.STOPPING, then=State.FAULTED, reason=reason)
@@ -125,7 +130,7 @@ def faulted(life: Life, reason: str) -> Life:
 
 
 def failed(life: Life) -> Life:
-    """After a motion could not reach its end, with nothing wrong but that: braking, then active again."""
+    """After a motion could not reach its end, with nothing else wrong: braking, then active."""
     if life.state is State.MOVING:
         return replace(life, state=State.STOPPING, then=State.ACTIVE)
     return life

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A plan under way: its phases one after the other, each starting exactly where the last one ended."""
+"""A plan under way: its phases one after the other, each starting where the last one ended."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ START_TOLERANCE = 2e-3  # [rad] between a joint's set-point and where a phase be
 PULLS = (PhaseKind.PULL, PhaseKind.STEP)
 
 
-class OffPath(RstError):
+class OffPath(RstError):  # noqa: N818
     """A phase would begin away from where the robot stands."""
 
     def __init__(self, phase: PhaseKind, distance: float) -> None:
@@ -92,7 +92,7 @@ class Motion:
         return self._held, velocity
 
     def brake(self) -> None:
-        """Come to rest along the path as soon as the limits allow, and leave the rest of the plan."""
+        """Come to rest along the path as soon as the limits allow; the rest is dropped."""
         self._is_braking = True
         self._run.brake()
 

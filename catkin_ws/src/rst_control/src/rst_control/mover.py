@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the joints are sent, and what is remembered of where they stand: set-point, place on a path, grasp."""
+"""Where the joints are sent, and what is remembered of where they stand."""
 
 from __future__ import annotations
 
@@ -12,19 +12,21 @@ STILL = np.zeros(JOINT_COUNT)
 
 
 class Mover:
-    """Owns the motion under way and the set-point. Every change that verification must know of counts `changes` up."""
+    """Owns motion, set-point and grasp; counts the changes that verification must know of."""
 
     def __init__(self, motions: MotionMaker) -> None:
         self._motions = motions
         self._place: Place | None = None
         self._grasp: Grasp | None = None
         self.motion: Motion | None = None
-        self.held: Vector | None = None  # (10,), last set-point; None: not known where the joints are
+        self.held: Vector | None = (
+            None  # (10,), last set-point; None: not known where the joints are
+        )
         self.changes = 0
 
     @property
     def grasp(self) -> Grasp | None:
-        """What is remembered of the grasp; the plan's from its start on, before anything is held."""
+        """What is remembered of the grasp; from the plan's start on, before anything is held."""
         return self._grasp
 
     @property

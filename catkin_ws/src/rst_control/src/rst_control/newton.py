@@ -113,15 +113,14 @@ def posture_step(J: Any, L: Any, q: Any, posture: Any, out: Any) -> float:
         slope[j] = -posture[1, j] * (q[j] - posture[0, j]) - steep * x / half
         bend[j] = posture[1, j] + LIMIT_POWER * steep / half**2
     project(J, L, slope, out)
-    square, curvature, gain = 0.0, 0.0, 0.0
+    square, curvature = 0.0, 0.0
     for j in range(9):
         square += out[j] * out[j]
         curvature += out[j] * out[j] * bend[j]
-        gain += out[j] * slope[j]
     if square < 1e-24:
         out[:] = 0.0
         return 0.0
-    scale = gain / curvature
+    scale = square / curvature
     length = scale * np.sqrt(square)
     if length > SWING_LIMIT:
         scale *= SWING_LIMIT / length
@@ -189,6 +188,7 @@ def search(
     q, least, iterations = np.empty(9), np.inf, 0
     for n in range(len(seeds)):
         q[:] = seeds[n]
+        wrap(q, posture)
         missing, count = solve(chain, q, target, trocar, posture, rule, False)
         iterations += count
         wrap(q, posture)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What passes between the executor and those who give commands, publish its state or write its diary."""
+"""What passes between the executor and those who give commands or publish its state."""
 
 from __future__ import annotations
 
@@ -63,7 +63,9 @@ class Order:
     serial: int  # of the view in which it was verified
     is_spoken: bool = False  # it came from the voice node, whose heartbeat must go on
     reply: Callable[[Reply], None] = field(default=_ignore)
-    stale: Callable[[], None] | None = None  # instead of the reply, where the view has changed since
+    stale: Callable[[], None] | None = (
+        None  # instead of the reply, where the view has changed since
+    )
     ended: Callable[[Outcome], None] = field(default=_ignore)
 
     @property

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Carries out one phase of a plan tick by tick: along a path, to a tension on a path, or with the jaws alone.
+"""Carries out one phase of a plan tick by tick: along a path, to a tension, or with the jaws alone.
 
-All can brake at any tick. Braking begins at once: an acceleration that still pushes on is cut, not faded out.
+All can brake at any tick. Braking begins at once: an acceleration that still pushes on is cut,
+not faded out.
 """
 
 from __future__ import annotations
@@ -119,7 +120,7 @@ class PathRun(_Braking):
 
 
 class TensionRun(_Braking):
-    """Pulls or eases along a path until the tension is that of the phase, or the furthest s is reached.
+    """Pulls or eases along a path to the tension of the phase, or to the furthest s.
 
     Args:
         phase: With a path and a tension.

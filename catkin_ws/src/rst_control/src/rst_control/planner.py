@@ -29,6 +29,7 @@ from rst_control.types import Vector, frozen_array
 Array = NDArray[np.float64]
 
 LEAST_KNOTS: Final = 4
+DENSER: Final = 4  # times as many knots where the first try strays from the trocar
 SAME_PLACE: Final = 1e-7  # [m] of path below which there is nothing to move
 SEAT_SCALE: Final = 0.1  # [m/rad] of path for a joint motion back to the trocar
 PROJECTIONS: Final = 20
@@ -67,9 +68,14 @@ class Planner:
         Raises:
             Infeasible: No such way keeps all limits; the error says which.
         """
-        before = self.T_base_grasp.copy()
-        before[:3, 3] -= _unit(self.config.scene.approach_axis) * self.config.scene.clearance
-        return self.route(q, before, self.T_base_grasp)
+        first, other = sorted(self._grasps(), key=lambda grasp: self._distance(q, grasp))
+        try:
+            return self.route(q, self._before(first), first)
+        except Infeasible as why_not:
+            try:
+                return self.route(q, self._before(other), other)
+            except Infeasible:
+                raise why_not from None
 
     def pull(self, q: Vector) -> Path:
         """Way from the grasp at q (9,) along the pull direction, as far as pulling may ever go.
@@ -146,16 +152,14 @@ class Planner:
         Raises:
             Infeasible: It breaks a limit; the error says which.
         """
+        self._check_workspace(goal[:3, 3])
         settled = self.solver.settle(q, goal, self.trocar)
-        if not settled.is_solved:
-            self.limits.require(settled.q)
-            raise Unreachable(settled.residual, self.config.rcm.solver.tolerance)
-        try:
-            return self._checked(self._track(q, goal, settled.q))
-        except (
-            Infeasible
-        ):  # the best posture lies beyond a limit of the way there; stay as near as possible
-            return self._checked(self._track(q, goal, None))
+        if settled.is_solved:
+            try:
+                return self._smooth(q, goal, settled.q)
+            except Infeasible:
+                pass  # the swing to the best posture leads over a limit; go without it
+        return self._smooth(q, goal, q)
 
     def bounds(self, path: Path, speed: float) -> Bounds:
         """Speed, acceleration and jerk that joints can follow on a path, up to `speed` [m/s]."""
@@ -163,6 +167,17 @@ class Planner:
         samples = path.sample(self.model.chain, self.trocar)
         speed, acceleration = speed_bounds(samples, self.limits, speed, settings.acceleration)
         return Bounds(speed, acceleration, settings.jerk)
+
+    def _grasps(self) -> tuple[Array, Array]:
+        """The grasp and the same with the jaws changed about, which take the tissue alike."""
+        turned = self.T_base_grasp.copy()
+        turned[:3, [0, 2]] *= -1.0
+        return self.T_base_grasp, turned
+
+    def _before(self, grasp: Array) -> Array:
+        before = grasp.copy()
+        before[:3, 3] -= _unit(self.config.scene.approach_axis) * self.config.scene.clearance
+        return before
 
     @property
     def _seated(self) -> float:
@@ -174,39 +189,56 @@ class Planner:
         shift = float(np.linalg.norm(goal[:3, 3] - tip[:3, 3]))
         return max(shift, float(np.linalg.norm(turn)) * self.config.rcm.rotation_radius)
 
-    def _track(self, q: Vector, goal: Array, q_goal: Vector | None) -> Path:
+    def _smooth(self, q: Vector, goal: Array, posture: Vector) -> Path:
+        """Track with knots as usual, and more densely where the shaft strays between them."""
+        try:
+            return self._checked(self._track(q, goal, posture, self.config.rcm.knot_spacing))
+        except TrocarDrift:
+            spacing = self.config.rcm.knot_spacing / DENSER
+            return self._checked(self._track(q, goal, posture, spacing))
+
+    def _track(self, q: Vector, goal: Array, posture: Vector, spacing: float) -> Path:
         length = max(self._distance(q, goal), SAME_PLACE)
-        count = max(LEAST_KNOTS, int(np.ceil(length / self.config.rcm.knot_spacing)) + 1)
-        knots, slopes, axis = np.zeros((count, 9)), np.zeros((count, 9)), np.empty(9)
+        count = max(LEAST_KNOTS, int(np.ceil(length / spacing)) + 1)
+        knots, slopes = np.zeros((count, 9)), np.zeros((count, 9))
         knots[0] = q
         start, turn = Configuration(self.model, q).T_base_tip[:3], np.empty(3)
         chain.turn_between(start, goal, turn)
-        tracking.free_direction(self.model.chain, knots[0], self.trocar, axis)
+        axis = self._swing_axis(q, posture)
         missing, reached = tracking.track(
             self.model.chain,
             np.ascontiguousarray(start),
             np.array([goal[:3, 3] - start[:3, 3], turn]),
             self.trocar,
             axis,
-            0.0 if q_goal is None else float(axis @ (q_goal - q)),
+            float(axis @ (posture - q)),
             length,
             self.config.rcm.solver.tolerance,
             knots,
             slopes,
         )
-        if reached < count - 1 or not missing <= self.config.rcm.solver.tolerance:
-            share = reached / (count - 1)
-            raise Unreachable(missing, self.config.rcm.solver.tolerance, share * length)
+        if not missing <= self.config.rcm.solver.tolerance:
+            raise Unreachable(reached / (count - 1) * length, length)
         return Path(knots, slopes, length)
+
+    def _swing_axis(self, q: Vector, posture: Vector) -> Vector:
+        """Joint direction (9,) between those that move neither tool nor shaft at either end."""
+        first, last = np.empty(9), np.empty(9)
+        tracking.free_direction(self.model.chain, np.array(q), self.trocar, first)
+        tracking.free_direction(self.model.chain, np.array(posture), self.trocar, last)
+        return _unit(first + last * np.sign(first @ last))
 
     def _checked(self, path: Path) -> Path:
         samples = path.sample(self.model.chain, self.trocar)
         self._check_joints(samples)
         self._check_trocar(samples)
-        distance = float(np.linalg.norm(samples.tip - self.centre, axis=1).max())
+        self._check_workspace(samples.tip)
+        return path
+
+    def _check_workspace(self, tip: Array) -> None:
+        distance = float(np.linalg.norm(tip - self.centre, axis=-1).max())
         if distance > (allowed := self.config.scene.workspace_radius):
             raise OutsideWorkspace(distance, allowed)
-        return path
 
     def _check_joints(self, samples: Samples) -> None:
         for q in (samples.q[:, 0].min(axis=0), samples.q[:, 0].max(axis=0)):

@@ -23,6 +23,10 @@ class Bounds:
 class ProfileError(RstError):
     """Ruckig found no profile; the numbers asked for make none possible."""
 
+    def __init__(self, state: PathState, bounds: Bounds, why: str) -> None:
+        super().__init__(f"no profile from {state} within {bounds}: {why}")
+        self.state, self.bounds = state, bounds
+
 
 class Profile:
     """Motion of s; each change of target or mode goes on from the present speed and acceleration.
@@ -100,9 +104,12 @@ class Profile:
 
     def _plan(self, request: ruckig.InputParameter) -> None:
         trajectory = ruckig.Trajectory(1)
-        outcome = self._solver.calculate(request, trajectory)
+        try:
+            outcome = self._solver.calculate(request, trajectory)
+        except ruckig.RuckigError as error:
+            raise ProfileError(self._state, self.bounds, str(error)) from error
         if outcome not in (ruckig.Result.Working, ruckig.Result.Finished):
-            raise ProfileError(f"no profile from {self._state} within {self.bounds}: {outcome}")
+            raise ProfileError(self._state, self.bounds, str(outcome))
         self._trajectory, self._time = trajectory, 0.0
 
 

@@ -58,21 +58,19 @@ class IkSolver:
         self._seeds = self._make_seeds()
 
     def settle(self, q_start: Vector, T_base_tip: Array, trocar: Vector) -> IkResult:
-        """Solve from nearby and swing the elbow to the best posture; falls back to a search.
+        """Solve from nearby and swing the elbow to the best posture, without searching elsewhere.
 
         Args:
             q_start: Where to start, [rad]. Shape (9,).
             T_base_tip: Pose of tool_tip in base_link. Shape (4, 4) or (3, 4).
             trocar: Base frame, [m]. Shape (3,).
         """
-        result = self._newton(q_start, T_base_tip, trocar, is_settling=True)
-        if result.is_solved:
-            return result
-        found = self.search(T_base_tip, trocar)
-        if not found.is_solved:
-            return found if found.residual < result.residual else result
-        better = self._newton(found.q, T_base_tip, trocar, is_settling=True)
-        return better if better.is_solved else found
+        q = np.array(q_start, dtype=np.float64)
+        target = np.ascontiguousarray(T_base_tip[:3])
+        missing, iterations = newton.solve(
+            self.model.chain, q, target, trocar, self.posture, self._rule, True
+        )
+        return self._result(q, missing, 1, iterations)
 
     def search(self, T_base_tip: Array, trocar: Vector, q_start: Vector | None = None) -> IkResult:
         """Solve from cold: from `q_start` or the reference, then from all over the joint ranges.
@@ -95,21 +93,6 @@ class IkSolver:
         )
         return self._result(best, missing, starts, iterations)
 
-    def _newton(
-        self, q_start: Vector, T_base_tip: Array, trocar: Vector, *, is_settling: bool
-    ) -> IkResult:
-        q = np.array(q_start, dtype=np.float64)
-        missing, iterations = newton.solve(
-            self.model.chain,
-            q,
-            np.ascontiguousarray(T_base_tip[:3]),
-            trocar,
-            self.posture,
-            self._rule,
-            is_settling,
-        )
-        return self._result(q, missing, 1, iterations)
-
     def _result(self, q: Vector, missing: float, starts: int, iterations: int) -> IkResult:
         is_solved = missing < self.config.tolerance and self.limits.violation(q) is None
         if not np.isfinite(q).all():
@@ -117,8 +100,9 @@ class IkSolver:
         return IkResult(frozen_array(q, 9), is_solved, missing, starts, iterations)
 
     def _make_seeds(self) -> Array:
+        low = np.maximum(self.limits.lower, -np.pi)
+        high = np.minimum(self.limits.upper, np.pi)
+        low[7:] = np.maximum(low[7:], -WRIST_SEEDS)
+        high[7:] = np.minimum(high[7:], WRIST_SEEDS)
         rng = np.random.default_rng(SEED)
-        reach = np.minimum(np.pi, np.minimum(self.limits.upper, -self.limits.lower))
-        reach[7:] = WRIST_SEEDS
-        spread = rng.uniform(-reach, reach, (self.config.restarts + 1, 9))
-        return np.ascontiguousarray(spread)
+        return rng.uniform(low, high, (self.config.restarts + 1, 9))

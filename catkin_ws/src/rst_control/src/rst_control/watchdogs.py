@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What makes the controller brake and latch: each check is a pure function of what was measured and commanded."""
+"""What makes the controller brake and latch: pure checks of what was measured and commanded."""
 
 from __future__ import annotations
 

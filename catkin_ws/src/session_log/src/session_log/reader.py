@@ -14,6 +14,7 @@ from typing import BinaryIO
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.records import Channel, Chunk, Header, Metadata, Schema
+from mcap.records import Message as McapMessage
 from mcap.stream_reader import CRCValidationError, breakup_chunk
 
 from session_log import records
@@ -154,7 +155,9 @@ class _Pass:
     def _message(self, body: bytes) -> Message | None:
         channel, sequence, log_time, _ = _MESSAGE.unpack_from(body)
         source = self._channels.get(channel)
-        return source and Message(source, body[_MESSAGE.size :], log_time, sequence)
+        if source is None:
+            return None
+        return Message(source, body[_MESSAGE.size :], log_time, sequence)
 
     def _chunk(self, record: Record, topics: Collection[str] | None) -> Iterator[Message]:
         try:
@@ -168,7 +171,7 @@ class _Pass:
                 self._add_schema(entry)
             elif isinstance(entry, Channel):
                 self._add_channel(entry)
-            else:
+            elif isinstance(entry, McapMessage):
                 source = self._channels.get(entry.channel_id)
                 if source and (topics is None or source.topic in topics):
                     yield Message(source, entry.data, entry.log_time, entry.sequence)

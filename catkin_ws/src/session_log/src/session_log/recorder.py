@@ -154,6 +154,8 @@ class Recorder:
         header = read_header(data)
         if header is None:
             return
+        if tally.source.is_latched and tally.received <= 2:
+            tally.last_seq = None  # the first was kept from before the connection
         if tally.last_seq is not None and header.sequence > tally.last_seq + 1:
             tally.missed += header.sequence - tally.last_seq - 1
         tally.last_seq = header.sequence

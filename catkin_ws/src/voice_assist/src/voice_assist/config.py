@@ -20,6 +20,7 @@ class MicrophoneConfig:
     """Which microphone, and when it counts as lost."""
 
     device: str = text(may_be_empty=True)
+    open_within: float = number(0.1, 60.0, "s")
     lost_after: float = number(0.2, 60.0, "s")
     retry_after: float = number(0.1, 60.0, "s")
 
@@ -86,7 +87,9 @@ class EarlyConfig:
 
     is_enabled: bool = flag()
     partial_interval: float = number(0.032, 5.0, "s")
+    settle: float = number(0.0, 2.0, "s")
     pause: float = number(0.03, 2.0, "s")
+    shortest_rest: float = number(0.0, 2.0, "s")
     unchanged_for: float = number(0.2, 10.0, "s")
     stop_agreement: int = integer(1, 10, "partials")
     stop_confidence: float = number(0.0, 1.0, "")

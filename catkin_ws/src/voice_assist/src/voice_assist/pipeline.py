@@ -12,6 +12,7 @@ from voice_assist.audio.source import GapWatch
 from voice_assist.config import VoiceConfig
 from voice_assist.denoise import Denoiser
 from voice_assist.dialogue import AT_START, Answered, Heard, State, step
+from voice_assist.hearing import Hearing
 from voice_assist.judge import Judge, Moment
 from voice_assist.mapper import Mapper
 from voice_assist.normalize import is_negated, normalize
@@ -27,10 +28,9 @@ from voice_assist.types import (
     NoMatch,
     Partial,
     Samples,
-    Utterance,
 )
 from voice_assist.vad.analyzer import Analyzer
-from voice_assist.vad.cutter import Cutter, Growth, last
+from voice_assist.vad.cutter import Cutter, Growth
 from voice_assist.vad.detector import Detector
 
 if TYPE_CHECKING:
@@ -40,7 +40,6 @@ Event = Partial | Decision | Lost
 Clock = Callable[[], float]
 
 NEVER = 1000.0  # [nat] a `fire_above` that switches firing off
-_SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
 _KEPT_OF_PAUSE = 0.064  # [s] before a decision in a pause that may begin the next word
 
 
@@ -60,12 +59,13 @@ class Pipeline:
         """
         self._config, self._clock = config, clock
         self._recognizer, self._detector = recognizer, detector
-        self._early = config.recognizer.early
         self._gaps = GapWatch()
         self._denoise = Denoiser(config.audio.denoise)
         self._analyze = Analyzer(config.audio.vad)
         self._cut = Cutter(config.audio.vad)
-        self._judge = Judge(Mapper(config.commands), config.commands, self._early)
+        self._hear = Hearing(recognizer, config.recognizer.early, clock)
+        self._mapper = Mapper(config.commands)
+        self._judge = Judge(self._mapper, config.commands, config.recognizer.early)
         self._state = AT_START
         self._new_utterance()
 
@@ -73,11 +73,6 @@ class Pipeline:
     def state(self) -> State:
         """Of the dialogue."""
         return self._state
-
-    @property
-    def is_hearing(self) -> bool:
-        """An utterance is in progress."""
-        return self._is_hearing
 
     def set_mode(self, mode: Mode, reason: str) -> None:
         """Put the dialogue into a mode."""
@@ -114,13 +109,10 @@ class Pipeline:
         growth = self._cut(frame, endpoint)
         if growth is None:
             return lost
-        self._is_hearing = True
-        self._has_news |= growth.quiet == 0.0
         time = frame.first_sample / RATE + frame.duration
-        is_new = self._is_due(growth, frame, time) and self._transcribe(growth, time)
-        events: tuple[Event, ...] = (*lost, *self._partial(frame)) if is_new else lost
-        if is_new or growth.utterance.is_complete:
-            events += self._decide(growth, time)
+        events = lost
+        if self._hear(growth, frame, time):
+            events += (*self._partial(frame), *self._decide(growth, time))
         if growth.utterance.is_complete:
             events += (Partial("", frame.stamp),) if self._shown else ()
             self._new_utterance()
@@ -140,41 +132,11 @@ class Pipeline:
 
     def _new_utterance(self) -> None:
         self._judge.reset()
-        self._is_hearing = False
-        self._heard: Hypothesis | None = None
-        self._heard_at = -1.0  # [s] stream time of the last transcript; below 0: none
-        self._is_window = False  # the last transcript is only of the utterance's last part
-        self._has_news = False  # there was speech since the last transcript
+        self._hear.reset()
         self._shown = ""
 
-    def _is_due(self, growth: Growth, frame: Frame, time: float) -> bool:
-        """Whether the sound is worth another look now."""
-        if self._heard_at < 0.0:
-            self._heard_at = time
-        if growth.utterance.is_complete:
-            return self._has_news or self._is_window
-        if not (self._early.is_enabled and self._has_news):
-            return False
-        if self._clock() - frame.stamp - frame.duration > self._early.max_backlog:
-            return False
-        is_time = time - self._heard_at >= self._early.partial_interval - _SLACK
-        return is_time or self._is_pause(growth)
-
-    def _is_pause(self, growth: Growth) -> bool:
-        return growth.quiet >= self._early.pause - _SLACK
-
-    def _transcribe(self, growth: Growth, time: float) -> bool:
-        samples = growth.utterance.samples
-        if not growth.utterance.is_complete:
-            samples = last(samples, self._early.window)
-        self._heard = self._recognizer.transcribe(samples)
-        self._heard_at = time
-        self._is_window = len(samples) < len(growth.utterance.samples)
-        self._has_news = not (growth.utterance.is_complete or self._is_pause(growth))
-        return True
-
     def _partial(self, frame: Frame) -> tuple[Event, ...]:
-        text = self._heard.text if self._heard else ""
+        text = self._hear.heard.text if self._hear.heard else ""
         if text == self._shown:
             return ()
         self._shown = text
@@ -183,30 +145,35 @@ class Pipeline:
     # --- decide
 
     def _decide(self, growth: Growth, time: float) -> tuple[Event, ...]:
-        utterance, heard = growth.utterance, self._heard
+        utterance, heard = growth.utterance, self._hear.heard
         if heard is None:
             return ()
-        is_whole = growth.is_whole and not self._is_window
+        is_whole = growth.is_whole and not self._hear.is_window
         moment = Moment(time, growth.quiet, utterance.is_complete, is_whole)
         outcome = self._judge(heard, moment)
         origin = "recognizer"
         if not isinstance(outcome, Match) and (fired := self._fire(growth, heard)):
             outcome, origin = fired, "spotter"
         if outcome is None:
+            if self._hear.is_settled(growth):
+                self._prepare(heard)
             return ()
         confidence = heard.confidence
         if isinstance(outcome, Match):
-            outcome, confidence = self._second_opinion(outcome, heard, utterance)
+            outcome, confidence = self._second_opinion(outcome, heard)
         return (self._conclude(outcome, heard, confidence, growth, origin),)
 
-    def _second_opinion(
-        self, match: Match, heard: Hypothesis, utterance: Utterance
-    ) -> tuple[Match | NoMatch, float]:
+    def _prepare(self, heard: Hypothesis) -> None:
+        """Compute in the pause what a decision at its end will need."""
+        if isinstance(match := self._mapper(heard.text), Match):
+            self._second_opinion(match, heard)
+
+    def _second_opinion(self, match: Match, heard: Hypothesis) -> tuple[Match | NoMatch, float]:
         """The model's scores of whole commands may refuse a motion; gives the confidence too."""
         command = self._config.commands.get(match.command)
         if command.is_halt or not self._config.recognizer.second_opinion:
             return match, heard.confidence
-        scores = self._recognizer.score(utterance.samples, self._config.commands.phrases)
+        scores = self._hear.scores(self._config.commands.phrases)
         best, score = max(scores, key=scores.__getitem__), scores[match.command]
         confidence = _logistic(score / self._config.recognizer.score_scale)
         if not command.is_motion:
@@ -222,13 +189,11 @@ class Pipeline:
     def _fire(self, growth: Growth, heard: Hypothesis) -> Match | None:
         """A halt that the transcript misses, but the scores are sure of."""
         halts = [c for c in self._config.commands.commands if c.is_halt and c.fire_above < NEVER]
-        is_time = growth.utterance.is_complete or self._is_pause(growth)
-        if not (halts and is_time and self._config.recognizer.second_opinion):
+        if not (halts and self._hear.is_settled(growth) and self._config.recognizer.second_opinion):
             return None
         if self._judge.has_decided or is_negated(normalize(heard.text)):
             return None
-        samples = last(growth.utterance.samples, self._early.window)
-        scores = self._recognizer.score(samples, tuple(halt.phrase for halt in halts))
+        scores = self._hear.scores(self._config.commands.phrases)
         for halt in halts:
             if scores[halt.phrase] > halt.fire_above:
                 return Match(halt.phrase, {})
@@ -250,8 +215,8 @@ class Pipeline:
             outcome, actions = self._act(outcome)
         utterance = growth.utterance
         if not utterance.is_complete:
-            self._cut.restart(_KEPT_OF_PAUSE if self._is_pause(growth) else 0.0)
-            self._heard, self._is_window, self._has_news = None, False, False
+            self._cut.restart(_KEPT_OF_PAUSE if self._hear.is_settled(growth) else 0.0)
+            self._hear.restart(growth)
         return Decision(
             hypothesis=heard,
             outcome=outcome,

@@ -24,5 +24,5 @@ class RobotBackend(Protocol):
         ...
 
     def clear_fault(self) -> None:
-        """Ask the robot to take set-points again; it does so only at rest, and `measured_js` tells."""
+        """Ask the robot to take set-points again; it does so at rest only."""
         ...

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A sheet as a lattice of point masses joined by damped springs; the time stepping is one compiled loop."""
+"""A sheet as a lattice of point masses joined by damped springs, stepped by one compiled loop."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Points = NDArray[np.float64]  # (n, 3), [m]
 Indices = NDArray[np.int64]  # (n,)
 
-# Beside the four neighbours (strength 1), the diagonals resist shear and every second node resists folding.
+# Beside the four neighbours (strength 1), diagonals resist shear, second nodes resist folding.
 LINKS = (((1, 0), 1.0), ((0, 1), 1.0), ((1, 1), 0.5), ((1, -1), 0.5), ((2, 0), 0.1), ((0, 2), 0.1))
 COMPRESSION = (
     0.2  # a link pushes with this share of its pull stiffness: a real sheet wrinkles instead

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The robot as PyBullet moves it: ten position-servoed joints under gravity, pushed at the tips of the jaws.
+"""The robot as PyBullet moves it: ten position-servoed joints under gravity, pushed at the jaws.
 
-Each joint is a motor that closes its gap to the course within one step, as far as its torque allows. PyBullet solves
-all motors together with the dynamics, so a load at the tip costs accuracy only where a torque limit is reached.
-Computed torque with integral action was tried, too: as exact in free motion, but a sudden 2 N at the tip moved
-joint_5 by 0.14 mrad before it was made up for, against 0.001 mrad with motors.
+Each joint is a motor that closes its gap to the course within one step, as far as its torque
+allows. PyBullet solves all motors together with the dynamics, so a load at the tip costs accuracy
+only where a torque limit is reached. Computed torque with integral action was tried, too: as exact
+in free motion, but a sudden 2 N at the tip moved joint_5 by 0.14 mrad before it was made up for,
+against 0.001 mrad with motors.
 """
 
 from __future__ import annotations
@@ -113,7 +114,8 @@ class RobotPhysics:
     @property
     def grasp_centre(self) -> Vector:
         """Point between the tips of the jaws, base frame, [m]. Shape (3,)."""
-        return 0.5 * np.add(*self._tips)
+        centre: Vector = 0.5 * np.add(self._tips[0], self._tips[1])
+        return centre
 
     def shaft(self) -> tuple[Vector, Vector]:
         """Both ends of the shaft (interface_link, pitch_link), base frame, [m]. Shapes (3,)."""

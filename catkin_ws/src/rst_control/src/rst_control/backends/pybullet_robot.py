@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The simulated robot: a servo that follows set-points, PyBullet's physics, and tissue between the jaws."""
+"""The simulated robot: a servo that follows set-points, PyBullet's physics, tissue in the jaws."""
 
 from __future__ import annotations
 
@@ -144,6 +144,10 @@ class PybulletRobot:
         while self.now < until - 0.5 * self.time_step:
             self.step()
             each()
+
+    def push_load(self, force: Vector) -> None:
+        """Push at the tool tip from now on, instead of the configured load; [N], base frame."""
+        self._load = np.array(force, dtype=float)
 
     def skip(self, duration: float) -> None:
         """Let time pass in which nothing happens, as after the computer was too slow.

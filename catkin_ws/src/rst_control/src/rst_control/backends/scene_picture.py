@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pictures of the scene without a screen: the robot, the trocar in the abdominal wall, the tissue.
 
-They are drawn in a PyBullet world of their own from a copied state, so that the physics never waits.
+They are drawn in a PyBullet world of their own, from a copied state.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import math
 import struct
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 
@@ -19,6 +18,7 @@ import pybullet
 from numpy.typing import NDArray
 
 from rst_control.backends.physics import joint_indices, load_robot
+from rst_control.backends.scene_server import SceneState
 from rst_control.backends.scene_shapes import SceneShapes
 from rst_control.config import CameraConfig, SceneConfig
 
@@ -29,30 +29,24 @@ NEAR = 0.01  # [m] nothing closer is drawn
 Image = NDArray[np.uint8]  # (height, width, 3)
 
 
-@dataclass(frozen=True, eq=False)
-class SceneState:
-    """What changes from picture to picture; can be sent to another process."""
-
-    joints: NDArray[np.float64]  # (10,), [rad]
-    nodes: NDArray[np.float64]  # (columns * rows, 3), [m], of the tissue
-
-
 class ScenePainter:
     """Draws pictures in a world of its own; a context manager.
 
     Args:
         scene: Trocar and tissue.
         urdf: Model of the robot.
-        window: Whether a window shows it, which needs a screen.
+        window: Where a window shows it from, which needs a screen; None: no window.
 
     Raises:
         RuntimeError: There is no screen.
     """
 
-    def __init__(self, scene: SceneConfig, urdf: Path, window: bool = False) -> None:
-        self._client = pybullet.connect(pybullet.GUI if window else pybullet.DIRECT)
+    def __init__(self, scene: SceneConfig, urdf: Path, window: CameraConfig | None = None) -> None:
+        self._client = pybullet.connect(pybullet.DIRECT if window is None else pybullet.GUI)
         if self._client < 0:
             raise RuntimeError("no window could be opened")
+        if window is not None:
+            self._look_from(window)
         self._robot = load_robot(urdf, self._client)
         self._joints = joint_indices(self._robot, self._client)
         self._shapes = SceneShapes(scene, self._client)
@@ -92,6 +86,18 @@ class ScenePainter:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def _look_from(self, camera: CameraConfig) -> None:
+        on = {"physicsClientId": self._client}
+        pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, **on)
+        pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_SHADOWS, 0, **on)
+        pybullet.resetDebugVisualizerCamera(
+            camera.distance,
+            math.degrees(camera.yaw),
+            math.degrees(camera.pitch),
+            camera.target,
+            **on,
+        )
 
     def _shot(self, camera: CameraConfig) -> Image:
         width, height = (SHARPNESS * n for n in camera.size)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
@@ -26,9 +25,13 @@ WALL_RADIUS, WALL_DOME = 0.11, 0.018  # [m] of the patch of abdominal wall, and 
 PORT_RADIUS, PORT_LENGTH = 0.0065, 0.035  # [m] of the trocar's tube
 PIN_RADIUS = 0.0018  # [m]
 BED_MARGIN, BED_DOME = 0.075, 0.035  # [m] of the mound around the rim, and how far it falls off
+SAME = 2e-5  # [m] a sheet moved by less is not drawn anew
 THICKNESS = 0.0012  # [m] of the sheet
 SLICES = 48
-FINENESS, EVENING = 3, 4  # the sheet is drawn this much finer than its lattice, its colours evened out
+FINENESS, EVENING = (
+    3,
+    4,
+)  # the sheet is drawn this much finer than its lattice, its colours evened out
 
 
 class SceneShapes:
@@ -47,6 +50,7 @@ class SceneShapes:
         rest = self._finer @ rest_points(scene.tissue)
         self._rest_lengths = _edge_lengths(rest, self._faces)
         self._tissue: list[int] = []
+        self._shown: Points | None = None
         self._add_table()
         self._add_wall(np.array(scene.trocar))
         rim = rest_points(scene.tissue)[rim_nodes(scene.tissue)]
@@ -59,6 +63,9 @@ class SceneShapes:
         Args:
             nodes: Base frame, [m]. Shape (columns * rows, 3).
         """
+        if self._shown is not None and np.abs(nodes - self._shown).max() < SAME:
+            return
+        self._shown = nodes.copy()
         for body in self._tissue:
             pybullet.removeBody(body, **self._on)
         nodes = self._finer @ nodes
@@ -69,16 +76,12 @@ class SceneShapes:
         for group in np.unique(groups):
             tint = group / (STRAIN_COLOURS - 1)
             red, green, blue = ((1.0 - tint) * RELAXED + tint * TAUT).tolist()
-            chosen = self._faces[groups == group]
-            for side in (1.0, -1.0):
-                self._tissue.append(
-                    self._mesh(
-                        nodes + 0.5 * side * THICKNESS * normals,
-                        side * normals,
-                        chosen if side > 0 else chosen[:, ::-1],
-                        (red, green, blue, 1.0),
-                    )
-                )
+            used, faces = np.unique(self._faces[groups == group], return_inverse=True)
+            for side in (0.5 * THICKNESS, -0.5 * THICKNESS):
+                outward = normals[used] * np.sign(side)
+                points = nodes[used] + abs(side) * outward
+                turned = faces.reshape(-1, 3)[:, :: 1 if side > 0 else -1]
+                self._tissue.append(self._mesh(points, outward, turned, (red, green, blue, 1.0)))
 
     def _strain(self, nodes: Points) -> NDArray[np.float64]:
         """Largest stretch of each triangle, evened out over its neighbours [-]."""
@@ -161,7 +164,7 @@ class SceneShapes:
 
 
 def _faces(columns: int, rows: int, closed: bool = False) -> NDArray[np.int64]:
-    """Triangles of a grid of nodes, node (column, row) at column * rows + row; closed joins the last row to row 0."""
+    """Triangles of a grid, node (column, row) at column * rows + row; closed joins the ends."""
     column = np.arange(columns - 1)[:, None] * rows
     row = np.arange(rows if closed else rows - 1)[None, :]
     after = (row + 1) % rows
@@ -179,9 +182,7 @@ def _finer(count: int) -> NDArray[np.float64]:
     return weights
 
 
-def _rings(
-    centre: Points, radii: NDArray[np.float64], heights: NDArray[np.float64]
-) -> Points:
+def _rings(centre: Points, radii: NDArray[np.float64], heights: NDArray[np.float64]) -> Points:
     """Level circles about a centre, each of SLICES points."""
     angles = np.linspace(0.0, 2.0 * np.pi, SLICES, endpoint=False)
     ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(SLICES)])

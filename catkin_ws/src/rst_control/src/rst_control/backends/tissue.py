@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A sheet of tissue fixed at its rim: the jaws take hold of it at a point, pull, and feel a force in newtons."""
+"""A sheet of tissue fixed at its rim: jaws hold it at a point, pull, and feel a force."""
 
 from __future__ import annotations
 

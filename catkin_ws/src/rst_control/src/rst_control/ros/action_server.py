@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The action `rst_control/execute`: goals go the same way as commands in words; cancelling one stops the robot.
+"""The action `rst_control/execute`: goals go the same way as commands; cancelling one stops.
 
 Each goal ends in exactly one terminal state. actionlib's callbacks only hand over, so that its
-lock is never held for long, and endings are passed on by a thread of their own, not by the control loop.
+lock is never held for long, and a thread of its own passes endings on, not the control loop.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ class AssistServer:
     def __init__(self, desk: CommandDesk, executor: Executor) -> None:
         self._desk, self._executor = desk, executor
         self._running: dict[str, ServerGoalHandle] = {}
-        self._news: queue.SimpleQueue[tuple[ServerGoalHandle, Reply | Outcome]] = queue.SimpleQueue()
+        self._news: queue.SimpleQueue[tuple[ServerGoalHandle, Reply | Outcome]] = (
+            queue.SimpleQueue()
+        )
         self._server = actionlib.ActionServer(
             "rst_control/execute", AssistAction, self._on_goal, self._on_cancel, auto_start=False
         )
@@ -44,7 +46,7 @@ class AssistServer:
                 goal.publish_feedback(feedback)
 
     def take_news(self, timeout: float) -> None:
-        """Pass the next answer or ending on to its client; returns after `timeout` where none came [s]."""
+        """Pass the next answer or ending on to its client; where none comes, wait `timeout` [s]."""
         try:
             goal, news = self._news.get(timeout=timeout)
         except queue.Empty:

@@ -51,7 +51,9 @@ class CommandService:
         try:
             reply = ticket.reply.result(REPLY_TIME)
         except NoReply:
-            return CommandResponse(False, "the controller does not answer; nothing is known to move")
+            return CommandResponse(
+                False, "the controller does not answer; nothing is known to move"
+            )
         return CommandResponse(reply.accepted, reply.message)
 
     def _is_spoken(self, caller: str) -> bool:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The thread that ticks the executor at a fixed rate, whatever the other threads of the process do."""
+"""The thread that ticks the executor at a fixed rate, whatever the other threads do."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class ControlLoop:
     """Calls `tick` at absolute times, one period apart; a late tick does not delay those after it.
 
     Args:
-        tick: What to do; its argument is the time at which the tick is due, by time.monotonic() [s].
+        tick: What to do; its argument is the time at which it is due, by time.monotonic() [s].
         failed: What to do when `tick` raised: brake and report.
         period: Time between ticks [s].
     """

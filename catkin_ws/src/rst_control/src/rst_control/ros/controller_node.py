@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The controller node: commands in words and action goals in, joint set-points out, 500 times a second."""
+"""The controller node: commands and action goals in, joint set-points out, 500 times a second."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from contextlib import ExitStack
 
 import rospy
 from geometry_msgs.msg import PointStamped
-from typed_config import ConfigError, load_config
 
 from rst_control.assembly import make_executor, make_verify
 from rst_control.config import MotionConfig
@@ -23,8 +22,10 @@ from rst_control.ros.command_service import CommandService
 from rst_control.ros.control_loop import ControlLoop
 from rst_control.ros.diagnostics import Diagnostics
 from rst_control.ros.messages import RosClock, event_message, state_message, trocar_message
+from rst_control.ros.priority import ask_for_priority
 from rst_control.ros.robot_link import RobotLink
 from rst_control.ros.worker import Worker
+from typed_config import ConfigError, load_config
 
 FEEDBACK_RATE = 20.0  # [Hz] to action clients
 DIAGNOSTICS_PERIOD = 1.0  # [s]
@@ -38,9 +39,10 @@ class ControllerNode:
     Args:
         config: Settings.
         model: The robot.
+        priority: What the system granted, in words.
     """
 
-    def __init__(self, config: MotionConfig, model: RobotModel) -> None:
+    def __init__(self, config: MotionConfig, model: RobotModel, priority: str) -> None:
         settings = config.controller
         self._clock = RosClock()
         self._link = RobotLink(self._clock)
@@ -51,7 +53,7 @@ class ControllerNode:
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
         self._trocar = rospy.Publisher("rst_control/trocar", PointStamped, queue_size=1, latch=True)
         self._trocar.publish(trocar_message(config.scene.trocar))
-        self._diagnostics = Diagnostics()
+        self._diagnostics = Diagnostics(priority)
         self._actions = AssistServer(self._desk, self._executor)
         self._service = CommandService(
             self._desk,
@@ -128,12 +130,16 @@ class ControllerNode:
 
 def main() -> None:
     """Run the controller node."""
+    priority = ask_for_priority()
     rospy.init_node("controller")
     try:
         config = load_config(MotionConfig, rospy.get_param("~", {}), "controller parameters")
-        node = ControllerNode(config, parse_robot(rospy.get_param("robot_description")))
+        model = parse_robot(rospy.get_param("robot_description"))
+        node = ControllerNode(config, model, priority)
     except (ConfigError, RstError, KeyError) as error:
-        rospy.logfatal(f"the controller cannot start: {error}; start it by launch/controller.launch")
+        rospy.logfatal(
+            f"the controller cannot start: {error}; start it by launch/controller.launch"
+        )
         sys.exit(2)
     with node:
         rospy.on_shutdown(node.brake)

@@ -15,9 +15,14 @@ ERRORS_TOLD = 3  # of the newest errors in threads
 
 
 class Diagnostics:
-    """Collects and publishes what a person needs to see that all is well, or why not."""
+    """Collects and publishes what a person needs to see that all is well, or why not.
 
-    def __init__(self) -> None:
+    Args:
+        priority: What the system granted the node, in words.
+    """
+
+    def __init__(self, priority: str) -> None:
+        self._priority = priority
         self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
         self._errors: list[str] = []
 
@@ -34,7 +39,9 @@ class Diagnostics:
             objection: What is wrong with the robot's messages; empty: nothing.
             command_age: Time since the last command came [s].
         """
-        array = DiagnosticArray(status=[self._robot(view, objection, command_age), self._loop(loop)])
+        array = DiagnosticArray(
+            status=[self._robot(view, objection, command_age), self._loop(loop)]
+        )
         array.header.stamp = rospy.Time.now()
         self._publisher.publish(array)
 
@@ -69,6 +76,7 @@ class Diagnostics:
             "tick p50 [us]": f"{loop.duration_p50 * 1e6:.0f}",
             "tick p99 [us]": f"{loop.duration_p99 * 1e6:.0f}",
             "lateness p99 [us]": f"{loop.lateness_p99 * 1e6:.0f}",
+            "priority": self._priority,
             "errors": "; ".join(self._errors) or "none",
         }
         return _status("control loop", level, message, values)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The robot as the controller node reaches it: set-points out, joint states, tension, grip and faults in.
+"""The robot as the controller reaches it: set-points out; joint states, tension, grip, faults in.
 
-Callbacks only keep the newest bytes; the loop reads them when it needs them. All times are those of the steady clock
-at arrival, so that a jump of the wall clock, here or at the robot, is no fault.
+Callbacks only keep the newest bytes; the loop reads them when it needs them. All times are those
+of the steady clock at arrival, so that a jump of the wall clock is no fault.
 """
 
 from __future__ import annotations

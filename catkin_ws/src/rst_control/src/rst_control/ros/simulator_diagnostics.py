@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How the simulation fares, once a second on /diagnostics; and the places that do not move, on /tf_static."""
+"""How the simulation fares, on /diagnostics; and the places that do not move, on /tf_static."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ class SimulatorDiagnostics:
 
     def __init__(self, robot: PybulletRobot, pace: Pace, period: float) -> None:
         self._robot, self._pace, self._period = robot, pace, period
+        self.priority = "none"  # what the system granted, in words
         self._topic = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=2)
         self._wall, self._busy = time.monotonic(), time.process_time()
         self._periods, self._late = 0, 0
@@ -53,6 +54,7 @@ class SimulatorDiagnostics:
             "real-time factor": f"{factor:.3f}",
             "late steps": f"{late} of {periods}",
             "time given up [s]": f"{pace.given_up:.3f}",
+            "priority": self.priority,
             "processor load": f"{load:.2f}",
             "servo": robot.servo_state.value,
             "age of the last set-point [s]": f"{age:.4f}" if np.isfinite(age) else "none",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The messages that the simulator sends 500 times a second, written as bytes, and its clock in stamps of ROS."""
+"""Messages that the simulator sends 500 times a second, as bytes; its clock in stamps of ROS."""
 
 from __future__ import annotations
 
@@ -57,7 +57,8 @@ class RawJointState(JointState):
 class Stamper:
     """Translates the simulator's time into stamps of ROS and back.
 
-    In real time the simulator counts time.monotonic(), and stamps follow the wall clock; else stamps are its own time.
+    In real time the simulator counts time.monotonic(), and stamps follow the wall clock; else
+    stamps are its own time.
     """
 
     def __init__(self, is_real_time: bool) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The simulated robot as a ROS node: set-points in; joint states, tension, grip, faults and pictures out."""
+"""The simulated robot as a ROS node: set-points in; joint states, tension, grip, faults out."""
 
 from __future__ import annotations
 
@@ -20,13 +20,14 @@ from std_msgs.msg import Bool, Empty, String
 from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.backends.pybullet_robot import PybulletRobot
-from rst_control.backends.scene_picture import SceneState
-from rst_control.backends.scene_worker import SceneLost
+from rst_control.backends.scene_server import SceneState
+from rst_control.backends.scene_worker import SceneLostError
 from rst_control.backends.servo import ServoState
 from rst_control.config import SimulationConfig
+from rst_control.ros.priority import ask_for_priority
 from rst_control.ros.simulator_diagnostics import SimulatorDiagnostics, broadcast_places
 from rst_control.ros.simulator_messages import RawJointState, Stamper, StateWriter
-from rst_control.ros.simulator_pace import Pace, ask_for_priority
+from rst_control.ros.simulator_pace import Pace
 from rst_control.ros.simulator_pictures import SimulatorPictures
 from rst_control.ros.wire import BadMessage, JointStateReader
 from rst_control.types import JOINTS, Setpoint
@@ -67,11 +68,12 @@ class SimulatorNode:
     def run(self) -> None:
         """Simulate until the node is shut down."""
         if self._is_real_time:
+            self._diagnostics.priority = ask_for_priority()
             self.robot.skip(time.monotonic() - self.robot.now)
         self.pace.start()
         while not rospy.is_shutdown():
             behind = self.pace.wait()
-            if behind > self._catch_up:
+            if behind > self._catch_up and not rospy.is_shutdown():
                 self._fall_behind(behind)
             while self._jobs:
                 self._jobs.popleft()()
@@ -120,7 +122,7 @@ class SimulatorNode:
             self._diagnostics.publish()
 
     def _fall_behind(self, behind: float) -> None:
-        """Too late to make up for: at rest the time is given up; in motion the robot brakes first."""
+        """Too late to make up for: at rest, time is given up; in motion the robot brakes first."""
         if self.robot.servo_state is not ServoState.HOLDING:
             self.robot.fail(f"the simulation fell {behind:.2f} s behind real time")
             return
@@ -173,12 +175,11 @@ class SimulatorNode:
 
 def main() -> None:
     """Run the simulator node."""
-    ask_for_priority()
     rospy.init_node("robot")
     try:
         config = load_config(SimulationConfig, rospy.get_param("~", {}), "simulator parameters")
         node = SimulatorNode(config)
-    except (ConfigError, SceneLost, FileNotFoundError) as error:
+    except (ConfigError, SceneLostError, FileNotFoundError) as error:
         rospy.logfatal(f"the simulator cannot start: {error}; launch/robot.launch starts it")
         sys.exit(2)
     sys.setswitchinterval(SWITCH_INTERVAL)

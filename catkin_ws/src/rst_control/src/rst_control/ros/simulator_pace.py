@@ -3,17 +3,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from contextlib import suppress
-
-PRIORITY = -10  # [-] of the process, where the system allows it
-
-
-def ask_for_priority() -> None:
-    """Let the process, and threads made from now on, go before others where that is allowed."""
-    with suppress(PermissionError):
-        os.setpriority(os.PRIO_PROCESS, 0, PRIORITY)
 
 
 class Pace:

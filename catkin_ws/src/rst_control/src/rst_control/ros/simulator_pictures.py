@@ -12,8 +12,8 @@ import rospy
 from sensor_msgs.msg import CompressedImage
 from std_srvs.srv import Trigger, TriggerResponse
 
-from rst_control.backends.scene_picture import SceneState
-from rst_control.backends.scene_worker import SceneLost, SceneSetup, SceneWorker
+from rst_control.backends.scene_server import SceneSetup, SceneState
+from rst_control.backends.scene_worker import SceneLostError, SceneWorker
 from rst_control.config import URDF_FILE, SimulationConfig
 
 log = logging.getLogger("rosout.rst_control.pictures")
@@ -29,7 +29,7 @@ class SimulatorPictures:
         copy_state: Takes a copy of the present state, from any thread.
 
     Raises:
-        SceneLost: The window cannot be opened; says why.
+        SceneLostError: The window cannot be opened; says why.
     """
 
     def __init__(self, config: SimulationConfig, copy_state: Callable[[], SceneState]) -> None:
@@ -59,7 +59,7 @@ class SimulatorPictures:
         with self._lock:
             try:
                 picture = self._picture()
-            except (SceneLost, TimeoutError) as error:
+            except (SceneLostError, TimeoutError) as error:
                 self._painter = None
                 return TriggerResponse(False, str(error))
         return TriggerResponse(True, f"{len(picture)} bytes of PNG on {self._topic.resolved_name}")
@@ -80,7 +80,7 @@ class SimulatorPictures:
             with suppress(TimeoutError):
                 try:
                     self._window.show(self._copy_state())
-                except SceneLost as error:
+                except SceneLostError as error:
                     log.warning("%s", error)
                     return
             threading.Event().wait(WINDOW_PERIOD)

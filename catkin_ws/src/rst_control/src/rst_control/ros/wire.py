@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads the two messages that arrive 500 times a second straight from their bytes.
 
-The generated classes take 40 us for a JointState, in a thread that competes with the control loop; this takes 3 us.
-Layouts follow the ROS 1 serialisation: little endian, every string and array led by its length as uint32.
+The generated classes take 40 us for a JointState, in a thread that competes with the control
+loop; this takes 7 us. Layouts follow the ROS 1 serialisation: little endian, every string and array
+led by its length as uint32.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ _COUNT = struct.Struct("<I")
 _FORCE = struct.Struct("<3d")
 
 
-class BadMessage(ValueError):
+class BadMessage(ValueError):  # noqa: N818
     """A message from the robot cannot be used; the text says why."""
 
 
@@ -35,8 +36,8 @@ class JointSample:
 class JointStateReader:
     """Turns the bytes of a sensor_msgs/JointState into a sample.
 
-    Names in another order are put right; a missing joint, a value that is not finite and a stamp that does not
-    advance are refused. One reader serves one stream.
+    Names in another order are put right; a missing joint, a value that is not finite and a stamp
+    that does not advance are refused. One reader serves one stream.
     """
 
     def __init__(self, names: tuple[str, ...]) -> None:
@@ -47,7 +48,7 @@ class JointStateReader:
         self._last_stamp = -1.0
 
     def reset(self) -> None:
-        """Forget the last stamp, as after the robot was lost: a restarted one may have another clock."""
+        """Forget the last stamp, as when the robot was lost: it may have another clock now."""
         self._last_stamp = -1.0
 
     def __call__(self, raw: bytes) -> JointSample:

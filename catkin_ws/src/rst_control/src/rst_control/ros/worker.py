@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Threads of the node beside the control loop: each repeats one step, and reports what goes wrong in it."""
+"""Threads beside the control loop: each repeats one step, and reports what goes wrong in it."""
 
 from __future__ import annotations
 
@@ -19,9 +19,7 @@ class Worker:
         failed: Whom to tell of an exception, beside the log.
     """
 
-    def __init__(
-        self, name: str, step: Callable[[], None], failed: Callable[[str], None]
-    ) -> None:
+    def __init__(self, name: str, step: Callable[[], None], failed: Callable[[str], None]) -> None:
         self._name, self._step, self._failed = name, step, failed
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)

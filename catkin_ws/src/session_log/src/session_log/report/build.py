@@ -10,6 +10,7 @@ from datetime import datetime
 from pathlib import Path
 
 import matplotlib as mpl
+import matplotlib.style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from session_log.analysis import command_rows, rcm_while_moving, statistics, tension_statistics
@@ -45,7 +46,7 @@ def write_report(reader: SessionReader, folder: Path, config: ReportConfig) -> R
     """
     data = extract(reader, config)
     material = Material(data, command_rows(data, config), config)
-    with mpl.rc_context(RC):
+    with mpl.style.context(RC):
         try:
             folder.mkdir(parents=True, exist_ok=True)
             images = {f.name: _image(f, material) for f in FIGURES if f.can_draw(material)}

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from session_log.analysis import (
@@ -25,7 +26,7 @@ class TextTable:
     """Column titles and rows; `marks` holds a word for rows that stand out."""
 
     columns: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]
     marks: tuple[str, ...] = ()
 
 

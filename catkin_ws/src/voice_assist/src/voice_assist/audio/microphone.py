@@ -126,7 +126,7 @@ class Microphone:
         expected: float | None = None  # [s] when the next block should begin
         checked = self._clock()
         while not self._pause(0.0):
-            block = self._next_block(device)
+            block = self._next_block(device, is_first=expected is None)
             start = block.arrived - len(block.samples) / rate
             late = 0.0 if expected is None else start - expected
             if late > self._config.lost_after:
@@ -142,11 +142,11 @@ class Microphone:
                 checked = self._clock()
                 self._check_presence(device)
 
-    def _next_block(self, device: Device) -> _Block:
+    def _next_block(self, device: Device, is_first: bool) -> _Block:
+        seconds = self._config.open_within if is_first else self._config.lost_after
         try:
-            return self._queue.get(timeout=self._config.lost_after)
+            return self._queue.get(timeout=seconds)
         except Empty:
-            seconds = self._config.lost_after
             problem = f"lost: no sound for {seconds:.1f} s"
             self._close()  # devices can only be searched anew while none is open
             raise DeviceError(problem, device.name, self._names()) from None

@@ -73,9 +73,16 @@ class PortAudio:
         os.environ.setdefault("PULSE_LATENCY_MSEC", _PULSE_LATENCY_MS)
 
     def devices(self) -> list[Device]:
-        """All microphones; only while no stream is open, since PortAudio is started anew."""
-        self._sd._terminate()
-        self._sd._initialize()
+        """All microphones; only while no stream is open, since PortAudio is started anew.
+
+        Raises:
+            DeviceError: PortAudio cannot search.
+        """
+        try:
+            self._sd._terminate()
+            self._sd._initialize()
+        except self._sd.PortAudioError as error:
+            raise DeviceError(f"the sound devices cannot be searched ({error})") from error
         default = self._sd.default.device[0]
         found = [
             Device(entry["name"], int(entry["default_samplerate"]), entry["index"] == default)

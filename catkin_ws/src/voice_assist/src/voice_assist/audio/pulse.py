@@ -16,7 +16,7 @@ def pulse_sources() -> tuple[str, ...]:
         return ()
     try:
         listing = subprocess.run(
-            [program, "list", "short", "sources"], capture_output=True, text=True, timeout=5.0
+            [program, "list", "short", "sources"], capture_output=True, text=True, timeout=2.0
         )
     except subprocess.TimeoutExpired:
         return ()

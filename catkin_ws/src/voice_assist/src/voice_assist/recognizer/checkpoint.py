@@ -79,8 +79,7 @@ def _dimensions(path: Path, dims: Any) -> ModelDimensions:
 
 def _fetch(name: str) -> Path:
     """Let the whisper library download a model, or find it in its cache."""
-    cache = os.getenv("XDG_CACHE_HOME", os.path.join(os.path.expanduser("~"), ".cache"))
-    root = Path(cache) / "whisper"
+    root = Path(os.getenv("XDG_CACHE_HOME", Path.home() / ".cache")) / "whisper"
     url = whisper._MODELS[name]  # the library has no public way to a model's file
     path = root / Path(url).name
     if not path.is_file():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reading the CTC head: greedy text, forced alignment, likelihood of a text."""
+"""Reading the CTC head: greedy text and forced alignment."""
 
 from __future__ import annotations
 
@@ -33,36 +33,18 @@ def best_alignment(logprobs: Floats, text: Ints) -> tuple[float, Ints]:
     labels = np.full(2 * len(text) + 1, BLANK)
     labels[1::2] = text
     emitted = logprobs[:, labels]  # (time, states)
-    can_skip = _skippable(labels)
     score = np.full(len(labels), -np.inf)
     score[:2] = emitted[0, :2]
     came = np.zeros(emitted.shape, np.int8)  # states advanced on entering
+    can_skip = _skippable(labels)
     for time in range(1, len(emitted)):
-        options = np.stack([score, _shift(score, 1), _shift(score, 2)])
-        options[2, ~can_skip] = -np.inf
+        options = np.full((3, len(labels)), -np.inf)
+        options[0], options[1, 1:] = score, score[:-1]
+        options[2, can_skip] = score[:-2][can_skip[2:]]
         came[time] = options.argmax(axis=0)
         score = options.max(axis=0) + emitted[time]
     state = len(labels) - 1 - int(score[-2] > score[-1])
     return float(score[state]), _trace(emitted, came, state)
-
-
-def log_likelihood(logprobs: Floats, text: Ints) -> float:
-    """Log-probability of a text over all alignments (Graves et al. 2006).
-
-    Args:
-        logprobs: Shape (time, BLANK + 1).
-        text: Character ids. Shape (n,); n = 0 is silence.
-    """
-    labels = np.full(2 * len(text) + 1, BLANK)
-    labels[1::2] = text
-    emitted = logprobs[:, labels].astype(np.float64)
-    can_skip = _skippable(labels)
-    score = np.full(len(labels), -np.inf)
-    score[:2] = emitted[0, :2]
-    for now in emitted[1:]:
-        skipped = np.where(can_skip, _shift(score, 2), -np.inf)
-        score = np.logaddexp(np.logaddexp(score, _shift(score, 1)), skipped) + now
-    return float(np.logaddexp.reduce(score[-2:]))
 
 
 def _skippable(labels: Ints) -> NDArray[np.bool_]:
@@ -70,12 +52,6 @@ def _skippable(labels: Ints) -> NDArray[np.bool_]:
     skips = np.zeros(len(labels), bool)
     skips[2:] = (labels[2:] != BLANK) & (labels[2:] != labels[:-2])
     return skips
-
-
-def _shift(score: NDArray[np.float64], by: int) -> NDArray[np.float64]:
-    shifted = np.full_like(score, -np.inf)
-    shifted[by:] = score[:-by]
-    return shifted
 
 
 def _trace(emitted: Floats, came: NDArray[np.int8], state: int) -> Ints:

@@ -6,8 +6,8 @@ from __future__ import annotations
 import math
 
 import torch
-import torch.nn.functional as F
 from torch import Tensor, nn
+from torch.nn import functional
 from whisper.model import AudioEncoder, ModelDimensions, Whisper
 
 from voice_assist.recognizer.vocabulary import BLANK, GARBAGE, N_COMPACT, N_VOCAB
@@ -26,8 +26,8 @@ def encode_short(encoder: AudioEncoder, mel: Tensor) -> Tensor:
     Returns:
         Shape (batch, (frames + 1) // 2, d).
     """
-    x = F.gelu(encoder.conv1(mel))
-    x = F.gelu(encoder.conv2(x)).permute(0, 2, 1)
+    x = functional.gelu(encoder.conv1(mel))
+    x = functional.gelu(encoder.conv2(x)).permute(0, 2, 1)
     x = x + encoder.positional_embedding[: x.shape[1]].to(x.dtype)
     for block in encoder.blocks:
         x = block(x)

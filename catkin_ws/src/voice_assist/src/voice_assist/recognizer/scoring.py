@@ -6,16 +6,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import torch
-import torch.nn.functional as F
 from torch import Tensor
+from torch.nn import functional
 
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.vocabulary import BLANK, END, PROMPT, encode
 
 
-def decoder_likelihoods(
-    model: HybridWhisper, states: Tensor, texts: Sequence[str]
-) -> Tensor:
+def decoder_likelihoods(model: HybridWhisper, states: Tensor, texts: Sequence[str]) -> Tensor:
     """Log-probability of each text and its end by the decoder.
 
     Args:
@@ -50,7 +48,7 @@ def ctc_likelihoods(logprobs: Tensor, texts: Sequence[str]) -> Tensor:
         Shape (len(texts),); -inf where a text is too long for the sound.
     """
     ids = [encode(text) for text in texts]
-    loss = F.ctc_loss(
+    loss = functional.ctc_loss(
         logprobs.unsqueeze(1).expand(-1, len(ids), -1),
         torch.tensor([index for line in ids for index in line], dtype=torch.long),
         torch.full((len(ids),), len(logprobs)),
@@ -61,9 +59,7 @@ def ctc_likelihoods(logprobs: Tensor, texts: Sequence[str]) -> Tensor:
     return -loss
 
 
-def ratios(
-    likelihoods: Mapping[str, float], phrases: Sequence[str]
-) -> dict[str, float]:
+def ratios(likelihoods: Mapping[str, float], phrases: Sequence[str]) -> dict[str, float]:
     """Each phrase against the best of all other texts.
 
     Args:

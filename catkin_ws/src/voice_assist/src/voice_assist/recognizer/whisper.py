@@ -28,7 +28,7 @@ MOST_TOKENS = 64  # written for one sound; ten seconds of talk need about 40
 QUIET = RATE  # samples of silence appended: models trained on 30 s expect an end
 
 
-class ShortDecodingTask(DecodingTask):
+class ShortDecodingTask(DecodingTask):  # type: ignore[misc]  # untyped library
     """Whisper's own decoding, on encoder states of short sound."""
 
     def _get_audio_features(self, mel: Tensor) -> Tensor:
@@ -65,9 +65,7 @@ class OpenAIRecognizer:
             return Hypothesis("", 0.0, 1.0)
         with torch.inference_mode():
             result = self._task.run(self._mel(samples))[0]
-        return Hypothesis(
-            result.text, min(float(result.avg_logprob), 0.0), result.no_speech_prob
-        )
+        return Hypothesis(result.text, min(float(result.avg_logprob), 0.0), result.no_speech_prob)
 
     def score(self, samples: Samples, phrases: Sequence[str]) -> dict[str, float]:
         """The decoder's opinion, over the usual spellings; see Recognizer."""

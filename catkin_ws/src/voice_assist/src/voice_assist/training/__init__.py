@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From speech, synthetic and human, to the embedded checkpoint."""

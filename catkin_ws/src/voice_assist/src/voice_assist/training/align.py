@@ -24,9 +24,7 @@ STEP = 0.02  # [s] between encoder states
 WORST = -1.5  # mean log-probability per state below which a clip is left out
 
 
-def align_clips(
-    model: HybridWhisper, clips: Sequence[Clip], cache: Path
-) -> list[Aligned]:
+def align_clips(model: HybridWhisper, clips: Sequence[Clip], cache: Path) -> list[Aligned]:
     """Word times of all clips that align well.
 
     Args:
@@ -47,7 +45,7 @@ def align_clips(
 
 
 @torch.inference_mode()
-def _times(model: HybridWhisper, clip: Clip) -> NDArray[np.float64]:
+def _times(model: HybridWhisper, clip: Clip) -> NDArray[np.floating]:
     """Time of each character [s], empty where the clip does not align."""
     nothing = np.zeros(0)
     if not clip.text or len(clip.samples) < RATE // 10:
@@ -82,15 +80,13 @@ def long_logprobs(model: HybridWhisper, sound: Samples) -> NDArray[np.float32]:
     return np.concatenate(parts)
 
 
-def _aligned(
-    clips: Sequence[Clip], times: Sequence[NDArray[np.float64]]
-) -> Iterable[Aligned]:
+def _aligned(clips: Sequence[Clip], times: Sequence[NDArray[np.floating]]) -> Iterable[Aligned]:
     for clip, time in zip(clips, times, strict=True):
         if len(time):
             yield Aligned(clip, tuple(_words(clip.text, time)))
 
 
-def _words(text: str, time: NDArray[np.float64]) -> Iterable[WordTime]:
+def _words(text: str, time: NDArray[np.floating]) -> Iterable[WordTime]:
     first = 0
     for word in text.split(" "):
         last = first + len(word) - 1

@@ -60,7 +60,7 @@ def colour(batch: Tensor, around: Surroundings, how: Strength, rng: Generator) -
     for row in response:
         row[0] = 1.0
         if rng.random() < how.room:
-            room = around.rooms[rng.integers(len(around.rooms))]
+            room = around.rooms[int(rng.integers(len(around.rooms)))]
             row[: len(room)] = torch.from_numpy(room)
     curves = np.stack([_microphone(size // 2 + 1, rng) for _ in batch])
     spectrum = torch.fft.rfft(batch, size) * torch.fft.rfft(response, size)
@@ -68,9 +68,7 @@ def colour(batch: Tensor, around: Surroundings, how: Strength, rng: Generator) -
     return torch.fft.irfft(shaped, size)[:, : batch.shape[1]]
 
 
-def add_background(
-    batch: Tensor, around: Surroundings, how: Strength, rng: Generator
-) -> Tensor:
+def add_background(batch: Tensor, around: Surroundings, how: Strength, rng: Generator) -> Tensor:
     """Noise under each item, then its level and now and then clipping.
 
     Silent items become noise only. Returns float32, shape as given.

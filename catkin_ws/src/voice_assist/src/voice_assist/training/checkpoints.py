@@ -22,7 +22,7 @@ class Progress:
     step: int = 0
     pool: int = 0  # next pool of batches
     seconds: float = 0.0  # spent training so far
-    best: float = 0.0  # best score measured so far
+    best: float = -1e9  # best score measured so far
 
 
 class Average:

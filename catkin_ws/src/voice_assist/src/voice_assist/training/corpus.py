@@ -24,6 +24,8 @@ from voice_assist.training.synthesis import (
 )
 from voice_assist.training.texts import TALK
 
+TALK_THIN = 5  # of the talk to measure on, one clip in so many
+
 
 @dataclass(frozen=True, eq=False)
 class Corpus:
@@ -36,9 +38,7 @@ class Corpus:
     talk: list[Clip]  # a part of split false_accept_dev; its text is not used
 
 
-def load_corpus(
-    speech: Path, cache: Path, seed: int, amounts: Amounts, workers: int
-) -> Corpus:
+def load_corpus(speech: Path, cache: Path, seed: int, amounts: Amounts, workers: int) -> Corpus:
     """Synthesise, or read from the cache, and load recordings where present.
 
     Args:
@@ -56,7 +56,7 @@ def load_corpus(
     rng = np.random.default_rng(seed)
     rooms = build_rooms(load_sounds(rows, "rir"), rng)
     talkers = [clip.samples for clip in [*human, *train] if len(clip.samples) > 24000]
-    talk = load_speech(rows, "false_accept_dev", longest=10.0)[::5]
+    talk = load_speech(rows, "false_accept_dev", longest=10.0)[::TALK_THIN]
     return Corpus(
         train=train + human,
         around=Surroundings(load_sounds(rows, "noise"), rooms, talkers),

@@ -42,9 +42,8 @@ PIECES = {
 
 STAGES = (
     Stage(900, SHORT, 64.0, 3.5, GENTLE, False),
-    Stage(1700, WHOLE, 100.0, 7.8, Strength(), False),
-    Stage(3200, PIECES, 90.0, 7.8, Strength(), True),
-    Stage(1_000_000, PIECES, 90.0, 7.8, Strength(), True),
+    Stage(1400, WHOLE, 80.0, 7.8, Strength(), False),
+    Stage(1_000_000, PIECES, 80.0, 7.8, Strength(), True),
 )
 
 

@@ -10,38 +10,26 @@ import time
 from pathlib import Path
 
 import torch
-from whisper.model import ModelDimensions, disable_sdpa
+from whisper.model import disable_sdpa
 
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.training.align import align_clips
 from voice_assist.training.batches import Batch, Batches
 from voice_assist.training.checkpoints import (
     Average,
-    Progress,
     load_progress,
     save_progress,
 )
 from voice_assist.training.corpus import Corpus, load_corpus
 from voice_assist.training.curriculum import stage_of
 from voice_assist.training.export import export
-from voice_assist.training.mixture import Aligned, Mixture
+from voice_assist.training.mixture import RARE, Aligned, Mixture
 from voice_assist.training.objective import joint_loss
 from voice_assist.training.report import Figures, measure
 from voice_assist.training.schedule import Schedule
+from voice_assist.training.start import start_anew, start_from
 from voice_assist.training.synthesis import Amounts, Clip
 
-DIMS = ModelDimensions(
-    n_mels=80,
-    n_audio_ctx=512,
-    n_audio_state=192,
-    n_audio_head=3,
-    n_audio_layer=5,
-    n_vocab=51864,
-    n_text_ctx=192,
-    n_text_state=192,
-    n_text_head=3,
-    n_text_layer=2,
-)
 PACKAGE = Path(__file__).resolve().parents[3]  # catkin_ws/src/voice_assist
 REPOSITORY = PACKAGE.parents[2]
 LOG = logging.getLogger("fit")
@@ -54,8 +42,7 @@ class Run:
         """Build the model, or restore it where the run was broken off."""
         torch.manual_seed(options.seed)
         self.options, self.corpus = options, corpus
-        self.model = HybridWhisper(DIMS)
-        self.model.initialise()
+        self.model = start_from(options.start) if options.start else start_anew()
         self.schedule = Schedule(options.steps, options.rate, decay=options.decay)
         self.optimiser = torch.optim.AdamW(
             self.model.parameters(), betas=(0.9, 0.98), weight_decay=0.02, fused=True
@@ -64,10 +51,8 @@ class Run:
         self.folder: Path = options.cache / "run"
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / "progress.pt"
-        self.progress = load_progress(
-            path, self.model, self.optimiser, self.average
-        )
-        self.measured = HybridWhisper(DIMS).eval()
+        self.progress = load_progress(path, self.model, self.optimiser, self.average)
+        self.measured = HybridWhisper(self.model.dims).eval()
 
     def train(self) -> None:
         """Step until the schedule ends, measuring and saving on the way."""
@@ -77,9 +62,8 @@ class Run:
             corpus = self.corpus
             aligned = self._word_times(number) if stage.needs_word_times else []
             mixture = Mixture(corpus.train, aligned, stage.weights, stage.longest)
-            batches = Batches(
-                mixture, corpus.around, stage.how, self.options.seed, stage.seconds
-            )
+            seed = self.options.seed
+            batches = Batches(mixture, corpus.around, stage.how, seed, stage.seconds)
             self._stage(batches, min(stage.until, self.options.steps))
 
     def _stage(self, batches: Batches, until: int) -> None:
@@ -115,8 +99,9 @@ class Run:
     def _note(self, losses: list[tuple[float, float]]) -> None:
         ctc, decoder = (sum(part) / len(losses) for part in zip(*losses, strict=True))
         progress = self.progress
-        LOG.info("step %d, %.0f s: ctc %.3f, decoder %.3f, rate %.1e", progress.step,
-                 progress.seconds, ctc, decoder, self.schedule.rate(progress.step))
+        rate = self.schedule.rate(progress.step)
+        at = (progress.step, progress.seconds)
+        LOG.info("step %d, %.0f s: ctc %.3f, decoder %.3f, rate %.1e", *at, ctc, decoder, rate)
 
     def _averaged(self) -> HybridWhisper:
         self.measured.load_state_dict(self.average.weights)
@@ -125,8 +110,8 @@ class Run:
     def _measure(self) -> None:
         """Log figures; export the checkpoint where they are the best so far."""
         figures: Figures = measure(self._averaged(), self.corpus)
-        line = {"step": self.progress.step, "seconds": self.progress.seconds}
-        line |= figures.flat()
+        at = {"step": self.progress.step, "seconds": round(self.progress.seconds)}
+        line: dict[str, object] = {**at, **figures.flat()}
         LOG.info("measured %s", json.dumps(line))
         with (self.folder / "figures.jsonl").open("a") as file:
             file.write(json.dumps(line) + "\n")
@@ -153,9 +138,12 @@ class Run:
 
 
 def _to_align(clips: list[Clip]) -> list[Clip]:
-    """All human sentences, and enough synthesis to cut short."""
-    synthetic = [c for c in clips if c.kind in ("command", "variant", "near")]
-    return [c for c in clips if c.kind == "sentence"] + synthetic[::4]
+    """Sentences with wanted words, a third of the others, and some synthesis."""
+    sentences = [clip for clip in clips if clip.kind == "sentence"]
+    wanted = [clip for clip in sentences if set(RARE) & set(clip.text.split())]
+    others = [clip for clip in sentences if not set(RARE) & set(clip.text.split())]
+    synthetic = [clip for clip in clips if clip.kind in ("command", "variant", "near")]
+    return wanted + others[::3] + synthetic[::10]
 
 
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
@@ -165,10 +153,11 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
     add("--out", type=Path, default=PACKAGE / "models" / "embedded.pt")
+    add("--from", dest="start", help="Whisper model to fine-tune, such as base.en")
     add("--seed", type=int, default=1)
-    add("--steps", type=int, default=9000)
+    add("--steps", type=int, default=3000)
     add("--rate", type=float, default=1.5e-3, help="peak learning rate")
-    add("--decay", type=float, default=0.35, help="share of steps on the way down")
+    add("--decay", type=float, default=0.4, help="share of steps on the way down")
     add("--measure-every", type=int, default=400, help="steps")
     add("--threads", type=int, default=2)
     return parser.parse_args(arguments)
@@ -179,9 +168,7 @@ def main() -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     options = parse()
     torch.set_num_threads(options.threads)
-    corpus = load_corpus(
-        options.speech, options.cache, options.seed, Amounts(), options.threads
-    )
+    corpus = load_corpus(options.speech, options.cache, options.seed, Amounts(), options.threads)
     LOG.info("%d training clips", len(corpus.train))
     run = Run(options, corpus)
     with disable_sdpa():  # its backward pass is slow on processors

@@ -50,9 +50,7 @@ def training_sentences(rows: Sequence[Row]) -> list[str]:
     return sorted(text for text in said if len(text.split()) >= 4)
 
 
-def load_speech(
-    rows: Sequence[Row], split: str, longest: float = 36.0
-) -> list[Clip]:
+def load_speech(rows: Sequence[Row], split: str, longest: float = 36.0) -> list[Clip]:
     """Speech of one split that has a transcript, in manifest order.
 
     Args:

@@ -52,9 +52,7 @@ def greedy(model: HybridWhisper, mel: Tensor, letters: int = LETTERS) -> list[st
 
 
 @torch.inference_mode()
-def transcripts(
-    model: HybridWhisper, sounds: Sequence[Samples], quiet: float = 0.25
-) -> list[str]:
+def transcripts(model: HybridWhisper, sounds: Sequence[Samples], quiet: float = 0.25) -> list[str]:
     """Greedy transcripts of clips of any lengths, each amid a little quiet."""
     order = sorted(range(len(sounds)), key=lambda i: len(sounds[i]))
     written = [""] * len(sounds)
@@ -91,10 +89,10 @@ def in_noise(
     rng = np.random.default_rng(seed)
     sounds = []
     for clip in clips:
-        sound = clip.samples.astype(np.float32) / 32768
+        sound: Samples = clip.samples.astype(np.float32) / np.float32(32768)
         if snr is not None:
             loud = np.sqrt(np.mean(sound**2))
             noise = background(around, len(sound), rng)
-            sound = sound + noise * np.float32(loud * 10 ** (-snr / 20))
+            sound += noise * np.float32(loud * 10 ** (-snr / 20))
         sounds.append(sound)
     return sounds

@@ -105,7 +105,7 @@ def _sources(clips: Sequence[Clip], aligned: Sequence[Aligned]) -> dict[str, Sou
         sources["splice"] = lambda rng: splice(parts, rng)
     mined = [(a, i) for a in human for i, w in enumerate(a.words) if w.word in RARE]
     if mined:
-        sources["mined"] = lambda rng: _around(*mined[rng.integers(len(mined))], rng)
+        sources["mined"] = lambda rng: _around(*mined[int(rng.integers(len(mined)))], rng)
     return sources
 
 

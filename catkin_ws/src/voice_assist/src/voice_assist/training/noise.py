@@ -53,8 +53,9 @@ def background(around: Surroundings, length: int, rng: Generator) -> Float:
     kind = rng.random()
     if kind < 0.55 and around.noises:
         weights = np.array([min(len(noise), 60 * RATE) for noise in around.noises])
-        noise = _cut(around.noises[rng.choice(len(weights), p=weights / weights.sum())],
-                     length, rng)
+        noise = _cut(
+            around.noises[int(rng.choice(len(weights), p=weights / weights.sum()))], length, rng
+        )
     elif kind < 0.75 and around.talkers:
         noise = _babble(around.talkers, length, rng)
     elif kind < 0.95:
@@ -84,7 +85,7 @@ def _hum(length: int, rng: Generator) -> Float:
 def _babble(talkers: Sequence[NDArray[np.int16]], length: int, rng: Generator) -> Float:
     mixed = np.zeros(length, np.float32)
     for _ in range(rng.integers(3, 7)):
-        voice = talkers[rng.integers(len(talkers))].astype(np.float32)
+        voice = talkers[int(rng.integers(len(talkers)))].astype(np.float32)
         voice = _cut(voice, length, rng)
         mixed += voice / (np.sqrt(np.mean(voice**2)) + 1.0)
     return mixed

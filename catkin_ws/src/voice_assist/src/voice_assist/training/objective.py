@@ -6,8 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import torch
-import torch.nn.functional as F
 from torch import Tensor
+from torch.nn import functional
 
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.vocabulary import BLANK
@@ -33,7 +33,7 @@ def joint_loss(model: HybridWhisper, batch: Batch) -> Loss:
         logprobs = model.ctc_logprobs(states)
         logits = model.logits(batch.tokens, states)
     ctc = ctc_loss(logprobs, batch.texts)
-    decoder = F.cross_entropy(
+    decoder = functional.cross_entropy(
         logits.flatten(0, 1),
         batch.targets.flatten(),
         ignore_index=IGNORED,
@@ -53,7 +53,7 @@ def ctc_loss(logprobs: Tensor, texts: list[list[int]]) -> Tensor:
     joined = torch.tensor([index for text in texts for index in text], dtype=torch.long)
     lengths = torch.tensor([len(text) for text in texts])
     times = torch.full((len(texts),), logprobs.shape[1])
-    loss = F.ctc_loss(
+    loss = functional.ctc_loss(
         logprobs.transpose(0, 1),
         joined,
         times,

@@ -39,7 +39,9 @@ stop it now please|release the clamp|tense muscles|more light|less light|more or
 more suction|more traction|less tension|let go|hold|hold on|wait|go on|keep going
 moor|mall|mole|pour|pore|core|four more|some more|any more|much more|once more
 lesson|lest|loss|lass|let's|left|unless|useless|bless|dress|mess|yes|guess less
-""".replace("\n", "|").strip("|").split("|")
+""".replace("\n", "|")
+    .strip("|")
+    .split("|")
 )
 
 TALK = tuple(
@@ -64,13 +66,16 @@ up|down|yes|no|okay|right|sure|wait a second|one moment|what did you say|say it 
 the robot is not moving|why did it stop|it should release now|i would pull it less
 do you want more tea|she has less pain today|he was tense before surgery
 the lease ends in june|the shop was closed|we camped in tents|dense tissue here
-""".replace("\n", "|").strip("|").split("|")
+""".replace("\n", "|")
+    .strip("|")
+    .split("|")
 )
 
 DIGITS = (
-    "zero one two three four five six seven eight nine ten eleven twelve twenty "
-    "thirty forty fifty sixty seventy eighty ninety hundred"
-).split()
+    *("zero", "one", "two", "three", "four", "five", "six", "seven"),
+    *("eight", "nine", "ten", "eleven", "twelve", "twenty", "thirty", "forty"),
+    *("fifty", "sixty", "seventy", "eighty", "ninety", "hundred"),
+)
 
 _FILLED = ("um {}", "uh {}", "{} please", "please {}", "okay {}", "now {}", "{} now")
 

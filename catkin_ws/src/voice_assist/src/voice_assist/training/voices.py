@@ -22,8 +22,10 @@ from voice_assist.types import RATE
 Engine = Literal["espeak", "phonemes", "flite", "festival"]
 Int16 = NDArray[np.int16]
 
-ACCENTS = ("en-us", "en-gb", "en-gb-scotland", "en-gb-x-rp", "en-gb-x-gbclan")
-ACCENTS += ("en-029", "en-us-nyc")
+ACCENTS = (
+    *("en-us", "en-gb", "en-gb-scotland", "en-gb-x-rp", "en-gb-x-gbclan"),
+    *("en-029", "en-us-nyc"),
+)
 HELD_OUT_ACCENT = "en-gb-x-gbcwmd"
 FOREIGN = ("de", "fr-fr", "es", "it", "hi", "pl", "nl", "sv", "pt-br", "tr")
 # English phonemes of espeak-ng, in symbols that the languages above all know.
@@ -119,7 +121,7 @@ def _festival(prompts: list[Prompt]) -> list[Int16 | None]:
         for index, prompt in enumerate(prompts):
             lines.append(f"(Parameter.set 'Duration_Stretch {1 / prompt.rate:.3f})")
             wave = f'(utt.synth (Utterance Text "{prompt.text}"))'
-            lines.append(f"(utt.save.wave {wave} \"{folder}/{index}.wav\" 'riff)")
+            lines.append(f'(utt.save.wave {wave} "{folder}/{index}.wav" \'riff)')
         script = Path(folder) / "say.scm"
         script.write_text("\n".join(lines))
         _run(["festival", "-b", str(script)])

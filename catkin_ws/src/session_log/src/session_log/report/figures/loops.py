@@ -52,7 +52,7 @@ class Loops(SessionFigure):
         for loop, track, color in zip(material.data.loops, tracks, (BLUE, ORANGE), strict=False):
             ax.hist(
                 np.clip(track, 0.0, top),
-                bins,
+                bins.tolist(),
                 histtype="step",
                 color=color,
                 lw=1.1,

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Figures of the model card: python -m voice_assist.training.figures."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from scipy.stats import beta
+
+from voice_assist.recognizer.checkpoint import find_checkpoint, read_checkpoint
+from voice_assist.recognizer.embedded import restore
+from voice_assist.training.corpus import Corpus
+from voice_assist.training.fit import REPOSITORY
+from voice_assist.training.human import load_sounds, load_speech, read_manifest
+from voice_assist.training.measure import Tally, in_noise, tally, transcripts
+from voice_assist.training.noise import Surroundings
+from voice_assist.training.synthesis import Clip, plan_held_out, synthesise
+from voice_assist.training.texts import COMMANDS
+
+
+def interval(right: int, n: int, level: float = 0.95) -> tuple[float, float]:
+    """Exact confidence interval of a proportion (Clopper and Pearson 1934)."""
+    tail = (1 - level) / 2
+    low = float(beta.ppf(tail, right, n - right + 1)) if right else 0.0
+    high = float(beta.ppf(1 - tail, right + 1, n - right)) if right < n else 1.0
+    return low, high
+
+
+def row(name: str, found: Tally) -> str:
+    """One line of the card's table."""
+    low, high = interval(found.right, found.n)
+    share = f"{found.accuracy:.1%} ({low:.1%} to {high:.1%})"
+    return f"| {name} | {found.n} | {share} | {found.taken} |"
+
+
+def main() -> None:
+    """Print a table of exact transcripts, synthetic voices and people apart."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    add = parser.add_argument
+    add("--model", default="embedded")
+    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
+    add("--seed", type=int, default=1)
+    options = parser.parse_args()
+    model = restore(read_checkpoint(find_checkpoint(options.model))).eval()
+    corpus = held_out_corpus(options.speech, options.cache, options.seed)
+    around = corpus.around
+
+    def show(name: str, clips: list[Clip], snr: float | None = None) -> None:
+        written = transcripts(model, in_noise(clips, snr, around))
+        print(row(name, tally(clips, written)), flush=True)
+
+    commands = [clip for clip in corpus.held_out if clip.kind == "command"]
+    print("| set | clips | written exactly (95 % interval) | wrongly a command |")
+    print("|---|---|---|---|")
+    for phrase in COMMANDS:
+        show(f'synthetic "{phrase}", quiet', [c for c in commands if c.text == phrase])
+    for engine in ("espeak", "flite", "festival"):
+        show(f"{engine}, quiet", [c for c in commands if c.speaker.startswith(engine)])
+    show("synthetic commands, quiet", commands)
+    for snr in (20.0, 10.0, 6.0, 0.0):
+        show(f"synthetic commands, {snr:.0f} dB", commands, snr)
+    show("synthetic near misses", [c for c in corpus.held_out if c.kind != "command"])
+    show('human "stop" (dev)', [c for c in corpus.people if c.text == "stop"])
+    show("other human words (dev)", [c for c in corpus.people if c.text != "stop"])
+    show("human talk (false_accept_dev)", corpus.talk)
+    print(f"human talk measured: {sum(len(c.samples) for c in corpus.talk) / 16000 / 3600:.2f} h")
+
+
+def held_out_corpus(speech: Path, cache: Path, seed: int) -> Corpus:
+    """What is measured on, without anything to train on."""
+    rows = read_manifest(speech)
+    talkers = [clip.samples for clip in load_speech(rows, "dev")]
+    return Corpus(
+        train=[],
+        around=Surroundings(load_sounds(rows, "noise"), [], talkers),
+        held_out=synthesise(plan_held_out(seed), cache / "held_out"),
+        people=load_speech(rows, "dev"),
+        talk=load_speech(rows, "false_accept_dev", longest=10.0),
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The microphone against a real PulseAudio server whose null sinks are the devices."""
+
+import os
+import shutil
+import subprocess
+import threading
+import time
+
+import numpy as np
+import pytest
+import soundfile
+
+from voice_assist.audio.microphone import Microphone
+from voice_assist.audio.portaudio import PortAudio
+from voice_assist.audio.source import level_db
+from voice_assist.config import load_voice_config
+from voice_assist.types import RATE
+
+START = 15.0  # [s] allowed for the server to answer
+LIMIT = 60.0  # [s] allowed for anything to be noticed
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    """Environment of a PulseAudio server that only this file uses."""
+    if shutil.which("pulseaudio") is None or shutil.which("pactl") is None:
+        pytest.skip("pulseaudio or pactl is not installed")
+    folder = tmp_path_factory.mktemp("pulse")
+    added = {
+        "PULSE_SERVER": f"unix:{folder}/native",
+        "PULSE_RUNTIME_PATH": str(folder),
+        "PULSE_COOKIE": str(folder / "cookie"),
+        "HOME": str(folder),
+    }
+    command = ["pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no"]
+    command += ["--disable-shm=yes"]
+    command += [f"--load=module-native-protocol-unix socket={folder}/native auth-anonymous=1"]
+    command += ["--load=module-null-sink sink_name=other rate=16000"]
+    without = {k: v for k, v in {**os.environ, **added}.items() if k != "PULSE_SERVER"}
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = subprocess.Popen(command, env=without, **quiet)
+    before = dict(os.environ)
+    os.environ.update(added)
+    try:
+        deadline = time.monotonic() + START
+        while subprocess.run(["pactl", "info"], **quiet).returncode:
+            if process.poll() is not None or time.monotonic() > deadline:
+                pytest.skip("pulseaudio cannot start on this machine")
+            time.sleep(0.1)
+        yield folder
+    finally:
+        process.kill()
+        process.wait()
+        os.environ.clear()
+        os.environ.update(before)
+
+
+@pytest.fixture
+def surgeon(server):
+    """A virtual microphone `surgeon.monitor`, 44.1 kHz and stereo as cheap ones are."""
+    added = Sink("surgeon", 44_100)
+    yield added
+    added.remove()
+
+
+class Sink:
+    """A null sink; what is played into it is heard by its monitor."""
+
+    def __init__(self, name, rate):
+        self.name, self.rate = name, rate
+        self.add()
+
+    def add(self):
+        words = ["pactl", "load-module", "module-null-sink"]
+        words += [f"sink_name={self.name}", f"rate={self.rate}"]
+        done = subprocess.run(words, capture_output=True, text=True, check=True)
+        self.module = done.stdout.strip()
+
+    def remove(self):
+        subprocess.run(["pactl", "unload-module", self.module], capture_output=True)
+
+    def play(self, path):
+        words = ["paplay", "--latency-msec=30", f"--device={self.name}", str(path)]
+        return subprocess.Popen(words)
+
+
+class Listener:
+    """Reads a microphone in a thread."""
+
+    def __init__(self, device):
+        self.frames, self.reports = [], []
+        self._over = threading.Event()
+        config = load_voice_config(
+            audio__microphone__device=device, audio__microphone__retry_after=0.3
+        )
+        arguments = (config.audio.microphone, PortAudio(), time.time, self._over.wait)
+        self._microphone = Microphone(*arguments, self.reports.append)
+        self._thread = threading.Thread(target=self._read, daemon=True)
+
+    def _read(self):
+        with self._microphone as microphone:
+            for frame in microphone:
+                self.frames.append(frame)
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._over.set()
+        self._thread.join(LIMIT)
+
+    def wait_until(self, is_true):
+        deadline = time.monotonic() + LIMIT
+        while not is_true():
+            assert time.monotonic() < deadline, (len(self.frames), self.reports)
+            time.sleep(0.05)
+
+    def hears(self, count):
+        wanted = len(self.frames) + count
+        self.wait_until(lambda: len(self.frames) >= wanted)
+
+
+@pytest.fixture(scope="module")
+def tone(server):
+    path = server / "tone.wav"
+    time_ = np.arange(48_000 * 4) / 48_000
+    soundfile.write(path, 0.3 * np.sin(2 * np.pi * 440 * time_), 48_000)
+    return path
+
+
+def test_the_sources_of_the_server_are_listed_by_name(surgeon):
+    names = [device.name for device in PortAudio().devices()]
+    assert "pulse:surgeon.monitor" in names and "pulse:other.monitor" in names
+
+
+def test_sound_played_into_a_source_is_heard_at_16_khz_with_its_pitch(surgeon, tone):
+    with Listener("pulse:surgeon.monitor") as listener:
+        listener.hears(5)
+        player = surgeon.play(tone)
+        listener.wait_until(lambda: any(level_db(f.samples) > -20 for f in listener.frames))
+        listener.hears(30)
+        player.kill()
+        player.wait()
+    loud = [f.samples for f in listener.frames if level_db(f.samples) > -20]
+    sound = np.concatenate(loud[3:20])
+    pitch = np.abs(np.fft.rfft(sound * np.hanning(len(sound)))).argmax() * RATE / len(sound)
+    assert pitch == pytest.approx(440.0, abs=3.0)
+
+
+def test_a_source_that_goes_is_reported_never_replaced_and_taken_up_again(surgeon, tone):
+    with Listener("pulse:surgeon.monitor") as listener:
+        listener.hears(10)
+        surgeon.remove()
+        listener.wait_until(lambda: any("pulse:other.monitor" in r for r in listener.reports))
+        heard = len(listener.frames)
+        time.sleep(1.0)
+        assert len(listener.frames) == heard, "nothing is heard from another source"
+        surgeon.add()
+        listener.hears(10)
+    assert listener.reports[-1] == ""
+    jumps = np.diff([f.first_sample for f in listener.frames])
+    assert jumps.max() > RATE, "the time without sound is a gap"
+
+
+def test_a_missing_source_is_named_with_those_that_exist(server):
+    with Listener("pulse:nobody.monitor") as listener:
+        listener.wait_until(lambda: listener.reports)
+    assert "microphone 'pulse:nobody.monitor': not found" in listener.reports[0]
+    assert "'pulse:other.monitor'" in listener.reports[0]
+    assert listener.frames == []
+
+
+def test_another_program_may_hear_the_same_source(surgeon):
+    words = ["parec", "--device=surgeon.monitor", "--rate=16000", "--channels=1", "--raw"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE) as other:
+        with Listener("pulse:surgeon.monitor") as listener:
+            listener.hears(20)
+            assert len(other.stdout.read(8192)) == 8192
+        other.kill()
+    assert not any(listener.reports), listener.reports
