@@ -65,6 +65,12 @@ workspace() {
     # Debian's ROS lives under /usr: nothing else may be chained in, and cmake must find Debian's tools first
     (cd catkin_ws && env -u CMAKE_PREFIX_PATH -u ROS_PACKAGE_PATH PATH="/usr/bin:/bin:$PATH" \
         catkin_make -DPYTHON_EXECUTABLE="$PWD/../.venv/bin/python" -DCATKIN_ENABLE_TESTING=OFF)
+    say "Compiling the kinematics (once)"
+    . catkin_ws/devel/setup.sh
+    .venv/bin/python -c 'from rst_control.config import load_motion_config
+from rst_control.planner import Planner
+from rst_control.robot_model import load_robot
+Planner(load_robot(), load_motion_config()).warm_up()'
 }
 
 case "${1:-}" in

@@ -6,7 +6,9 @@ from __future__ import annotations
 import os
 import re
 import signal
+import socket
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -14,6 +16,7 @@ import pytest
 from demo.system import free_port
 
 ROOT = Path(__file__).resolve().parent.parent
+START_TIME = 30.0  # [s] allowed for roscore to answer
 TIME_LIMIT = 240.0  # [s] for one .test file, start and end of its nodes included
 
 
@@ -46,6 +49,7 @@ class RosTest(pytest.Item):
             start_new_session=True,
         )
         try:
+            wait_for_master(port)
             self._run([*command, str(self.path)], environment)
         finally:
             master.send_signal(signal.SIGINT)
@@ -76,6 +80,16 @@ class RosTest(pytest.Item):
 
     def reportinfo(self):
         return self.path, 0, f"rostest {self.path.name}"
+
+
+def wait_for_master(port):
+    deadline = time.monotonic() + START_TIME
+    while time.monotonic() < deadline:
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.1)
+    raise RosTestError(f"roscore did not answer within {START_TIME:g} s")
 
 
 class RosTestError(Exception):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The simulated robot: it holds, follows within the robot's limits, feels tissue, and says what is wrong."""
+"""The simulated robot: it holds, follows within limits, feels tissue, and says what is wrong."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import pytest
 from rst_control.backends.pybullet_robot import PybulletRobot
 from rst_control.backends.servo import ServoState
 from rst_control.config import load_simulation_config
-from rst_control.configuration import planning_joints, robot_joints
+from rst_control.configuration import Configuration, planning_joints, robot_joints
+from rst_control.robot_model import load_robot
 from rst_control.types import JOINTS, Setpoint
 
 CONFIG = load_simulation_config()
@@ -158,6 +159,25 @@ def test_pulling_tissue_is_felt_by_jaws_and_joints_alike():
         assert robot.measured_js().tension > 0.5
         assert np.abs(robot.reading.effort - free)[:7].max() > 0.05
         assert np.abs(robot.reading.position - robot.target).max() < 5e-6
+
+
+def test_what_the_tissue_does_to_the_jaws_the_joints_feel_to_the_last_newton_metre():
+    model = load_robot()
+    with on_the_tissue(stiffness=400.0) as robot:
+        turn_jaws(robot, 0.5)
+        turn_jaws(robot, 0.0)
+        size = np.zeros(10)
+        size[1] = -0.006
+        swing(robot, np.pi / 4.0, size)
+        robot.advance(robot.now + 1.0)
+        force, pulled = robot.force, robot.reading.effort
+        robot.tissue.reset()
+        robot.advance(robot.now + 0.2)
+        assert not robot.force.any()
+        free = robot.reading.effort
+        J = Configuration(model, planning_joints(robot.reading.position)[0]).J_tip
+    assert np.linalg.norm(force) > 0.5
+    assert np.allclose((pulled - free)[:8], -(J[:3].T @ force)[:8], atol=2e-3)
 
 
 def test_the_same_setpoints_give_the_same_bits():

@@ -164,7 +164,7 @@ def test_a_phrase_that_can_grow_waits_for_the_end_of_the_utterance():
             "call": "pull more",
             "is_motion": True,
             "is_halt": False,
-            "refuse_below": -3.0,
+            "least_confidence": 0.5,
             "fire_above": 1000.0,
         }
     ]
@@ -176,13 +176,20 @@ def test_a_phrase_that_can_grow_waits_for_the_end_of_the_utterance():
 def test_the_second_opinion_refuses_a_motion():
     events = hear("pull more", recognizer=FakeRecognizer({"pull more": -9.0}))
     assert commands(events) == []
-    assert "allowed: at least -3.0" in refusals(events)[0].reason
+    assert "confidence 0.10, allowed: at least 0.50" in refusals(events)[0].reason
 
 
 def test_the_second_opinion_refuses_what_sounds_like_another_command():
     events = hear("pull more", recognizer=FakeRecognizer({"pull less": 1.0}))
     assert commands(events) == []
     assert "sounds more like 'pull less'" in refusals(events)[0].reason
+
+
+def test_an_unsure_stop_is_refused_at_the_end_and_says_so():
+    events = hear("stop", recognizer=FakeRecognizer(confidence=0.3))
+    assert commands(events) == []
+    assert refusals(events)[0].reason == "confidence 0.30, allowed: at least 0.40"
+    assert refusals(events)[0].nearest == "stop"
 
 
 def test_the_second_opinion_never_refuses_a_stop():

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Move: from a command to RCM-constrained motion of a Gen3 with an OpenRST forceps (Robotic Surgical Tool)."""
+"""Move: RCM-constrained motion of a Gen3 with an OpenRST forceps (Robotic Surgical Tool)."""

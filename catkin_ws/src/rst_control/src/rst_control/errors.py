@@ -20,7 +20,7 @@ class UnknownLimitLayerError(RstError):
         self.name, self.known = name, known
 
 
-class Infeasible(RstError):  # noqa: N818 - named as what it says of a path
+class Infeasible(RstError):
     """No path keeps all limits; the subclasses say which one broke."""
 
 

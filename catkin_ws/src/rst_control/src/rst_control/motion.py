@@ -31,7 +31,7 @@ START_TOLERANCE = 2e-3  # [rad] between a joint's set-point and where a phase be
 PULLS = (PhaseKind.PULL, PhaseKind.STEP)
 
 
-class OffPath(RstError):  # noqa: N818
+class OffPath(RstError):
     """A phase would begin away from where the robot stands."""
 
     def __init__(self, phase: PhaseKind, distance: float) -> None:

@@ -121,7 +121,7 @@ class CommandConfig:
     call: str = text(may_be_empty=True)
     is_motion: bool = flag()
     is_halt: bool = flag()
-    refuse_below: float = number(-1000.0, 1000.0, "nat")
+    least_confidence: float = number(0.0, 1.0, "")
     fire_above: float = number(-1000.0, 1000.0, "nat")
 
 

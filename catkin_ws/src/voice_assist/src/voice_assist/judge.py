@@ -34,7 +34,7 @@ class Judge:
     def __init__(self, mapper: Mapper, commands: CommandsConfig, config: EarlyConfig) -> None:
         """Start with a new utterance."""
         self._mapper, self._config = mapper, config
-        self._halts = {command.phrase for command in commands.commands if command.is_halt}
+        self._halts = {c.phrase: c.least_confidence for c in commands.commands if c.is_halt}
         self.reset()
 
     def reset(self) -> None:
@@ -75,15 +75,23 @@ class Judge:
         self._votes, self._words = 0, ()
 
     def _follow(self, heard: Hypothesis, outcome: Match | NoMatch, moment: Moment) -> None:
-        is_halt = isinstance(outcome, Match) and outcome.command in self._halts
-        self._votes = self._votes + 1 if is_halt else 0
+        self._votes = self._votes + 1 if self._is_sure_halt(heard, outcome) else 0
         words = normalize(heard.text)
         if words != self._words:
             self._words, self._unchanged_since = words, moment.time
 
-    def _halt(self, outcome: Match, heard: Hypothesis, moment: Moment) -> Match | None:
+    def _is_sure_halt(self, heard: Hypothesis, outcome: Match | NoMatch) -> bool:
+        least = self._halts.get(outcome.command) if isinstance(outcome, Match) else None
+        return least is not None and heard.confidence >= least
+
+    def _halt(self, outcome: Match, heard: Hypothesis, moment: Moment) -> Match | NoMatch | None:
         if self._has_halted:
             return None
+        if not self._is_sure_halt(heard, outcome):
+            if not moment.is_complete:
+                return None
+            reason = too_unsure(heard.confidence, self._halts[outcome.command])
+            return NoMatch(reason, outcome.command, outcome.wer)
         config = self._config
         is_sure = config.is_enabled and (
             self._votes >= config.stop_agreement
@@ -110,3 +118,8 @@ class Judge:
         if self._has_halted and not self._decided:
             first = "a stop"
         return f"it continues {first} in the same breath; pause before the next command"
+
+
+def too_unsure(confidence: float, least: float) -> str:
+    """Why a command that was heard is refused."""
+    return f"confidence {confidence:.2f}, allowed: at least {least:.2f}"

@@ -13,7 +13,7 @@ from voice_assist.config import VoiceConfig
 from voice_assist.denoise import Denoiser
 from voice_assist.dialogue import AT_START, Answered, Heard, State, step
 from voice_assist.hearing import Hearing
-from voice_assist.judge import Judge, Moment
+from voice_assist.judge import Judge, Moment, too_unsure
 from voice_assist.mapper import Mapper
 from voice_assist.normalize import is_negated, normalize
 from voice_assist.types import (
@@ -169,20 +169,20 @@ class Pipeline:
             self._second_opinion(match, heard)
 
     def _second_opinion(self, match: Match, heard: Hypothesis) -> tuple[Match | NoMatch, float]:
-        """The model's scores of whole commands may refuse a motion; gives the confidence too."""
+        """The scores of whole commands may refuse one that is no halt; gives the confidence too."""
         command = self._config.commands.get(match.command)
-        if command.is_halt or not self._config.recognizer.second_opinion:
+        if command.is_halt:
             return match, heard.confidence
-        scores = self._hear.scores(self._config.commands.phrases)
-        best, score = max(scores, key=scores.__getitem__), scores[match.command]
-        confidence = _logistic(score / self._config.recognizer.score_scale)
-        if not command.is_motion:
-            return match, confidence
-        if best != match.command:
-            return NoMatch(f"it sounds more like {best!r}", match.command, match.wer), confidence
-        if score < command.refuse_below:
-            reason = f"the sound supports {best!r} by {score:.1f} nat"
-            reason += f", allowed: at least {command.refuse_below:.1f}"
+        confidence = heard.confidence
+        if self._config.recognizer.second_opinion:
+            scores = self._hear.scores(self._config.commands.phrases)
+            best, score = max(scores, key=scores.__getitem__), scores[match.command]
+            confidence = _logistic(score / self._config.recognizer.score_scale)
+            if best != match.command:
+                reason = f"it sounds more like {best!r}"
+                return NoMatch(reason, match.command, match.wer), confidence
+        if confidence < command.least_confidence:
+            reason = too_unsure(confidence, command.least_confidence)
             return NoMatch(reason, match.command, match.wer), confidence
         return match, confidence
 

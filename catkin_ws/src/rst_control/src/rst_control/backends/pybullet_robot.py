@@ -40,6 +40,7 @@ class PybulletRobot:
         home = robot_joints(np.array(scene.home), scene.home_opening)
         self._start, self._steps = start, 0
         self._error = np.array([0.0] * 7 + list(simulator.tool_joint_error))
+        self._has_error = bool(self._error.any())
         self._physics = RobotPhysics(urdf, home + self._error, self.time_step)
         limits = servo_limits(config.limits, self._physics.torque_limits)
         self._servo = Servo(simulator.servo, limits, home)
@@ -175,7 +176,7 @@ class PybulletRobot:
         self.close()
 
     def _as_reported(self, true: JointReading) -> JointReading:
-        return replace(true, position=true.position - self._error)
+        return replace(true, position=true.position - self._error) if self._has_error else true
 
     def _check_following(self) -> None:
         away = np.abs(self._reading.position - self._target)

@@ -24,6 +24,7 @@ from rst_control.config import CameraConfig, SceneConfig
 
 SHARPNESS = 2  # each pixel is the mean of this many in each direction
 LIGHT = (0.3, -0.8, 1.2)  # direction to the lamp, base frame
+WINDOW_CLOSER = 0.75  # the window has a wider angle than the pictures
 NEAR = 0.01  # [m] nothing closer is drawn
 
 Image = NDArray[np.uint8]  # (height, width, 3)
@@ -45,11 +46,11 @@ class ScenePainter:
         self._client = pybullet.connect(pybullet.DIRECT if window is None else pybullet.GUI)
         if self._client < 0:
             raise RuntimeError("no window could be opened")
-        if window is not None:
-            self._look_from(window)
         self._robot = load_robot(urdf, self._client)
         self._joints = joint_indices(self._robot, self._client)
         self._shapes = SceneShapes(scene, self._client)
+        if window is not None:
+            self._look_from(window)
 
     def picture(self, state: SceneState, cameras: Sequence[CameraConfig]) -> Image:
         """Draw the scene as several cameras see it, side by side.
@@ -92,12 +93,17 @@ class ScenePainter:
         pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, **on)
         pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_SHADOWS, 0, **on)
         pybullet.resetDebugVisualizerCamera(
-            camera.distance,
+            WINDOW_CLOSER * camera.distance,
             math.degrees(camera.yaw),
             math.degrees(camera.pitch),
             camera.target,
             **on,
         )
+        colours = {  # a window shows one colour a link, its last: let it be that of its first shape
+            shape[1]: shape[7] for shape in reversed(pybullet.getVisualShapeData(self._robot, **on))
+        }
+        for link, colour in colours.items():
+            pybullet.changeVisualShape(self._robot, link, rgbaColor=colour, **on)
 
     def _shot(self, camera: CameraConfig) -> Image:
         width, height = (SHARPNESS * n for n in camera.size)

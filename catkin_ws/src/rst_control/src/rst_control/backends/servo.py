@@ -163,7 +163,7 @@ class Servo:
             position, velocity = self._played(now - self._config.playout_delay)
         else:
             position, velocity = self._brake.at(now)
-        position = np.clip(position, self._limits.lower, self._limits.upper)
+        position = np.minimum(np.maximum(position, self._limits.lower), self._limits.upper)
         if self.state is ServoState.BRAKING and now >= self._brake.start + self._brake.duration:
             self._rest(position)
         return position, velocity

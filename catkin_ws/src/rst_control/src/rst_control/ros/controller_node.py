@@ -39,10 +39,9 @@ class ControllerNode:
     Args:
         config: Settings.
         model: The robot.
-        priority: What the system granted, in words.
     """
 
-    def __init__(self, config: MotionConfig, model: RobotModel, priority: str) -> None:
+    def __init__(self, config: MotionConfig, model: RobotModel) -> None:
         settings = config.controller
         self._clock = RosClock()
         self._link = RobotLink(self._clock)
@@ -53,7 +52,7 @@ class ControllerNode:
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
         self._trocar = rospy.Publisher("rst_control/trocar", PointStamped, queue_size=1, latch=True)
         self._trocar.publish(trocar_message(config.scene.trocar))
-        self._diagnostics = Diagnostics(priority)
+        self._diagnostics = Diagnostics()
         self._actions = AssistServer(self._desk, self._executor)
         self._service = CommandService(
             self._desk,
@@ -67,6 +66,7 @@ class ControllerNode:
         self._stack = ExitStack()
 
     def __enter__(self) -> ControllerNode:
+        self._diagnostics.priority = ask_for_priority()
         for name, step in (
             ("planning", self._plan),
             ("publishing", self._publish),
@@ -81,12 +81,13 @@ class ControllerNode:
     def __exit__(self, *_: object) -> None:
         self._stack.close()
 
-    def brake(self) -> None:
-        """Bring the robot to rest before the node ends."""
+    def close(self) -> None:
+        """Bring the robot to rest, then end all threads; called before the topics are closed."""
         self._executor.stop("the controller is being shut down")
         end = time.monotonic() + BRAKING_TIME
         while self._executor.view.is_moving and time.monotonic() < end:
             time.sleep(0.005)
+        self._stack.close()
 
     def _tick(self, due: float) -> None:
         setpoint = self._executor.tick(due, self._link.measured_js())
@@ -130,18 +131,17 @@ class ControllerNode:
 
 def main() -> None:
     """Run the controller node."""
-    priority = ask_for_priority()
     rospy.init_node("controller")
     try:
         config = load_config(MotionConfig, rospy.get_param("~", {}), "controller parameters")
         model = parse_robot(rospy.get_param("robot_description"))
-        node = ControllerNode(config, model, priority)
+        node = ControllerNode(config, model)
     except (ConfigError, RstError, KeyError) as error:
         rospy.logfatal(
             f"the controller cannot start: {error}; start it by launch/controller.launch"
         )
         sys.exit(2)
     with node:
-        rospy.on_shutdown(node.brake)
+        rospy.on_shutdown(node.close)
         rospy.loginfo("controller ready; it waits for the robot and for commands")
         rospy.spin()

@@ -15,14 +15,10 @@ ERRORS_TOLD = 3  # of the newest errors in threads
 
 
 class Diagnostics:
-    """Collects and publishes what a person needs to see that all is well, or why not.
+    """Collects and publishes what a person needs to see that all is well, or why not."""
 
-    Args:
-        priority: What the system granted the node, in words.
-    """
-
-    def __init__(self, priority: str) -> None:
-        self._priority = priority
+    def __init__(self) -> None:
+        self.priority = "none"  # what the system granted the node, in words
         self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
         self._errors: list[str] = []
 
@@ -76,7 +72,7 @@ class Diagnostics:
             "tick p50 [us]": f"{loop.duration_p50 * 1e6:.0f}",
             "tick p99 [us]": f"{loop.duration_p99 * 1e6:.0f}",
             "lateness p99 [us]": f"{loop.lateness_p99 * 1e6:.0f}",
-            "priority": self._priority,
+            "priority": self.priority,
             "errors": "; ".join(self._errors) or "none",
         }
         return _status("control loop", level, message, values)

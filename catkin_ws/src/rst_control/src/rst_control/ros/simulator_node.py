@@ -123,11 +123,12 @@ class SimulatorNode:
 
     def _fall_behind(self, behind: float) -> None:
         """Too late to make up for: at rest, time is given up; in motion the robot brakes first."""
-        if self.robot.servo_state is not ServoState.HOLDING:
-            self.robot.fail(f"the simulation fell {behind:.2f} s behind real time")
-            return
+        if self._is_real_time:
+            if self.robot.servo_state is not ServoState.HOLDING:
+                self.robot.fail(f"the simulation fell {behind:.2f} s behind real time")
+                return
+            self.robot.skip(behind)
         self.pace.give_up(behind)
-        self.robot.skip(behind)
         log.warning("gave up %.2f s: the simulation could not keep up", behind)
 
     def _on_setpoint(self, message: RawJointState) -> None:

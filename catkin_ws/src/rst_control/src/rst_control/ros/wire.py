@@ -20,7 +20,7 @@ _COUNT = struct.Struct("<I")
 _FORCE = struct.Struct("<3d")
 
 
-class BadMessage(ValueError):  # noqa: N818
+class BadMessage(ValueError):
     """A message from the robot cannot be used; the text says why."""
 
 

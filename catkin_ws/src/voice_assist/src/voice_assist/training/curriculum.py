@@ -35,9 +35,9 @@ WHOLE = {
     **{"human stop": 4, "human rare": 5, "human word": 10, "sentence": 25},
 }
 PIECES = {
-    **{"command": 17, "variant": 6, "near": 11, "span": 9, "noise": 4},
-    **{"human stop": 4, "human rare": 4, "human word": 7, "sentence": 4},
-    **{"human span": 22, "cut": 7, "splice": 8, "mined": 4},
+    **{"command": 13, "variant": 5, "near": 16, "span": 9, "noise": 4},
+    **{"human stop": 4, "human rare": 4, "human word": 7, "sentence": 3},
+    **{"human span": 22, "cut": 6, "splice": 8, "mined": 4},
 }
 
 STAGES = (

@@ -109,7 +109,7 @@ class Run:
 
     def _measure(self) -> None:
         """Log figures; export the checkpoint where they are the best so far."""
-        figures: Figures = measure(self._averaged(), self.corpus)
+        figures: Figures = measure(self._averaged(), self.corpus, thin=3)
         at = {"step": self.progress.step, "seconds": round(self.progress.seconds)}
         line: dict[str, object] = {**at, **figures.flat()}
         LOG.info("measured %s", json.dumps(line))

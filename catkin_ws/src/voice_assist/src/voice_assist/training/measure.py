@@ -18,7 +18,7 @@ from voice_assist.training.synthesis import Clip
 from voice_assist.training.texts import COMMANDS
 from voice_assist.types import RATE, Samples
 
-LETTERS = 40  # decoded at most; no command is longer
+LETTERS = 24  # decoded at most; longer texts cannot come out as a command
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Tally:
     """How a set of clips was written down."""
 
     n: int
-    right: int  # transcript equals the text
+    right: int  # transcript equals the first LETTERS of the text
     taken: int  # transcript is a command, though another was or none was said
     hours: float
 
@@ -76,7 +76,7 @@ def tally(clips: Sequence[Clip], written: Sequence[str]) -> Tally:
     pairs = list(zip(clips, written, strict=True))
     return Tally(
         n=len(pairs),
-        right=sum(clip.text == text for clip, text in pairs),
+        right=sum(clip.text[:LETTERS].strip() == text for clip, text in pairs),
         taken=sum(text in COMMANDS and text != clip.text for clip, text in pairs),
         hours=sum(len(clip.samples) for clip in clips) / RATE / 3600,
     )

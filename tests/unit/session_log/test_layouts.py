@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The views that open a recording ask only for what a recording holds."""
+
+import json
+import re
+
+import pytest
+import yaml
+
+from tests.unit.session_log.message_classes import ROOT, class_of
+
+TYPES = {
+    "/voice_assist/utterance": "voice_assist/Utterance",
+    "/voice_assist/mode": "voice_assist/Mode",
+    "/rst_control/event": "rst_control/Event",
+    "/rst_control/state": "rst_control/ControllerState",
+    "/joint_states": "sensor_msgs/JointState",
+    "/rst_control/trocar": "geometry_msgs/PointStamped",
+    "/robot/tension": "geometry_msgs/WrenchStamped",
+    "/robot/scene/compressed": "sensor_msgs/CompressedImage",
+    "/robot_description": "std_msgs/String",
+    "/diagnostics": "diagnostic_msgs/DiagnosticArray",
+}
+
+
+@pytest.fixture(scope="module")
+def layout():
+    return json.loads((ROOT / "urdf/foxglove/session.json").read_text(encoding="utf-8"))
+
+
+def panels(node):
+    return [node] if isinstance(node, str) else panels(node["first"]) + panels(node["second"])
+
+
+def test_every_panel_has_its_settings_and_its_place(layout):
+    assert sorted(panels(layout["layout"])) == sorted(layout["configById"])
+
+
+def test_every_topic_of_the_layout_is_one_that_is_recorded(layout):
+    topics = set(re.findall(r'"(/[a-z_/]+)', json.dumps(layout["configById"])))
+    assert topics <= set(TYPES) and "/rst_control/state" in topics
+
+
+def test_every_plotted_field_exists_in_its_message(layout):
+    paths = re.findall(r'"value": "(/[a-z_/]+)\.([a-z_]+)', json.dumps(layout))
+    assert len(paths) > 10
+    for topic, field in paths:
+        assert field in class_of(TYPES[topic]).__slots__
+
+
+def test_every_topic_of_rviz_is_one_that_is_recorded():
+    config = yaml.safe_load((ROOT / "urdf/rviz/session.rviz").read_text(encoding="utf-8"))
+    displays = config["Visualization Manager"]["Displays"]
+    topics = {d["Topic"] for d in displays if "Topic" in d}
+    topics |= {d["Image Topic"] + "/compressed" for d in displays if "Image Topic" in d}
+    assert topics == {"/rst_control/trocar", "/robot/tension", "/robot/scene/compressed"}

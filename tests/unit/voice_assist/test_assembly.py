@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import subprocess
+
+import pytest
+
+from tests.unit.voice_assist.fake_speech import FakeRecognizer
+from voice_assist.assembly import make_pipeline, make_source
+from voice_assist.audio import pulse
+from voice_assist.audio.wav_file import WavFile
+from voice_assist.config import load_voice_config
+from voice_assist.errors import AudioError
+from voice_assist.types import Mode
+from voice_assist.vad.detector import EnergyDetector, make_detector
+
+
+def test_the_pipeline_takes_the_detector_of_the_settings():
+    config = load_voice_config(audio__vad__detector="energy")
+    assert isinstance(make_detector(config.audio.vad), EnergyDetector)
+    pipeline = make_pipeline(config, lambda: 0.0, FakeRecognizer())
+    assert pipeline.state.mode is Mode.STANDBY
+
+
+def test_the_source_is_the_one_of_the_settings():
+    config = load_voice_config(audio__source="wav", audio__wav__path="x.wav").audio
+    source = make_source(config, lambda: 0.0, lambda _: False, lambda _: None)
+    assert isinstance(source, WavFile)
+
+
+def test_a_topic_is_left_to_the_node():
+    config = load_voice_config(audio__source="topic").audio
+    with pytest.raises(AudioError, match="only in the node"):
+        make_source(config, lambda: 0.0, lambda _: False, lambda _: None)
+
+
+def test_sources_of_pulseaudio_are_read_from_its_list(monkeypatch):
+    listing = "0\tsurgeon.monitor\tmodule\ts16le\tIDLE\n1\talsa_input.usb\tmodule\ts16le\tIDLE\n"
+
+    def run(*_, **__):
+        return subprocess.CompletedProcess([], 0, stdout=listing)
+
+    monkeypatch.setattr(pulse.shutil, "which", lambda _: "pactl")
+    monkeypatch.setattr(pulse.subprocess, "run", run)
+    assert pulse.pulse_sources() == ("surgeon.monitor", "alsa_input.usb")
+
+
+def test_without_pactl_or_an_answer_there_are_no_sources(monkeypatch):
+    monkeypatch.setattr(pulse.shutil, "which", lambda _: None)
+    assert pulse.pulse_sources() == ()
+
+    def run(*_, **__):
+        raise subprocess.TimeoutExpired("pactl", 1.0)
+
+    monkeypatch.setattr(pulse.shutil, "which", lambda _: "pactl")
+    monkeypatch.setattr(pulse.subprocess, "run", run)
+    assert pulse.pulse_sources() == ()
