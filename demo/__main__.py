@@ -16,9 +16,9 @@ import rospy
 import soundfile
 from rich.console import Console
 from rich.table import Table
-from std_srvs.srv import Trigger
 
 from demo.check import Verdict, verdicts
+from demo.film import Camera, take_picture, write_film
 from demo.script import Script, load_script
 from demo.sound import RATE, render
 from demo.system import System
@@ -52,6 +52,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         console.print(f"What the nodes said is in {folder / 'launch.log'}")
         return 1
     _report(folder, console)
+    if options.film:
+        pictures = write_film(folder / "session.mcap", folder / "film.gif")
+        console.print(f"{pictures} pictures in {folder / 'film.gif'}")
     if options.microphone:
         return 0
     return _conclude(results, folder, console)
@@ -63,6 +66,7 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--out", type=Path, help="folder of the session (sessions/<time>)")
     parser.add_argument("--gui", action="store_true", help="open the simulator's window")
     parser.add_argument("--microphone", action="store_true", help="listen to you, until Ctrl-C")
+    parser.add_argument("--film", action="store_true", help="film the scene to film.gif")
     parser.add_argument("--wav", action="store_true", help="do not try a virtual microphone")
     return parser.parse_args(argv)
 
@@ -102,6 +106,8 @@ def _session(
         if microphone:
             player = microphone.play(wav)
             stack.callback(player.terminate)
+        if options.film:
+            stack.callback(Camera(timeline.warn).close)
         timeline.start_clock()
         _follow(script, system, timeline, lead)
         return verdicts(script, timeline.observed)
@@ -138,7 +144,7 @@ def _follow(script: Script, system: System, timeline: Timeline, lead: float) -> 
     offset = max(lead - timeline.now(), 0.0)
     time.sleep(offset)
     timeline.start_clock()
-    _picture(timeline)
+    take_picture(timeline.warn)
     for i, step in enumerate(script.steps):
         _wait_until(step.at, system, timeline)
         who = "surgeon" if step.speaker == "surgeon" else "people "
@@ -146,7 +152,7 @@ def _follow(script: Script, system: System, timeline: Timeline, lead: float) -> 
         end = script.end_of(i)
         if step.effect in ("tense", "more", "less", "stopped", "released"):
             _wait_until(end - 1.0, system, timeline)
-            _picture(timeline)
+            take_picture(timeline.warn)
         _wait_until(end, system, timeline)
     time.sleep(TAIL)
 
@@ -156,16 +162,6 @@ def _wait_until(moment: float, system: System, timeline: Timeline) -> None:
         if not system.is_running():
             raise RuntimeError("a part of the system ended during the session")
         time.sleep(min(0.05, max(moment - timeline.now(), 0.0)))
-
-
-def _picture(timeline: Timeline) -> None:
-    try:
-        reply = rospy.ServiceProxy("robot/snapshot", Trigger)()
-    except rospy.ServiceException as error:
-        timeline.say(f"no picture: {error}", "yellow")
-        return
-    if not reply.success:
-        timeline.say(f"no picture: {reply.message}", "yellow")
 
 
 def _listen(system: System, timeline: Timeline) -> list[Verdict]:

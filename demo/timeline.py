@@ -71,6 +71,10 @@ class Timeline:
         """Print one line of the timeline."""
         self._console.print(Text(f"{self.now():7.2f} s  {words}", style=style))
 
+    def warn(self, words: str) -> None:
+        """Print one line about something that went wrong beside the session."""
+        self.say(words, "yellow")
+
     def _on_utterance(self, message: Utterance) -> None:
         start = message.speech_start.to_sec() - self._zero
         delay = (message.decision - message.speech_end).to_sec()

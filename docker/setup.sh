@@ -5,7 +5,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 PYTHON=/usr/bin/python3 # Debian's own: rospy and PyKDL belong to it, whatever other python comes first on PATH
-unset PYTHONPATH PYTHONHOME VIRTUAL_ENV || true
+unset PYTHONPATH PYTHONHOME VIRTUAL_ENV MAKEFLAGS MAKELEVEL || true
 
 say() { printf '\n== %s\n' "$*"; }
 fail() {
@@ -66,7 +66,9 @@ workspace() {
     (cd catkin_ws && env -u CMAKE_PREFIX_PATH -u ROS_PACKAGE_PATH PATH="/usr/bin:/bin:$PATH" \
         catkin_make -DPYTHON_EXECUTABLE="$PWD/../.venv/bin/python" -DCATKIN_ENABLE_TESTING=OFF)
     say "Compiling the kinematics (once)"
+    set +u # of catkin's script
     . catkin_ws/devel/setup.sh
+    set -u
     .venv/bin/python -c 'from rst_control.config import load_motion_config
 from rst_control.planner import Planner
 from rst_control.robot_model import load_robot

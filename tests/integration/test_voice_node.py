@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 import soundfile
+import soxr
 
 from demo.system import free_port
 from tests.unit.voice_assist.fake_speech import say
@@ -19,7 +20,7 @@ from tests.unit.voice_assist.fake_speech import say
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent
 HANG = 4.0  # [s] as in voice_witness.py
-START = 30.0  # [s] allowed for a process to be ready
+START = 40.0  # [s] allowed for a process to be ready
 DEBUG, INFO, WARN, ERROR = 1, 2, 4, 8
 
 
@@ -66,7 +67,7 @@ def watch(master, folder, seconds, behaviour=(), **settings):
         processes.append(subprocess.Popen(witness, env=master))
         wait_until(Path(f"{out}.ready").exists, "the witness")
         processes.append(subprocess.Popen(node, env=master))
-        processes[0].wait(seconds + START)
+        processes[0].wait(seconds + 2 * START)
     finally:
         for process in reversed(processes):
             process.send_signal(signal.SIGINT)
@@ -95,12 +96,12 @@ def firsts(seen, kind):
 def session(master, tmp_path_factory):
     """One spoken session: what the witness saw."""
     folder = tmp_path_factory.mktemp("session")
-    sound = say("tense 1 hey robot 1 tense 1 he said pull more 1 pull more 1 stop 1 terminate")
+    sound = say("0.5 tense 1 hey robot 1 tense 1 he said pull more 1 pull more 1 stop 1 terminate")
     soundfile.write(folder / "sound.wav", sound, 16_000)
     return watch(
         master,
         folder,
-        18,
+        16,
         ["pull more=refuse"],
         **{"audio/wav/path": folder / "sound.wav"},
     )
@@ -162,7 +163,7 @@ def test_heartbeats_go_on_while_it_listens(session):
 def test_a_controller_that_hangs_does_not_delay_hearing(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("hey robot 0.7 tense 0.7 stop"), 16_000)
     settings = {"audio/wav/path": tmp_path / "sound.wav"}
-    seen = watch(master, tmp_path, 9, ["tense=hang"], **settings)
+    seen = watch(master, tmp_path, 8, ["tense=hang"], **settings)
     hung = next(entry[-1] for entry in seen["call"] if entry[0] == "tense")
     (stop,) = seen["stop"]
     assert stop[-1] - hung < HANG, "the stop did not wait for the answer"
@@ -173,7 +174,7 @@ def test_a_controller_that_hangs_does_not_delay_hearing(master, tmp_path):
 def test_without_a_controller_that_is_said_and_hearing_goes_on(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("hey robot 1 tense", after=2.0), 16_000)
     settings = {"audio/wav/path": tmp_path / "sound.wav"}
-    seen = watch(master, tmp_path, 9, ["service=missing"], **settings)
+    seen = watch(master, tmp_path, 7, ["service=missing"], **settings)
     assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "tense"]
     warnings = [entry[2] for entry in seen["log"] if entry[1] == WARN]
     assert any("hey robot refused: the robot's controller is missing" in w for w in warnings)
@@ -183,11 +184,22 @@ def test_without_a_controller_that_is_said_and_hearing_goes_on(master, tmp_path)
 
 def test_without_a_microphone_it_lives_says_so_and_sends_no_heartbeat(master, tmp_path):
     settings = {"audio/source": "microphone", "audio/microphone/device": "no such microphone"}
-    seen = watch(master, tmp_path, 6, **settings)
+    seen = watch(master, tmp_path, 4, **settings)
     errors = [entry[2] for entry in seen["log"] if entry[1] == ERROR]
     assert any("'no such microphone': not found; microphones found:" in e for e in errors)
     assert seen["diagnostics"][-1][0] == 2
     assert "heartbeat" not in seen
+
+
+def test_an_audio_topic_of_another_rate_is_heard_and_its_end_reported(master, tmp_path):
+    sound = soxr.resample(say("hey robot 1 stop"), 16_000, 44_100)
+    soundfile.write(tmp_path / "sound.wav", sound, 44_100)
+    play = f"play={tmp_path / 'sound.wav'}"
+    seen = watch(master, tmp_path, 9, [play], **{"audio/source": "topic"})
+    assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "stop"]
+    assert len(seen["stop"]) == 1
+    errors = [entry[2] for entry in seen["log"] if entry[1] == ERROR]
+    assert any("no sound on /audio_in for 2.0 s" in error for error in errors)
 
 
 def test_a_wrong_setting_ends_it_at_once_with_the_reason(master):

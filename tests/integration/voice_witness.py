@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Serves the robot's commands and writes down all that the voice node does; for test_voice_node.py.
 
-Arguments: seconds to watch, file to write, then per command what to do: refuse, hang or none.
+Arguments: seconds to watch once the node is ready, file to write, then pairs: command=refuse, command=hang,
+service=missing, or play=FILE, which is published on the topic audio_in.
 """
 
 import json
@@ -11,6 +12,7 @@ import time
 from pathlib import Path
 
 import rospy
+import soundfile
 from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Empty, String, Time
@@ -20,6 +22,7 @@ from voice_assist.msg import AudioChunk, Mode, Utterance
 
 SEEN: dict[str, list] = {}
 HANG = 4.0  # [s]
+START = 40.0  # [s] allowed for the node to be ready
 
 
 def note(kind, *facts):
@@ -36,6 +39,23 @@ def serve(behaviour):
         return CommandResponse(True, f"{request.command} it is")
 
     rospy.Service("rst_control/command", Command, answer)
+
+
+def play(path):
+    """Publish a sound file chunk by chunk in real time, as soon as somebody listens."""
+    sound, rate = soundfile.read(path, dtype="int16")
+    publisher = rospy.Publisher("audio_in", AudioChunk, queue_size=100)
+    while publisher.get_num_connections() == 0 and not rospy.is_shutdown():
+        time.sleep(0.05)
+    start, size = time.time(), rate // 20
+    for first in range(0, len(sound), size):
+        chunk = AudioChunk(
+            rate=rate, first_sample=first, samples=sound[first : first + size].tolist()
+        )
+        due = start + (first + size) / rate
+        chunk.header.stamp = rospy.Time.from_sec(due - size / rate)
+        time.sleep(max(due - time.time(), 0.0))
+        publisher.publish(chunk)
 
 
 def main():
@@ -71,10 +91,13 @@ def main():
     }
     for topic, (kind, take) in topics.items():
         rospy.Subscriber(topic, kind, take)
+    if "play" in behaviour:
+        threading.Thread(target=play, args=(behaviour["play"],), daemon=True).start()
     Path(out + ".ready").touch()
-    end = time.time() + float(seconds)
-    while time.time() < end and not rospy.is_shutdown():
+    end = time.time() + START
+    while time.time() < end and "mode" not in SEEN and not rospy.is_shutdown():
         time.sleep(0.1)
+    time.sleep(float(seconds))
     Path(out).write_text(json.dumps(SEEN))
 
 
