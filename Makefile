@@ -36,7 +36,11 @@ demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its windo
 test: setup ## all tests: unit, property, integration and rostest
 	@$(RUN) python -m pytest tests $(ARGS)
 
-bench: setup ## measure speed and accuracy of motion, voice and recording; writes bench/results/
+.setup/bench: .setup/workspace requirements-bench.txt
+	@$(PY) -m pip install --progress-bar on -r requirements-bench.txt
+	@touch $@
+
+bench: .setup/bench ## measure speed and accuracy of motion, voice and recording; writes bench/results/
 	@$(RUN) python -m bench $(ONLY)
 
 evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=active|standby] [JOBS=n] [MODEL=name]

@@ -130,7 +130,12 @@ def _record_script(script: Script, wav: Path, lead: float) -> Path:
 
 def _wait_until_ready(system: System, timeline: Timeline) -> None:
     deadline = time.monotonic() + READY_TIME
-    for part, ready in (("robot", timeline.controller_ready), ("voice", timeline.voice_ready)):
+    parts = {
+        "recorder": timeline.recorder_ready,
+        "robot": timeline.controller_ready,
+        "voice": timeline.voice_ready,
+    }
+    for part, ready in parts.items():
         while not ready.wait(0.2):
             if not system.is_running():
                 raise RuntimeError(f"a node ended while the {part} was starting")

@@ -6,6 +6,7 @@ from __future__ import annotations
 import io
 import threading
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import rospy
@@ -70,7 +71,7 @@ def write_film(mcap: Path, gif: Path) -> int:
             stamps.append(message.log_time / 1e6)
     if len(frames) < 2:
         return len(frames)
-    steps = [max((b - a) / SPEED, 20.0) for a, b in zip(stamps, stamps[1:], strict=False)]
+    steps = [max((b - a) / SPEED, 20.0) for a, b in pairwise(stamps)]
     frames[0].save(
         gif,
         save_all=True,

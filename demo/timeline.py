@@ -34,6 +34,7 @@ class Timeline:
         self.observed = Observed()
         self.voice_ready = threading.Event()
         self.controller_ready = threading.Event()
+        self.recorder_ready = threading.Event()
         self._console = console
         self._zero = rospy.Time.now().to_sec()
         self._partial, self._mode = "", "?"
@@ -59,6 +60,7 @@ class Timeline:
             rospy.Subscriber("voice_assist/mode", Mode, self._on_mode),
             rospy.Subscriber("rst_control/state", ControllerState, self._on_state),
             rospy.Subscriber("rst_control/event", Event, self._on_event),
+            rospy.Subscriber("session_log/file", String, self._on_file),
         ]
         return self
 
@@ -99,6 +101,10 @@ class Timeline:
 
     def _on_partial(self, message: String) -> None:
         self._partial = message.data
+
+    def _on_file(self, message: String) -> None:
+        if message.data:
+            self.recorder_ready.set()
 
     def _on_mode(self, message: Mode) -> None:
         self._mode = message.mode

@@ -92,6 +92,7 @@ def recorder(ros, folder, **changes):
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
             process.wait(PATIENCE)
+        ros.master.deleteParam("/recorder")
 
 
 def talk(ros, *words):
@@ -200,6 +201,12 @@ def test_a_folder_that_cannot_be_written_is_an_error_until_it_can(ros, tmp_path)
         watcher.kill()
         watcher.wait(PATIENCE)
     assert survey(SessionReader(obstacle)).topics["/rosout"].messages > 0
+
+
+def test_a_wrong_setting_is_named_and_ends_the_node(ros, tmp_path):
+    with recorder(ros, tmp_path, flush_perod=1.0) as process:
+        assert process.wait(PATIENCE) == 1
+    assert not (tmp_path / "session.mcap").exists()
 
 
 def test_the_launch_file_records_into_the_folder_it_is_given(ros, tmp_path):

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 import soundfile
 import soxr
+import yaml
 
 from demo.system import free_port
 from tests.unit.voice_assist.fake_speech import say
@@ -78,14 +79,16 @@ def watch(master, folder, seconds, behaviour=(), **settings):
 def load(master, settings):
     """Put the package's settings on the parameter server, with some changed."""
     folder = ROOT / "catkin_ws" / "src" / "voice_assist" / "config"
-    subprocess.run(["rosparam", "delete", "/voice_assist"], env=master, capture_output=True)
-    for name in ("audio", "recognizer", "commands"):
-        path = str(folder / f"{name}.yaml")
-        subprocess.run(["rosparam", "load", path, f"/voice_assist/{name}"], env=master, check=True)
-    for key, value in settings.items():
-        subprocess.run(
-            ["rosparam", "set", f"/voice_assist/{key}", str(value)], env=master, check=True
-        )
+    names = ("audio", "recognizer", "commands")
+    given = {name: yaml.safe_load((folder / f"{name}.yaml").read_text()) for name in names}
+    for path, value in settings.items():
+        *parents, key = path.split("/")
+        branch = given
+        for parent in parents:
+            branch = branch[parent]
+        branch[key] = value if isinstance(value, (int, float)) else str(value)
+    words = ["rosparam", "load", "-", "/voice_assist"]
+    subprocess.run(words, env=master, input=yaml.safe_dump(given), text=True, check=True)
 
 
 def firsts(seen, kind):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Serves the robot's commands and writes down all that the voice node does; for test_voice_node.py.
 
-Arguments: seconds to watch once the node is ready, file to write, then pairs: command=refuse, command=hang,
-service=missing, or play=FILE, which is published on the topic audio_in.
+Arguments: seconds to watch once the node is ready, file to write, then pairs: command=refuse,
+command=hang, service=missing, or play=FILE, which is published on the topic audio_in.
 """
 
 import json

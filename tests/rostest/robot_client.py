@@ -100,6 +100,13 @@ class RobotClient:
         """Largest measured joint speed [rad/s]."""
         return max(abs(v) for v in self.joints.velocity)
 
+    def drift(self, seconds: float) -> float:
+        """Largest change of a joint within a time [rad]."""
+        before = self.joints.position
+        rospy.sleep(seconds)
+        after = self.joints.position
+        return max(abs(a - b) for a, b in zip(before, after, strict=True))
+
     def max_rcm_error(self) -> float:
         """Largest RCM error that the controller reported while in motion [m]."""
         moving = [s.rcm_error for s in self.states if s.state in ("moving", "stopping")]

@@ -117,12 +117,60 @@ def test_a_robot_that_comes_back_elsewhere_is_taken_where_it_is():
     rig.robot.is_connected = False
     rig.run(0.01)
     rig.robot.push(np.full(10, 0.3))
+    elsewhere = rig.robot.measured_js().position
     rig.robot.is_connected = True
     rig.run(0.01)
     assert rig.state is State.FAULTED
-    np.testing.assert_allclose(rig.joints, rig.robot.measured_js().position)
+    np.testing.assert_array_equal(rig.robot.measured_js().position, elsewhere)
     rig.say("hey robot")
     assert rig.still_for(0.1)
+    np.testing.assert_array_equal(rig.robot.measured_js().position, elsewhere)
+
+
+def test_an_arm_that_was_pushed_away_is_not_pulled_back_by_hey_robot():
+    rig = Rig().awake()
+    servo, rig.robot.servo_jp = rig.robot.servo_jp, lambda setpoint: None
+    rig.robot.push(np.full(10, 0.06))
+    rig.run(0.01)
+    assert rig.state is State.FAULTED
+    elsewhere = rig.robot.measured_js().position
+    rig.say("hey robot")
+    rig.robot.servo_jp = servo
+    rig.run(0.1)
+    np.testing.assert_array_equal(rig.robot.measured_js().position, elsewhere)
+
+
+def test_the_outcome_tells_the_largest_rcm_error_measured_in_motion():
+    rig = Rig().awake()
+    rig.robot.push(np.full(10, 1e-3))  # before the motion: does not count
+    rig.run(0.01)
+    ticket = rig.say("tense")
+    rig.until(lambda: rig.phase == "reach")
+    rig.robot.push(np.full(10, 1e-4))
+    pushed = rig.rcm(rig.robot.measured_js().position)
+    rig.until(ticket.ended.done)
+    assert pushed > 1e-6
+    assert ticket.ended.result(0).max_rcm_error == pytest.approx(pushed)
+
+
+def test_a_grasp_is_remembered_until_the_jaws_have_let_go():
+    rig = holding()
+    rig.say("release")
+    rig.say("stop")
+    rig.rest()
+    assert rig.view.grasp is not None
+    rig.say("hey robot")
+    rig.finish("release")
+    rig.tick()
+    assert rig.executor._mover.grasp is None
+
+
+def test_a_pull_that_was_stopped_has_no_target_any_more():
+    rig = Rig().moving("pull")
+    rig.say("stop")
+    rig.rest()
+    assert rig.view.tension_target == 0.0
+    assert rig.view.grasp.s == pytest.approx(rig.view.path_position)
 
 
 def test_set_points_are_continuous_over_a_whole_session():

@@ -244,3 +244,19 @@ def test_over_tension_can_be_eased_after_hey_robot():
     rig.refused("pull more")
     rig.finish("release")
     assert rig.view.tension == 0.0
+
+
+def with_tension_limit(limit):
+    config = shared()[0]
+    tension = replace(config.controller.tension, limit=limit)
+    return replace(config, controller=replace(config.controller, tension=tension))
+
+
+@pytest.mark.parametrize("amounts", [{}, {"distance": 0.0005}])
+def test_pull_less_eases_a_tension_over_its_limit(amounts):
+    rig = Rig(config=with_tension_limit(0.8)).awake()
+    rig.say("tense")
+    rig.until(lambda: rig.state is State.FAULTED)
+    assert rig.view.tension > 0.8
+    rig.say("hey robot")
+    assert rig.finish("pull less", **amounts).tension < 0.8

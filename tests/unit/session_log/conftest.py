@@ -13,7 +13,8 @@ from typed_config import load_config, load_yaml
 
 @pytest.fixture(scope="session")
 def report_config():
-    return load_config(ReportConfig, load_yaml(CONFIG), "report.yaml")
+    """The settings of report.yaml, with coarse figures: they are drawn many times here."""
+    return load_config(ReportConfig, {**load_yaml(CONFIG), "resolution": 60}, "report.yaml")
 
 
 @pytest.fixture

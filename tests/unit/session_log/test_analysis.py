@@ -95,6 +95,15 @@ def test_commands_by_hand_are_rows_without_latency(report_config):
     assert analysis.latency_by_command([row]) == {}
 
 
+def test_two_commands_by_hand_at_once_are_two(report_config):
+    events = [Event(1.0, "refused", "tense", "halted"), Event(1.05, "accepted", "hey robot", "")]
+    rows = rows_of(report_config, [], events)
+    assert [(row.command, row.outcome) for row in rows] == [
+        ("tense", "refused"),
+        ("hey robot", "accepted"),
+    ]
+
+
 def test_each_of_two_equal_commands_gets_its_own_answer(report_config):
     said = [heard("pull more", 1.0, 1.2), heard("pull more", 2.0, 2.2)]
     events = [

@@ -43,6 +43,18 @@ def test_fast_topics_are_sampled_and_every_interval_is_kept(data, report_config)
     assert len(joints.length) == data.survey.topics["/joint_states"].messages - 1
 
 
+def test_a_lost_message_makes_no_late_cycle(tmp_path, report_config):
+    story = Story()
+    for sequence in (1, 2, 3, 40, 41):
+        story.say(0.002 * sequence, "/joint_states", "sensor_msgs/JointState")
+        data = story.messages[-1].data
+        numbered = sequence.to_bytes(4, "little") + data[4:]
+        story.messages[-1] = replace(story.messages[-1], data=numbered)
+    write(tmp_path / "s.mcap", story.messages)
+    (loop,) = extract(SessionReader(tmp_path / "s.mcap"), report_config).loops
+    assert list(loop.length) == pytest.approx([0.002] * 3, abs=1e-6)
+
+
 def test_a_stamp_that_was_not_set_is_replaced_by_the_time_of_arrival(tmp_path, report_config):
     story = Story(duration=1.0)
     story.event(0.5, "accepted", "tense", "")

@@ -130,6 +130,32 @@ def test_lost_definitions_are_taken_from_the_files_ending(sound, tmp_path):
     assert found == [message(k) for k in range(1, COUNT)]
 
 
+@pytest.mark.parametrize(
+    ("log_time", "follower"),
+    [(5, b"\x05"), (NOW, b"\xff")],
+    ids=["a time that cannot be", "nothing sound behind it"],
+)
+def test_bytes_that_only_look_like_a_record_are_not_taken_for_one(tmp_path, log_time, follower):
+    def record(time):
+        body = (1).to_bytes(2, "little") + (9).to_bytes(4, "little") + time.to_bytes(8, "little")
+        body += time.to_bytes(8, "little") + b"forged"
+        return b"\x05" + len(body).to_bytes(8, "little") + body
+
+    forged = record(log_time) + (record(log_time) if follower == b"\x05" else follower * 40)
+    writer = SessionWriter(tmp_path / "session.mcap")
+    for k, data in enumerate([b"first", forged, b"third", b"fourth"]):
+        writer.add(Message(SOURCES[0], data, NOW + k, k + 1))
+        writer.commit()
+        if k == 0:
+            broken = writer.committed
+    writer.close()
+    content = bytearray((tmp_path / "session.mcap").read_bytes())
+    content[broken] = 0xEE  # the opcode of the message that carries the forged ones
+    (tmp_path / "session.mcap").write_bytes(content)
+    found = [m.data for m in SessionReader(tmp_path).messages()]
+    assert found == [b"first", b"third", b"fourth"]
+
+
 def test_a_damaged_chunk_costs_only_itself(tmp_path):
     path = tmp_path / "session.mcap"
     writer = SessionWriter(path, chunked=True)

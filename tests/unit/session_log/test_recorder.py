@@ -4,6 +4,7 @@ import os
 import threading
 import time
 from dataclasses import replace
+from itertools import count
 
 import pytest
 
@@ -134,6 +135,53 @@ def test_a_disk_that_fills_and_empties_again_costs_nothing(tmp_path, recorder_co
     result = survey(SessionReader(tmp_path / "s.mcap"))
     assert (result.messages, result.missing, result.condition.damage) == (300, 0, [])
     assert recorder.status().written == 300
+
+
+def test_memory_stays_bounded_while_the_disk_is_full(tmp_path, recorder_config):
+    def write(fd, data):
+        raise full()
+
+    def open_writer():
+        writer = SessionWriter(tmp_path / "s.mcap")
+        writer._stream._write = write
+        return writer
+
+    config = replace(recorder_config, queue_messages=100, retry_period=0.05)
+    recorder = Recorder(open_writer, config, time.time_ns)
+    tally = recorder.register(text())
+    recorder.offer(tally, b"x")
+    recorder.start()
+    wait_until(lambda: recorder.status().error)
+    held = recorder._writer._stream.tell()
+    for _ in range(3):
+        for _ in range(100):
+            recorder.offer(tally, bytes(100))
+        time.sleep(0.15)  # several attempts
+    status = recorder.status()
+    assert (status.waiting, status.dropped) == (100, 200)
+    assert recorder._writer._stream.tell() == held
+    recorder.close()
+
+
+def test_what_was_written_makes_room_for_more(tmp_path, recorder_config):
+    config = replace(recorder_config, queue_size=1_000_000)
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), config, time.time_ns)
+    tally = recorder.register(text())
+    recorder.start()
+    for k in range(5):
+        assert recorder.offer(tally, bytes(900_000))
+        wait_until(lambda expected=k + 1: recorder.status().written == expected)
+    recorder.close()
+
+
+def test_the_acknowledged_time_is_never_ahead_of_the_clock(tmp_path, recorder_config):
+    times = count(1)
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, times.__next__)
+    recorder.start()
+    wait_until(lambda: recorder.status().written_until > 0)
+    for _ in range(50):
+        assert recorder.status().written_until < next(times)
+    recorder.close()
 
 
 def test_closing_while_the_disk_is_full_says_how_much_was_lost(tmp_path, recorder_config):

@@ -11,7 +11,9 @@ from PIL import Image
 from session_log.errors import OutputFailed
 from session_log.reader import SessionReader
 from session_log.report import write_report
-from tests.unit.session_log.synthetic_session import write_session
+from session_log.report.figures.rcm import micrometres
+from session_log.writer import SessionWriter
+from tests.unit.session_log.synthetic_session import Story, write_session
 
 FIGURES = {"timeline", "latency", "rcm_error", "tension", "scene", "joints", "loop_timing"}
 SECTIONS = [
@@ -68,7 +70,7 @@ def test_every_figure_is_a_png_of_a_papers_width(report):
     assert {path.stem for path in result.figures} == FIGURES
     for path in result.figures:
         with Image.open(path) as image:
-            assert image.format == "PNG" and image.width == pytest.approx(7.16 * 200, abs=2)
+            assert image.format == "PNG" and image.width == pytest.approx(7.16 * 60, abs=2)
 
 
 def test_the_page_needs_nothing_outside_itself(report):
@@ -95,6 +97,24 @@ def test_refusals_and_ignored_talk_are_told_with_their_reason(report):
         for row in report[1].rows
         if len(row) == 8
     )
+
+
+def test_small_errors_keep_their_digits():
+    assert micrometres(2.95e-8) == "0.0295 µm" and micrometres(50e-6) == "50 µm"
+
+
+def test_a_session_by_hand_has_commands_but_no_latency(tmp_path, report_config):
+    story = Story(duration=3.0)
+    story.event(1.0, "accepted", "tense", "reaches")
+    story.event(1.1, "motion_started", "tense", "")
+    with SessionWriter(tmp_path / "s.mcap") as writer:
+        for message in story.messages:
+            writer.add(message)
+    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
+    page = Page(result.page.read_text(encoding="utf-8"))
+    assert any(row[1:3] == ["by\u00a0hand", "tense"] for row in page.rows if len(row) == 8)
+    assert "No spoken command led to an action." in page.words
+    assert {path.stem for path in result.figures} == {"timeline"}
 
 
 def test_origin_and_limits_are_named(report):

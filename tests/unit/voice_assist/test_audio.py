@@ -35,7 +35,7 @@ class FakeTime:
 @settings(max_examples=60)
 @given(st.lists(st.integers(0, 1500), max_size=12))
 def test_frames_are_the_stream_whatever_the_blocks(sizes):
-    stream = np.arange(sum(sizes), dtype=np.float32) * 1e-5
+    stream = (np.arange(sum(sizes)) % 32768).astype(np.int16)
     framer, given_frames, start = Framer(), [], 0
     for size in sizes:
         given_frames += framer.push(stream[start : start + size], 10.0 + start / RATE)
@@ -46,8 +46,16 @@ def test_frames_are_the_stream_whatever_the_blocks(sizes):
         assert len(frame.samples) == FRAME
         assert frame.stamp == pytest.approx(10.0 + frame.first_sample / RATE, abs=1e-6)
     joined = np.concatenate([f.samples for f in given_frames]) if given_frames else np.zeros(0)
-    np.testing.assert_array_equal(joined[: len(stream)], stream)
+    np.testing.assert_array_equal(joined[: len(stream)], frozen_samples(stream))
     assert not joined[len(stream) :].any()
+
+
+def test_frames_recorded_as_16_bit_sound_come_back_unchanged():
+    sound = np.random.default_rng(0).uniform(-1.2, 1.2, 5 * FRAME)
+    first = np.concatenate([f.samples for f in Framer().push(sound, 0.0)])
+    recorded = np.rint(first * 32767).astype(np.int16)
+    again = np.concatenate([f.samples for f in Framer().push(recorded, 0.0)])
+    np.testing.assert_array_equal(again, first)
 
 
 def test_a_gap_moves_the_index_of_the_next_frame():

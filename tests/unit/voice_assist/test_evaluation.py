@@ -110,7 +110,7 @@ def test_latencies_are_from_the_end_of_speech(manifest, fakes):
     latency = evaluate(CONFIG, job(manifest))["latency_ms"]
     assert set(latency["stop"]) == {"p50", "p95", "p99"}
     assert -150.0 < latency["stop"]["p50"] < 150.0
-    assert 150.0 < latency["pull less"]["p50"] < 500.0
+    assert 50.0 < latency["pull less"]["p50"] < 500.0
     assert latency["tense"] == {"p50": None, "p95": None, "p99": None}
 
 
@@ -267,6 +267,12 @@ def test_the_end_of_speech_is_found_by_level():
     noisy = say("stop", before=0.3, after=0.7)
     noisy = noisy + 0.01 * np.random.default_rng(0).standard_normal(len(noisy))
     assert end_of_speech(noisy.astype(np.float32)) == pytest.approx(0.52, abs=0.03)
+
+
+def test_a_soft_last_sound_of_a_clip_cut_close_belongs_to_the_speech():
+    sound = say("stop stop", before=0.0, after=0.0)
+    hiss = 0.02 * np.random.default_rng(0).standard_normal(2400).astype(np.float32)
+    assert end_of_speech(np.r_[sound, hiss]) == pytest.approx(len(sound) / RATE + 0.15, abs=0.011)
 
 
 def test_silence_ends_with_the_clip():

@@ -8,7 +8,12 @@ from voice_assist.judge import Judge, Moment
 from voice_assist.mapper import Mapper
 from voice_assist.types import Hypothesis, Match, NoMatch
 
-CONFIG = load_voice_config()
+CONFIG = load_voice_config(
+    recognizer__early__pause=0.16,
+    recognizer__early__unchanged_for=0.8,
+    recognizer__early__stop_agreement=2,
+    recognizer__early__stop_confidence=0.9,
+)
 
 
 @pytest.fixture
@@ -43,7 +48,8 @@ def test_unsure_readings_of_stop_do_not_count(judge):
     for time in (0.1, 0.2, 0.3):
         assert judge(heard("stop", 0.3), at(time)) is None
     refused = judge(heard("stop", 0.3), at(0.8, 0.4, is_complete=True))
-    assert refused.reason == "confidence 0.30, allowed: at least 0.40"
+    least = CONFIG.commands.get("stop").least_confidence
+    assert refused.reason == f"confidence 0.30, allowed: at least {least:.2f}"
 
 
 def test_after_a_stop_there_is_no_second_one(judge):

@@ -76,7 +76,7 @@ IGNORED = [
     ),
     *("i would release it and pull more", "the tension is high", "we should stop for coffee later"),
     *("zero one two", "5", "hey robot tense", "tense release", "no", "not", "never", "stop not"),
-    *("stop no", "no tense", "less more", "pull les", "pul more", "hay robot", "hey robots"),
+    *("stop no", "no tense", "less more", "pull les", "pul more", "hey robots"),
 ]
 
 

@@ -149,7 +149,9 @@ def test_two_commands_with_a_pause_are_two():
 def test_a_motion_waits_for_a_short_pause():
     (decision,) = decisions(hear("pull more"))
     assert decision.is_early
-    assert decision.decided >= decision.speech_end + 0.16 - 1e-6
+    assert (
+        decision.decided >= decision.speech_end + load_voice_config().recognizer.early.pause - 1e-6
+    )
 
 
 def test_a_phrase_that_can_grow_waits_for_the_end_of_the_utterance():
@@ -188,7 +190,7 @@ def test_the_second_opinion_refuses_what_sounds_like_another_command():
 def test_an_unsure_stop_is_refused_at_the_end_and_says_so():
     events = hear("stop", recognizer=FakeRecognizer(confidence=0.3))
     assert commands(events) == []
-    assert refusals(events)[0].reason == "confidence 0.30, allowed: at least 0.40"
+    assert refusals(events)[0].reason.startswith("confidence 0.30, allowed: at least")
     assert refusals(events)[0].nearest == "stop"
 
 
@@ -262,11 +264,41 @@ def test_talk_longer_than_the_limit_is_cut_and_its_rest_does_not_move():
         assert commands(events) == []
 
 
-def test_partials_of_long_talk_hear_only_a_window():
+def test_long_talk_is_heard_through_a_window_and_told_as_no_command():
     recognizer = FakeRecognizer()
-    hear("he said what is the " * 6, recognizer=recognizer)
-    assert max(recognizer.heard[:-1]) <= 3.0
-    assert recognizer.heard[-1] > 6.0
+    events = hear("he said what is the " * 6, recognizer=recognizer)
+    assert max(recognizer.heard) <= 4.0
+    assert commands(events) == [] and len(refusals(events)) == 1
+
+
+def noisy(text, before, after):
+    """A sentence between clicks so dense that endpointing takes them for speech."""
+    click = np.concatenate([say("mumble", 0.0, 0.0)[:1000], np.zeros(600, np.float32)])
+    around = [np.tile(click, round(seconds * 10)) for seconds in (before, after)]
+    return np.concatenate([silence(0.5), around[0], say(text, 0.12, 0.12), around[1], silence(1.0)])
+
+
+@pytest.mark.parametrize("before", [0.5, 1.4, 2.9, 3.3, 7.6, 8.2, 12.0])
+@pytest.mark.parametrize("text", ["stop", "pull more"])
+def test_a_command_between_long_noise_is_heard(text, before):
+    pipeline, clock = make()
+    assert commands(run(pipeline, clock, frames(noisy(text, before, 6.0).astype(np.float32)))) == [
+        text
+    ]
+
+
+def test_long_noise_without_early_decisions_does_nothing():
+    pipeline, clock = make(recognizer__early__is_enabled=False)
+    sound = noisy("", 20.0, 0.0)
+    assert not decisions(run(pipeline, clock, frames(sound.astype(np.float32))))
+
+
+def test_noise_alone_costs_little_and_does_nothing():
+    recognizer = FakeRecognizer()
+    pipeline, clock = make(recognizer=recognizer)
+    sound = noisy("", 20.0, 0.0)
+    assert not decisions(run(pipeline, clock, frames(sound.astype(np.float32))))
+    assert max(recognizer.heard) < 2.2
 
 
 def test_nothing_is_transcribed_in_quiet_or_twice():

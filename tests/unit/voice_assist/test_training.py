@@ -17,11 +17,13 @@ from voice_assist.training import texts, voices
 from voice_assist.training.augment import Strength
 from voice_assist.training.batches import IGNORED, Batches, teacher_tensors
 from voice_assist.training.checkpoints import Average, Progress, load_progress, save_progress
+from voice_assist.training.curriculum import SHORT
 from voice_assist.training.export import export
 from voice_assist.training.mixture import Aligned, Mixture, WordTime, cut_short, excerpt
 from voice_assist.training.noise import Surroundings, build_rooms
 from voice_assist.training.objective import joint_loss
 from voice_assist.training.schedule import Schedule
+from voice_assist.training.start import start_from
 from voice_assist.training.synthesis import Amounts, Clip, plan_held_out, plan_training
 
 SMALL = ModelDimensions(80, 512, 32, 2, 2, 51864, 64, 32, 2, 1)
@@ -74,16 +76,16 @@ def test_draft_and_correction_write_what_greedy_decoding_writes(exported):
     recognizer = EmbeddedRecognizer("x", read_checkpoint(exported))
     net = recognizer.model
     with torch.inference_mode():
-        for seed in range(6):
+        for seed in range(2):
             states = net.encode(log_mel(torch.from_numpy(sound(seed=seed))[None]))
             ids = []
-            for _ in range(40):
+            for _ in range(20):
                 tokens = torch.tensor([[*PROMPT, *ids]])
                 best = int(net.logits(tokens, states)[0, -1].argmax())
                 if best == BLANK:  # the id of END in the compact vocabulary
                     break
                 ids.append(best)
-            for draft in ("", "stop", "pull more or less"):
+            for draft in ("", "pull more or less"):
                 assert recognizer._decode(states, draft).text.startswith(decode(ids).strip()[:20])
 
 
@@ -169,7 +171,9 @@ def clips():
 
 
 def test_batches_depend_on_the_seed_and_the_pool_alone():
-    made = [Batches(Mixture(clips()), surroundings(), Strength(), 7, 20.0) for _ in range(2)]
+    made = [
+        Batches(Mixture(clips(), [], SHORT), surroundings(), Strength(), 7, 20.0) for _ in range(2)
+    ]
     first, second = (next(batches.pools(3))[1] for batches in made)
     torch.testing.assert_close(first.mel, second.mel, rtol=0, atol=0)
     assert first.texts == second.texts
@@ -177,7 +181,16 @@ def test_batches_depend_on_the_seed_and_the_pool_alone():
 
 def test_batches_stay_within_the_encoders_context():
     long = [clip("a long sentence", 7.8, "sentence")]
-    batches = Batches(Mixture(long), surroundings(), Strength(), 7, 40.0).pools(0)
+    batches = Batches(Mixture(long, [], SHORT), surroundings(), Strength(), 7, 40.0).pools(0)
+    assert max(next(batches)[1].mel.shape[2] for _ in range(4)) <= 2 * SMALL.n_audio_ctx
+
+
+def test_items_with_long_pauses_never_outgrow_the_encoder():
+    slow = Aligned(
+        clip("one two", 30.0, "sentence"), (WordTime("one", 1, 2), WordTime("two", 27, 28))
+    )
+    mixture = Mixture([], [slow], {"human span": 1.0})
+    batches = Batches(mixture, surroundings(), Strength(), 7, 20.0).pools(0)
     assert max(next(batches)[1].mel.shape[2] for _ in range(4)) <= 2 * SMALL.n_audio_ctx
 
 
@@ -186,7 +199,9 @@ def test_training_steps_lower_the_loss():
     model = HybridWhisper(SMALL)
     model.initialise()
     optimiser = torch.optim.AdamW(model.parameters(), 3e-3)
-    batch = next(Batches(Mixture(clips()), surroundings(), Strength(), 7, 20.0).pools(0))[1]
+    batch = next(
+        Batches(Mixture(clips(), [], SHORT), surroundings(), Strength(), 7, 20.0).pools(0)
+    )[1]
     losses = []
     for _ in range(12):
         loss = joint_loss(model, batch)
@@ -208,6 +223,22 @@ def test_a_broken_off_run_goes_on_where_it_stood(model, tmp_path):
     assert (restored.step, restored.pool, restored.best) == (5, 2, 0.4)
     for name, weight in model.state_dict().items():
         torch.testing.assert_close(other.state_dict()[name], weight)
+
+
+def test_fine_tuning_starts_from_whispers_weights(tmp_path):
+    torch.manual_seed(0)
+    dims = ModelDimensions(80, 1500, 32, 2, 2, 51864, 448, 32, 2, 1)
+    theirs = whisper.model.Whisper(dims).eval()
+    torch.nn.init.normal_(theirs.decoder.positional_embedding)
+    torch.save({"dims": vars(dims), "model_state_dict": theirs.state_dict()}, tmp_path / "w.pt")
+    ours = start_from(str(tmp_path / "w.pt")).eval()
+    states = ours.encode(log_mel(torch.from_numpy(sound())[None]))
+    ids = [*PROMPT, *encode("stop")]
+    wide = theirs.decoder(torch.tensor([[WHISPER_IDS[index] for index in ids]]), states)
+    narrow = ours.logits(torch.tensor([ids]), states)
+    used = list(WHISPER_IDS)
+    torch.testing.assert_close(wide[..., used], narrow[..., : len(used)], atol=1e-4, rtol=1e-4)
+    assert (ours.dims.n_audio_ctx, ours.dims.n_text_ctx) == (512, 192)
 
 
 def test_learning_rate_rises_stays_and_falls():

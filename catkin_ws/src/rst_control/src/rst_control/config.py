@@ -27,6 +27,8 @@ class LimitLayer:
     arm_acceleration: Arm = number(0.01, 100.0, "rad/s^2")
     tool_velocity: float = number(0.01, 10.0, "rad/s")
     tool_acceleration: float = number(0.01, 100.0, "rad/s^2")
+    stopping_time: float = number(0.005, 10.0, "s")
+    stopping_distance: float = number(5e-5, 0.1, "m")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,6 +112,7 @@ class SpeedConfig:
     pull_speed: float = number(1e-4, 0.1, "m/s")
     acceleration: float = number(0.01, 10.0, "m/s^2")
     jerk: float = number(0.1, 1000.0, "m/s^3")
+    braking_jerk: float = number(0.1, 10_000.0, "m/s^3")
 
 
 @dataclass(frozen=True, kw_only=True)

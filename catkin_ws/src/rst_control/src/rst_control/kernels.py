@@ -24,7 +24,7 @@ STAMP = SOURCES / "__pycache__" / "kernels.stamp"
 def kernel(function: Function) -> Function:
     """Compile a function when it is first called, and keep the code on disk."""
     drop_stale_code()
-    compiled: Function = njit(cache=True)(function)
+    compiled: Function = njit(cache=True, nogil=True)(function)  # the control loop ticks beside it
     return compiled
 
 

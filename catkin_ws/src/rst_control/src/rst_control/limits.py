@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rst_control.config import LimitsConfig
+from rst_control.config import LimitLayer, LimitsConfig
 from rst_control.errors import JointLimitExceeded, UnknownLimitLayerError
 from rst_control.types import ARM_JOINTS, Vector, frozen_array
 
@@ -42,8 +42,8 @@ class JointLimits:
             raise error
 
 
-def make_limits(config: LimitsConfig, opening: float) -> JointLimits:
-    """Limits in force, where jaws may open by `opening` [rad] at any yaw.
+def layer_in_force(config: LimitsConfig) -> LimitLayer:
+    """The layer that limits.yaml chooses.
 
     Raises:
         UnknownLimitLayerError: limits.yaml asks for a layer it does not define.
@@ -51,7 +51,16 @@ def make_limits(config: LimitsConfig, opening: float) -> JointLimits:
     layers = {layer.name: layer for layer in config.layers}
     if config.layer not in layers:
         raise UnknownLimitLayerError(config.layer, tuple(layers))
-    layer, margin = layers[config.layer], config.position_margin
+    return layers[config.layer]
+
+
+def make_limits(config: LimitsConfig, opening: float) -> JointLimits:
+    """Limits in force, where jaws may open by `opening` [rad] at any yaw.
+
+    Raises:
+        UnknownLimitLayerError: limits.yaml asks for a layer it does not define.
+    """
+    layer, margin = layer_in_force(config), config.position_margin
     yaw = config.finger - 0.5 * opening
     return JointLimits(
         lower=frozen_array(np.array([*config.arm_lower, -config.pitch, -yaw]) + margin, 9),

@@ -84,7 +84,7 @@ class Motion:
         Raises:
             OffPath: The next phase would begin elsewhere.
         """
-        if self._run.is_done and self._waiting and not self._is_braking and not self.failure:
+        if self._run.is_done and self._waiting and not self._is_braking:
             self._run = self._next_run(now)
         self._held, velocity = self._run.step(periods * self._maker.period, measured)
         if self._run.phase.path is not None:
@@ -160,6 +160,7 @@ class MotionMaker:
     def __init__(self, config: ControllerConfig) -> None:
         self.period = 1.0 / config.rate
         self._jerk, self._tension = config.speed.jerk, config.tension
+        self._braking_jerk = config.speed.braking_jerk
         self._settle = config.jaws.settle_time
         self._jaws = Bounds(config.jaws.speed, config.jaws.acceleration, config.jaws.jerk)
 
@@ -193,9 +194,12 @@ class MotionMaker:
         q, opening = planning_joints(held)
         _require_near(phase, q, path.evaluate(state.s).q)
         bounds = Bounds(phase.speed, phase.acceleration, self._jerk)
+        brakes = bounds
+        if phase.braking > 0.0:
+            brakes = Bounds(phase.speed, phase.braking, self._braking_jerk)
         if phase.tension is None:
-            return PathRun(phase, path, state, opening, bounds)
-        return TensionRun(phase, path, state, opening, bounds, self._tension)
+            return PathRun(phase, path, state, opening, bounds, brakes)
+        return TensionRun(phase, path, state, opening, bounds, brakes, self._tension)
 
 
 def _require_near(phase: Phase, q: Vector, start: Vector) -> None:

@@ -126,7 +126,8 @@ def speed_bounds(
 ) -> tuple[float, float]:
     """Largest speed [m/s] and acceleration [m/s^2] of s that keep all joint limits on the path.
 
-    Half of each joint's acceleration is kept for its path's own curvature at speed.
+    Half of each joint's acceleration is kept for its path's own curvature at speed. Each place on
+    the path is judged by itself.
 
     Args:
         samples: Of the path.
@@ -134,8 +135,7 @@ def speed_bounds(
         speed: Wanted [m/s], not exceeded.
         acceleration: Wanted [m/s^2], not exceeded.
     """
-    rate = np.abs(samples.q[:, 1]).max(axis=0) + TINY
-    bend = np.abs(samples.q[:, 2]).max(axis=0) + TINY
+    rate, bend = np.abs(samples.q[:, 1]) + TINY, np.abs(samples.q[:, 2]) + TINY
     speed = min(speed, float((limits.velocity / rate).min()))
     speed = min(speed, float(np.sqrt(0.5 * limits.acceleration / bend).min()))
     spare = limits.acceleration - bend * speed * speed

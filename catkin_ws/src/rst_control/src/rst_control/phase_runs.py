@@ -58,19 +58,19 @@ class _Braking:
     Args:
         phase: With a path.
         opening: Of the jaws, which stays [rad].
-        bounds: Of the motion along the path.
+        brakes: Of a stop.
     """
 
-    def __init__(self, phase: Phase, path: Path, opening: float, bounds: Bounds) -> None:
+    def __init__(self, phase: Phase, path: Path, opening: float, brakes: Bounds) -> None:
         self.phase = phase
         self.is_done, self.failure, self.is_pulling = False, "", False
-        self._path, self._opening, self._bounds = path, opening, bounds
+        self._path, self._opening, self._brakes = path, opening, brakes
         self._brake: Profile | None = None
 
     def _brake_from(self, state: PathState) -> None:
         if self._brake is None:
             self.is_pulling = False
-            self._brake = Profile(_not_pushing(state), self._bounds)
+            self._brake = Profile(_not_pushing(state), self._brakes)
 
     def _joints(self, state: PathState) -> tuple[Vector, Vector]:
         point = self._path.evaluate(state.s)
@@ -86,12 +86,19 @@ class PathRun(_Braking):
         state: Where on the path, and how fast, it starts.
         opening: Of the jaws, which stays [rad].
         bounds: Of the motion along the path.
+        brakes: Of a stop.
     """
 
     def __init__(
-        self, phase: Phase, path: Path, state: PathState, opening: float, bounds: Bounds
+        self,
+        phase: Phase,
+        path: Path,
+        state: PathState,
+        opening: float,
+        bounds: Bounds,
+        brakes: Bounds,
     ) -> None:
-        super().__init__(phase, path, opening, bounds)
+        super().__init__(phase, path, opening, brakes)
         self.is_pulling = phase.target > state.s
         self._start = state.s
         self._profile = Profile(state, bounds)
@@ -128,6 +135,7 @@ class TensionRun(_Braking):
         state: Where on the path, and how fast, it starts.
         opening: Of the jaws, which stays [rad].
         bounds: Of the motion along the path.
+        brakes: Of a stop.
         config: Of the tension control.
     """
 
@@ -138,9 +146,10 @@ class TensionRun(_Braking):
         state: PathState,
         opening: float,
         bounds: Bounds,
+        brakes: Bounds,
         config: TensionConfig,
     ) -> None:
-        super().__init__(phase, path, opening, bounds)
+        super().__init__(phase, path, opening, brakes)
         self._goal = phase.tension or 0.0
         self._first: float | None = None  # [N] when it began
         self._now = 0.0

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -18,9 +19,9 @@ from rst_control.errors import (
     TrocarDrift,
     Unreachable,
 )
-from rst_control.limits import make_limits
+from rst_control.limits import layer_in_force, make_limits
 from rst_control.path import Path, Samples, speed_bounds
-from rst_control.profile import Bounds
+from rst_control.profile import Bounds, stopping_speed
 from rst_control.rcm import SHAFT_LENGTH, rcm_state
 from rst_control.robot_model import RobotModel
 from rst_control.solve_ik import IkSolver
@@ -33,6 +34,15 @@ DENSER: Final = 4  # times as many knots where the first try strays from the tro
 SAME_PLACE: Final = 1e-7  # [m] of path below which there is nothing to move
 SEAT_SCALE: Final = 0.1  # [m/rad] of path for a joint motion back to the trocar
 PROJECTIONS: Final = 20
+MOST_BRAKING: Final = 4.0  # [m/s^2] of s, also where the joints could brake harder
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How a path may be taken."""
+
+    moving: Bounds
+    braking: Bounds  # as hard as the joints can
 
 
 class Planner:
@@ -161,12 +171,20 @@ class Planner:
                 pass  # the swing to the best posture leads over a limit; go without it
         return self._smooth(q, goal, q)
 
-    def bounds(self, path: Path, speed: float) -> Bounds:
-        """Speed, acceleration and jerk that joints can follow on a path, up to `speed` [m/s]."""
-        settings = self.config.controller.speed
+    def pace(self, path: Path, speed: float) -> Pace:
+        """How joints can follow a path, up to `speed` [m/s], and stop on it soon enough."""
+        settings, layer = self.config.controller.speed, layer_in_force(self.config.limits)
         samples = path.sample(self.model.chain, self.trocar)
-        speed, acceleration = speed_bounds(samples, self.limits, speed, settings.acceleration)
-        return Bounds(speed, acceleration, settings.jerk)
+        for _ in range(2):  # slower, the path's own curvature leaves more for braking
+            speed, hardest = speed_bounds(samples, self.limits, speed, MOST_BRAKING)
+            braking = Bounds(speed, hardest, settings.braking_jerk)
+            speed = stopping_speed(braking, layer.stopping_time, layer.stopping_distance)
+        moving = Bounds(speed, min(hardest, settings.acceleration), settings.jerk)
+        return Pace(moving, braking)
+
+    def bounds(self, path: Path, speed: float) -> Bounds:
+        """Speed, acceleration and jerk of motion along a path, up to `speed` [m/s]."""
+        return self.pace(path, speed).moving
 
     def _grasps(self) -> tuple[Array, Array]:
         """The grasp and the same with the jaws changed about, which take the tissue alike."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import ruckig
@@ -111,6 +112,21 @@ class Profile:
         if outcome not in (ruckig.Result.Working, ruckig.Result.Finished):
             raise ProfileError(self._state, self.bounds, str(outcome))
         self._trajectory, self._time = trajectory, 0.0
+
+
+def stopping_speed(bounds: Bounds, time: float, distance: float) -> float:
+    """Highest speed from which braking keeps a time [s] and a distance [m]; at most `bounds.speed`.
+
+    Braking takes v / a + a / j and half of v times that: the trapezoid of acceleration, which is
+    an upper bound where the full acceleration is never reached.
+    """
+    ramp = bounds.acceleration / bounds.jerk
+    in_time = bounds.acceleration * (time - ramp)
+    half = 0.5 * bounds.acceleration * ramp
+    in_distance = math.sqrt(half * half + 2.0 * bounds.acceleration * distance) - half
+    if in_time < half:  # the jerk alone takes longer than that
+        in_time = 0.25 * bounds.jerk * time * time
+    return min(bounds.speed, in_time, in_distance)
 
 
 def stopping_distance(state: PathState, bounds: Bounds) -> float:

@@ -146,6 +146,7 @@ class Phase:
     acceleration: float = (
         0.0  # [m/s^2] of s, not to be exceeded: what the joints can do on this path
     )
+    braking: float = 0.0  # [m/s^2] of s, hardest that a stop may be; 0: as `acceleration`
     opening: float | None = None  # [rad] of the jaws at the end; None: as it is
     tension: float | None = None  # [N] to reach and hold; None: none asked for
 

@@ -38,6 +38,7 @@ from rst_control.types import (
 COMMANDS: Final = {command.value: command for command in Command}
 MOTIONS: Final = (Command.TENSE, Command.RELEASE, Command.PULL_MORE, Command.PULL_LESS)
 LEAST_ROOM: Final = 5e-4  # [m] of pull path left, below which pulling further makes no sense
+ROUNDING: Final = 1e-9  # [m] that a path may be shorter than asked for
 NEAR: Final = 2e-3  # [rad] that joints may be away from where the grasp says they are
 
 REASONS: Final[dict[type[Infeasible], Reason]] = {
@@ -112,8 +113,9 @@ class Verifier:
         at_grasp = ways[-1].end if ways else self._joints(situation, measured)
         pull = self._planner.pull(at_grasp)
         furthest = request.distance or pull.length
-        if furthest > pull.length:
+        if furthest > pull.length + ROUNDING:
             return self._too_far(furthest, pull)
+        furthest = min(furthest, pull.length)
         speed = self._config.controller.speed
         phases = [Phase(PhaseKind.OPEN, opening=self._config.controller.jaws.open)]
         phases += [self._along(PhaseKind.REACH, way, speed.tip_speed) for way in ways]
@@ -225,13 +227,14 @@ class Verifier:
         return target if situation.is_moving or is_held else measured.tension
 
     def _along(self, kind: PhaseKind, path: Path, speed: float) -> Phase:
-        bounds = self._planner.bounds(path, speed)
+        pace = self._planner.pace(path, speed)
         return Phase(
             kind,
             path,
             target=path.length,
-            speed=bounds.speed,
-            acceleration=bounds.acceleration,
+            speed=pace.moving.speed,
+            acceleration=pace.moving.acceleration,
+            braking=pace.braking.acceleration,
         )
 
     def _target(self, target: float) -> Rejected | None:

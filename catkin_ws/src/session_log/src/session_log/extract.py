@@ -70,7 +70,7 @@ class _Extractor:
         self._now = 0.0  # [s] log time of the present message
         self._due: dict[str, float] = {}
         self._has_header: dict[Source, bool] = {}
-        self._previous: dict[str, float] = {}
+        self._previous: dict[Source, tuple[int, float]] = {}
         self._health: dict[str, Health] = {}
         self._picture_step = self._picture_count = 0
         self._modes, self._states = _Words(data.modes), _Words(data.states)
@@ -134,10 +134,12 @@ class _Extractor:
             self._has_header[source] = starts_with_header(source.definition)
         header = read_header(message.data) if self._has_header[source] else None
         time = self._relative(header.stamp) if header and header.stamp else self._now
-        if loop.topic in self._previous:
+        sequence = header.sequence if header else message.sequence
+        before = self._previous.get(source)
+        self._previous[source] = (sequence, time)
+        if before is not None and sequence == before[0] + 1:  # a lost message is no late cycle
             loop.time.append(time)
-            loop.length.append(time - self._previous[loop.topic])
-        self._previous[loop.topic] = time
+            loop.length.append(time - before[1])
 
     def _relative(self, stamp: int) -> float:
         return (stamp - (self._origin or 0)) * 1e-9

@@ -94,6 +94,7 @@ class EarlyConfig:
     stop_agreement: int = integer(1, 10, "partials")
     stop_confidence: float = number(0.0, 1.0, "")
     window: float = number(1.0, 28.0, "s")
+    noise_after: float = number(0.5, 28.0, "s")
     max_backlog: float = number(0.0, 10.0, "s")
 
 

@@ -8,6 +8,7 @@ import json
 import multiprocessing
 import os
 import platform
+import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -26,7 +27,7 @@ from voice_assist.evaluation import Clip, Evaluator, Outcome, read_manifest, rea
 from voice_assist.scores import summarize, verdict
 from voice_assist.types import Mode
 
-END_OF_SPEECH = "last 10 ms of the clip within 35 dB of its loudest and 8 dB above its background"
+END_OF_SPEECH = "last 10 ms of the clip within 35 dB of its loudest and 10 dB above its quietest"
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,11 @@ def _run(config: VoiceConfig, job: Job, clips: Sequence[Clip], jobs: int) -> Ite
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, context, _prepare, (config, job)) as pool:
         try:
-            yield from pool.map(_one, clips, chunksize=4)
+            # Ctrl-C is for this process alone: what it starts now inherits that it is ignored
+            previous = signal.signal(signal.SIGINT, signal.SIG_IGN)
+            outcomes = pool.map(_one, clips, chunksize=4)
+            signal.signal(signal.SIGINT, previous)
+            yield from outcomes
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
@@ -127,8 +132,10 @@ def _context(config: VoiceConfig, job: Job, jobs: int) -> dict[str, Any]:
 def _check_writable(path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("a", encoding="utf-8"):
-            pass
+        is_new = not path.exists()
+        path.open("a", encoding="utf-8").close()
+        if is_new:
+            path.unlink()
     except OSError as error:
         raise ManifestError(f"{path} cannot be written: {error.strerror}") from error
 

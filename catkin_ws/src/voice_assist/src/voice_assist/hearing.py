@@ -21,7 +21,8 @@ class Hearing:
 
     Looks are `partial_interval` apart while there is speech. One more comes once it has been quiet
     for `settle`; that one stands until there is speech again, so that at the end of the `pause`
-    nothing is left to compute.
+    nothing is left to compute. Of a long utterance only the last `window` is ever heard, so that no
+    look takes long: a command is short, and talk is none.
     """
 
     def __init__(
@@ -91,7 +92,7 @@ class Hearing:
         if growth.utterance.speech_end < self._ignored_until:
             return False
         if growth.utterance.is_complete:
-            return self._has_news or self.is_window
+            return self._has_news
         if not (self._config.is_enabled and self._has_news):
             return False
         if self._clock() - frame.stamp - frame.duration > self._config.max_backlog:
@@ -102,8 +103,7 @@ class Hearing:
 
     def _look(self, growth: Growth, time: float) -> None:
         whole = growth.utterance.samples
-        window = last(whole, self._config.window)
-        self._sound = whole if growth.utterance.is_complete else window
+        self._sound = last(whole, self._config.window)
         self.heard = self._recognizer.transcribe(self._sound)
         self.is_window = len(self._sound) < len(whole)
         self._looked_at, self._scores = time, {}

@@ -10,7 +10,7 @@ from voice_assist.types import RATE, Samples
 
 _BLOCK = 160  # samples, 10 ms
 _BELOW_PEAK_DB = 35.0  # of a block that still counts as speech, against the loudest
-_ABOVE_NOISE_DB = 8.0  # of a block that counts as speech, against the quietest tenth
+_ABOVE_NOISE_DB = 10.0  # of a block that counts as speech, against the quietest
 _QUIETEST = 1e-10  # power
 
 
@@ -24,15 +24,16 @@ def block_powers(samples: Samples) -> NDArray[np.float64]:
 def speech_blocks(samples: Samples) -> NDArray[np.bool_]:
     """Which blocks of 10 ms hold speech, by their level alone.
 
-    A block does that is at most 35 dB below the loudest and, where the clip has a background, at
-    least 8 dB above the quietest tenth; no detector is asked, so that none can flatter itself.
+    A block does that is at most 35 dB below the loudest and at least 10 dB above the quietest, which
+    in a clip with a background is the background; no detector is asked, so that none can flatter
+    itself.
     """
     powers = block_powers(samples)
     if not len(powers):
         return np.zeros(0, np.bool_)
     peak = float(powers.max())
-    background = float(np.percentile(powers, 10)) + _QUIETEST
-    above = min(background * 10 ** (_ABOVE_NOISE_DB / 10), peak / 10 ** (_ABOVE_NOISE_DB / 10))
+    ratio = 10 ** (_ABOVE_NOISE_DB / 10)
+    above = min(float(powers.min()) * ratio, peak / ratio)
     return np.asarray(powers >= max(peak * 10 ** (-_BELOW_PEAK_DB / 10), above, _QUIETEST))
 
 

@@ -40,6 +40,7 @@ Event = Partial | Decision | Lost
 Clock = Callable[[], float]
 
 NEVER = 1000.0  # [nat] a `fire_above` that switches firing off
+_KEPT_OF_NOISE = 0.5  # [s] before a look that heard nothing, which may begin a word
 _KEPT_OF_PAUSE = 0.064  # [s] before a decision in a pause that may begin the next word
 
 
@@ -113,6 +114,7 @@ class Pipeline:
         events = lost
         if self._hear(growth, frame, time):
             events += (*self._partial(frame), *self._decide(growth, time))
+            self._forget_noise(growth)
         if growth.utterance.is_complete:
             events += (Partial("", frame.stamp),) if self._shown else ()
             self._new_utterance()
@@ -141,6 +143,16 @@ class Pipeline:
             return ()
         self._shown = text
         return (Partial(text, frame.stamp + frame.duration),)
+
+    def _forget_noise(self, growth: Growth) -> None:
+        """Keep long noise, which the detector takes for speech, from hiding a command in it."""
+        heard, length = self._hear.heard, len(growth.utterance.samples) / RATE
+        if (
+            heard is not None
+            and not heard.text
+            and length > self._config.recognizer.early.noise_after
+        ):
+            self._cut.forget(_KEPT_OF_NOISE)
 
     # --- decide
 
@@ -196,7 +208,7 @@ class Pipeline:
         scores = self._hear.scores(self._config.commands.phrases)
         for halt in halts:
             if scores[halt.phrase] > halt.fire_above:
-                return Match(halt.phrase, {})
+                return Match(halt.phrase, self._mapper(heard.text).wer)
         return None
 
     def _conclude(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 RATE = 16_000  # [Hz] of all sound inside the package
+FULL_SCALE = 32767  # of 16-bit sound
 
 Samples = NDArray[np.float32]
 
@@ -28,7 +29,7 @@ def frozen_samples(samples: NDArray[np.generic]) -> Samples:
     """
     if samples.ndim != 1:
         raise ValueError(f"samples have shape {samples.shape}, allowed: (n,) mono")
-    scale = 32767.0 if samples.dtype == np.int16 else 1.0
+    scale = float(FULL_SCALE) if samples.dtype == np.int16 else 1.0
     copy = np.array(samples, dtype=np.float32) / np.float32(scale)
     copy.flags.writeable = False
     return copy

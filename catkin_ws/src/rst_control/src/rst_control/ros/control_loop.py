@@ -6,10 +6,12 @@ from __future__ import annotations
 import ctypes
 import gc
 import logging
+import os
 import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 from rst_control.loop_statistics import LoopStatistics
 
@@ -52,6 +54,7 @@ class ControlLoop:
 
     def _run(self) -> None:
         _sharpen_timers()
+        _go_first()
         due = time.monotonic() + self._period
         while not self._ended.is_set():
             _sleep_until(due)
@@ -79,6 +82,14 @@ def _sleep_until(due: float) -> None:
     left = due - time.monotonic()
     if left > 0.0:
         time.sleep(left)
+
+
+def _go_first() -> None:
+    """Where the node runs in real time, run before its other threads."""
+    with suppress(OSError, AttributeError):
+        if os.sched_getscheduler(0) == os.SCHED_RR:
+            level = os.sched_getparam(0).sched_priority + 1
+            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(level))
 
 
 def _sharpen_timers() -> None:

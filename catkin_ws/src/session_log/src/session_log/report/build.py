@@ -20,9 +20,11 @@ from session_log.extract import extract
 from session_log.reader import SessionReader
 from session_log.report import page, tables
 from session_log.report.figures import FIGURES, Material, SessionFigure
+from session_log.report.figures.rcm import micrometres
 from session_log.report.style import NARROW, RC, WIDE, Layout
 
 PAGE_NAME = "report.html"
+COMMANDS_NOTE = "Decision and action: time after the end of speech."
 
 
 @dataclass(frozen=True)
@@ -97,13 +99,19 @@ def _page(reader: SessionReader, material: Material, images: dict[str, page.Imag
         else:
             parts.append(page.paragraph(figure.lacking, "quiet"))
         if figure.name == "timeline":
-            parts += [page.heading("Commands"), page.table(tables.commands_table(material))]
+            parts += [page.heading("Commands"), page.paragraph(COMMANDS_NOTE, "quiet")]
+            parts.append(page.table(tables.commands_table(material)))
         if figure.name == "latency":
-            parts.append(page.table(tables.latency_table(material)))
+            parts += _latency_table(material)
     parts += [page.heading("Health"), _health(material)]
     parts += [page.heading("Recording"), page.table(tables.topics_table(material))]
     parts += [page.heading("Origin"), *_origin(material)]
     return page.page(f"Session {_name(reader)}", parts)
+
+
+def _latency_table(material: Material) -> list[str]:
+    has_spoken = any(row.heard for row in material.rows)
+    return [page.table(tables.latency_table(material))] if has_spoken else []
 
 
 def _name(reader: SessionReader) -> str:
@@ -151,7 +159,7 @@ def _facts(material: Material) -> dict[str, str]:
     if math.isfinite(latency.mean):
         facts["end of speech to action, mean"] = f"{latency.mean:.2f} s"
     if rcm.count:
-        facts["largest RCM error while moving"] = f"{rcm.largest * 1e6:.0f} µm"
+        facts["largest RCM error while moving"] = micrometres(rcm.largest)
     if pulled.count:
         facts["largest tension"] = f"{pulled.largest:.2f} N"
     return facts

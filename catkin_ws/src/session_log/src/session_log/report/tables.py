@@ -32,7 +32,7 @@ class TextTable:
 
 def commands_table(material: Material) -> TextTable:
     """List every utterance and every command in order of time."""
-    columns = ("time", "heard", "taken for", "WER", "outcome", "decision", "action", "why")
+    columns = ("time", "heard", "command", "WER", "outcome", "decision", "action", "why")
     silent = [h for h in material.data.heard if not h.command]
     entries = [(row.time, _command_row(row), _mark(row)) for row in material.rows]
     entries += [(h.decision, _nothing_row(h), "nothing") for h in silent]
@@ -116,7 +116,7 @@ def _seconds(values: Statistics | None) -> str:
 
 def _command_row(row: CommandRow) -> tuple[str, ...]:
     heard = row.heard
-    spoken = (f"“{heard.transcript}”", _wer(heard)) if heard else ("by hand", NONE)
+    spoken = (f"“{heard.transcript}”", _wer(heard)) if heard else ("by\u00a0hand", NONE)
     decision, action = seconds(row.decision_latency), seconds(row.action_latency)
     time = f"{row.time:.1f}\u00a0s"
     return (time, spoken[0], row.command, spoken[1], row.outcome, decision, action, row.message)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import sys
 import time
 from functools import partial
 from pathlib import Path
@@ -20,7 +21,7 @@ from session_log.ros.diagnostics import RecorderDiagnostics
 from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
 from session_log.session_folder import open_session
 from session_log.types import Source
-from typed_config import load_config
+from typed_config import ConfigError, load_config
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
 URDF_TOPIC = "/robot_description"
@@ -113,6 +114,7 @@ class RecorderNode:
         self._discovery = Discovery(self._topics, rospy.get_name(), config.discovery_period)
         self._missing = ready_when(config.wait_for, self._topics)
         self._deadline = time.monotonic() + config.wait_timeout
+        self._next_look = 0.0
         self._is_ready = not config.wait_for
         self._diagnostics = RecorderDiagnostics(self._recorder, config)
         self._announcer = Announcer(self._recorder)
@@ -127,14 +129,12 @@ class RecorderNode:
         self._discovery.start()
         rospy.on_shutdown(self.close)
         rate = rospy.Rate(self._config.acknowledge_rate)
-        next_look = 0.0
         while not rospy.is_shutdown():
-            if time.monotonic() >= next_look:
-                self._parameters.look()
-                next_look = time.monotonic() + self._config.parameters_period
-            self._check_ready()
-            self._announcer.announce(self._is_ready)
-            self._diagnostics.update()
+            try:
+                self._turn()
+            except Exception as error:  # top of the node: the recording must go on
+                if not rospy.is_shutdown():
+                    rospy.logerr_throttle(5.0, f"recorder: {type(error).__name__}: {error}")
             _sleep(rate)
 
     def close(self) -> None:
@@ -146,6 +146,14 @@ class RecorderNode:
         if error:
             rospy.logerr("the recording is not complete: %s", error)
         print(f"session_log: {status.written} messages in {status.path or 'no file'}", flush=True)
+
+    def _turn(self) -> None:
+        if time.monotonic() >= self._next_look:
+            self._next_look = time.monotonic() + self._config.parameters_period
+            self._parameters.look()
+        self._check_ready()
+        self._announcer.announce(self._is_ready)
+        self._diagnostics.update()
 
     def _check_ready(self) -> None:
         problem = self._discovery.error
@@ -170,4 +178,9 @@ def main() -> None:
     """Run the recorder node."""
     rospy.init_node("recorder")
     settings: Any = rospy.get_param("~", {})
-    RecorderNode(load_config(RecorderConfig, settings, "recorder.yaml")).run()
+    try:
+        config = load_config(RecorderConfig, settings, "recorder.yaml")
+    except ConfigError as error:
+        rospy.logfatal("NOT RECORDING: %s", error)
+        sys.exit(1)
+    RecorderNode(config).run()

@@ -8,7 +8,7 @@ import soxr
 from numpy.typing import NDArray
 
 from voice_assist.errors import AudioError
-from voice_assist.types import RATE, Samples
+from voice_assist.types import FULL_SCALE, RATE, Samples
 
 
 class Resampler:
@@ -45,6 +45,6 @@ class Resampler:
 
 def to_mono(samples: NDArray[np.generic]) -> Samples:
     """Mean of the channels, float32 in [-1, 1]. From shape (n,) or (n, channels) to (n,)."""
-    scale = 32767.0 if samples.dtype == np.int16 else 1.0
+    scale = float(FULL_SCALE) if samples.dtype == np.int16 else 1.0
     values = np.asarray(samples, np.float32) / np.float32(scale)
     return values if values.ndim == 1 else np.asarray(values.mean(axis=1), np.float32)

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from voice_assist.types import RATE, Frame, Samples, frozen_samples
+from voice_assist.types import FULL_SCALE, RATE, Frame, Samples, frozen_samples
 
 FRAME = 512  # samples, 32 ms; the size that the Silero detector takes
 
@@ -40,7 +40,11 @@ class Source(Protocol):
 
 
 class Framer:
-    """Cuts blocks of any size into frames of FRAME samples."""
+    """Cuts blocks of any size into frames of FRAME samples, on the grid of 16-bit sound.
+
+    So a recording of the frames as 16-bit sound holds exactly what was heard, and hearing it again
+    gives the same decisions.
+    """
 
     def __init__(self) -> None:
         """Start a stream at sample 0."""
@@ -61,7 +65,7 @@ class Framer:
             stamp: Clock time of the first sample [s].
         """
         self._stamp = stamp - len(self._rest) / RATE
-        self._rest = np.concatenate([self._rest, frozen_samples(samples)])
+        self._rest = np.concatenate([self._rest, _on_grid(frozen_samples(samples))])
         while len(self._rest) >= FRAME:
             yield Frame(frozen_samples(self._rest[:FRAME]), self._next, self._stamp)
             self._advance(FRAME)
@@ -85,6 +89,11 @@ class Framer:
         self._rest = self._rest[samples:]
         self._next += samples
         self._stamp += samples / RATE
+
+
+def _on_grid(samples: Samples) -> Samples:
+    scaled = np.rint(np.clip(samples, -1.0, 1.0) * FULL_SCALE)
+    return np.asarray(scaled / np.float32(FULL_SCALE), np.float32)
 
 
 class GapWatch:

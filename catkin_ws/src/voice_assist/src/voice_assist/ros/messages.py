@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 from voice_assist.msg import AudioChunk
 from voice_assist.msg import Mode as ModeMessage
 from voice_assist.msg import Utterance as UtteranceMessage
-from voice_assist.types import RATE, Decision, Frame, Match, Mode
-
-FULL_SCALE = 32767
+from voice_assist.types import FULL_SCALE, RATE, Decision, Frame, Match, Mode
 
 
 def audio_chunk(frame: Frame) -> AudioChunk:

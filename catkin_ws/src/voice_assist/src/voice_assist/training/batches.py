@@ -26,6 +26,7 @@ from voice_assist.training.mixture import Item, Mixture
 from voice_assist.training.noise import Surroundings
 from voice_assist.types import RATE
 
+LONGEST_INPUT = 512 * 320  # samples; the encoder has 512 positions of 20 ms
 POOL = 480  # items drawn together and sorted by length
 GRID = 5120  # samples of which lengths are multiples; 16 encoder states
 IGNORED = -100  # target of padding
@@ -98,6 +99,12 @@ class Batches:
             pool += 1
 
     def _draw(self, rng: Generator) -> Drawn:
+        while True:  # a span whose word times went astray can be longer than the encoder
+            drawn = self._draw_any(rng)
+            if drawn.length <= LONGEST_INPUT:
+                return drawn
+
+    def _draw_any(self, rng: Generator) -> Drawn:
         item = self._mixture.draw(rng)
         speed = float(rng.uniform(*self._how.speed))
         before, after = (int(t * RATE) for t in rng.uniform(*self._how.lead, 2))

@@ -48,19 +48,19 @@ def load_corpus(speech: Path, cache: Path, seed: int, amounts: Amounts, workers:
         amounts: Synthetic prompts.
         workers: Processes that synthesise.
     """
-    rows = read_manifest(speech)
+    rows, recordings = read_manifest(speech), cache / "recordings"
     sentences = training_sentences(rows) + list(TALK)
     prompts = plan_training(sentences, seed, amounts)
     train = synthesise(prompts, cache / "synthetic", workers)
-    human = [c for c in load_speech(rows, "train") if c.text and c.text.isascii()]
+    human = [c for c in load_speech(rows, "train", recordings) if c.text and c.text.isascii()]
     rng = np.random.default_rng(seed)
     rooms = build_rooms(load_sounds(rows, "rir"), rng)
     talkers = [clip.samples for clip in [*human, *train] if len(clip.samples) > 24000]
-    talk = load_speech(rows, "false_accept_dev", longest=10.0)[::TALK_THIN]
+    talk = load_speech(rows, "false_accept_dev", recordings, longest=10.0)[::TALK_THIN]
     return Corpus(
         train=train + human,
         around=Surroundings(load_sounds(rows, "noise"), rooms, talkers),
         held_out=synthesise(plan_held_out(seed), cache / "held_out", workers),
-        people=load_speech(rows, "dev"),
+        people=load_speech(rows, "dev", recordings),
         talk=talk,
     )

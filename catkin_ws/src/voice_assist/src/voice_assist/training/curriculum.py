@@ -35,7 +35,7 @@ WHOLE = {
     **{"human stop": 4, "human rare": 5, "human word": 10, "sentence": 25},
 }
 PIECES = {
-    **{"command": 13, "variant": 5, "near": 16, "span": 9, "noise": 4},
+    **{"command": 13, "wake": 3, "variant": 5, "near": 16, "span": 9, "noise": 4},
     **{"human stop": 4, "human rare": 4, "human word": 7, "sentence": 3},
     **{"human span": 22, "cut": 6, "splice": 8, "mined": 4},
 }

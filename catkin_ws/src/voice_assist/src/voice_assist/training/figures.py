@@ -70,14 +70,14 @@ def main() -> None:
 
 def held_out_corpus(speech: Path, cache: Path, seed: int) -> Corpus:
     """What is measured on, without anything to train on."""
-    rows = read_manifest(speech)
-    talkers = [clip.samples for clip in load_speech(rows, "dev")]
+    rows, recordings = read_manifest(speech), cache / "recordings"
+    talkers = [clip.samples for clip in load_speech(rows, "dev", recordings)]
     return Corpus(
         train=[],
         around=Surroundings(load_sounds(rows, "noise"), [], talkers),
         held_out=synthesise(plan_held_out(seed), cache / "held_out"),
-        people=load_speech(rows, "dev"),
-        talk=load_speech(rows, "false_accept_dev", longest=10.0),
+        people=load_speech(rows, "dev", recordings),
+        talk=load_speech(rows, "false_accept_dev", recordings, longest=10.0),
     )
 
 

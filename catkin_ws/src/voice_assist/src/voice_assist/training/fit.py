@@ -56,6 +56,8 @@ class Run:
 
     def train(self) -> None:
         """Step until the schedule ends, measuring and saving on the way."""
+        if self.progress.step >= self.options.steps:
+            LOG.info("already trained; to begin anew, remove %s", self.folder)
         while self.progress.step < self.options.steps:
             number, stage = stage_of(self.progress.step)
             LOG.info("stage %d from step %d", number, self.progress.step)
@@ -78,7 +80,8 @@ class Run:
                 began = time.monotonic()
                 self._note(losses)
                 losses = []
-            if progress.step % self.options.measure_every == 0:
+            is_last = progress.step == self.options.steps
+            if is_last or progress.step % self.options.measure_every == 0:
                 self._measure()
             if progress.step >= until:
                 break
@@ -155,9 +158,9 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--out", type=Path, default=PACKAGE / "models" / "embedded.pt")
     add("--from", dest="start", help="Whisper model to fine-tune, such as base.en")
     add("--seed", type=int, default=1)
-    add("--steps", type=int, default=3000)
+    add("--steps", type=int, default=3400)
     add("--rate", type=float, default=1.5e-3, help="peak learning rate")
-    add("--decay", type=float, default=0.4, help="share of steps on the way down")
+    add("--decay", type=float, default=0.41, help="share of steps on the way down")
     add("--measure-every", type=int, default=400, help="steps")
     add("--threads", type=int, default=2)
     return parser.parse_args(arguments)

@@ -14,7 +14,7 @@ import soundfile
 import soxr
 
 from voice_assist.errors import AudioError
-from voice_assist.training.synthesis import Clip
+from voice_assist.training.synthesis import Clip, read_sounds, save_sounds
 from voice_assist.training.texts import normalise_text
 from voice_assist.types import RATE
 
@@ -50,12 +50,13 @@ def training_sentences(rows: Sequence[Row]) -> list[str]:
     return sorted(text for text in said if len(text.split()) >= 4)
 
 
-def load_speech(rows: Sequence[Row], split: str, longest: float = 36.0) -> list[Clip]:
+def load_speech(rows: Sequence[Row], split: str, cache: Path, longest: float = 36.0) -> list[Clip]:
     """Speech of one split that has a transcript, in manifest order.
 
     Args:
         rows: Lines of the manifest.
         split: "train", "dev" or "false_accept_dev".
+        cache: Folder for the decoded sound; read where it is there.
         longest: Longer files are left out [s].
     """
     wanted = [
@@ -66,8 +67,14 @@ def load_speech(rows: Sequence[Row], split: str, longest: float = 36.0) -> list[
         and row.seconds <= longest
         and (row.transcript or split != "train")
     ]
-    with ThreadPoolExecutor(2) as pool:
-        sounds = list(pool.map(lambda row: read_int16(row.path), wanted))
+    if not wanted:
+        return []
+    path = cache / f"{split}_{len(wanted)}.npz"
+    if not path.exists():
+        cache.mkdir(parents=True, exist_ok=True)
+        with ThreadPoolExecutor(2) as pool:
+            save_sounds(list(pool.map(lambda row: read_int16(row.path), wanted)), path)
+    sounds = read_sounds(path)
     return [
         Clip(sound, normalise_text(row.transcript), _kind(row), row.speaker or row.source)
         for row, sound in zip(wanted, sounds, strict=True)

@@ -16,6 +16,7 @@ from voice_assist.types import RATE
 
 LONGEST = 7.8  # [s] of an item; slowed and with quiet it fits the encoder
 MOST_LETTERS = 180  # of an item; the decoder has 192 positions
+WAKE = "hey robot"  # many people, and late endpointing, drop its first sound
 NOTHING = np.zeros(0, np.int16)
 
 T = TypeVar("T")
@@ -91,16 +92,19 @@ def _sources(clips: Sequence[Clip], aligned: Sequence[Aligned]) -> dict[str, Sou
     for clip in clips:
         kinds.setdefault(_name(clip), []).append(clip)
     sources: dict[str, Source] = {name: _whole(found) for name, found in kinds.items()}
+    wake = [clip for clip in kinds.get("command", []) if clip.text == WAKE]
+    if wake:
+        sources["wake"] = lambda rng: clipped_onset(_pick(wake, rng), rng)
     sources["noise"] = lambda rng: Item(NOTHING, "")
     human = [a for a in aligned if a.clip.kind == "sentence"]
     if human:
         sources["human span"] = lambda rng: span(_pick(human, rng), rng)
-    if aligned:
-        synthetic = [a for a in aligned if a.clip.kind != "sentence"]
+    synthetic = [a for a in aligned if a.clip.kind != "sentence"]
+    if synthetic:
         sources["cut"] = lambda rng: cut_short(_pick(synthetic, rng), rng)
-        words = kinds.get("human word", []) + kinds.get("human rare", [])
-        parts = [_whole(words + kinds.get("human stop", []))] if words else []
-        parts.append(_whole([c for c in kinds["near"] if " " not in c.text]))
+        people = [kinds.get(name, []) for name in ("human word", "human rare", "human stop")]
+        near = [clip for clip in kinds.get("near", []) if " " not in clip.text]
+        parts = [_whole(found) for found in ([c for part in people for c in part], near) if found]
         parts += [sources["human span"]] if human else []
         sources["splice"] = lambda rng: splice(parts, rng)
     mined = [(a, i) for a in human for i, w in enumerate(a.words) if w.word in RARE]
@@ -140,6 +144,11 @@ def cut_short(aligned: Aligned, rng: Generator) -> Item:
     letters = max(int(len(word.word) * (share - 0.15)), 0)
     heard += [word.word[:letters]] if letters else []
     return Item(aligned.clip.samples[: max(int(end * RATE), 1)], " ".join(heard))
+
+
+def clipped_onset(clip: Clip, rng: Generator) -> Item:
+    """A clip without up to 90 ms of its beginning."""
+    return Item(clip.samples[int(rng.uniform(0.0, 0.09) * RATE) :], clip.text)
 
 
 def splice(parts: Sequence[Source], rng: Generator) -> Item:

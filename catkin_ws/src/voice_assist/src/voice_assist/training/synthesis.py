@@ -17,6 +17,7 @@ from voice_assist.training import texts, voices
 from voice_assist.training.voices import Engine, Int16, Prompt, random_style, speak
 
 CHUNK = 200  # prompts per cache file
+NOTHING = np.zeros(0, np.int16)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,32 +97,47 @@ def synthesise(prompts: Sequence[Prompt], cache: Path, workers: int = 2) -> list
         chunks[-1] += group
         if len(chunks[-1]) >= CHUNK:
             chunks.append([])
-    with multiprocessing.get_context("spawn").Pool(workers) as pool:
-        jobs = [(chunk, cache) for chunk in chunks if chunk]
-        return [clip for part in pool.imap(_speak_chunk, jobs) for clip in part]
+    jobs = [(chunk, _path(chunk, cache)) for chunk in chunks if chunk]
+    missing = [job for job in jobs if not job[1].exists()]
+    if missing:
+        with multiprocessing.get_context("spawn").Pool(workers) as pool:
+            pool.map(_speak_chunk, missing, chunksize=1)
+    return [clip for chunk, path in jobs for clip in _read_chunk(chunk, path)]
 
 
-def _speak_chunk(job: tuple[list[Prompt], Path]) -> list[Clip]:
-    prompts, cache = job
+def _path(prompts: list[Prompt], cache: Path) -> Path:
     key = hashlib.sha256(repr(prompts).encode()).hexdigest()[:24]
-    path = cache / f"{key}.npz"
-    if not path.exists():
-        sounds: list[Int16 | None] = []
-        for _, group in groupby(prompts, key=lambda p: (p.engine, p.voice)):
-            sounds += speak(list(group))
-        empty = np.zeros(0, np.int16)
-        held = [empty if sound is None else sound for sound in sounds]
-        ends = np.cumsum([len(sound) for sound in held])
-        temporary = cache / f"{key}.tmp.npz"
-        np.savez(temporary, sound=np.concatenate(held), ends=ends)
-        temporary.rename(path)
-    stored = np.load(path)
-    parts = np.split(stored["sound"], stored["ends"][:-1])
+    return cache / f"{key}.npz"
+
+
+def _speak_chunk(job: tuple[list[Prompt], Path]) -> None:
+    prompts, path = job
+    sounds: list[Int16 | None] = []
+    for _, group in groupby(prompts, key=lambda p: (p.engine, p.voice)):
+        sounds += speak(list(group))
+    save_sounds([NOTHING if sound is None else sound for sound in sounds], path)
+
+
+def _read_chunk(prompts: list[Prompt], path: Path) -> list[Clip]:
     return [
-        Clip(part, texts.normalise_text(p.text), _kind(p.text), f"{p.engine}:{p.voice}")
-        for part, p in zip(parts, prompts, strict=True)
-        if len(part)
+        Clip(sound, texts.normalise_text(p.text), _kind(p.text), f"{p.engine}:{p.voice}")
+        for sound, p in zip(read_sounds(path), prompts, strict=True)
+        if len(sound)
     ]
+
+
+def save_sounds(sounds: Sequence[Int16], path: Path) -> None:
+    """Write sounds to one file, all or nothing."""
+    ends = np.cumsum([len(sound) for sound in sounds])
+    temporary = path.with_suffix(".tmp.npz")
+    np.savez(temporary, sound=np.concatenate(sounds), ends=ends)
+    temporary.rename(path)
+
+
+def read_sounds(path: Path) -> list[Int16]:
+    """Sounds of a file that save_sounds wrote."""
+    with np.load(path) as stored:
+        return np.split(stored["sound"], stored["ends"][:-1])
 
 
 def _kind(text: str) -> str:

@@ -12,6 +12,8 @@ from voice_assist.config import VadConfig
 from voice_assist.types import RATE, Frame, Samples, Utterance, frozen_samples
 from voice_assist.vad.analyzer import Endpoint, SpeechState
 
+_KEPT_FRAMES = 4  # of the quiet that ended an utterance, since the next one may begin in it
+
 
 @dataclass(frozen=True, eq=False)
 class Growth:
@@ -69,11 +71,25 @@ class Cutter:
         Args:
             keep: Of the newest sound that belongs to the rest [s].
         """
-        if self._is_open:
-            frames = self._frames
-            count = min(round(keep * RATE / len(frames[-1].samples)), len(frames))
-            self._frames = frames[len(frames) - count :]
+        if self._is_open and self._frames:
+            self._keep(keep)
             self._is_whole = False
+
+    def forget(self, keep: float) -> None:
+        """Drop the beginning of the utterance: nothing was said in it, it was only noise.
+
+        Args:
+            keep: Of the newest sound, which may begin a word [s].
+        """
+        if self._is_open and self._frames:
+            self._keep(keep)
+            if self._frames:
+                self._speech_start = max(self._speech_start, self._frames[0].stamp)
+
+    def _keep(self, seconds: float) -> None:
+        frames = self._frames
+        count = min(round(seconds * RATE / len(frames[-1].samples)), len(frames))
+        self._frames = frames[len(frames) - count :]
 
     def _remember(self, frame: Frame) -> None:
         """Ring of the newest frames: pre-roll and what may become speech."""
@@ -93,8 +109,8 @@ class Cutter:
     def _end(self, frame: Frame, endpoint: Endpoint) -> None:
         self._is_open = endpoint.state in (SpeechState.SPEAKING, SpeechState.STOPPING)
         self._is_whole = not self._is_open
+        self._before = deque(self._frames[-_KEPT_FRAMES:])
         self._frames = []
-        self._before = deque([frame])
         self._speech_start = frame.stamp + frame.duration
 
     def _length(self) -> float:

@@ -51,12 +51,12 @@ class EnergyDetector:
         level = level_db(samples)
         self._frames += 1
         if self._frames <= _START_FRAMES:
-            self._floor = min(self._floor, max(level, self._quietest))
+            self._floor = max(min(self._floor, level), self._quietest)
         elif level < self._floor:
-            self._floor += _FALL * (level - self._floor)
+            self._floor = max(self._floor + _FALL * (level - self._floor), self._quietest)
         else:
             self._floor += min(_RISE_DB, level - self._floor)
-        reference = max(self._floor, self._quietest) + self._margin
+        reference = self._floor + self._margin
         return 1.0 / (1.0 + math.exp(min(-_STEEPNESS * (level - reference), 60.0)))
 
 

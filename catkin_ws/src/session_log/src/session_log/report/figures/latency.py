@@ -33,6 +33,9 @@ class Latency(SessionFigure):
             "(stop) or the mode changed (hey robot, terminate). "
             f"Mean of {ours.count} commands {ours.mean:.2f} s, largest {ours.largest:.2f} s."
         )
+        early = sum(1 for row in material.rows if row.heard and row.heard.is_early)
+        if early:
+            words += f" Decided before the end of speech was certain: {early}."
         if paper:
             mean = sum(paper) / len(paper)
             words += f" The paper: mean {mean:.2f} s on an {material.config.paper_hardware}."

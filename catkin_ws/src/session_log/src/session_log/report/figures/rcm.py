@@ -3,11 +3,20 @@
 
 from __future__ import annotations
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from session_log.analysis import rcm_above, rcm_while_moving
 from session_log.report.figures.figure import Material, SessionFigure
 from session_log.report.style import BLUE, RED, Layout, new_figure, shade_motion, thin, time_axis
+
+SMALL = 20.0  # an error this many times below the limit is drawn on a logarithmic scale
+LEAST = 1e-6  # [µm] where that scale begins at the latest
+
+
+def micrometres(value: float) -> str:
+    """Write a length [m] in micrometres, three digits."""
+    return f"{value * 1e6:.3g} µm"
 
 
 class RcmError(SessionFigure):
@@ -30,9 +39,9 @@ class RcmError(SessionFigure):
         above = rcm_above(material.data, limit)
         return (
             "Distance of the measured shaft line from the trocar; shaded while the robot moves. "
-            f"While moving: RMS {moving.rms * 1e6:.1f} µm, 95 % {moving.p95 * 1e6:.1f} µm, "
-            f"largest {moving.largest * 1e6:.1f} µm; {above} of {moving.count} samples above "
-            f"the limit of {limit * 1e6:.0f} µm."
+            f"While moving: RMS {micrometres(moving.rms)}, 95 % {micrometres(moving.p95)}, "
+            f"largest {micrometres(moving.largest)}; {above} of {moving.count} samples above "
+            f"the limit of {micrometres(limit)}."
         )
 
     def draw(self, material: Material, layout: Layout) -> Figure:
@@ -45,7 +54,7 @@ class RcmError(SessionFigure):
         ax.plot(time, error, color=BLUE, lw=0.8)
         ax.axhline(limit, color=RED, lw=1.0, ls="--")
         ax.annotate(
-            f"limit {limit:.0f} µm",
+            f"limit {limit:.3g} µm",
             (1.0, limit),
             xycoords=("axes fraction", "data"),
             xytext=(-2, -3),
@@ -55,7 +64,13 @@ class RcmError(SessionFigure):
             color=RED,
             fontsize=7.5,
         )
-        ax.set_ylim(0.0, max(limit, float(error.max())) * 1.12)
+        largest = float(error.max())
+        if 0.0 < largest < limit / SMALL:
+            ax.set_yscale("log")
+            typical = float(np.median(error[error > 0.0]))
+            ax.set_ylim(max(typical / 10.0, LEAST), limit * 2.0)
+        else:
+            ax.set_ylim(0.0, max(limit, largest) * 1.12)
         ax.set_ylabel("RCM error [µm]")
         time_axis(ax, material.duration)
         return figure

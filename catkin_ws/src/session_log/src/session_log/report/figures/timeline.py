@@ -24,7 +24,7 @@ from session_log.report.style import (
     new_figure,
     thin,
 )
-from session_log.session_data import Heard, Span
+from session_log.session_data import Span
 
 MOST_ROWS = 6
 LANES = 4
@@ -40,6 +40,21 @@ class Row:
     start: float  # [s]
     end: float  # [s]
     letter: float  # [s] width of a letter of a label
+
+    @property
+    def length(self) -> float:
+        """Length of the row [s]."""
+        return self.end - self.start
+
+
+@dataclass(frozen=True)
+class Label:
+    """What stands above the moment of a decision."""
+
+    time: float  # [s]
+    words: str
+    color: str
+    style: str  # normal or italic
 
 
 class Timeline(SessionFigure):
@@ -61,8 +76,8 @@ class Timeline(SessionFigure):
         refused = sum(1 for row in material.rows if row.outcome == "refused")
         return (
             f"{len(heard)} utterances, {matched} taken for a command, {len(heard) - matched} not; "
-            f"{refused} commands refused by the controller. Bars: speech; labels stand at the "
-            "decision. Grey: sound level."
+            f"refused by the controller: {refused}. Bars: speech; labels stand at the decision. "
+            "Grey: sound level."
         )
 
     def draw(self, material: Material, layout: Layout) -> Figure:
@@ -101,45 +116,51 @@ def _draw_speech(ax: Axes, material: Material, row: Row) -> None:
         level = (sound["level"].clip(QUIETEST, LOUDEST) - QUIETEST) / (LOUDEST - QUIETEST)
         time, level = thin(sound["time"], level)
         ax.fill_between(time, -0.1, -0.1 + 0.8 * level, color=SOUND, lw=0)
-    visible = [h for h in material.data.heard if row.start <= h.decision < row.end]
+    labels = [label for label in _labels(material) if row.start <= label.time < row.end]
     for heard in material.data.heard:
         length = max(heard.speech_end - heard.speech_start, 0.05)
         color = GREEN if heard.command else QUIET
         ax.barh(-0.3, length, left=heard.speech_start, height=0.3, color=color, lw=0)
-    if sum(len(_label(h)) * row.letter for h in visible) < 0.9 * LANES * (row.end - row.start):
-        _draw_labels(ax, material, visible, row)
+    if sum(len(label.words) * row.letter for label in labels) < 0.9 * LANES * row.length:
+        _draw_labels(ax, labels, row)
 
 
-def _draw_labels(ax: Axes, material: Material, visible: list[Heard], row: Row) -> None:
-    refused = {id(r.heard) for r in material.rows if r.heard and r.outcome == "refused"}
+def _draw_labels(ax: Axes, labels: list[Label], row: Row) -> None:
     free = [row.start] * LANES
-    for heard in sorted(visible, key=lambda h: h.decision):
-        words = _label(heard)
-        width = (len(words) + 2) * row.letter
-        left = min(heard.decision, row.end - width)
+    for label in labels:
+        width = (len(label.words) + 2) * row.letter
+        left = min(label.time, row.end - width)
         lane = next((i for i in range(LANES) if free[i] <= left), None)
         if lane is None:
             continue
         free[lane] = left + width
-        color = RED if id(heard) in refused else INK if heard.command else QUIET
-        style = "normal" if heard.command else "italic"
         y = 1.0 + 0.8 * lane
-        ax.plot([heard.decision] * 2, [-0.45, y + 0.5], color=color, lw=0.5, zorder=1)
+        ax.plot([label.time] * 2, [-0.45, y + 0.5], color=label.color, lw=0.5, zorder=1)
         ax.text(
             left + 0.5 * row.letter,
             y,
-            words,
+            label.words,
             fontsize=7,
-            color=color,
-            style=style,
+            color=label.color,
+            style=label.style,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
             zorder=2,
         )
 
 
-def _label(heard: Heard) -> str:
-    words = heard.command or f"“{heard.transcript}”"
-    return words if len(words) <= LONGEST_LABEL else words[: LONGEST_LABEL - 2] + "…”"
+def _labels(material: Material) -> list[Label]:
+    """Every command, spoken or by hand, and every utterance that was none; in order of time."""
+    labels = [
+        Label(row.time, row.command, RED if row.outcome == "refused" else INK, "normal")
+        for row in material.rows
+    ]
+    silent = (heard for heard in material.data.heard if not heard.command)
+    labels += [Label(h.decision, _quoted(h.transcript), QUIET, "italic") for h in silent]
+    return sorted(labels, key=lambda label: label.time)
+
+
+def _quoted(words: str) -> str:
+    return f"“{words}”" if len(words) <= LONGEST_LABEL else f"“{words[: LONGEST_LABEL - 1]}…”"
 
 
 def _draw_bands(ax: Axes, material: Material, row: Row) -> None:
@@ -181,7 +202,9 @@ def _phase_colors(phases: list[Span]) -> dict[str, str]:
 def _legend(material: Material) -> list[Patch | Line2D]:
     data = material.data
     shown = {span.word for span in data.states}
-    handles: list[Patch | Line2D] = [Patch(color=GREEN, label="command")]
+    handles: list[Patch | Line2D] = []
+    if any(h.command for h in data.heard):
+        handles.append(Patch(color=GREEN, label="command"))
     if any(not h.command for h in data.heard):
         handles.append(Patch(color=QUIET, label="no command"))
     if data.modes:

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Item 6: a stop at a random moment of a motion; how long, how far, how well along the trocar.
+
+Time and way count from the moment when the controller hears of the stop until the simulated joints
+rest. Where the joints could not stop soon enough from the speed asked for, the controller goes
+slower: the speeds that stops truly began at are told, too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench.figures import Figure
+from bench.motion.rig import Rig, random_poses, with_layer, with_speed
+from rst_control.config import MotionConfig, SimulationConfig
+from rst_control.errors import Infeasible
+from rst_control.orders import Order
+from rst_control.types import Command, Phase, PhaseKind, Plan
+
+REST = 2e-4  # [rad/s] joints slower than this are at rest
+LEAST_LENGTH = 0.02  # [m] of a path
+Targets = tuple[float | None, float | None]
+TARGETS: dict[str, Targets] = {"hard": (60.0, 0.6), "driver_soft": (None, 2.6)}  # [ms] and [mm]
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One braking."""
+
+    speed: float  # [m/s] of the tip when told to stop
+    time: float  # [s] from there until the joints rest
+    distance: float  # [m] that the tip still went
+    rcm_error: float  # [m] largest while braking
+
+
+def measure(config: MotionConfig, simulation: SimulationConfig, stops: int) -> list[Figure]:
+    """Stops of random paths in the 1 kHz simulation, told at random moments.
+
+    Args:
+        config: Settings of the controller.
+        simulation: Settings of the simulated robot.
+        stops: For each speed and layer of limits.
+    """
+    figures: list[Figure] = []
+    for speed in (0.020, 0.050):
+        faster = with_speed(config, tip_speed=speed)
+        for layer in ("hard", "driver_soft"):
+            with Rig(with_layer(faster, layer), simulation) as rig:
+                name = f"braking, {speed * 1e3:.0f} mm/s asked, {layer} limits"
+                figures += _figures(name, TARGETS[layer], _stops(rig, stops))
+    with Rig(_reckless(faster), simulation) as rig:
+        name = "braking from truly 50 mm/s, which the controller refuses to go"
+        figures += _figures(name, (None, None), _stops(rig, stops))
+    return figures
+
+
+def _reckless(config: MotionConfig) -> MotionConfig:
+    """The same settings, but as fast as asked, however long it then takes to stop."""
+    layers = tuple(
+        replace(layer, stopping_time=10.0, stopping_distance=0.1) for layer in config.limits.layers
+    )
+    return replace(config, limits=replace(config.limits, layers=layers))
+
+
+def _figures(name: str, targets: Targets, stops: list[Stop]) -> list[Figure]:
+    time, distance = targets
+    speeds = [s.speed * 1e3 for s in stops]
+    note = f"({len(stops)} stops, the tip at {min(speeds):.1f} to {max(speeds):.1f} mm/s)"
+    worst = [max(s.time for s in stops), max(s.distance for s in stops)]
+    rcm = max(s.rcm_error for s in stops)
+    median = float(np.median([s.time for s in stops]))
+    return [
+        Figure(f"{name}: time max", worst[0] * 1e3, "ms", time, note=note),
+        Figure(f"{name}: time median", median * 1e3, "ms"),
+        Figure(f"{name}: distance max", worst[1] * 1e3, "mm", distance),
+        Figure(f"{name}: RCM error max", rcm * 1e6, "um", 10.0),
+    ]
+
+
+def _stops(rig: Rig, count: int) -> list[Stop]:
+    """Set off along random paths and stop each at a random moment."""
+    rng, stops = np.random.default_rng(6), []
+    rig.wake()
+    for pose in random_poses(rig.config, 20 * count, seed=6):
+        view = rig.executor.view
+        try:
+            path = rig.planner.leg(rig.planner_joints, pose)
+        except Infeasible:
+            continue
+        if path.length < LEAST_LENGTH:
+            continue
+        phase = rig.along(PhaseKind.REACH, path, rig.config.controller.speed.tip_speed)
+        rig.executor.post(Order(Plan(Command.TENSE, "moves", (phase,)), view.serial))
+        rig.tick()
+        duration = path.length / phase.speed
+        rig.run(float(rng.uniform(0.05, 0.95)) * duration)
+        if rig.is_moving:
+            stops.append(_stop(rig, phase))
+        rig.until(lambda: not rig.is_moving)
+        rig.run(0.05)
+        rig.give("hey robot")
+        if len(stops) == count:
+            break
+    return stops
+
+
+def _stop(rig: Rig, phase: Phase) -> Stop:
+    rcm: list[float] = []
+    before = rig.tip
+    rig.run(rig.period)
+    speed = float(np.linalg.norm(rig.tip - before)) / rig.period
+    told, start, still = rig.robot.now, rig.tip, [rig.robot.now]
+
+    def look() -> None:
+        rcm.append(rig.rcm_error)
+        if np.abs(rig.robot.reading.velocity).max() > REST:
+            still[0] = rig.robot.now
+
+    rig.executor.stop("bench")
+    while rig.robot.now < told + 1.5 and (rig.is_moving or rig.robot.now < still[0] + 0.02):
+        rig.tick(look)
+    return Stop(speed, still[0] - told, float(np.linalg.norm(rig.tip - start)), max(rcm))

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Random commands and situations for the feasibility gate, each with what must come of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.motion.rig import random_poses, turned
+from rst_control.config import MotionConfig
+from rst_control.configuration import robot_joints
+from rst_control.errors import Infeasible
+from rst_control.planner import Planner
+from rst_control.robot_model import load_robot
+from rst_control.types import Grasp, Measurement, Reason, Request, Situation
+from rst_control.verification import Verifier
+
+Array = NDArray[np.float64]
+NOW = 100.0  # [s]
+MOTIONS = ("tense", "release", "pull more", "pull less")
+NONSENSE = ("pull", "tens", "stop it", "don't pull more", "", "release the beds", "hey", "more")
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A command in a situation."""
+
+    verify: Verifier
+    config: MotionConfig
+    request: Request
+    situation: Situation
+    expected: Reason | None  # why it must be refused; None: see `is_feasible`
+    is_feasible: bool  # it must be accepted; False without `expected`: the oracle decides
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A verifier with tissue that can be grasped, and a grasp."""
+
+    config: MotionConfig
+    verify: Verifier
+    starts: list[Array]  # (9,) each, [rad]
+    grasp: Grasp
+
+
+class Cases:
+    """Draws cases.
+
+    Args:
+        config: The usual settings.
+        seed: Of all that is drawn.
+    """
+
+    def __init__(self, config: MotionConfig, seed: int) -> None:
+        self._rng = np.random.default_rng(seed)
+        self._config, self._model = config, load_robot()
+        usual = Planner(self._model, config)
+        usual.warm_up()
+        self._starts = _reached(usual, 30)
+        self._scenes = [self._scene(config, usual)]
+        while len(self._scenes) < 20:
+            near = self._moved(0.3, 0.15)
+            try:
+                self._scenes.append(self._scene(near, Planner(self._model, near)))
+            except Infeasible:
+                continue
+        self._wrong: tuple[Callable[[], Case], ...] = (
+            self._unknown, self._standby, self._halted, self._busy, self._absent, self._stale,
+            self._faulted, self._restless, self._empty, self._grasped, self._tension,
+            self._distance, self._adrift,
+        )  # fmt: skip
+
+    def feasible(self) -> Case:
+        """A command that nothing speaks against."""
+        scene = self._scenes[self._rng.integers(len(self._scenes))]
+        words = ("tense", "pull more", "pull less", "release")[self._rng.integers(4)]
+        if words == "tense":
+            target = float(self._rng.uniform(0.3, 2.0))
+            return self._case(scene, Request(words, target), self._free(), None, True)
+        s, now = self._rng.uniform(0.005, 0.02), self._rng.uniform(0.6, 1.4)
+        step = float(self._rng.uniform(0.05, 0.45))
+        held = self._held(scene, float(s), float(now))
+        return self._case(scene, Request(words, step), held, None, True)
+
+    def infeasible(self) -> Case:
+        """A command with one thing wrong."""
+        return self._wrong[self._rng.integers(len(self._wrong))]()
+
+    def geometric(self) -> Case:
+        """Tense on tissue anywhere about the workspace, with limits that may be narrow."""
+        config = self._moved(1.3, 0.5)
+        rng, limits = self._rng, config.limits
+        if rng.uniform() < 0.4:
+            least = float(rng.uniform(0.05, 0.14))
+            insertion = (least, least + float(rng.uniform(0.02, 0.10)))
+            config = replace(config, rcm=replace(config.rcm, insertion=insertion))
+        if rng.uniform() < 0.4:
+            home, room = np.array(config.scene.home), rng.uniform(0.05, 0.6, 7)
+            lower = np.maximum(limits.arm_lower, home[:7] - room)
+            upper = np.minimum(limits.arm_upper, home[:7] + room)
+            limits = replace(limits, arm_lower=tuple(lower), arm_upper=tuple(upper))
+            config = replace(config, limits=limits)
+        verify = Verifier(Planner(self._model, config))
+        home = np.array(config.scene.home)
+        free = self._situation(robot_joints(home, 0.0))
+        return Case(verify, config, Request("tense", 1.0), free, None, False)
+
+    # One thing wrong each.
+
+    def _unknown(self) -> Case:
+        words = NONSENSE[self._rng.integers(len(NONSENSE))]
+        return self._usual(Request(words), Reason.UNKNOWN_COMMAND)
+
+    def _standby(self) -> Case:
+        return self._usual(self._motion(), Reason.WRONG_MODE, is_active=False)
+
+    def _halted(self) -> Case:
+        return self._usual(self._motion(), Reason.HALTED, halt_reason="stopped by a person")
+
+    def _busy(self) -> Case:
+        words = ("tense", "release")[self._rng.integers(2)]
+        return self._usual(Request(words), Reason.BUSY, is_moving=True)
+
+    def _absent(self) -> Case:
+        return self._usual(self._motion(), Reason.NOT_CONNECTED, connected=False)
+
+    def _stale(self) -> Case:
+        age = float(self._rng.uniform(0.021, 2.0))
+        return self._usual(self._motion(), Reason.STALE, stamp=NOW - age)
+
+    def _faulted(self) -> Case:
+        return self._usual(self._motion(), Reason.FAULTED, fault="joint_3 is blocked")
+
+    def _restless(self) -> Case:
+        speed = np.zeros(10)
+        speed[self._rng.integers(10)] = self._rng.choice([-1, 1]) * self._rng.uniform(0.011, 1.0)
+        return self._usual(Request("hey robot"), Reason.NOT_AT_REST, velocity=speed)
+
+    def _empty(self) -> Case:
+        words = MOTIONS[self._rng.integers(1, 4)]
+        return self._usual(Request(words), Reason.NOTHING_GRASPED)
+
+    def _grasped(self) -> Case:
+        scene = self._scenes[self._rng.integers(len(self._scenes))]
+        held = self._held(scene, 0.01, 1.0)
+        return self._case(scene, Request("tense"), held, Reason.ALREADY_GRASPED, False)
+
+    def _tension(self) -> Case:
+        """A target over or under the band, by "tense" or by a step."""
+        rng = self._rng
+        if rng.uniform() < 0.5:
+            low, high = self._config.controller.tension.minimum, 2.0
+            target = rng.uniform(0.01, low - 1e-3) if rng.uniform() < 0.5 else high + rng.uniform()
+            return self._usual(Request("tense", float(target + 1e-6)), Reason.TENSION_LIMIT)
+        scene = self._scenes[rng.integers(len(self._scenes))]
+        now = float(rng.uniform(0.3, 1.8))
+        words = MOTIONS[rng.integers(2, 4)]
+        room = 2.0 - now if words == "pull more" else now - 0.1
+        request = Request(words, room + float(rng.uniform(0.001, 0.5)))
+        held = self._held(scene, 0.01, now)
+        return self._case(scene, request, held, Reason.TENSION_LIMIT, False)
+
+    def _distance(self) -> Case:
+        rng, length = self._rng, self._config.scene.max_displacement
+        if rng.uniform() < 0.3:
+            request = Request("tense", 1.0, length + float(rng.uniform(1e-4, 0.05)))
+            return self._usual(request, Reason.DISPLACEMENT_LIMIT)
+        scene = self._scenes[rng.integers(len(self._scenes))]
+        s, words = float(rng.uniform(0.003, 0.027)), MOTIONS[rng.integers(2, 4)]
+        room = length - s if words == "pull more" else s
+        request = Request(words, 0.0, room + float(rng.uniform(1e-4, 0.02)))
+        held = self._held(scene, s, 0.3)
+        return self._case(scene, request, held, Reason.DISPLACEMENT_LIMIT, False)
+
+    def _adrift(self) -> Case:
+        """Shaft off the trocar by 1.1 mm and more, by turning one joint that moves it there."""
+        q = self._start().copy()
+        turn = float(self._rng.uniform(0.02, 0.1)) * float(self._rng.choice([-1, 1]))
+        q[self._rng.choice([0, 1, 3])] += turn
+        joints = robot_joints(q, 0.0)
+        scene, situation = self._scenes[0], self._situation(joints)
+        return self._case(scene, Request("tense"), situation, Reason.RCM_TOLERANCE, False)
+
+    # Parts.
+
+    def _moved(self, reach: float, tilt: float) -> MotionConfig:
+        """Settings with the tissue elsewhere and turned.
+
+        Args:
+            reach: Share of the workspace's radius, from its centre.
+            tilt: About each axis, at most [rad].
+        """
+        rng, scene = self._rng, self._config.scene
+        direction = rng.normal(size=3)
+        away = reach * scene.workspace_radius * rng.uniform() ** (1.0 / 3.0)
+        R = turned(rng.uniform(-tilt, tilt, 3))
+        grasp = scene.workspace_centre + away * direction / np.linalg.norm(direction)
+        along, across = R @ scene.tissue.along, R @ scene.tissue.across
+        tissue = replace(
+            scene.tissue,
+            centre=tuple(grasp - 0.5 * scene.tissue.size[0] * along),
+            along=tuple(along),
+            across=tuple(across),
+            reference_point=tuple(grasp),
+            reference_pull=tuple(0.01 * along),
+        )
+        scene = replace(
+            scene,
+            grasp_point=tuple(grasp),
+            approach_axis=tuple(R @ scene.approach_axis),
+            jaw_axis=tuple(R @ scene.jaw_axis),
+            pull_direction=tuple(R @ scene.pull_direction),
+            tissue=tissue,
+        )
+        return replace(self._config, scene=scene)
+
+    def _scene(self, config: MotionConfig, planner: Planner) -> Scene:
+        at_grasp = planner.reach(np.array(config.scene.home))[-1].end
+        grasp = Grasp(planner.pull(at_grasp), planner.retreat(at_grasp))
+        return Scene(config, Verifier(planner), self._starts, grasp)
+
+    def _start(self) -> Array:
+        return self._starts[self._rng.integers(len(self._starts))]
+
+    def _motion(self) -> Request:
+        return Request(MOTIONS[self._rng.integers(4)])
+
+    def _free(self, **changes: object) -> Situation:
+        return self._situation(robot_joints(np.array(self._config.scene.home), 0.0), **changes)
+
+    def _held(self, scene: Scene, s: float, tension: float) -> Situation:
+        joints = robot_joints(scene.grasp.pull.evaluate(s).q, 0.0)
+        grasp = replace(scene.grasp, s=s, tension=tension)
+        force = np.array([0.0, 0.0, -tension])
+        return replace(self._situation(joints, gripped=True, force=force), grasp=grasp)
+
+    def _usual(self, request: Request, expected: Reason, **changes: object) -> Case:
+        situation = self._situation(robot_joints(self._start(), 0.0), **changes)
+        return self._case(self._scenes[0], request, situation, expected, False)
+
+    def _case(
+        self,
+        scene: Scene,
+        request: Request,
+        situation: Situation,
+        expected: Reason | None,
+        is_feasible: bool,
+    ) -> Case:
+        return Case(scene.verify, scene.config, request, situation, expected, is_feasible)
+
+    def _situation(self, joints: Array, **changes: object) -> Situation:
+        of_mode = {k: changes.pop(k) for k in _MODE if k in changes}
+        measured = {"position": joints, "velocity": np.zeros(10), "effort": np.zeros(10)}
+        measurement = Measurement(**{**measured, "stamp": NOW - 0.002, **changes})  # type: ignore[arg-type]
+        settings = {"is_active": True, **of_mode}
+        return Situation(measurement, NOW, joints, **settings)  # type: ignore[arg-type]
+
+
+_MODE = ("is_active", "is_moving", "halt_reason")
+
+
+def _reached(planner: Planner, count: int) -> list[Array]:
+    """Random joints (9,) that the robot can get to from home."""
+    q, starts = np.array(planner.config.scene.home), []
+    for pose in random_poses(planner.config, 20 * count, seed=50, spread=0.3):
+        try:
+            q = planner.leg(q, pose).end
+        except Infeasible:
+            continue
+        starts.append(q)
+        if len(starts) == count:
+            break
+    return starts

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Item 3: inverse kinematics of the full tool pose with the shaft through the trocar."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.figures import Figure
+from rst_control.config import MotionConfig
+from rst_control.configuration import Configuration
+from rst_control.errors import TrocarDrift
+from rst_control.planner import Planner
+from rst_control.rcm import rcm_state
+from rst_control.robot_model import load_robot
+
+Array = NDArray[np.float64]
+
+SOLVED = 1e-6  # [m] of pose and trocar that may be missing (a radian counts as 0.1 m)
+STRIDE = 0.5  # [rad] of each joint, most, from one random target to the next
+FRESH = 50  # targets after which the wandering begins at home again
+CIRCLE = ((0.468, -0.024, 0.279), 0.015, 100)  # centre [m], radius [m], points
+TOOL = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # of the published benchmark
+BENCHMARK_START = (0.0, -0.17, 0.0, 1.31, 0.0, 1.57, 0.0, 0.0, 0.0)  # [rad]
+
+
+def measure(config: MotionConfig, count: int) -> list[Figure]:
+    """Solve random reachable poses from home, and the published circle.
+
+    Args:
+        config: Settings of planning.
+        count: Number of random poses.
+    """
+    planner = Planner(load_robot(), config)
+    planner.warm_up()
+    poses = reachable(planner, count)
+    home = np.array(config.scene.home)
+    missing, times = np.empty(count), np.empty(count)
+    for n, pose in enumerate(poses):
+        begin = time.perf_counter()
+        result = planner.solver.search(pose, planner.trocar, home)
+        times[n] = time.perf_counter() - begin
+        missing[n] = _missing(planner, result.q, pose)
+    solved, quick = missing <= SOLVED, (missing <= SOLVED) & (times <= 0.010)
+    note = f"({int(solved.sum())} of {count} reachable poses, from home, without a seed)"
+    p50, p99 = np.percentile(times, (50, 99))
+    return [
+        Figure("IK solved to 1 um inside limits", 100 * solved.mean(), "%", 99.99, False, note),
+        Figure("IK solved within 10 ms", 100 * quick.mean(), "%", 99.95, False),
+        Figure("IK time median", p50 * 1e6, "us", 200.0),
+        Figure("IK time p99", p99 * 1e6, "us"),
+        Figure("IK time max", times.max() * 1e3, "ms"),
+        *_circle(planner),
+    ]
+
+
+def reachable(planner: Planner, count: int) -> list[Array]:
+    """Poses (4, 4) of tool_tip that some joints within all limits reach through the trocar.
+
+    Joints wander at random from home on; each time they are put onto the trocar by the smallest
+    change, and kept where limits, insertion and workspace hold.
+    """
+    rng, poses = np.random.default_rng(3), list[Array]()
+    home, (least, most) = np.array(planner.config.scene.home), planner.config.rcm.insertion
+    radius = planner.config.scene.workspace_radius
+    last = home
+    while len(poses) < count:
+        try:
+            q = planner.project(last + rng.uniform(-STRIDE, STRIDE, 9))
+        except TrocarDrift:
+            continue
+        here = Configuration(planner.model, q)
+        if planner.limits.violation(q) is not None:
+            continue
+        if not least <= rcm_state(here, planner.trocar).insertion <= most:
+            continue
+        if np.linalg.norm(here.tip - planner.centre) <= radius:
+            poses.append(here.T_base_tip)
+            last = q if len(poses) % FRESH else home
+    return poses
+
+
+def _missing(planner: Planner, q: Array, pose: Array) -> float:
+    """What is missing to pose and trocar [m]; infinite outside joint limits."""
+    if planner.limits.violation(q) is not None:
+        return float("inf")
+    here = Configuration(planner.model, q)
+    tip = here.T_base_tip
+    cosine = 0.5 * (np.trace(tip[:3, :3].T @ pose[:3, :3]) - 1.0)
+    sine = 0.5 * np.linalg.norm(tip[:3, :3] - pose[:3, :3]) / np.sqrt(2.0)
+    turn = 2.0 * np.arctan2(sine, np.sqrt(max(0.0, 0.5 * (1.0 + cosine))))
+    shift = float(np.linalg.norm(tip[:3, 3] - pose[:3, 3]))
+    return max(shift, 0.1 * float(turn), rcm_state(here, planner.trocar).error)
+
+
+def _circle(planner: Planner) -> list[Figure]:
+    centre, radius, count = CIRCLE
+    solved, slowest = 0, 0.0
+    q = np.array(BENCHMARK_START)
+    for angle in np.linspace(0.0, 2.0 * np.pi, count, endpoint=False):
+        pose = np.eye(4)
+        pose[:3, :3] = TOOL
+        pose[:3, 3] = np.array(centre) + radius * np.array([np.cos(angle), np.sin(angle), 0.0])
+        begin = time.perf_counter()
+        result = planner.solver.search(pose, planner.trocar, q)
+        slowest = max(slowest, time.perf_counter() - begin)
+        if _missing(planner, result.q, pose) <= SOLVED:
+            solved, q = solved + 1, result.q
+    note = f"(slowest {slowest * 1e3:.2f} ms)"
+    return [Figure("IK on the published circle", solved, "of 100", 100.0, False, note)]

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Item 4: time of one control tick, state in and set-point out, beside a step of `pin-pink`."""
+
+from __future__ import annotations
+
+import gc
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.figures import Figure
+from bench.motion.rig import Rig, random_poses
+from rst_control.config import MotionConfig, SimulationConfig
+from rst_control.configuration import Configuration
+from rst_control.errors import Infeasible
+from rst_control.orders import Order
+from rst_control.path import Path
+from rst_control.types import Command, Measurement, PhaseKind, Plan
+
+Array = NDArray[np.float64]
+WARM_UP = 200  # ticks that are not counted
+
+
+def measure(config: MotionConfig, simulation: SimulationConfig, ticks: int) -> list[Figure]:
+    """Times of the executor's ticks while moving and while pulling, and of `pin-pink`'s step.
+
+    Both follow the same path: ours reads a set-point off the path that was solved before, theirs
+    solves for the joints in every tick.
+
+    Args:
+        config: Settings of the controller.
+        simulation: Settings of the simulated robot.
+        ticks: To measure, of each.
+    """
+    with Rig(config, simulation, is_light=True) as rig:
+        rig.wake()
+        paths: list[Path] = []
+        reach = _ticks(rig, lambda: _set_off(rig, paths), ticks)
+    with Rig(config, simulation, is_light=True) as rig:
+        rig.wake()
+        pull = _ticks(rig, lambda: _pull_on(rig), ticks // 2)
+    ours = np.concatenate([reach, pull])
+    p50, p99 = np.percentile(ours, (50, 99))
+    note = f"({len(ours)} ticks in motion: along paths and pulling tissue)"
+    figures = [
+        Figure("control tick median", p50 * 1e6, "us", 60.0, note=note),
+        Figure("control tick p99", p99 * 1e6, "us", 200.0),
+        Figure("control tick max", ours.max() * 1e6, "us"),
+    ]
+    return figures + _compared(rig, paths, float(p50), ticks)
+
+
+def _ticks(rig: Rig, renew: Callable[[], None], count: int) -> Array:
+    """Time ticks of the executor while something moves; `renew` sets it moving again."""
+    times = np.empty(count + WARM_UP)
+    gc.collect()
+    gc.disable()
+    try:
+        for n in range(len(times)):
+            if not rig.is_moving:
+                gc.collect()
+                renew()
+            measured: Measurement = rig.robot.measured_js()
+            begin = time.perf_counter()
+            setpoint = rig.executor.tick(rig.robot.now, measured)
+            times[n] = time.perf_counter() - begin
+            if setpoint is not None:
+                rig.robot.servo_jp(setpoint)
+            rig.robot.advance(rig.robot.now + rig.period)
+    finally:
+        gc.enable()
+    return times[WARM_UP:]
+
+
+def _set_off(rig: Rig, paths: list[Path]) -> None:
+    for pose in random_poses(rig.config, 50, seed=40 + len(paths)):
+        try:
+            path = rig.planner.leg(rig.planner_joints, pose)
+        except Infeasible:
+            continue
+        paths.append(path)
+        phase = rig.along(PhaseKind.REACH, path, rig.config.controller.speed.tip_speed)
+        rig.executor.post(Order(Plan(Command.TENSE, "moves", (phase,)), rig.executor.view.serial))
+        rig.tick()
+        return
+    raise RuntimeError("none of 50 random paths could be planned")
+
+
+def _pull_on(rig: Rig) -> None:
+    """Grasp and pull; then more and less in turn."""
+    if not rig.executor.view.is_tissue_held:
+        rig.give("tense")
+        rig.until(lambda: rig.executor.view.phase == PhaseKind.PULL.value)
+        return
+    rig.give("pull more" if rig.executor.view.tension < 1.0 else "pull less", tension=0.5)
+
+
+def _compared(rig: Rig, paths: list[Path], ours: float, ticks: int) -> list[Figure]:
+    name = "pin-pink step, pose and RCM, median"
+    try:
+        from bench.motion.pink_step import PinkStep
+    except ImportError as error:
+        return [Figure(f"{name}: not measured, for it is not installed ({error})", 0.0, "us")]
+    planner = rig.planner
+    times, worst = list[float](), 0.0
+    for path in paths:
+        start = np.append(path.start, -path.start[8])  # both jaws, closed
+        step = PinkStep(start, planner.trocar, rig.period)
+        for s in np.arange(0.0, path.length, 0.02 * rig.period):
+            pose = Configuration(planner.model, path.evaluate(float(s)).q).T_base_tip
+            begin = time.perf_counter()
+            step.step(pose)
+            times.append(time.perf_counter() - begin)
+        worst = max(worst, step.rcm_error())
+        if len(times) > ticks // 2:
+            break
+    p50 = float(np.median(times[WARM_UP:]))
+    note = f"(same paths; at their ends its shaft is {worst * 1e6:.2g} um off the trocar)"
+    return [
+        Figure(name, p50 * 1e6, "us", note=note),
+        Figure("pin-pink step over our tick", p50 / ours, "times", 3.0, at_most=False),
+    ]

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The bench measures what it says: its judges find faults that are put in, and its parts run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PyKDL")
+
+from bench.motion import inverse, paths, tension, triangulate
+from bench.motion.gate_cases import Cases
+from bench.motion.gate_oracle import Judge
+from bench.motion.light_robot import LightRobot
+from bench.motion.rig import Rig, random_poses, turned
+from rst_control.backends.pybullet_robot import PybulletRobot
+from rst_control.config import load_motion_config, load_simulation_config
+from rst_control.types import Accepted, Reason, Rejected
+
+MOTION, SIMULATION = load_motion_config(), load_simulation_config()
+
+
+@pytest.fixture(scope="module")
+def judge():
+    return Judge()
+
+
+@pytest.fixture(scope="module")
+def cases():
+    return Cases(MOTION, seed=1)
+
+
+def accepted(cases):
+    case = cases.feasible()
+    while case.request.words != "tense":
+        case = cases.feasible()
+    decision = case.verify(case.request, case.situation)
+    assert isinstance(decision, Accepted)
+    return case, decision.plan
+
+
+def with_scene(case, **changes):
+    return replace(case, config=replace(case.config, scene=replace(case.config.scene, **changes)))
+
+
+def test_the_judge_has_nothing_against_an_accepted_plan(cases, judge):
+    case, plan = accepted(cases)
+    assert judge.objection(case, plan) == ""
+    assert judge._can_follow(case)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda c: with_scene(c, trocar=tuple(np.add(c.config.scene.trocar, 2e-6))), "trocar"),
+        (lambda c: with_scene(c, workspace_radius=0.01), "workspace"),
+        (
+            lambda c: replace(
+                c, config=replace(c.config, rcm=replace(c.config.rcm, insertion=(0.2, 0.25)))
+            ),
+            "insertion",
+        ),
+    ],
+)
+def test_the_judge_finds_each_fault_in_a_plan(cases, judge, spoil, words):
+    case, plan = accepted(cases)
+    assert words in judge.objection(spoil(case), plan)
+
+
+def test_the_judge_finds_a_plan_that_is_too_fast(cases, judge):
+    case, plan = accepted(cases)
+    hasty = tuple(replace(phase, acceleration=50.0) for phase in plan.phases)
+    assert "acceleration" in judge.objection(case, replace(plan, phases=hasty))
+
+
+def test_no_reason_is_true_of_a_feasible_command(cases, judge):
+    case, _ = accepted(cases)
+    for reason in (Reason.WORKSPACE, Reason.INSERTION_DEPTH, Reason.UNREACHABLE):
+        assert not judge.is_true(case, reason)
+
+
+def test_infeasible_cases_are_refused_for_what_is_wrong_with_them(cases):
+    for _ in range(60):
+        case = cases.infeasible()
+        decision = case.verify(case.request, case.situation)
+        assert isinstance(decision, Rejected)
+        assert decision.reason is case.expected
+
+
+def test_few_random_paths_and_targets_give_every_figure():
+    figures = [*paths.measure(MOTION, 2), *inverse.measure(MOTION, 20)]
+    assert all(np.isfinite(figure.value) for figure in figures)
+    by_name = {figure.name: figure for figure in figures}
+    assert by_name["planned RCM error max by KDL"].is_met
+    assert by_name["IK on the published circle"].value == 100
+
+
+def test_random_poses_are_proper_turns_within_the_workspace():
+    for T in random_poses(MOTION, 20, seed=3):
+        np.testing.assert_allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-12)
+        away = np.linalg.norm(T[:3, 3] - MOTION.scene.workspace_centre)
+        assert away <= MOTION.scene.workspace_radius
+    np.testing.assert_allclose(
+        turned(np.array([0, 0, np.pi / 2])) @ [1, 0, 0], [0, 1, 0], atol=1e-12
+    )
+
+
+def test_the_light_robot_pulls_the_tissue_as_pybullet_does():
+    held = []
+    for is_light in (True, False):
+        with Rig(MOTION, SIMULATION, is_light=is_light) as rig:
+            assert isinstance(rig.robot, LightRobot if is_light else PybulletRobot)
+            rig.wake()
+            held.append(tension._pull(rig, "tense", 0.5, 0.0))
+    light, heavy = held
+    assert light.held == pytest.approx(heavy.held, abs=2e-3)
+    assert light.settle == pytest.approx(heavy.settle, abs=0.02)
+
+
+def test_a_random_tissue_is_triangulated_and_one_pulled_too_hard_is_not(monkeypatch):
+    assert triangulate._try(MOTION, 1) == ()
+    monkeypatch.setattr(triangulate, "TENSION", 1.9)
+    assert any("tension" in words or "strain" in words for words in triangulate._try(MOTION, 1))
