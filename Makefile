@@ -57,7 +57,7 @@ report: setup ## SESSION=sessions/<time>: make the report of a recorded session 
 	@$(RUN) python -m session_log.cli report '$(SESSION)'
 
 lint: setup ## style, types and the rule that only ros/ folders import ROS
-	@$(RUN) ruff check . && ruff format --check . && mypy && lint-imports && catkin_lint -q catkin_ws/src
+	@$(RUN) ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports
 
 clean: ## remove what setup and the tests made; sessions stay
 	rm -rf .setup .venv catkin_ws/build catkin_ws/devel .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -69,8 +69,10 @@ class RosTest(pytest.Item):
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             raise RosTestError(f"no end within {TIME_LIMIT:g} s") from None
-        ran = re.search(r"TESTS: (\d+)", output)
-        if process.returncode or ran is None or int(ran.group(1)) == 0:
+        # rostest ends with 0 whatever its tests did: only its summary tells
+        count = {key: int(n) for key, n in re.findall(r"(TESTS|ERRORS|FAILURES): (\d+)", output)}
+        passed = count.get("TESTS", 0) > 0 and count["ERRORS"] == count["FAILURES"] == 0
+        if process.returncode or not passed:
             raise RosTestError(output[-8000:])
 
     def repr_failure(self, excinfo, style=None):

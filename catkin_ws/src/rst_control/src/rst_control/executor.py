@@ -130,8 +130,6 @@ class Executor:
         if self._mover.motion is not None:
             self._max_rcm_error = max(self._max_rcm_error, self._rcm_error)
 
-    # Stops and orders.
-
     def _take_stops(self) -> None:
         while self._stops:
             reason = self._stops.popleft()
@@ -212,16 +210,18 @@ class Executor:
         return None
 
     def _resume(self, order: Order) -> None:
-        was = self._life
-        if self._measured is not None and self._mover.motion is None:
-            self._synchronise(self._measured)
+        was, measured, held = self._life, self._measured, self._mover.held
+        if (
+            measured is not None
+            and self._mover.motion is None
+            and (held is None or self._watchdogs.following(measured, held))
+        ):
+            self._mover.synchronise(measured)
         self._accept(order)
         order.ended(Outcome("succeeded", ""))
         self._change(lifecycle.activated(was))
         if was.is_latched:
             self._note("cleared", order.command.value, was.reason)
-
-    # Motion and rest.
 
     def _move(self, motion: Motion, periods: int) -> Vector:
         self._watch(motion)
@@ -279,13 +279,6 @@ class Executor:
             self._fault(self._watchdogs.following(measured, held))
         if not measured.gripped:
             self._mover.drop_grasp()
-
-    def _synchronise(self, measured: Measurement) -> None:
-        held = self._mover.held
-        if held is None or self._watchdogs.following(measured, held):
-            self._mover.synchronise(measured)
-
-    # State, replies and diary.
 
     @property
     def _serial(self) -> int:

@@ -94,7 +94,8 @@ def _sequence(args: tuple[Any, ...], rule: Rule, value: object, key: str) -> tup
         if not rule.accepts(value):
             raise ConfigError(key, value, rule.allowed)
         entries: Sequence[object] = value  # type: ignore[assignment]
-        return tuple(load_config(args[0], v, f"{key}[{i}]") for i, v in enumerate(entries))
+        kind: type[Any] = args[0]
+        return tuple(load_config(kind, v, f"{key}[{i}]") for i, v in enumerate(entries))
     size = None if args[-1] is Ellipsis else len(args)
     count = "a list" if size is None else f"a list of {size}"
     if not isinstance(value, (list, tuple)) or (size is not None and len(value) != size):
