@@ -23,10 +23,11 @@ from demo.script import Script, load_script
 from demo.sound import RATE, render
 from demo.system import System
 from demo.timeline import Timeline
-from demo.virtual_microphone import DEVICE, VirtualMicrophone
+from demo.virtual_microphone import VirtualMicrophone
 
 ROOT = Path(__file__).resolve().parent.parent
 READY_TIME = 90.0  # [s] allowed for the system to come up
+SOUND_TIME = 20.0  # [s] allowed for the first sound to be heard
 WAV_LEAD = 12.0  # [s] of noise before the script where the voice node plays the file itself
 TAIL = 2.0  # [s] recorded after the last step
 
@@ -83,7 +84,7 @@ def _session(
         if options.microphone:
             source = {"source": "microphone"}
         elif microphone:
-            source = {"source": "microphone", "device": DEVICE}
+            source = {"source": "microphone", "device": microphone.device}
         else:
             source = {"source": "wav", "wav": wav}
         console.print(f"Starting the system (log: {folder / 'launch.log'})")
@@ -106,10 +107,10 @@ def _session(
         if microphone:
             player = microphone.play(wav)
             stack.callback(player.terminate)
+        timeline.start_clock(timeline.first_sound(SOUND_TIME) + lead)
         if options.film:
             stack.callback(Camera(timeline.warn).close)
-        timeline.start_clock()
-        _follow(script, system, timeline, lead)
+        _follow(script, system, timeline)
         return verdicts(script, timeline.observed)
 
 
@@ -144,11 +145,8 @@ def _wait_until_ready(system: System, timeline: Timeline) -> None:
         timeline.say(f"{part} ready", "green")
 
 
-def _follow(script: Script, system: System, timeline: Timeline, lead: float) -> None:
+def _follow(script: Script, system: System, timeline: Timeline) -> None:
     """Announce each step as it is spoken and take a picture at its end."""
-    offset = max(lead - timeline.now(), 0.0)
-    time.sleep(offset)
-    timeline.start_clock()
     take_picture(timeline.warn)
     for i, step in enumerate(script.steps):
         _wait_until(step.at, system, timeline)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import queue
 import threading
 
 import rospy
@@ -13,8 +14,9 @@ from std_msgs.msg import String
 
 from demo.check import Heard, Observed, State
 from rst_control.msg import ControllerState, Event
-from voice_assist.msg import Mode, Utterance
+from voice_assist.msg import AudioChunk, Mode, Utterance
 
+SILENT = 3  # of 32767
 COLOURS = {
     "accepted": "green",
     "refused": "yellow",
@@ -42,11 +44,34 @@ class Timeline:
         self._lock = threading.Lock()
         self._live = Live(console=console, refresh_per_second=8, get_renderable=self._footer)
 
-    def start_clock(self) -> None:
-        """Call this moment the zero of the script, and forget what was before."""
+    def start_clock(self, zero: float) -> None:
+        """Call a moment [s] the zero of the script, and forget what was seen before."""
         with self._lock:
-            self._zero = rospy.Time.now().to_sec()
+            self._zero = zero
             self.observed = Observed()
+
+    def first_sound(self, within: float) -> float:
+        """Wait until the voice node hears anything but silence.
+
+        Returns:
+            When that was captured [s].
+
+        Raises:
+            RuntimeError: It stays silent.
+        """
+        heard: queue.Queue[float] = queue.Queue()
+
+        def listen(chunk: AudioChunk) -> None:
+            if max(map(abs, chunk.samples), default=0) > SILENT:
+                heard.put(chunk.header.stamp.to_sec())
+
+        subscriber = rospy.Subscriber("voice_assist/audio", AudioChunk, listen)
+        try:
+            return heard.get(timeout=within)
+        except queue.Empty:
+            raise RuntimeError(f"the voice node heard nothing within {within:g} s") from None
+        finally:
+            subscriber.unregister()
 
     def now(self) -> float:
         """Time of the script [s]."""

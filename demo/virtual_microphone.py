@@ -11,7 +11,6 @@ import time
 from pathlib import Path
 from types import TracebackType
 
-DEVICE = "pulse"  # the name under which PortAudio lists ALSA's door to PulseAudio
 START_TIME = 8.0  # [s] allowed for the server to answer
 
 
@@ -24,15 +23,17 @@ class VirtualMicrophone:
         self._server: subprocess.Popen[bytes] | None = None
 
     @property
+    def device(self) -> str:
+        """Its name for the voice node."""
+        return f"pulse:{self._sink}.monitor"
+
+    @property
     def environment(self) -> dict[str, str]:
-        """Variables that point a program's `pulse` device at this microphone."""
+        """Variables that point a program at this server."""
         return {
             "PULSE_SERVER": f"unix:{self._folder / 'native'}",
             "PULSE_RUNTIME_PATH": str(self._folder),
-            "PULSE_SOURCE": f"{self._sink}.monitor",
-            "PULSE_SINK": self._sink,
             "PULSE_COOKIE": str(self._folder / "cookie"),
-            "PULSE_LATENCY_MSEC": "20",  # else the server hands sound over in blocks of up to 2 s
         }
 
     def __enter__(self) -> VirtualMicrophone:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import time
+from dataclasses import replace
 
 from bench.figures import Figure
 from bench.motion import (
@@ -45,4 +46,4 @@ def measure() -> list[Figure]:
         begin = time.monotonic()
         figures += part()
         print(f"{name}: {time.monotonic() - begin:.0f} s", flush=True)
-    return figures
+    return [replace(figure, value=float(figure.value)) for figure in figures]

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from bench.motion.rig import random_poses, turned
 from rst_control.config import MotionConfig
-from rst_control.configuration import robot_joints
+from rst_control.configuration import Configuration, robot_joints
 from rst_control.errors import Infeasible
 from rst_control.planner import Planner
+from rst_control.rcm import rcm_state
 from rst_control.robot_model import load_robot
 from rst_control.types import Grasp, Measurement, Reason, Request, Situation
 from rst_control.verification import Verifier
@@ -57,6 +58,7 @@ class Cases:
     def __init__(self, config: MotionConfig, seed: int) -> None:
         self._rng = np.random.default_rng(seed)
         self._config, self._model = config, load_robot()
+        self._trocar = np.array(config.scene.trocar)
         usual = Planner(self._model, config)
         usual.warm_up()
         self._starts = _reached(usual, 30)
@@ -176,12 +178,14 @@ class Cases:
         return self._case(scene, request, held, Reason.DISPLACEMENT_LIMIT, False)
 
     def _adrift(self) -> Case:
-        """Shaft off the trocar by 1.1 mm and more, by turning one joint that moves it there."""
-        q = self._start().copy()
-        turn = float(self._rng.uniform(0.02, 0.1)) * float(self._rng.choice([-1, 1]))
-        q[self._rng.choice([0, 1, 3])] += turn
-        joints = robot_joints(q, 0.0)
-        scene, situation = self._scenes[0], self._situation(joints)
+        """Shaft off the trocar by more than allowed, by turning one joint."""
+        off = 0.0
+        while off <= self._config.rcm.measured_tolerance + 1e-6:
+            q = self._start().copy()
+            turn = float(self._rng.uniform(0.003, 0.1)) * float(self._rng.choice([-1, 1]))
+            q[self._rng.integers(7)] += turn
+            off = rcm_state(Configuration(self._model, q), self._trocar).error
+        scene, situation = self._scenes[0], self._situation(robot_joints(q, 0.0))
         return self._case(scene, Request("tense"), situation, Reason.RCM_TOLERANCE, False)
 
     # Parts.

@@ -248,9 +248,9 @@ class Planner:
 
     def _checked(self, path: Path) -> Path:
         samples = path.sample(self.model.chain, self.trocar)
-        self._check_joints(samples)
         self._check_trocar(samples)
         self._check_workspace(samples.tip)
+        self._check_joints(samples)  # last: of all limits only these depend on the elbow
         return path
 
     def _check_workspace(self, tip: Array) -> None:

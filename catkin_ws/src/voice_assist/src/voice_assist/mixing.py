@@ -24,7 +24,7 @@ def block_powers(samples: Samples) -> NDArray[np.float64]:
 def speech_blocks(samples: Samples) -> NDArray[np.bool_]:
     """Which blocks of 10 ms hold speech, by their level alone.
 
-    A block does that is at most 35 dB below the loudest and at least 10 dB above the quietest, which
+    A block does that is at most 35 dB below the loudest and at least 10 dB over the quietest, which
     in a clip with a background is the background; no detector is asked, so that none can flatter
     itself.
     """

@@ -78,7 +78,8 @@ def normalize(text: str) -> Words:
         Words of letters only; empty for text without a word.
     """
     folded = unicodedata.normalize("NFKD", text.translate(_APOSTROPHES)).casefold()
-    plain = "".join(c for c in folded if not unicodedata.combining(c))
+    bare = (c for c in folded if not unicodedata.combining(c))
+    plain = "".join(c if c.isalpha() or c.isdecimal() or c == "'" else " " for c in bare)
     return tuple(word for token in _TOKEN.findall(plain) for word in _expand(token))
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from voice_assist.audio.pulse import PREFIX, pulse_sources
+from voice_assist.audio.pulse import PREFIX, PulseStream, pulse_sources
 from voice_assist.audio.source import FRAME
 from voice_assist.errors import DeviceError
 from voice_assist.types import RATE
@@ -69,7 +69,6 @@ class PortAudio:
         except OSError as error:
             raise DeviceError(f"PortAudio is missing ({error}); install libportaudio2") from error
         self._sd: Any = sounddevice
-        self._source = os.environ.get("PULSE_SOURCE")
         os.environ.setdefault("PULSE_LATENCY_MSEC", _PULSE_LATENCY_MS)
 
     def devices(self) -> list[Device]:
@@ -89,20 +88,20 @@ class PortAudio:
             for entry in self._sd.query_devices()
             if entry["max_input_channels"] > 0
         ]
-        if any(device.name == "pulse" for device in found):
-            found += [Device(PREFIX + name, RATE, False) for name in pulse_sources()]
-        return found
+        sources = pulse_sources() if any(device.name == "pulse" for device in found) else ()
+        if sources:  # asked directly, the server is 0.9 s quicker than through ALSA
+            found = [replace(device, is_default=False) for device in found]
+        served = [Device(PREFIX + name, RATE, name == sources[0]) for name in sources]
+        return found + served
 
     def open(self, device: Device, on_block: OnBlock) -> Stream:
         """Open a microphone at 16 kHz, or at its own rate where it cannot do that."""
         name = device.name
         if name.startswith(PREFIX):
-            os.environ["PULSE_SOURCE"] = name[len(PREFIX) :]
-            name = "pulse"
-        elif self._source is not None:
-            os.environ["PULSE_SOURCE"] = self._source
-        else:
-            os.environ.pop("PULSE_SOURCE", None)
+            try:
+                return PulseStream(name[len(PREFIX) :], on_block)
+            except OSError as error:
+                raise DeviceError(f"cannot be opened ({error})", name) from error
         try:
             return _PortAudioStream(self._sd, name, RATE, on_block)
         except (self._sd.PortAudioError, ValueError):

@@ -7,6 +7,7 @@ import hashlib
 import os
 import pickle
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -57,10 +58,11 @@ def read_checkpoint(path: Path) -> Checkpoint:
         ModelError: The file is damaged, or is no Whisper checkpoint.
     """
     try:
+        _check_sums(path)
         content = torch.load(path, map_location="cpu", weights_only=True)
-    except (RuntimeError, EOFError, OSError, ValueError) as error:
+    except (RuntimeError, EOFError, OSError, ValueError, zlib.error, zipfile.BadZipFile) as error:
         raise ModelError(f"{path} is damaged: {error}") from error
-    except (pickle.UnpicklingError, zipfile.BadZipFile) as error:
+    except pickle.UnpicklingError as error:
         raise ModelError(f"{path} holds no plain weights: {error}") from error
     if not isinstance(content, dict) or not {"dims", "model_state_dict"} <= set(content):
         raise ModelError(f"{path} lacks 'dims' or 'model_state_dict', a checkpoint's keys")
@@ -68,6 +70,19 @@ def read_checkpoint(path: Path) -> Checkpoint:
     dims = _dimensions(path, content["dims"])
     state = content["model_state_dict"]
     return Checkpoint(dims, state, content.get("ctc_state_dict"), digest)
+
+
+def _check_sums(path: Path) -> None:
+    """Compare every record with its check sum, which torch does not.
+
+    Raises:
+        zipfile.BadZipFile: A record is damaged.
+    """
+    if zipfile.is_zipfile(path):
+        with zipfile.ZipFile(path) as archive:
+            damaged = archive.testzip()
+        if damaged is not None:
+            raise zipfile.BadZipFile(f"record {damaged} does not match its check sum")
 
 
 def _dimensions(path: Path, dims: Any) -> ModelDimensions:
