@@ -18,7 +18,7 @@ from scipy.stats import beta
 from bench import voice_sets
 from bench.figures import RESULTS, Figure
 
-TALK_THIN = int(os.environ.get("TALK_THIN", "4"))  # one clip of human talk in so many; 1: all
+THIN = int(os.environ.get("THIN", "3"))  # one clip in so many of noise, words and talk; 1: all
 
 
 def measure() -> list[Figure]:
@@ -30,15 +30,15 @@ def measure() -> list[Figure]:
     figures.append(Figure("near misses taken", _rate(quiet), "of all", note="(synthetic)"))
     figures.append(Figure("real-time factor", quiet["real_time_factor"], "", 0.5))
     for snr in (10, 0):
-        noisy = _evaluate(f"synthetic_{snr}dB", commands, noise, snr)
+        noisy = _evaluate(f"synthetic_{snr}dB", voice_sets.synthetic_commands(THIN), noise, snr)
         figures += _accuracy(f"synthetic, {snr} dB", noisy)
     return figures + _people()
 
 
 def _people() -> list[Figure]:
     stop = voice_sets.people("dev", only="stop")
-    words = voice_sets.people("dev")
-    talk = voice_sets.people("false_accept_dev", TALK_THIN)
+    words = voice_sets.people("dev", THIN)
+    talk = voice_sets.people("false_accept_dev", 2 * THIN)
     if stop is None or words is None or talk is None:
         print("no human speech in ../shared/speech: human figures left out")
         return []

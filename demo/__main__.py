@@ -123,9 +123,7 @@ def _virtual(stack: ExitStack, console: Console) -> VirtualMicrophone | None:
 
 
 def _record_script(script: Script, wav: Path, lead: float) -> Path:
-    sound = render(script)
-    padding = sound[: int(lead * RATE)] * 0.5
-    soundfile.write(wav, [*padding, *sound], RATE, subtype="PCM_16")
+    soundfile.write(wav, render(script, lead), RATE, subtype="PCM_16")
     return wav
 
 

@@ -59,8 +59,12 @@ def theatre_noise(seconds: float, rms: float, seed: int) -> NDArray[np.float32]:
     return (noise * (rms / np.sqrt(np.mean(noise**2)))).astype(np.float32)
 
 
-def render(script: Script) -> NDArray[np.float32]:
+def render(script: Script, lead: float = 0.0) -> NDArray[np.float32]:
     """Speak the whole script over noise.
+
+    Args:
+        script: What to say.
+        lead: Noise alone before the script begins [s].
 
     Returns:
         Sound at 16 kHz in [-1, 1]. Shape (n,).
@@ -69,11 +73,11 @@ def render(script: Script) -> NDArray[np.float32]:
         RuntimeError: espeak-ng is missing or refuses a voice.
     """
     speech: Speech = script.speech
-    sound = theatre_noise(script.duration, LEVEL * 10 ** (-speech.snr_db / 20), speech.seed)
+    sound = theatre_noise(lead + script.duration, LEVEL * 10 ** (-speech.snr_db / 20), speech.seed)
     for step in script.steps:
         voice = speech.surgeon if step.speaker == "surgeon" else speech.people
         words = speak(step.say, voice, speech.words_per_minute)
-        first = int(step.at * RATE)
+        first = int((lead + step.at) * RATE)
         piece = sound[first : first + len(words)]
         piece += words[: len(piece)]
     return np.clip(sound, -1.0, 1.0)

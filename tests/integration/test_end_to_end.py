@@ -23,7 +23,7 @@ def messages(mcap, *topics):
     """Yield (topic, message) of a recording, by the public readers alone."""
     with mcap.open("rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
-        for _, channel, _, message in reader.iter_decoded_messages(topics=list(topics)):
+        for _, channel, _, message in reader.iter_decoded_messages(topics=list(topics) or None):
             yield channel.topic, message
 
 

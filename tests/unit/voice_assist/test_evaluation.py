@@ -225,7 +225,7 @@ def test_the_clock_adds_the_work_to_the_stream():
 
 def outcome(phrase, *commands):
     taken = tuple(Taken(c, c, 0.1 * (i + 1), 0.9) for i, c in enumerate(commands))
-    return Outcome(Clip(2, None, phrase, phrase), 36.0, taken, (), 0.5, 37.0)
+    return Outcome(Clip(2, None, phrase, phrase), 36.0, taken, (), (), 0.5, 37.0)
 
 
 def test_a_wrong_command_beside_the_right_one_is_a_confusion():
@@ -245,7 +245,7 @@ def test_rates_of_nothing_are_none():
 def test_percentiles_are_those_of_the_clips():
     outcomes = [
         Outcome(
-            Clip(i, None, "stop", "stop"), 1.0, (Taken("stop", "stop", i / 1e3, 1.0),), (), 0, 1
+            Clip(i, None, "stop", "stop"), 1.0, (Taken("stop", "stop", i / 1e3, 1.0),), (), (), 0, 1
         )
         for i in range(101)
     ]

@@ -12,6 +12,7 @@ PINNED = {
     "recognizer__early__partial_interval": 0.096,
     "recognizer__early__settle": 0.096,
     "recognizer__early__pause": 0.16,
+    "recognizer__early__silence_added": 0.0,
 }
 EARLY = load_voice_config(**PINNED).recognizer.early
 FRAME = 0.032
@@ -67,6 +68,17 @@ def test_the_end_of_an_utterance_is_a_turn_without_a_new_look():
     looks = rig.looks
     assert rig.feed(False, is_complete=True)
     assert rig.looks == looks
+
+
+def test_silence_is_put_behind_the_settled_look_alone():
+    added = load_voice_config(**{**PINNED, "recognizer__early__silence_added": 0.15})
+    rig = Rig(added.recognizer.early)
+    for is_speech in [True] * 4 + [False] * 3:
+        rig.feed(is_speech)
+    assert rig.recognizer.heard == [
+        pytest.approx(4 * FRAME, abs=1e-3),
+        pytest.approx(7 * FRAME + 0.15, abs=1e-3),
+    ]
 
 
 def test_speech_after_a_pause_is_looked_at_again():

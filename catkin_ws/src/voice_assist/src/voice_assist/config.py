@@ -89,6 +89,7 @@ class EarlyConfig:
     partial_interval: float = number(0.032, 5.0, "s")
     settle: float = number(0.0, 2.0, "s")
     pause: float = number(0.03, 2.0, "s")
+    silence_added: float = number(0.0, 2.0, "s")
     shortest_rest: float = number(0.0, 2.0, "s")
     unchanged_for: float = number(0.2, 10.0, "s")
     stop_agreement: int = integer(1, 10, "partials")

@@ -151,6 +151,7 @@ def _write_details(path: Path, outcomes: Sequence[Outcome]) -> None:
         ),
         "taken": lambda o: "|".join(t.command for t in o.taken),
         "heard": lambda o: "|".join(o.heard),
+        "why": lambda o: "|".join(o.why),
         "latency_ms": lambda o: "|".join(f"{1e3 * t.latency:.0f}" for t in o.taken),
         "confidence": lambda o: "|".join(f"{t.confidence:.3f}" for t in o.taken),
     }

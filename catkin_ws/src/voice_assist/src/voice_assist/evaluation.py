@@ -54,6 +54,7 @@ class Outcome:
     seconds: float  # of the clip, without the quiet around it
     taken: tuple[Taken, ...]
     heard: tuple[str, ...]  # transcripts of all decisions, refused ones too
+    why: tuple[str, ...]  # reasons of those refused
     compute: float  # [s]
     streamed: float  # [s] of sound, with the quiet around it
 
@@ -128,7 +129,7 @@ class Evaluator:
         speech_end = BEFORE + end_of_speech(samples)
         stream = self._with_quiet(samples, clip.row)
         began, compute = self._clock() + 1.0, self._clock.compute
-        taken, heard = [], []
+        taken, heard, why = [], [], []
         self._pipeline.reset()
         for decision in self._decide(stream, began):
             heard.append(decision.hypothesis.text)
@@ -136,9 +137,12 @@ class Evaluator:
                 latency = decision.decided - began - speech_end
                 text, sure = decision.hypothesis.text, decision.confidence
                 taken.append(Taken(decision.outcome.command, text, latency, sure))
+            else:
+                why.append(decision.outcome.reason)
         spent = self._clock.compute - compute
         seconds = len(samples) / RATE
-        return Outcome(clip, seconds, tuple(taken), tuple(heard), spent, len(stream) / RATE)
+        streamed = len(stream) / RATE
+        return Outcome(clip, seconds, tuple(taken), tuple(heard), tuple(why), spent, streamed)
 
     def warm_up(self) -> None:
         """Let torch compile and allocate what it does only once, so that no clip pays for it."""

@@ -6,8 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from voice_assist.config import EarlyConfig
-from voice_assist.types import Frame, Hypothesis, Samples
+from voice_assist.types import RATE, Frame, Hypothesis, Samples, frozen_samples
 from voice_assist.vad.cutter import Growth, last
 
 if TYPE_CHECKING:
@@ -104,7 +106,11 @@ class Hearing:
     def _look(self, growth: Growth, time: float) -> None:
         whole = growth.utterance.samples
         self._sound = last(whole, self._config.window)
-        self.heard = self._recognizer.transcribe(self._sound)
         self.is_window = len(self._sound) < len(whole)
+        is_final = growth.utterance.is_complete or self.is_settled(growth)
+        if is_final:  # the recogniser is surer of a last word that it hears end
+            silence = np.zeros(round(self._config.silence_added * RATE), np.float32)
+            self._sound = frozen_samples(np.concatenate([self._sound, silence]))
+        self.heard = self._recognizer.transcribe(self._sound)
         self._looked_at, self._scores = time, {}
-        self._has_news = not (growth.utterance.is_complete or self.is_settled(growth))
+        self._has_news = not is_final
