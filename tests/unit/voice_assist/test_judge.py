@@ -12,6 +12,7 @@ CONFIG = load_voice_config(
     recognizer__early__pause=0.16,
     recognizer__early__unchanged_for=0.8,
     recognizer__early__stop_agreement=2,
+    recognizer__early__vote_confidence=0.7,
     recognizer__early__stop_confidence=0.9,
 )
 
@@ -50,6 +51,13 @@ def test_unsure_readings_of_stop_do_not_count(judge):
     refused = judge(heard("stop", 0.3), at(0.8, 0.4, is_complete=True))
     least = CONFIG.commands.get("stop").least_confidence
     assert refused.reason == f"confidence 0.30, allowed: at least {least:.2f}"
+
+
+def test_a_half_sure_stop_waits_for_the_pause(judge):
+    least = CONFIG.commands.get("stop").least_confidence
+    for time in (0.1, 0.2, 0.3):
+        assert judge(heard("stop", least + 0.01), at(time)) is None
+    assert judge(heard("stop", least + 0.01), at(0.5, quiet=0.16)).command == "stop"
 
 
 def test_after_a_stop_there_is_no_second_one(judge):

@@ -93,6 +93,7 @@ class EarlyConfig:
     shortest_rest: float = number(0.0, 2.0, "s")
     unchanged_for: float = number(0.2, 10.0, "s")
     stop_agreement: int = integer(1, 10, "partials")
+    vote_confidence: float = number(0.0, 1.0, "")
     stop_confidence: float = number(0.0, 1.0, "")
     window: float = number(1.0, 28.0, "s")
     noise_after: float = number(0.5, 28.0, "s")

@@ -75,30 +75,27 @@ class Judge:
         self._votes, self._words = 0, ()
 
     def _follow(self, heard: Hypothesis, outcome: Match | NoMatch, moment: Moment) -> None:
-        self._votes = self._votes + 1 if self._is_sure_halt(heard, outcome) else 0
+        is_halt = isinstance(outcome, Match) and outcome.command in self._halts
+        is_vote = is_halt and heard.confidence >= self._config.vote_confidence
+        self._votes = self._votes + 1 if is_vote else 0
         words = normalize(heard.text)
         if words != self._words:
             self._words, self._unchanged_since = words, moment.time
 
-    def _is_sure_halt(self, heard: Hypothesis, outcome: Match | NoMatch) -> bool:
-        least = self._halts.get(outcome.command) if isinstance(outcome, Match) else None
-        return least is not None and heard.confidence >= least
-
     def _halt(self, outcome: Match, heard: Hypothesis, moment: Moment) -> Match | NoMatch | None:
         if self._has_halted:
             return None
-        if not self._is_sure_halt(heard, outcome):
+        config, least = self._config, self._halts[outcome.command]
+        if heard.confidence < least:
             if not moment.is_complete:
                 return None
-            reason = too_unsure(heard.confidence, self._halts[outcome.command])
-            return NoMatch(reason, outcome.command, outcome.wer)
-        config = self._config
-        is_sure = config.is_enabled and (
+            return NoMatch(too_unsure(heard.confidence, least), outcome.command, outcome.wer)
+        is_now = config.is_enabled and (
             self._votes >= config.stop_agreement
             or heard.confidence >= config.stop_confidence
             or self._is_pause(moment)
         )
-        return outcome if is_sure or moment.is_complete else None
+        return outcome if is_now or moment.is_complete else None
 
     def _may_commit(self, outcome: Match | NoMatch, heard: Hypothesis, moment: Moment) -> bool:
         """Whether a whole command is taken before the end of the utterance."""

@@ -46,6 +46,8 @@ class VoiceNode:
         """Load the model and announce the topics."""
         self._config = config
         recognizer = make_recognizer(config)
+        facts = {"model": recognizer.name, "model_sha256": recognizer.model_hash}
+        rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
         self._pipeline = make_pipeline(config, _now, recognizer)
         self._frames: Queue[Frame | None] = Queue(config.audio.queue)
         self._answers: Queue[Answered] = Queue()
