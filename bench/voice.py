@@ -16,7 +16,7 @@ from typing import Any
 from scipy.stats import beta
 
 from bench import voice_sets
-from bench.figures import RESULTS, Figure
+from bench.figures import RESULTS, ROOT, Figure
 
 KEEP = bool(os.environ.get("KEEP"))  # use the results that are there, measure the others
 THIN = int(os.environ.get("THIN", "3"))  # one clip in so many of noise, words and talk; 1: all
@@ -70,8 +70,8 @@ def _evaluate(name: str, manifest: Path, noise: Path | None = None, snr: float =
     command = [sys.executable, "-m", "voice_assist.cli", "evaluate", str(manifest)]
     command += ["--out", str(out)]
     if noise is not None:
-        command += ["--noise", str(noise), "--snr", str(snr)]
-    subprocess.run(command, check=True)
+        command += ["--noise", str(noise.relative_to(ROOT)), "--snr", str(snr)]
+    subprocess.run(command, check=True, cwd=ROOT)
     return json.loads(out.read_text(encoding="utf-8"))
 
 
