@@ -7,7 +7,7 @@ import dataclasses
 import difflib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, cast, get_args, get_origin, get_type_hints
 
 import yaml
 
@@ -94,7 +94,7 @@ def _sequence(args: tuple[Any, ...], rule: Rule, value: object, key: str) -> tup
         if not rule.accepts(value):
             raise ConfigError(key, value, rule.allowed)
         entries: Sequence[object] = value  # type: ignore[assignment]
-        kind: type[Any] = args[0]
+        kind = cast("type[Any]", args[0])
         return tuple(load_config(kind, v, f"{key}[{i}]") for i, v in enumerate(entries))
     size = None if args[-1] is Ellipsis else len(args)
     count = "a list" if size is None else f"a list of {size}"
