@@ -98,6 +98,7 @@ def _session(
             sessions=folder.parent,
             session=folder.name,
             controller_overrides=ROOT / "demo" / "overrides.yaml",
+            robot_overrides=ROOT / "demo" / "robot_overrides.yaml",
             **source,
         )
         timeline = stack.enter_context(Timeline(console))
