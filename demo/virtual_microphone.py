@@ -17,8 +17,10 @@ START_TIME = 8.0  # [s] allowed for the server to answer
 class VirtualMicrophone:
     """Context manager around one PulseAudio server; nothing outside it is touched."""
 
-    def __init__(self, sink: str = "surgeon", rate: int = 48_000) -> None:
-        self._sink, self._rate = sink, rate
+    def __init__(
+        self, sink: str = "surgeon", rate: int = 48_000, start_time: float = START_TIME
+    ) -> None:
+        self._sink, self._rate, self._start_time = sink, rate, start_time
         self._folder = Path()
         self._server: subprocess.Popen[bytes] | None = None
 
@@ -79,14 +81,14 @@ class VirtualMicrophone:
         )
 
     def _wait_until_it_answers(self) -> None:
-        deadline = time.monotonic() + START_TIME
+        deadline = time.monotonic() + self._start_time
         while time.monotonic() < deadline:
             if self._server is None or self._server.poll() is not None:
                 raise OSError("pulseaudio ended at once")
             if self._answers():
                 return
             time.sleep(0.1)
-        raise OSError(f"pulseaudio did not answer within {START_TIME:g} s")
+        raise OSError(f"pulseaudio did not answer within {self._start_time:g} s")
 
     def _answers(self) -> bool:
         probe = subprocess.run(

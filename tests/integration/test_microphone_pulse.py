@@ -2,15 +2,16 @@
 """The microphone against a real PulseAudio server whose null sinks are the devices."""
 
 import os
-import shutil
 import subprocess
 import threading
 import time
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
 import soundfile
 
+from demo.virtual_microphone import VirtualMicrophone
 from voice_assist.audio.microphone import Microphone
 from voice_assist.audio.portaudio import PortAudio
 from voice_assist.audio.source import level_db
@@ -22,38 +23,20 @@ LIMIT = 60.0  # [s] allowed for anything to be noticed
 
 
 @pytest.fixture(scope="module")
-def server(tmp_path_factory):
+def server():
     """Environment of a PulseAudio server that only this file uses."""
-    if shutil.which("pulseaudio") is None or shutil.which("pactl") is None:
-        pytest.skip("pulseaudio or pactl is not installed")
-    folder = tmp_path_factory.mktemp("pulse")
-    added = {
-        "PULSE_SERVER": f"unix:{folder}/native",
-        "PULSE_RUNTIME_PATH": str(folder),
-        "PULSE_COOKIE": str(folder / "cookie"),
-        "HOME": str(folder),
-    }
-    command = ["pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no"]
-    command += ["--disable-shm=yes"]
-    command += [f"--load=module-native-protocol-unix socket={folder}/native auth-anonymous=1"]
-    command += ["--load=module-null-sink sink_name=other rate=16000"]
-    without = {k: v for k, v in {**os.environ, **added}.items() if k != "PULSE_SERVER"}
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    process = subprocess.Popen(command, env=without, **quiet)
-    before = dict(os.environ)
-    os.environ.update(added)
-    try:
-        deadline = time.monotonic() + START
-        while subprocess.run(["pactl", "info"], **quiet).returncode:
-            if process.poll() is not None or time.monotonic() > deadline:
-                pytest.skip("pulseaudio cannot start on this machine")
-            time.sleep(0.1)
-        yield folder
-    finally:
-        process.kill()
-        process.wait()
-        os.environ.clear()
-        os.environ.update(before)
+    with ExitStack() as stack:
+        try:
+            running = stack.enter_context(VirtualMicrophone("other", RATE, START))
+        except OSError as error:
+            pytest.skip(f"no PulseAudio server: {error}")
+        before = dict(os.environ)
+        os.environ.update(running.environment)
+        try:
+            yield running
+        finally:
+            os.environ.clear()
+            os.environ.update(before)
 
 
 @pytest.fixture
@@ -123,8 +106,8 @@ class Listener:
 
 
 @pytest.fixture(scope="module")
-def tone(server):
-    path = server / "tone.wav"
+def tone(tmp_path_factory):
+    path = tmp_path_factory.mktemp("tone") / "tone.wav"
     time_ = np.arange(48_000 * 4) / 48_000
     soundfile.write(path, 0.3 * np.sin(2 * np.pi * 440 * time_), 48_000)
     return path

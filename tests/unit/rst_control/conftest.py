@@ -1,31 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The robot, its settings and its planner, made once."""
+"""The robot, its settings and its planner, as fixtures."""
 
-from __future__ import annotations
+from tests.motion_fixtures import home, motion_config, planner, robot
 
-import numpy as np
-import pytest
-
-from rst_control.config import load_motion_config
-from rst_control.planner import Planner
-from rst_control.robot_model import load_robot
-
-
-@pytest.fixture(scope="session")
-def robot():
-    return load_robot()
-
-
-@pytest.fixture(scope="session")
-def motion_config():
-    return load_motion_config()
-
-
-@pytest.fixture(scope="session")
-def planner(robot, motion_config):
-    return Planner(robot, motion_config)
-
-
-@pytest.fixture(scope="session")
-def home(motion_config):
-    return np.array(motion_config.scene.home)
+__all__ = ["home", "motion_config", "planner", "robot"]
