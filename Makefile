@@ -49,8 +49,10 @@ evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=acti
 	@$(RUN) python -m voice_assist.cli evaluate '$(MANIFEST)' --out '$(OUT)' $(if $(NOISE),--noise '$(NOISE)') \
 	    $(if $(SNR),--snr '$(SNR)') $(if $(MODE),--mode '$(MODE)') $(if $(JOBS),--jobs '$(JOBS)') $(if $(MODEL),--model '$(MODEL)')
 
-train: setup ## train the embedded recogniser anew; resumes where it was interrupted
-	@$(RUN) python -m voice_assist.training.fit $(ARGS)
+FIT := python -m voice_assist.training.fit
+FIRST := .cache/training/first.pt
+train: setup ## train the embedded recogniser anew, then further; or one run of your own with ARGS; resumes where it was interrupted
+	@$(RUN) $(if $(ARGS),$(FIT) $(ARGS),$(FIT) --out $(FIRST) && $(FIT) --from $(FIRST) --steps 6200 --rate 6e-4 --decay 0.68)
 
 report: setup ## SESSION=sessions/<time>: make the report of a recorded session again
 	@test -n "$(SESSION)" || { echo "make report needs SESSION=folder or file.mcap"; exit 2; }

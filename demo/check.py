@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -112,5 +113,6 @@ def _effect_seen(
 
 
 def worst_rcm_error(observed: Observed) -> float:
-    """Largest RCM error while the tool moved [m]; zero when it never did."""
-    return max((s.rcm_error for s in observed.states if abs(s.path_speed) > REST), default=0.0)
+    """Largest RCM error while the tool moved [m]; no number when it never did."""
+    moving = (s.rcm_error for s in observed.states if abs(s.path_speed) > REST)
+    return max(moving, default=math.nan)

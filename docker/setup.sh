@@ -50,10 +50,13 @@ python_packages() {
     say "Python packages of requirements.txt"
     rest=$(mktemp)
     trap 'rm -f "$rest"' EXIT
-    grep -v '^openai-whisper==' requirements.txt >"$rest"
+    grep -Ev '^(openai-whisper|openwakeword)==' requirements.txt >"$rest"
     .venv/bin/python -m pip install --progress-bar on -r "$rest"
-    # openai-whisper asks for triton (only CUDA uses it) and any torch; what it really needs is pinned above it
-    .venv/bin/python -m pip install --no-deps "$(sed -n 's/^\(openai-whisper==[^ ]*\).*/\1/p' requirements.txt)"
+    # openai-whisper asks for triton (only CUDA uses it) and any torch; what it really needs is pinned above it.
+    # Of openwakeword only two network files are used, so nothing that its code asks for.
+    for package in openai-whisper openwakeword; do
+        .venv/bin/python -m pip install --no-deps "$(sed -n "s/^\($package==[^ ]*\).*/\1/p" requirements.txt)"
+    done
 }
 
 workspace() {
@@ -70,9 +73,9 @@ workspace() {
     . catkin_ws/devel/setup.sh
     set -u
     .venv/bin/python -c 'from rst_control.config import load_motion_config
-from rst_control.planner import Planner
+from rst_control.assembly import make_site
 from rst_control.robot_model import load_robot
-Planner(load_robot(), load_motion_config()).warm_up()'
+make_site(load_motion_config(), load_robot())'
 }
 
 case "${1:-}" in

@@ -12,6 +12,7 @@ from bench.motion import (
     braking,
     executed,
     gate,
+    insertion,
     inverse,
     paths,
     repeat,
@@ -39,6 +40,7 @@ def measure() -> list[Figure]:
         ("braking", lambda: braking.measure(motion, simulation, count(60, 5))),
         ("tension", lambda: tension.measure(motion, simulation, count(1000, 25))),
         ("triangulation", lambda: triangulate.measure(motion, count(1000))),
+        ("insertion", lambda: insertion.measure(motion, simulation, count(200, 5))),
         ("repeatability", lambda: repeat.measure(motion, simulation, count(100, 3))),
     )
     figures: list[Figure] = []

@@ -16,7 +16,9 @@ from bench.motion.rig import Rig
 from rst_control.config import MotionConfig, SimulationConfig
 from rst_control.types import Accepted, Reason, Rejected
 
-GEOMETRIC = 0.2  # share of the cases that are scenes anywhere about the workspace
+GEOMETRIC = 0.17  # share of the cases that are scenes anywhere about the workspace
+NEAR = 0.05  # share with the tool near the arm, or the arm near a singularity
+FEASIBLE = GEOMETRIC + NEAR + 0.40  # up to here, commands that nothing speaks against
 NODES = (9, 9)  # of the tissue of executed commands
 SHOWN = 8  # kinds of wrong answers that are named
 
@@ -55,8 +57,10 @@ def measure(
         draw = rng.uniform()
         if draw < GEOMETRIC:
             case = cases.geometric()
+        elif draw < GEOMETRIC + NEAR:
+            case = cases.near()
         else:
-            case = cases.feasible() if draw < GEOMETRIC + 0.42 else cases.infeasible()
+            case = cases.feasible() if draw < FEASIBLE else cases.infeasible()
         _look(case, judge, tally)
     ended = [_execute(case, simulation) for case in tally.passed[:executed]]
     return _figures(tally, [words for words in ended if words], len(ended))

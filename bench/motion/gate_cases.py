@@ -9,10 +9,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.motion.rig import random_poses, turned
+from bench.motion.near_cases import (
+    CROWDED,
+    STRETCHED,
+    near,
+    with_clearance,
+    with_manipulability,
+    working_at,
+)
+from bench.motion.rig import random_poses
+from rst_control import manipulability
+from rst_control.collision import CollisionModel
 from rst_control.config import MotionConfig
 from rst_control.configuration import Configuration, robot_joints
 from rst_control.errors import Infeasible
+from rst_control.grasp_ways import turned
 from rst_control.planner import Planner
 from rst_control.rcm import rcm_state
 from rst_control.robot_model import load_robot
@@ -72,7 +83,7 @@ class Cases:
         self._wrong: tuple[Callable[[], Case], ...] = (
             self._unknown, self._standby, self._halted, self._busy, self._absent, self._stale,
             self._faulted, self._restless, self._empty, self._grasped, self._tension,
-            self._distance, self._adrift,
+            self._distance, self._adrift, self._too_near, self._too_stretched,
         )  # fmt: skip
 
     def feasible(self) -> Case:
@@ -105,10 +116,13 @@ class Cases:
             upper = np.minimum(limits.arm_upper, home[:7] + room)
             limits = replace(limits, arm_lower=tuple(lower), arm_upper=tuple(upper))
             config = replace(config, limits=limits)
-        verify = Verifier(Planner(self._model, config))
-        home = np.array(config.scene.home)
-        free = self._situation(robot_joints(home, 0.0))
-        return Case(verify, config, Request("tense", 1.0), free, None, False)
+        return self._at_home(config)
+
+    def near(self) -> Case:
+        """Tense with the tool near the arm, or the arm near a singularity."""
+        postures = (CROWDED, STRETCHED)[self._rng.integers(2)]
+        q = near(postures, self._rng)
+        return self._at_home(working_at(self._config, self._model, q, self._rng))
 
     # One thing wrong each.
 
@@ -188,7 +202,31 @@ class Cases:
         scene, situation = self._scenes[0], self._situation(robot_joints(q, 0.0))
         return self._case(scene, Request("tense"), situation, Reason.RCM_TOLERANCE, False)
 
+    def _too_near(self) -> Case:
+        """Two bodies nearer to each other at the start than allowed."""
+        q = near(CROWDED, self._rng)
+        found = CollisionModel(self._config.collision, self._model).clearance(q).distance
+        more = float(self._rng.uniform(1e-4, 0.01))
+        config = with_clearance(self._config, max(found, 0.0) + more)
+        config = working_at(config, self._model, q, self._rng)
+        return self._at_home(config, Reason.COLLISION)
+
+    def _too_stretched(self) -> Case:
+        """Nearer to a singularity at the start than allowed."""
+        q = near(CROWDED, self._rng)
+        config = working_at(self._config, self._model, q, self._rng)
+        trocar = np.array(config.scene.trocar)
+        found = manipulability.measure(self._model.chain, q, trocar)
+        config = with_manipulability(config, found * float(self._rng.uniform(1.001, 1.5)))
+        return self._at_home(with_clearance(config, 0.0), Reason.SINGULAR)
+
     # Parts.
+
+    def _at_home(self, config: MotionConfig, expected: Reason | None = None) -> Case:
+        """Tense from the home of a scene of its own."""
+        verify = Verifier(Planner(self._model, config))
+        free = self._situation(robot_joints(np.array(config.scene.home), 0.0))
+        return Case(verify, config, Request("tense", 1.0), free, expected, False)
 
     def _moved(self, reach: float, tilt: float) -> MotionConfig:
         """Settings with the tissue elsewhere and turned.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An independent judge of plans and refusals: KDL, and the closed form of the wrist.
+"""An independent judge of plans and refusals: KDL, PyBullet, and the closed form of the wrist.
 
 The tool's pose and the trocar fix the wrist: the shaft lies in the plane of the trocar and the
 jaws' axis, so depth and pitch point follow without any solver.
@@ -8,17 +8,20 @@ jaws' axis, so depth and pitch point follow without any solver.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import PyKDL
 from numpy.typing import NDArray
 
+from bench.motion.bullet_bodies import BulletBodies
 from bench.motion.gate_cases import Case
-from bench.motion.rig import turned
+from rst_control.collision_config import CollisionConfig
+from rst_control.collision_kernels import RESOLUTION
 from rst_control.configuration import planning_joints
+from rst_control.grasp_ways import grasp_ways, turned
 from rst_control.limits import make_limits
-from rst_control.planner import grasp_pose
 from rst_control.robot_model import RobotModel, kdl_chain, load_robot
 from rst_control.types import Phase, Plan, Reason
 
@@ -27,16 +30,23 @@ JAW, WRIST = 0.015, 0.0115  # [m] from the tip to the jaws' axis, from there to 
 LOOKS = 25  # places on each path
 STRIDE = 0.0005  # [m] of the follower's steps
 TINY = 1e-9
+BODY_TINY = 1e-6  # [m] to which PyBullet knows distances
 RCM_WORST = 1e-6  # [m]
+BODY_LOOKS = 9  # places on each path where PyBullet measures distances
+BODY_STRIDE = 4  # steps of the follower from one such measurement to the next
+BODIES_CLOSE = 5e-4  # [m] that a distance may be missed by between them
+SINGULAR_CLOSE = 1.005  # [-] the same for manipulability
+RADIAN = 0.1  # [m] that a radian of the tool counts as in the manipulability
 CLOSE = 1e-4  # [m] that a limit may be missed by in the sampling of the judge
 
 
 class Judge:
-    """Knows the robot by KDL only."""
+    """Knows the robot by KDL and PyBullet only."""
 
     def __init__(self) -> None:
         model = load_robot()
         self._arm, self._tip = Kdl(model, "interface_link"), Kdl(model, "tool_tip")
+        self._bodies: tuple[CollisionConfig, BulletBodies] | None = None
 
     # Refusals.
 
@@ -49,8 +59,14 @@ class Judge:
                 return self._leaves_insertion(case)
             case Reason.RCM_TOLERANCE:
                 return self._is_adrift(case)
-            case Reason.UNREACHABLE | Reason.JOINT_LIMIT:
+            case Reason.UNREACHABLE:  # the tracker loses its way at singular places, or just before
+                return not self._can_follow(case) or self._comes_near_singular(case)
+            case Reason.JOINT_LIMIT:
                 return not self._can_follow(case)
+            case Reason.COLLISION:
+                return self._comes_too_near(case)
+            case Reason.SINGULAR:
+                return self._comes_near_singular(case)
         return False
 
     def _is_adrift(self, case: Case) -> bool:
@@ -73,7 +89,45 @@ class Judge:
         return min(depths) < least + CLOSE or max(depths) > most - CLOSE
 
     def _can_follow(self, case: Case) -> bool:
-        """Whether joints that keep all limits can be led along the whole way, step by step."""
+        """Whether joints that keep their limits can be led along the whole way, step by step."""
+        limits = make_limits(case.config.limits, case.config.controller.jaws.open)
+        return all(
+            missing <= 1e-4 and limits.violation(q) is None for q, missing in self._led(case, 0.02)
+        )
+
+    def _comes_too_near(self, case: Case) -> bool:
+        """Whether two bodies come nearer than allowed where the elbow does not swing."""
+        allowed = case.config.collision.clearance + BODIES_CLOSE
+        ways = enumerate(self._led(case, 0.0))
+        return any(
+            self._least_distance(case, q) < allowed for n, (q, _) in ways if n % BODY_STRIDE == 0
+        )
+
+    def _comes_near_singular(self, case: Case) -> bool:
+        """Whether the manipulability falls below its limit where the elbow does not swing."""
+        allowed = case.config.limits.least_manipulability * SINGULAR_CLOSE
+        return any(self._manipulability(case, q) < allowed for q, _ in self._led(case, 0.0))
+
+    def _least_distance(self, case: Case, q: Array) -> float:
+        config = replace(case.config.collision, clearance=0.0)
+        if self._bodies is None or self._bodies[0] != config:
+            if self._bodies is not None:
+                self._bodies[1].close()
+            self._bodies = config, BulletBodies(config)
+        return self._bodies[1].least(q)[0]
+
+    def _manipulability(self, case: Case, q: Array) -> float:
+        _, J = self._constraints(q, np.eye(4), np.array(case.config.scene.trocar))
+        J[5:] *= RADIAN
+        return float(np.prod(np.linalg.svd(J, compute_uv=False)))
+
+    def _led(self, case: Case, sway: float) -> Iterator[tuple[Array, float]]:
+        """Joints (9,) step by step along the whole way, and what is missing to the pose.
+
+        Args:
+            case: With start and way.
+            sway: How fast the elbow swings away from the joint limits; 0: not at all.
+        """
         limits = make_limits(case.config.limits, case.config.controller.jaws.open)
         trocar = np.array(case.config.scene.trocar)
         q = self._start(case)
@@ -83,12 +137,9 @@ class Judge:
                 missing, J = self._constraints(q, T, trocar)
                 inverse = np.linalg.pinv(J, rcond=1e-6)
                 x = (q - middle) / half
-                away = -0.02 * x**5 / half  # swings the elbow from the limits
+                away = -sway * x**5 / half
                 q = q + inverse @ missing + away - inverse @ (J @ away)
-            missing = self._constraints(q, T, trocar)[0]
-            if np.abs(missing).max() > 1e-4 or limits.violation(q) is not None:
-                return False
-        return True
+            yield q, float(np.abs(self._constraints(q, T, trocar)[0]).max())
 
     def _constraints(self, q: Array, T: Array, trocar: Array) -> tuple[Array, Array]:
         """What is missing to pose and trocar (8,), and how joints change it (8, 9)."""
@@ -114,7 +165,7 @@ class Judge:
 
     def _waypoints(self, case: Case) -> tuple[Array, ...]:
         scene, start = case.config.scene, self._tip.frame(self._start(case))
-        grasp = grasp_pose(case.config)
+        grasp = grasp_ways(scene)[0].T_base_tip
         other = grasp.copy()
         other[:3, [0, 2]] *= -1.0
         turns = [np.linalg.norm(_turn(start[:3, :3], T[:3, :3])) for T in (grasp, other)]
@@ -168,6 +219,19 @@ class Judge:
             for name, holds in checks.items():
                 if not holds:
                     return f"{name} at {s * 1e3:.1f} mm"
+        return self._wrong_posture(case, phase)
+
+    def _wrong_posture(self, case: Case, phase: Phase) -> str:
+        if phase.path is None:
+            return ""
+        clearance = case.config.collision.clearance - 0.5 * RESOLUTION
+        manipulability = case.config.limits.least_manipulability / SINGULAR_CLOSE
+        for s in np.linspace(min(phase.start, phase.target), phase.target, BODY_LOOKS):
+            q = phase.path.evaluate(float(s)).q
+            if self._least_distance(case, q) < clearance - BODY_TINY:
+                return f"collision at {s * 1e3:.1f} mm"
+            if self._manipulability(case, q) < manipulability:
+                return f"near singular at {s * 1e3:.1f} mm"
         return ""
 
     def _trocar(self, q: Array, trocar: Array) -> tuple[float, float]:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A robot without inertia on the simulator's tissue: exact set-points late, exact forces.
 
-In PyBullet the joints stay within a microradian of their course, so for questions of tension this
-is the same robot, stepped ten times faster.
+In PyBullet the joints stay within a hundredth of a microradian of their course, so for questions of
+tension this is the same robot, stepped several times faster.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from rst_control import chain
 from rst_control.backends.jaws import Jaws
 from rst_control.backends.physics import JointReading
+from rst_control.backends.pybullet_robot import start_joints
 from rst_control.backends.tissue import Tissue
 from rst_control.config import SimulationConfig
-from rst_control.configuration import planning_joints, robot_joints
+from rst_control.configuration import planning_joints
 from rst_control.robot_model import load_robot
 from rst_control.types import JOINT_COUNT, Measurement, Setpoint
 
@@ -36,13 +37,14 @@ class LightRobot:
 
     def __init__(self, config: SimulationConfig, start: float = 10.0) -> None:
         scene, simulator = config.scene, config.simulator
-        home = robot_joints(np.array(scene.home), scene.home_opening)
+        begin = start_joints(config)
         self.now, self.fault = start, ""
         self.tissue = Tissue(scene.tissue, STEP)
-        self.reading = JointReading(home, np.zeros(JOINT_COUNT), np.zeros(JOINT_COUNT))
+        self.reading = JointReading(begin, np.zeros(JOINT_COUNT), np.zeros(JOINT_COUNT))
         self.force = np.zeros(3)
+        self.sensor: Callable[[Array], Array] = lambda force: force  # what it reports of a force
         self._delay = simulator.servo.playout_delay
-        self._waiting: deque[Setpoint] = deque([Setpoint(home, np.zeros(JOINT_COUNT), start)])
+        self._waiting: deque[Setpoint] = deque([Setpoint(begin, np.zeros(JOINT_COUNT), start)])
         self._jaws = Jaws(self.tissue, simulator.closed_opening, simulator.held_opening)
         self._chain, self._frames = load_robot().chain, np.empty((12, 3, 4))
 
@@ -58,7 +60,7 @@ class LightRobot:
             velocity=self.reading.velocity,
             effort=self.reading.effort,
             stamp=self.now,
-            force=self.force,
+            force=self.sensor(self.force),
             gripped=self.tissue.is_held,
         )
 

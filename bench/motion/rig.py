@@ -11,18 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.motion.light_robot import LightRobot
+from bench.motion.quiet import quiet
 from rst_control import chain
-from rst_control.assembly import make_executor, rcm_gauge
+from rst_control.assembly import make_executor
 from rst_control.backends.pybullet_robot import PybulletRobot
 from rst_control.config import MotionConfig, SimulationConfig, TissueConfig
 from rst_control.configuration import Configuration, planning_joints
 from rst_control.desk import CommandDesk, Ticket
+from rst_control.grasp_ways import grasp_ways, turned
 from rst_control.lifecycle import IN_MOTION
 from rst_control.path import Path
-from rst_control.planner import Planner, grasp_pose
 from rst_control.robot_model import load_robot
+from rst_control.site import PresentSite, Site
 from rst_control.types import Phase, PhaseKind, Request
-from rst_control.verification import Verifier
 
 Array = NDArray[np.float64]
 START = 10.0  # [s] time of the first state
@@ -43,14 +44,16 @@ class Rig:
     ) -> None:
         model = load_robot()
         self.config, self.period = motion, 1.0 / motion.controller.rate
-        self.planner = Planner(model, motion)
+        site = PresentSite(Site(motion, model))
+        self.planner = site.site.planner
         settings = replace(simulation, scene=motion.scene, limits=motion.limits)
         kind = LightRobot if is_light else PybulletRobot
-        self.robot: LightRobot | PybulletRobot = kind(settings, start=START)
+        with quiet():
+            self.robot: LightRobot | PybulletRobot = kind(settings, start=START)
         self.error = np.array([0.0] * 7 + list(settings.simulator.tool_joint_error))
-        self.executor = make_executor(motion, model, self.robot.clear_fault)
-        self.desk = CommandDesk(self.executor, Verifier(self.planner), lambda: self.robot.now)
-        self._gauge = rcm_gauge(motion, model)
+        self.executor = make_executor(motion, site, self.robot.clear_fault)
+        self.desk = CommandDesk(self.executor, site.verify, lambda: self.robot.now)
+        self._gauge = site.placement
 
     def tick(self, each: Callable[[], None] = lambda: None) -> None:
         """One period of the control loop; `each` is called after every step of the physics."""
@@ -123,7 +126,7 @@ class Rig:
     @property
     def rcm_error(self) -> float:
         """Distance of the shaft, as it truly is, from the trocar [m]."""
-        return self._gauge(self.robot.reading.position + self.error)
+        return self._gauge(self.robot.reading.position + self.error).error
 
     @property
     def tip_error(self) -> float:
@@ -176,21 +179,10 @@ def random_poses(config: MotionConfig, count: int, seed: int, spread: float = 0.
         Poses of tool_tip in base_link. Shape (count, 4, 4).
     """
     rng = np.random.default_rng(seed)
-    poses = np.tile(grasp_pose(config), (count, 1, 1))
+    poses = np.tile(grasp_ways(config.scene)[0].T_base_tip, (count, 1, 1))
     for T in poses:
         direction = rng.normal(size=3)
         away = 0.95 * config.scene.workspace_radius * rng.uniform() ** (1.0 / 3.0)
         T[:3, 3] = config.scene.workspace_centre + away * direction / np.linalg.norm(direction)
         T[:3, :3] = turned(rng.uniform(-spread, spread, 3)) @ T[:3, :3]
     return poses
-
-
-def turned(vector: Array) -> Array:
-    """Rotation matrix of a rotation vector [rad], by Rodrigues' formula. Shape (3, 3)."""
-    angle = float(np.linalg.norm(vector))
-    if angle < 1e-12:
-        return np.eye(3)
-    x, y, z = vector / angle
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    R: Array = np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
-    return R

@@ -4,9 +4,10 @@
 from tests.unit.voice_assist.fake_speech import FakeRecognizer, make_detector
 from voice_assist.pipeline import Pipeline
 from voice_assist.ros import node
+from voice_assist.spotter.second_way import SecondWay
 
 node.make_recognizer = lambda config: FakeRecognizer()
-node.make_pipeline = lambda config, clock, recognizer: Pipeline(
-    config, recognizer, make_detector(), clock
+node.make_pipeline = lambda config, clock, recognizer, spotting: Pipeline(
+    config, recognizer, make_detector(), clock, SecondWay(config.spotter, spotting)
 )
 node.main()

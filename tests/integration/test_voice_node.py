@@ -79,8 +79,9 @@ def watch(master, folder, seconds, behaviour=(), **settings):
 def load(master, settings):
     """Put the package's settings on the parameter server, with some changed."""
     folder = ROOT / "catkin_ws" / "src" / "voice_assist" / "config"
-    names = ("audio", "recognizer", "commands")
+    names = ("audio", "recognizer", "spotter", "commands")
     given = {name: yaml.safe_load((folder / f"{name}.yaml").read_text()) for name in names}
+    given["spotter"]["is_enabled"] = False  # it was trained on words, and here tones are spoken
     for path, value in settings.items():
         *parents, key = path.split("/")
         branch = given

@@ -92,17 +92,21 @@ def test_tip_jacobian_equals_finite_differences(q):
 
 
 @settings(deadline=None)
-@given(configurations)
-def test_small_joint_steps_change_the_residual_by_minus_the_constraints(q):
+@given(configurations, st.booleans())
+def test_small_joint_steps_change_the_residual_by_minus_the_constraints(q, is_straight):
     model = load_robot()
     frames, r, J = np.empty((12, 3, 4)), np.empty(8), np.zeros((8, 9))
     chain.forward(model.chain, q, frames)
     target = frames[chain.TIP].copy()
     newton.constraints(frames, TROCAR, J)
+    if is_straight:
+        newton.hold_wrist(q, r, J)
 
     def missing(joints):
         chain.forward(model.chain, joints, frames)
         newton.residual(frames, target, TROCAR, r)
+        if is_straight:
+            newton.hold_wrist(joints, r, np.empty((8, 9)))
         return r.copy()
 
     assert_allclose(-J, differences(missing, q), atol=1e-7)

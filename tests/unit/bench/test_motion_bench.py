@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -14,9 +15,11 @@ from bench.motion import inverse, paths, tension, triangulate
 from bench.motion.gate_cases import Cases
 from bench.motion.gate_oracle import Judge
 from bench.motion.light_robot import LightRobot
-from bench.motion.rig import Rig, random_poses, turned
+from bench.motion.near_cases import with_clearance, with_manipulability
+from bench.motion.rig import Rig, random_poses
 from rst_control.backends.pybullet_robot import PybulletRobot
 from rst_control.config import load_motion_config, load_simulation_config
+from rst_control.grasp_ways import turned
 from rst_control.types import Accepted, Reason, Rejected
 
 MOTION, SIMULATION = load_motion_config(), load_simulation_config()
@@ -62,6 +65,8 @@ def test_the_judge_has_nothing_against_an_accepted_plan(cases, judge):
             ),
             "insertion",
         ),
+        (lambda c: replace(c, config=with_clearance(c.config, 0.3)), "collision"),
+        (lambda c: replace(c, config=with_manipulability(c.config, 1e-5)), "near singular"),
     ],
 )
 def test_the_judge_finds_each_fault_in_a_plan(cases, judge, spoil, words):
@@ -77,7 +82,13 @@ def test_the_judge_finds_a_plan_that_is_too_fast(cases, judge):
 
 def test_no_reason_is_true_of_a_feasible_command(cases, judge):
     case, _ = accepted(cases)
-    for reason in (Reason.WORKSPACE, Reason.INSERTION_DEPTH, Reason.UNREACHABLE):
+    for reason in (
+        Reason.WORKSPACE,
+        Reason.INSERTION_DEPTH,
+        Reason.UNREACHABLE,
+        Reason.COLLISION,
+        Reason.SINGULAR,
+    ):
         assert not judge.is_true(case, reason)
 
 
@@ -87,6 +98,22 @@ def test_infeasible_cases_are_refused_for_what_is_wrong_with_them(cases):
         decision = case.verify(case.request, case.situation)
         assert isinstance(decision, Rejected)
         assert decision.reason is case.expected
+
+
+def test_near_the_arm_or_a_singularity_some_commands_are_refused_and_all_with_true_reasons(
+    cases, judge
+):
+    reasons = Counter()
+    for _ in range(40):
+        case = cases.near()
+        decision = case.verify(case.request, case.situation)
+        if isinstance(decision, Rejected):
+            reasons[decision.reason] += 1
+            assert judge.is_true(case, decision.reason), decision.words
+        else:
+            reasons["accepted"] += 1
+            assert judge.objection(case, decision.plan) == ""
+    assert min(reasons["accepted"], reasons[Reason.COLLISION], reasons[Reason.SINGULAR]) >= 3
 
 
 def test_few_random_paths_and_targets_give_every_figure():
@@ -119,7 +146,8 @@ def test_the_light_robot_pulls_the_tissue_as_pybullet_does():
     assert light.settle == pytest.approx(heavy.settle, abs=0.02)
 
 
-def test_a_random_tissue_is_triangulated_and_one_pulled_too_hard_is_not(monkeypatch):
-    assert triangulate._try(MOTION, 1) == ()
-    monkeypatch.setattr(triangulate, "TENSION", 1.9)
-    assert any("tension" in words or "strain" in words for words in triangulate._try(MOTION, 1))
+def test_a_random_tissue_is_triangulated_and_one_pulled_too_little_is_not(monkeypatch):
+    assert triangulate.attempt(MOTION, 1).faults == ()
+    monkeypatch.setattr(triangulate, "TENSION", 0.2)
+    faults = triangulate.attempt(MOTION, 1).faults
+    assert any("N, at least 0.3" in words for words in faults)

@@ -8,13 +8,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from rst_control.assembly import make_executor, make_verify, rcm_gauge
+from rst_control.assembly import make_executor, make_site
 from rst_control.backends.fake import FakeRobot, LinearSpring
 from rst_control.config import load_motion_config
 from rst_control.configuration import Configuration, planning_joints, robot_joints
 from rst_control.desk import CommandDesk
 from rst_control.lifecycle import State
 from rst_control.robot_model import load_robot
+from rst_control.site import PresentSite
 from rst_control.types import Request
 
 PERIOD = 0.002
@@ -24,7 +25,7 @@ AT_ONCE = ("hey robot", "stop", "terminate")
 @lru_cache(maxsize=1)
 def shared():
     config, model = load_motion_config(), load_robot()
-    return config, model, make_verify(config, model), rcm_gauge(config, model)
+    return config, model, make_site(config, model)
 
 
 def tip_of(joints):
@@ -34,14 +35,17 @@ def tip_of(joints):
 class Rig:
     """Time goes on only by `run`."""
 
-    def __init__(self, stiffness=200.0, config=None):
-        settings, model, verify, self.rcm = shared()
+    def __init__(self, stiffness=200.0, config=None, start=None):
+        settings, _, site = shared()
         self.config = config or settings
         self.now = 10.0
-        home = robot_joints(np.array(self.config.scene.home), self.config.scene.home_opening)
-        self.robot = FakeRobot(home, lambda: self.now, tissue=LinearSpring(tip_of, stiffness))
-        self.executor = make_executor(self.config, model, self.robot.clear_fault)
-        self.desk = CommandDesk(self.executor, verify, lambda: self.now)
+        q = np.array(self.config.scene.home if start is None else start)
+        begin = robot_joints(q, self.config.scene.home_opening)
+        self.robot = FakeRobot(begin, lambda: self.now, tissue=LinearSpring(tip_of, stiffness))
+        self.site = PresentSite(site)
+        self.rcm = lambda joints: self.site.placement(joints).error
+        self.executor = make_executor(self.config, self.site, self.robot.clear_fault)
+        self.desk = CommandDesk(self.executor, self.site.verify, lambda: self.now)
         self.sent = []  # every set-point, None where nothing was sent
 
     def tick(self):
@@ -92,6 +96,13 @@ class Rig:
         """Give a motion and carry it out to its end."""
         ticket = self.say(words, **more)
         self.until(ticket.ended.done)
+        assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
+        return ticket.ended.result(0)
+
+    def finish_long(self, words):
+        """Like `finish`, for what takes longer than the others."""
+        ticket = self.say(words)
+        self.until(ticket.ended.done, limit=120.0)
         assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
         return ticket.ended.result(0)
 

@@ -24,7 +24,7 @@ ALWAYS = {"hey robot", "stop"}
 PULLS = {"pull more", "pull less"}
 ALLOWED = {
     "standby": ALWAYS,
-    "active": ALWAYS | {"tense", "terminate"},
+    "active": ALWAYS | {"tense", "withdraw", "terminate"},
     "holding": ALWAYS | PULLS | {"release", "terminate"},
     "reaching": ALWAYS | {"terminate"},
     "pulling": ALWAYS | PULLS | {"terminate"},

@@ -34,6 +34,18 @@ def test_cached_code_goes_when_any_kernel_changes(package):
     assert not code.exists()
 
 
+def test_cached_code_in_a_folder_below_goes_when_a_kernel_that_it_calls_changes(package):
+    code = package / "below" / "__pycache__" / "outer.nbc"
+    code.parent.mkdir(parents=True)
+    kernels.drop_stale_code()
+    code.write_bytes(b"old")
+    look_again()
+    assert code.exists()
+    (package / "deep.py").write_text("@kernel\ndef inner(): return 2\n")
+    look_again()
+    assert not code.exists()
+
+
 def test_cached_code_stays_when_something_else_changes(package):
     kernels.drop_stale_code()
     code = package / "__pycache__" / "outer.nbi"

@@ -8,7 +8,7 @@ from rst_control.types import Accepted, Phase, PhaseKind, Plan, Reason, Rejected
 
 
 def tense_plan(rig):
-    verify = shared()[2]
+    verify = shared()[2].verify
     decision = verify(Request("tense"), rig.view.situation(rig.now))
     assert isinstance(decision, Accepted)
     return decision.plan

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,6 +39,21 @@ def test_a_value_out_of_range_is_refused_with_its_file_and_unit(folder):
         load_motion_config(folder)
 
 
+@pytest.mark.parametrize("trocar", ["[0.4, 0.0]", "[.nan, 0.0, 0.4]", "[0.4, 0.0, 41.5]", "here"])
+def test_a_trocar_that_is_no_point_is_refused_with_its_key_and_what_is_allowed(folder, trocar):
+    file = folder / "scene.yaml"
+    file.write_text(file.read_text().replace("[0.406, -0.024, 0.415] ", f"{trocar} ", 1))
+    with pytest.raises(ConfigError, match=r"scene\.yaml: trocar.* allowed: .*-2 to 2 m"):
+        load_motion_config(folder)
+
+
+def test_a_trocar_may_not_be_set_further_off_than_motion_bears(folder):
+    file = folder / "rcm.yaml"
+    file.write_text(file.read_text().replace("  tolerance: 1.0e-3 ", "  tolerance: 1.1e-3 "))
+    with pytest.raises(ConfigError, match=r"registration\.tolerance is 0\.0011.* 0\.001$"):
+        load_motion_config(folder)
+
+
 def test_a_missing_key_is_refused(folder):
     file = folder / "limits.yaml"
     file.write_text(file.read_text().replace("position_margin", "#"))
@@ -61,3 +77,12 @@ def test_at_home_the_shaft_goes_through_the_trocar(robot, motion_config, home):
 def test_the_tension_settings_leave_room_below_the_limit(motion_config):
     tension = motion_config.controller.tension
     assert tension.minimum < tension.initial < tension.maximum < tension.limit
+
+
+@pytest.mark.parametrize(
+    ("changes", "named"), [({"limit": 2.0}, "maximum"), ({"maximum": 0.9}, "initial")]
+)
+def test_a_pull_that_could_never_arrive_is_refused_at_the_start(changes, named):
+    tension = load_motion_config().controller.tension
+    with pytest.raises(ConfigError, match=named):
+        replace(tension, **changes)

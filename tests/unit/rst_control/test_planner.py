@@ -15,7 +15,8 @@ from rst_control.errors import (
     TrocarDrift,
     Unreachable,
 )
-from rst_control.planner import Planner, grasp_pose
+from rst_control.grasp_ways import grasp_ways
+from rst_control.planner import Planner
 from rst_control.rcm import rcm_state
 
 
@@ -167,6 +168,26 @@ def test_a_way_past_a_joint_limit_is_refused_or_goes_round_it(planner, home):
         assert samples.q[:, 0, 3].max() <= tight.limits.upper[3]
 
 
+def test_a_joint_that_would_enter_its_margin_is_named_with_its_value_and_range(planner, home):
+    """The elbow's angle follows from where the wrist is: no swing spares it."""
+    config, elbow = planner.config, 3
+    (_, last) = planner.reach(home)
+    most = float(last.knots[:, elbow].max())
+    upper = list(config.limits.arm_upper)
+    upper[elbow] = most - 0.005 + config.limits.position_margin  # inside the hard limit all the way
+    limits = replace(config.limits, arm_upper=tuple(upper))
+    with pytest.raises(JointLimitExceeded) as caught:
+        Planner(planner.model, replace(config, limits=limits)).reach(home)
+    error = caught.value
+    assert error.joint == "joint_4"
+    assert error.upper == pytest.approx(most - 0.005)
+    assert error.lower == config.limits.arm_lower[elbow] + config.limits.position_margin
+    assert error.upper < error.value < most + 0.01 < upper[elbow]
+    assert (
+        str(error) == f"joint_4 at {error.value:.3f} rad, allowed -2.550 to {most - 0.005:.3f} rad"
+    )
+
+
 def test_soft_limits_of_the_driver_slow_the_path(planner, home):
     config = planner.config
     limits = replace(config.limits, layer="driver_soft")
@@ -177,7 +198,7 @@ def test_soft_limits_of_the_driver_slow_the_path(planner, home):
 
 def test_the_grasp_pose_is_a_right_handed_turn_even_from_skew_axes(planner):
     scene = replace(planner.config.scene, approach_axis=(0.1, 0.2, -1.0), jaw_axis=(1.0, 0.3, 0.2))
-    R = grasp_pose(replace(planner.config, scene=scene))[:3, :3]
+    R = grasp_ways(scene)[0].T_base_tip[:3, :3]
     np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
     assert np.linalg.det(R) == pytest.approx(1.0)
 

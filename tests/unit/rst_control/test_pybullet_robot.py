@@ -3,7 +3,12 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +19,7 @@ from rst_control.config import load_simulation_config
 from rst_control.configuration import Configuration, planning_joints, robot_joints
 from rst_control.robot_model import load_robot
 from rst_control.types import JOINTS, Setpoint
+from typed_config import ConfigError
 
 CONFIG = load_simulation_config()
 HOME = robot_joints(np.array(CONFIG.scene.home), CONFIG.scene.home_opening)
@@ -78,6 +84,28 @@ def test_measurements_carry_all_ten_joints_and_the_time_of_the_last_step():
         assert measured.stamp == pytest.approx(100.02)
         assert not measured.gripped
         assert measured.tension == 0.0
+
+
+def test_it_starts_at_its_own_start_position_and_stays_there():
+    q = np.array(CONFIG.scene.home) + np.linspace(-0.2, 0.2, 9)
+    with make(start_position=tuple(q)) as robot:
+        robot.advance(0.2)
+        begin = robot_joints(q, CONFIG.scene.home_opening)
+        assert np.abs(robot.measured_js().position - begin).max() < 1e-6
+        assert robot.fault == ""
+
+
+@pytest.mark.parametrize("count", [1, 8, 10])
+def test_a_start_position_of_another_length_is_refused(count):
+    with pytest.raises(ConfigError, match=r"start_position.*a list of 9 angles"):
+        make(start_position=(0.0,) * count)
+
+
+def test_a_start_beyond_the_limits_of_a_joint_is_refused_by_its_name():
+    q = np.array(CONFIG.scene.home)
+    q[1] = 3.0
+    with pytest.raises(ConfigError, match=r"joint_2 is 3\.0, allowed: -2\.24"):
+        make(start_position=tuple(q))
 
 
 def test_it_follows_within_micrometres_and_within_torque_limits():
@@ -180,15 +208,63 @@ def test_what_the_tissue_does_to_the_jaws_the_joints_feel_to_the_last_newton_met
     assert np.allclose((pulled - free)[:8], -(J[:3].T @ force)[:8], atol=2e-3)
 
 
-def test_the_same_setpoints_give_the_same_bits():
-    def run() -> bytes:
-        with on_the_tissue() as robot:
-            turn_jaws(robot, 0.5)
-            turn_jaws(robot, 0.0)
-            readings = swing(robot, 0.3, np.full(10, 0.01))
-            return b"".join(r.position.tobytes() for r in readings) + robot.force.tobytes()
+def digest_of_a_run() -> str:
+    """Hash of all joint readings while tissue is taken and pulled, and of the force at the end."""
+    with on_the_tissue() as robot:
+        turn_jaws(robot, 0.5)
+        turn_jaws(robot, 0.0)
+        seen = hashlib.sha256()
+        for reading in swing(robot, 0.3, np.full(10, 0.01)):
+            for values in (reading.position, reading.velocity, reading.effort):
+                seen.update(values.tobytes())
+        assert robot.tissue.is_held
+        seen.update(robot.force.tobytes())
+        return seen.hexdigest()
 
-    assert run() == run()
+
+def test_the_same_setpoints_give_the_same_bits_again_and_in_another_process():
+    once = digest_of_a_run()
+    assert digest_of_a_run() == once
+    here = Path(__file__)
+    elsewhere = subprocess.run(
+        [sys.executable, "-c", f"import {here.stem} as t; print(t.digest_of_a_run())"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(here.parent), *sys.path])},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert once in elsewhere.stdout.split()
+
+
+def test_other_setpoints_give_other_bits():
+    with make() as robot, make() as other:
+        a = swing(robot, 0.02, np.full(10, 0.01))[-1]
+        b = swing(other, 0.02, np.full(10, 0.0100001))[-1]
+        assert a.position.tobytes() != b.position.tobytes()
+
+
+def test_two_newtons_at_the_tip_are_two_newtons_in_the_joints():
+    load = np.array([0.0, 0.0, -2.0])
+    with make() as robot:
+        robot.advance(0.1)
+        free = robot.reading.effort
+        robot.push_load(load)
+        robot.advance(0.3)
+        J = Configuration(load_robot(), planning_joints(robot.reading.position)[0]).J_tip
+        felt = np.linalg.lstsq(-J[:3, :8].T, (robot.reading.effort - free)[:8], rcond=None)[0]
+        assert np.allclose(felt, load, atol=1e-3)
+        assert np.abs(robot.reading.position - HOME).max() < 1e-8
+        robot.push_load(np.zeros(3))
+        robot.advance(0.5)
+        assert np.allclose(robot.reading.effort, free, atol=1e-6)
+
+
+def test_a_sudden_load_moves_no_joint_by_a_hundredth_of_a_microradian():
+    with make() as robot:
+        away = []
+        robot.push_load(np.array([0.0, 0.0, -2.0]))
+        robot.advance(0.1, lambda: away.append(np.abs(robot.reading.position - HOME).max()))
+        assert max(away) < 1e-8
 
 
 def test_time_is_skipped_only_at_rest():

@@ -13,9 +13,9 @@ import pytest
 from rst_control.backends.scene_picture import ScenePainter, png_bytes
 from rst_control.backends.scene_server import SceneSetup, SceneState
 from rst_control.backends.scene_worker import SceneLostError, SceneWorker
-from rst_control.backends.tissue import rest_points
 from rst_control.config import URDF_FILE, load_simulation_config
 from rst_control.configuration import robot_joints
+from rst_control.sheet import rest_points
 
 CONFIG = load_simulation_config()
 REST = rest_points(CONFIG.scene.tissue)

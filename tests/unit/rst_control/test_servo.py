@@ -13,9 +13,7 @@ from rst_control.config import load_simulation_config
 from rst_control.types import JOINTS, Setpoint
 
 CONFIG = load_simulation_config().simulator.servo
-LIMITS = ServoLimits(
-    JOINTS, np.full(10, -2.0), np.full(10, 2.0), np.full(10, 1.3), np.full(10, 9.0)
-)
+LIMITS = ServoLimits(JOINTS, np.full(10, -2.0), np.full(10, 2.0), np.full(10, 1.3))
 HOME = np.linspace(-0.5, 0.5, 10)
 RATES = np.linspace(-1.0, 1.0, 10)
 STILL = np.zeros(10)

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.backends.tissue import Tissue, rim_nodes
+from rst_control.backends.tissue import Tissue
 from rst_control.config import load_simulation_config
+from rst_control.sheet import rim_nodes
 
 STEP = 1e-3
 SCENE = load_simulation_config().scene

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from rst_control.config import TriangulationConfig
 from rst_control.triangulation import (
-    TriangulationLimits,
     best_anchors,
     out_of_plane,
     pull_direction,
@@ -18,7 +18,13 @@ from rst_control.triangulation import (
     triangulation,
 )
 
-LIMITS = TriangulationLimits(0.001, np.radians(30.0), 0.001, (0.3, 1.0), 0.6)
+LIMITS = TriangulationConfig(
+    grasp_error=0.001,
+    least_angle=np.radians(30.0),
+    out_of_plane=0.001,
+    tension=(0.3, 1.0),
+    strain=0.6,
+)
 coordinates = st.floats(-0.1, 0.1)
 points = st.tuples(coordinates, coordinates, coordinates).map(np.array)
 

@@ -37,8 +37,18 @@ def test_all_turns_between_frames_are_exact_quarters(robot_xml):
             assert float(word) in {k * math.pi / 2 for k in range(-2, 3)}
 
 
-def test_every_link_has_mass_and_a_possible_inertia(robot_xml):
-    for link in robot_xml.findall("link"):
+def test_the_root_is_the_world_at_the_base_without_inertia_which_kdl_asks_for(robot_xml):
+    children = {joint.find("child").attrib["link"] for joint in robot_xml.findall("joint")}
+    (root,) = (x for x in robot_xml.findall("link") if x.attrib["name"] not in children)
+    assert root.attrib["name"] == "world"  # PyBullet takes a root of this name without a warning
+    assert not list(root)
+    base = robot_xml.find("joint[@name='joint_base']")
+    assert base.find("child").attrib["link"] == "base_link"
+    assert base.find("origin").attrib == {"xyz": "0 0 0", "rpy": "0 0 0"}
+
+
+def test_every_link_but_the_root_has_mass_and_a_possible_inertia(robot_xml):
+    for link in robot_xml.findall("link")[1:]:
         i = link.find("inertial/inertia").attrib
         xx, xy, xz, yy, yz, zz = (float(i[k]) for k in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
         moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -49,7 +59,7 @@ def test_every_link_has_mass_and_a_possible_inertia(robot_xml):
 
 def test_every_moving_link_can_be_seen_and_nothing_needs_a_mesh(robot_xml):
     for link in robot_xml.findall("link"):
-        if link.attrib["name"] != "tool_tip":
+        if link.attrib["name"] not in ("world", "tool_tip"):
             assert link.findall("visual/geometry"), link.attrib
     assert not list(robot_xml.iter("mesh"))
 

@@ -124,7 +124,7 @@ def test_steps_by_distance_can_be_the_setting(planner, tensed):
     verify = Verifier(Planner(planner.model, replace(config, controller=controller)))
     phase = verify(Request("pull more"), holding(tensed)).plan.phases[0]
     assert phase.target == pytest.approx(0.013)
-    assert phase.tension is None
+    assert phase.tension == tension.maximum  # where it ends, should the tissue be stiff
 
 
 def test_release_opens_and_goes_out_by_the_ways_known(verify, tensed):

@@ -42,6 +42,7 @@ SPEECH = [
     (44.0, 0.8, "terminate", "terminate", ""),
 ]
 # motion from, to [s]; phase; command
+OUTSIDE_UNTIL = 1.0  # [s] the tool is not in the patient
 MOTION = [
     (5.9, 9.0, "reach", "tense"),
     (9.0, 9.6, "close", "tense"),
@@ -188,6 +189,7 @@ class Story:
             state = "stopping" if 32.7 < time < 32.95 else state
             state = "standby" if time < 2.9 or time > 45.0 else state
             error = abs(self.rng.normal(0, 6e-6)) + (1.2e-5 if motion else 0.0)
+            is_outside = time < OUTSIDE_UNTIL
             self.say(
                 time,
                 "/rst_control/state",
@@ -196,7 +198,8 @@ class Story:
                 phase=motion[2] if motion else "hold",
                 command=motion[3] if motion else "",
                 halted=is_halted,
-                rcm_error=error,
+                rcm_error=0.2 if is_outside else error,
+                insertion=-0.05 if is_outside else 0.12,
                 path_speed=0.02 if motion else 0.0,
                 tension=tension(time),
                 tension_target=target(time),

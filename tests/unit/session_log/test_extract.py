@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from session_log.extract import extract
 from session_log.reader import SessionReader
 from session_log.writer import SessionWriter
-from tests.unit.session_log.synthetic_session import MOTION, SPEECH, Story, write_session
+from tests.unit.session_log.synthetic_session import (
+    MOTION,
+    OUTSIDE_UNTIL,
+    SPEECH,
+    Story,
+    write_session,
+)
 
 
 def write(path, messages):
@@ -33,6 +40,12 @@ def test_states_become_spans_without_holes(data):
         assert one.end == next_one.start and one.word != next_one.word
     assert {s.word for s in data.states} == {"standby", "active", "moving", "stopping", "halted"}
     assert [s.word for s in data.phases if s.word][: len(MOTION[:3])] == ["reach", "close", "pull"]
+
+
+def test_the_rcm_error_is_unknown_while_the_tool_is_outside(data):
+    is_outside = data.controller["time"] < OUTSIDE_UNTIL
+    assert is_outside.any()
+    assert (np.isnan(data.controller["rcm_error"]) == is_outside).all()
 
 
 def test_fast_topics_are_sampled_and_every_interval_is_kept(data, report_config):

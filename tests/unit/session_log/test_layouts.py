@@ -16,6 +16,8 @@ TYPES = {
     "/rst_control/state": "rst_control/ControllerState",
     "/joint_states": "sensor_msgs/JointState",
     "/rst_control/trocar": "geometry_msgs/PointStamped",
+    "/rst_control/markers": "visualization_msgs/MarkerArray",
+    "/robot/tissue_markers": "visualization_msgs/MarkerArray",
     "/robot/tension": "geometry_msgs/WrenchStamped",
     "/robot/scene/compressed": "sensor_msgs/CompressedImage",
     "/robot_description": "std_msgs/String",
@@ -51,6 +53,6 @@ def test_every_plotted_field_exists_in_its_message(layout):
 def test_every_topic_of_rviz_is_one_that_is_recorded():
     config = yaml.safe_load((ROOT / "urdf/rviz/session.rviz").read_text(encoding="utf-8"))
     displays = config["Visualization Manager"]["Displays"]
-    topics = {d["Topic"] for d in displays if "Topic" in d}
-    topics |= {d["Image Topic"] + "/compressed" for d in displays if "Image Topic" in d}
-    assert topics == {"/rst_control/trocar", "/robot/tension", "/robot/scene/compressed"}
+    topics = {d["Marker Topic"] for d in displays if "Marker Topic" in d}
+    assert topics == {"/rst_control/markers", "/robot/tissue_markers"}
+    assert all(TYPES[topic] == "visualization_msgs/MarkerArray" for topic in topics)

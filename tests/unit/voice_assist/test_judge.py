@@ -6,6 +6,7 @@ import pytest
 from voice_assist.config import load_voice_config
 from voice_assist.judge import Judge, Moment
 from voice_assist.mapper import Mapper
+from voice_assist.spotter.second_way import SecondWay
 from voice_assist.types import Hypothesis, Match, NoMatch
 
 CONFIG = load_voice_config(
@@ -19,7 +20,8 @@ CONFIG = load_voice_config(
 
 @pytest.fixture
 def judge():
-    return Judge(Mapper(CONFIG.commands), CONFIG.commands, CONFIG.recognizer.early)
+    alone = SecondWay(CONFIG.spotter, None)
+    return Judge(Mapper(CONFIG.commands), CONFIG.commands, CONFIG.recognizer.early, alone)
 
 
 def heard(text, confidence=0.8):

@@ -3,9 +3,11 @@
 import shutil
 
 import pytest
+import torch
 import whisper
 
 from voice_assist.recognizer import load_recognizer
+from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.training import corpus, fit
 from voice_assist.training.synthesis import Amounts, plan_held_out
 
@@ -18,13 +20,13 @@ pytestmark = pytest.mark.skipif(
 @pytest.fixture
 def tiny_corpus(tmp_path, monkeypatch):
     monkeypatch.setattr(corpus, "plan_held_out", lambda seed: plan_held_out(seed, 1)[:12])
-    amounts = Amounts(command=14, variant=3, near=5, talk=2, span=3)
+    amounts = Amounts(command=14, variant=3, near=5, hard=3, talk=2, span=3, short=2)
     return corpus.load_corpus(tmp_path / "absent", tmp_path, 1, amounts, 1)
 
 
-def options(tmp_path, steps):
+def options(tmp_path, steps, *more):
     arguments = ["--steps", str(steps), "--cache", str(tmp_path), "--out", str(tmp_path / "m.pt")]
-    return fit.parse(arguments)
+    return fit.parse([*arguments, *more])
 
 
 def test_training_without_recordings_leaves_a_checkpoint_and_goes_on(tiny_corpus, tmp_path):
@@ -35,3 +37,14 @@ def test_training_without_recordings_leaves_a_checkpoint_and_goes_on(tiny_corpus
     assert again.progress.step == 1
     again.train()
     assert again.progress.step == 2
+
+
+def test_a_checkpoint_is_trained_further_in_a_run_of_its_own(tiny_corpus, tmp_path):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "progress.pt").write_bytes(b"of a run from nothing")
+    run = fit.Run(options(tmp_path, 1, "--from", "embedded"), tiny_corpus)
+    assert run.progress.step == 0
+    run.train()
+    first, second = (read_checkpoint(path).ctc for path in (EMBEDDED_PATH, tmp_path / "m.pt"))
+    assert not torch.equal(first["weight"], second["weight"])
+    torch.testing.assert_close(first["weight"], second["weight"], atol=0.01, rtol=0.01)

@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from typed_config import ConfigError
-from voice_assist.config import CONFIG_DIR, load_voice_config, voice_config
+from voice_assist.config import CONFIG_DIR, SECTIONS, load_voice_config, voice_config
 from voice_assist.errors import CommandsError
 
 
@@ -25,7 +25,7 @@ def test_the_shipped_settings_load():
 
 
 def test_every_key_of_the_shipped_files_has_a_comment_in_them():
-    for name in ("audio", "recognizer", "commands"):
+    for name in SECTIONS:
         lines = (CONFIG_DIR / f"{name}.yaml").read_text().splitlines()
         text = "\n".join(line for line in lines if "#" in line)
         for key in _keys(yaml.safe_load("\n".join(lines))):
@@ -83,10 +83,7 @@ def test_a_mode_that_does_not_exist_is_refused():
 
 
 def test_the_settings_can_come_from_a_mapping_as_ros_gives_it():
-    data = {
-        name: yaml.safe_load((CONFIG_DIR / f"{name}.yaml").read_text())
-        for name in ("audio", "recognizer", "commands")
-    }
+    data = {name: yaml.safe_load((CONFIG_DIR / f"{name}.yaml").read_text()) for name in SECTIONS}
     assert voice_config(data) == load_voice_config()
 
 

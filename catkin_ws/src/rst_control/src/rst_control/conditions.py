@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
-from rst_control.configuration import Configuration, planning_joints
-from rst_control.errors import TrocarDrift
+from rst_control.configuration import planning_joints
+from rst_control.errors import InsertionOutOfRange, TrocarDrift
+from rst_control.patient import Placement
 from rst_control.planner import Planner
-from rst_control.rcm import rcm_state
-from rst_control.types import JOINTS, Command, Measurement, Reason, Rejected, Situation
+from rst_control.types import BY_HAND, JOINTS, Command, Measurement, Reason, Rejected, Situation
 
 PULLS: Final = (Command.PULL_MORE, Command.PULL_LESS)
 
@@ -32,6 +32,16 @@ def mode_refusal(command: Command, situation: Situation) -> Rejected | None:
     return None
 
 
+def rest_refusal(measured: Measurement, allowed: float) -> Rejected | None:
+    """Which joint moves faster than allowed [rad/s]; None where all are at rest."""
+    speeds = np.abs(measured.velocity)
+    worst = int(speeds.argmax())
+    if speeds[worst] <= allowed:
+        return None
+    words = f"not at rest: {JOINTS[worst]} at {speeds[worst]:.3f} rad/s, allowed {allowed:.3f}"
+    return Rejected(Reason.NOT_AT_REST, words)
+
+
 class Conditions:
     """Checks what the robot side last said.
 
@@ -40,7 +50,7 @@ class Conditions:
     """
 
     def __init__(self, planner: Planner) -> None:
-        self._model, self._trocar = planner.model, planner.trocar
+        self._patient, (self._least, self._most) = planner.patient, planner.config.rcm.insertion
         self._watchdogs = planner.config.controller.watchdogs
         self._shaft_tolerance = planner.config.rcm.measured_tolerance
 
@@ -58,22 +68,36 @@ class Conditions:
         if measured.fault:
             return Rejected(Reason.FAULTED, f"robot fault: {measured.fault}")
         if command is not Command.HEY_ROBOT:
-            return self._shaft(measured)
+            return self._placed(command, measured)
         is_under_way = situation.is_moving and situation.is_active and not situation.halt_reason
-        return None if is_under_way else self._rest(measured)
+        return None if is_under_way else rest_refusal(measured, self._watchdogs.at_rest_speed)
 
-    def _rest(self, measured: Measurement) -> Rejected | None:
-        speeds, allowed = np.abs(measured.velocity), self._watchdogs.at_rest_speed
-        worst = int(speeds.argmax())
-        if speeds[worst] <= allowed:
-            return None
-        words = f"not at rest: {JOINTS[worst]} at {speeds[worst]:.3f} rad/s, allowed {allowed:.3f}"
-        return Rejected(Reason.NOT_AT_REST, words)
-
-    def _shaft(self, measured: Measurement) -> Rejected | None:
+    def _placed(self, command: Command, measured: Measurement) -> Rejected | None:
+        """Whether the tool is where the command begins: outside, in the trocar or inside."""
         q, _ = planning_joints(measured.position)
-        error = rcm_state(Configuration(self._model, q), self._trocar).error
-        if error <= self._shaft_tolerance:
-            return None
-        drift = TrocarDrift(error, self._shaft_tolerance)
-        return Rejected(Reason.RCM_TOLERANCE, f"measured: {drift}")
+        place = self._patient.placement(q)
+        if command is Command.RELEASE and measured.gripped and place.is_outside:
+            return None  # to open the jaws is never wrong
+        if not place.is_outside and not place.error <= self._shaft_tolerance:
+            drift = TrocarDrift(place.error, self._shaft_tolerance)
+            return Rejected(Reason.RCM_TOLERANCE, f"measured: {drift}")
+        if command in BY_HAND:
+            return _already(command, place, self._least)
+        if place.is_outside:
+            words = f"tool not inserted: tip {-place.insertion * 1e3:.1f} mm outside the trocar"
+            return Rejected(Reason.NOT_INSERTED, f'{words}, allowed inside; "insert" first')
+        if place.wrist < self._least and not measured.gripped:
+            shallow = InsertionOutOfRange(place.wrist, self._least, self._most)
+            return Rejected(Reason.INSERTION_DEPTH, f'{shallow}; "insert" first')
+        return None
+
+
+def _already(command: Command, place: Placement, least: float) -> Rejected | None:
+    """Whether there is nothing left to insert or withdraw."""
+    if command is Command.WITHDRAW and place.is_outside:
+        words = f"already outside: tip {-place.insertion * 1e3:.1f} mm outside the trocar"
+        return Rejected(Reason.ALREADY_THERE, words)
+    if command is Command.INSERT and place.wrist >= least and not place.is_outside:
+        words = f"already inserted: {place.wrist * 1e3:.1f} mm of shaft inside the trocar"
+        return Rejected(Reason.ALREADY_THERE, words)
+    return None

@@ -7,7 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from typed_config import choice, flag, integer, items, load_config, load_yaml, number, text
+from rst_control.collision_config import CollisionConfig
+from rst_control.types import PLAN_COUNT
+from typed_config import (
+    ConfigError,
+    choice,
+    flag,
+    integer,
+    items,
+    load_config,
+    load_yaml,
+    number,
+    text,
+)
 
 PACKAGE = Path(__file__).resolve().parents[2]
 CONFIG_FOLDER = PACKAGE / "config"
@@ -42,6 +54,7 @@ class LimitsConfig:
     position_margin: float = number(0.0, 0.5, "rad")
     pitch: float = number(0.1, 1.5708, "rad")
     finger: float = number(0.1, 1.65, "rad")
+    least_manipulability: float = number(0.0, 1e-5, "(m/rad)^8")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +69,15 @@ class SolverConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class RegistrationConfig:
+    """How the trocar may be set anew, and fitted to recorded poses of the shaft."""
+
+    tolerance: float = number(1e-6, 1e-2, "m")
+    least_poses: int = integer(3, 1000)
+    least_spread: float = number(0.001, 1.0, "rad")
+
+
+@dataclass(frozen=True, kw_only=True)
 class RcmConfig:
     """rcm.yaml: the remote centre of motion and how it is kept."""
 
@@ -65,6 +87,13 @@ class RcmConfig:
     knot_spacing: float = number(1e-4, 2e-3, "m")
     rotation_radius: float = number(1e-3, 1.0, "m")
     solver: SolverConfig
+    registration: RegistrationConfig
+
+    def __post_init__(self) -> None:
+        tolerance, most = self.registration.tolerance, self.measured_tolerance
+        if tolerance > most:  # a trocar could be set that every motion would refuse
+            words = f"up to rcm.measured_tolerance, {most}"
+            raise ConfigError("rcm.registration.tolerance", tolerance, words)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,6 +116,17 @@ class TissueConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class TriangulationConfig:
+    """What a triangulated sheet keeps."""
+
+    grasp_error: float = number(1e-5, 0.01, "m")
+    least_angle: float = number(0.0, 1.0, "rad")
+    out_of_plane: float = number(1e-5, 0.02, "m")
+    tension: tuple[float, float] = number(0.0, 2.4, "N")
+    strain: float = number(0.01, 5.0, "")
+
+
+@dataclass(frozen=True, kw_only=True)
 class SceneConfig:
     """scene.yaml: where trocar, robot and tissue are; read by controller and simulator."""
 
@@ -96,12 +136,22 @@ class SceneConfig:
     workspace_centre: Point = number(-2.0, 2.0, "m")
     workspace_radius: float = number(0.005, 0.3, "m")
     grasp_point: Point = number(-2.0, 2.0, "m")
-    approach_axis: Point = number(-1.0, 1.0, "")
-    jaw_axis: Point = number(-1.0, 1.0, "")
+    approach_axis: tuple[float, ...] = number(-1.0, 1.0, "")
+    jaw_axis: tuple[float, ...] = number(-1.0, 1.0, "")
     clearance: float = number(0.001, 0.05, "m")
-    pull_direction: Point = number(-1.0, 1.0, "")
+    pull_direction: tuple[float, ...] = number(-1.0, 1.0, "")
     max_displacement: float = number(0.001, 0.1, "m")
+    outward: Point = number(-1.0, 1.0, "")
+    surface_margin: float = number(0.001, 0.1, "m")
+    standoff: float = number(0.005, 0.3, "m")
     tissue: TissueConfig
+    triangulation: TriangulationConfig
+
+    def __post_init__(self) -> None:
+        for name in ("approach_axis", "jaw_axis", "pull_direction"):
+            way = getattr(self, name)
+            if len(way) not in (0, 3) or (way and not any(way)):
+                raise ConfigError(f"scene.{name}", list(way), "[] or three numbers, not all 0")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,6 +160,8 @@ class SpeedConfig:
 
     tip_speed: float = number(1e-4, 0.1, "m/s")
     pull_speed: float = number(1e-4, 0.1, "m/s")
+    insertion: float = number(1e-4, 0.1, "m/s")
+    approach: float = number(1e-4, 0.1, "m/s")
     acceleration: float = number(0.01, 10.0, "m/s^2")
     jerk: float = number(0.1, 1000.0, "m/s^3")
     braking_jerk: float = number(0.1, 10_000.0, "m/s^3")
@@ -140,7 +192,16 @@ class TensionConfig:
     step_distance: float = number(1e-4, 0.02, "m")
     bandwidth: float = number(0.5, 100.0, "1/s")
     stiffness_range: tuple[float, float] = number(1.0, 20_000.0, "N/m")
+    noise: float = number(1e-4, 0.1, "N")
+    delay: float = number(0.0, 0.1, "s")
     settle_time: float = number(0.0, 2.0, "s")
+
+    def __post_init__(self) -> None:
+        if self.maximum >= self.limit:  # a pull to it would stop just below, and never arrive
+            raise ConfigError("controller.tension.maximum", self.maximum, f"below {self.limit}")
+        if not self.minimum <= self.initial <= self.maximum:
+            words = f"{self.minimum} to {self.maximum}, minimum to maximum"
+            raise ConfigError("controller.tension.initial", self.initial, words)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,9 +271,19 @@ class SimulatorConfig:
     held_opening: float = number(0.0, 0.5, "rad")
     tool_load: float = number(0.0, 20.0, "N")
     tool_joint_error: Point = number(-0.5, 0.5, "rad")
+    start_position: tuple[float, ...] = number(-6.3, 6.3, "rad")
     servo: ServoConfig
     overview: CameraConfig
     endoscope: CameraConfig
+
+    def __post_init__(self) -> None:
+        if len(self.start_position) not in (0, PLAN_COUNT):
+            allowed = f"a list of {PLAN_COUNT} angles [rad], or [] for the scene's home"
+            raise ConfigError("start_position", list(self.start_position), allowed)
+        steps = self.physics_rate / self.publish_rate
+        if steps < 1.0 or not steps.is_integer():  # else it would publish at some other rate
+            allowed = f"a whole multiple of publish_rate, {self.publish_rate:g} Hz"
+            raise ConfigError("physics_rate", self.physics_rate, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -223,6 +294,7 @@ class MotionConfig:
     rcm: RcmConfig
     scene: SceneConfig
     controller: ControllerConfig
+    collision: CollisionConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -245,6 +317,7 @@ def load_motion_config(folder: Path = CONFIG_FOLDER) -> MotionConfig:
         rcm=_read(RcmConfig, folder / "rcm.yaml"),
         scene=_read(SceneConfig, folder / "scene.yaml"),
         controller=_read(ControllerConfig, folder / "controller.yaml"),
+        collision=_read(CollisionConfig, folder / "collision.yaml"),
     )
 
 

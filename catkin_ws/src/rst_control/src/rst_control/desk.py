@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 from rst_control.executor import Executor
 from rst_control.orders import Order, Outcome, Reply
-from rst_control.types import Accepted, Command, Plan, Rejected, Request, Situation
+from rst_control.types import BY_HAND, Accepted, Command, Plan, Rejected, Request, Situation
 
 Verify = Callable[[Request, Situation], Accepted | Rejected]
 
@@ -51,13 +51,16 @@ class CommandDesk:
         self._executor, self._verify, self._clock = executor, verify, clock
         self._waiting: queue.Queue[Ticket] = queue.Queue(WAITING)
 
-    def take(self, request: Request, caller: str, is_spoken: bool = False) -> Ticket:
+    def take(
+        self, request: Request, caller: str, is_spoken: bool = False, is_by_hand: bool = True
+    ) -> Ticket:
         """Take a command; returns at once, with the answer to come in the ticket.
 
         Args:
             request: The command in words, and its parameters.
             caller: Who gives it, for the diary.
             is_spoken: It came by voice: that node's heartbeat must go on while it is carried out.
+            is_by_hand: It came from elsewhere than the voice node, alive or not.
         """
         ticket = Ticket(request, caller, is_spoken)
         command = read_command(request.words)
@@ -69,6 +72,8 @@ class CommandDesk:
             ticket.ended.set_result(Outcome("succeeded", ""))
         elif command in (Command.HEY_ROBOT, Command.TERMINATE):
             self._post(ticket, Plan(command, _WORDS[command]), serial=-1)
+        elif command in BY_HAND and (is_spoken or not is_by_hand):
+            self._refuse(ticket, f'"{command.value}" is given by hand, never by voice')
         elif not _is_amount(request.tension) or not _is_amount(request.distance):
             self._refuse(ticket, "tension and distance must be numbers from 0 up")
         else:

@@ -72,3 +72,32 @@ class InsertionOutOfRange(Infeasible):
             f"allowed {least * 1e3:.1f} to {most * 1e3:.1f} mm"
         )
         self.depth, self.least, self.most = depth, least, most
+
+
+class Collision(Infeasible):
+    """Two parts of the robot, or one and what stands around it, would come too near."""
+
+    def __init__(self, first: str, second: str, distance: float, allowed: float) -> None:
+        super().__init__(
+            f"{first} {distance * 1e3:.1f} mm from {second}, "
+            f"allowed {allowed * 1e3:.1f} mm and more"
+        )
+        self.first, self.second = first, second
+        self.distance, self.allowed = distance, allowed
+
+
+class NearSingular(Infeasible):
+    """The arm could hardly move the tool some way, with the shaft through the trocar."""
+
+    def __init__(self, value: float, allowed: float) -> None:
+        super().__init__(f"manipulability {value:.2e}, allowed {allowed:.2e} and more")
+        self.value, self.allowed = value, allowed
+
+
+class NoGrasp(Infeasible):
+    """None of the ways to take the tissue keeps all limits; the best of them stands first."""
+
+    def __init__(self, reasons: tuple[Infeasible, ...], tried: int) -> None:
+        words = "; ".join(dict.fromkeys(str(reason) for reason in reasons))
+        super().__init__(f"none of {tried} ways to take the tissue is free: {words}")
+        self.reasons, self.tried = reasons, tried

@@ -14,10 +14,12 @@ from collections.abc import Callable
 import numpy as np
 
 from rst_control import lifecycle
+from rst_control.ledger import Ledger
 from rst_control.lifecycle import Life, State
 from rst_control.motion import Motion
 from rst_control.mover import STILL, Mover
-from rst_control.orders import DiaryEntry, DiaryKind, Order, Outcome, OutcomeKind, Reply, View
+from rst_control.orders import Change, DiaryEntry, DiaryKind, Order, Outcome, OutcomeKind, View
+from rst_control.patient import NOWHERE, Placement
 from rst_control.types import Command, Measurement, Reason, Rejected, Setpoint, Vector
 from rst_control.watchdogs import Watchdogs, Watched
 
@@ -33,7 +35,7 @@ class Executor:
 
     Args:
         watchdogs: What makes it brake.
-        rcm_error: Distance of the shaft from the trocar [m] for joint positions of shape (10,).
+        placement: Where the tool is towards the trocar, for joint positions of shape (10,).
         mover: Moves the set-point.
         clear_fault: Asks the robot to take set-points again.
         period: Time between ticks [s].
@@ -42,27 +44,25 @@ class Executor:
     def __init__(
         self,
         watchdogs: Watchdogs,
-        rcm_error: Callable[[Vector], float],
+        placement: Callable[[Vector], Placement],
         mover: Mover,
         clear_fault: Callable[[], None],
         period: float,
     ) -> None:
-        self._watchdogs, self._measure_rcm = watchdogs, rcm_error
+        self._watchdogs, self._locate = watchdogs, placement
         self._mover, self._clear_fault, self._period = mover, clear_fault, period
         self._now = 0.0
         self._measured: Measurement | None = None
-        self._rcm_error = self._max_rcm_error = 0.0
-        self._life = Life()
-        self._life_changes = 0
-        self._order: Order | None = None  # the one in motion
-        self._waking: tuple[Order, float] | None = (
-            None  # "hey robot" until the robot's fault is clear
-        )
-        self._command = self._last_refusal = self._health = ""
+        self._placement, self._max_rcm_error = NOWHERE, 0.0
+        self._life, self._life_changes = Life(), 0
+        self._ledger = Ledger()
+        self._waking: tuple[Order, float] | None = None  # "hey robot" until the fault is clear
+        self._health = ""
         self._heartbeat = -np.inf
         self._orders: deque[Order] = deque()
         self._stops: deque[str] = deque()
-        self.diary: deque[DiaryEntry] = deque(maxlen=10_000)  # emptied by whoever publishes it
+        self._changes: deque[Change] = deque()
+        self._changed = 0  # how often what verification relies on was changed from outside
         self.view = View.at_start()
 
     # From any thread.
@@ -75,14 +75,22 @@ class Executor:
         """Brake along the path, hold and latch, beginning with the next tick."""
         self._stops.append(reason)
 
+    def change(self, change: Change) -> None:
+        """Let something that verification relies on be changed, within the next tick."""
+        self._changes.append(change)
+
     def heartbeat(self, now: float) -> None:
         """Note that the voice node is alive."""
         self._heartbeat = now
 
     def note_refusal(self, command: str, words: str, now: float) -> None:
         """Write a refusal into the diary."""
-        self._last_refusal = words
-        self.diary.append(DiaryEntry(now, "refused", command, words))
+        self._ledger.note_refusal(now, command, words)
+
+    @property
+    def diary(self) -> deque[DiaryEntry]:
+        """What happened, oldest first; to be emptied by whoever publishes it."""
+        return self._ledger.diary
 
     # From the loop's thread.
 
@@ -100,6 +108,7 @@ class Executor:
         self._now = now
         self._look(measured)
         self._take_stops()
+        self._take_change()
         self._take_orders()
         self._keep_waking()
         motion = self._mover.motion
@@ -126,9 +135,9 @@ class Executor:
         if measured is None or measured is self._measured:
             return
         self._measured = measured
-        self._rcm_error = self._measure_rcm(measured.position)
+        self._placement = self._locate(measured.position)
         if self._mover.motion is not None:
-            self._max_rcm_error = max(self._max_rcm_error, self._rcm_error)
+            self._max_rcm_error = max(self._max_rcm_error, self._placement.rcm_error)
 
     def _take_stops(self) -> None:
         while self._stops:
@@ -136,6 +145,16 @@ class Executor:
             self._note("stop_received", Command.STOP.value, reason)
             self._drop_waking("stopped")
             self._latch(lifecycle.stopped(self._life, reason))
+
+    def _take_change(self) -> None:
+        if not self._changes:
+            return
+        entry = self._changes.popleft()(self._seen())
+        if entry is not None:
+            self._changed += 1
+            self.diary.append(entry)
+            if self._measured is not None:
+                self._placement = self._locate(self._measured.position)
 
     def _take_orders(self) -> None:
         for _ in range(min(ORDERS_PER_TICK, len(self._orders))):
@@ -162,14 +181,14 @@ class Executor:
             return
         self._end_order("stopped", f'replaced by "{order.command.value}"')
         if self._life.state is not State.MOVING:
-            self._max_rcm_error = self._rcm_error
-        self._order = order
+            self._max_rcm_error = self._placement.rcm_error
+        self._ledger.order = order
         self._change(lifecycle.started(self._life))
-        self._accept(order)
+        self._ledger.accept(self._now, order)
         self._note("motion_started", order.command.value, order.plan.words)
 
     def _terminate(self, order: Order) -> None:
-        self._accept(order)
+        self._ledger.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
         self._latch(lifecycle.terminated(self._life))
 
@@ -217,7 +236,7 @@ class Executor:
             and (held is None or self._watchdogs.following(measured, held))
         ):
             self._mover.synchronise(measured)
-        self._accept(order)
+        self._ledger.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
         self._change(lifecycle.activated(was))
         if was.is_latched:
@@ -235,14 +254,13 @@ class Executor:
     def _watch(self, motion: Motion) -> None:
         if self._life.state is State.STOPPING and self._life.then is State.FAULTED:
             return
-        spoken = self._order is not None and self._order.is_spoken
         watched = Watched(
             setpoint=STILL if self._mover.held is None else self._mover.held,
-            rcm_error=self._rcm_error,
+            placement=self._placement,
             raises_tension=motion.raises_tension,
             needs_grip=motion.needs_grip,
-            phase_age=self._now - motion.phase_start,
-            heartbeat_age=self._now - self._heartbeat if spoken else None,
+            overtime=motion.overtime(self._now),
+            heartbeat_age=self._now - self._heartbeat if self._ledger.is_spoken else None,
         )
         self._fault(self._watchdogs.motion(self._now, self._measured, watched))
 
@@ -251,11 +269,11 @@ class Executor:
         self._mover.finish()
         self._change(lifecycle.at_rest(was))
         if was.state is State.MOVING:
-            self._note("motion_finished", self._command, f"tension {self._tension:.2f} N")
+            self._note("motion_finished", self._ledger.command, f"tension {self._tension:.2f} N")
             self._end_order("succeeded", "")
             return
         reason = was.reason if was.is_latched else motion.failure or "terminated"
-        self._note("at_rest", self._command, reason)
+        self._note("at_rest", self._ledger.command, reason)
         self._note_latch()
         self._end_order(
             "stopped" if was.then in (State.HALTED, State.STANDBY) else "failed", reason
@@ -282,7 +300,7 @@ class Executor:
 
     @property
     def _serial(self) -> int:
-        return self._life_changes + self._mover.changes
+        return self._life_changes + self._mover.changes + self._changed
 
     @property
     def _tension(self) -> float:
@@ -306,42 +324,36 @@ class Executor:
             if life != self._life:
                 self._latch(life)
 
-    def _accept(self, order: Order) -> None:
-        self._command = order.command.value
-        self._note("accepted", self._command, order.plan.words)
-        order.reply(Reply(True, order.plan.words))
-
     def _refuse(self, order: Order, refusal: Rejected) -> None:
-        self.note_refusal(order.command.value, refusal.words, self._now)
-        order.reply(Reply(False, refusal.words))
-        order.ended(Outcome("refused", refusal.words, self._tension))
+        self._ledger.refuse(self._now, order, refusal, self._tension)
 
     def _end_order(self, kind: OutcomeKind, reason: str) -> None:
-        order, self._order = self._order, None
-        if order is not None:
-            order.ended(Outcome(kind, reason, self._tension, self._max_rcm_error))
+        self._ledger.end(kind, reason, self._tension, self._max_rcm_error)
 
     def _note(self, kind: DiaryKind, command: str, message: str) -> None:
-        self.diary.append(DiaryEntry(self._now, kind, command, message))
+        self._ledger.note(self._now, kind, command, message)
 
     def _note_latch(self) -> None:
         if self._life.state in lifecycle.LATCHED:
-            self._note("halted", self._command, self._life.reason)
+            self._note("halted", self._ledger.command, self._life.reason)
 
     def _seen(self) -> View:
         motion, measured = self._mover.motion, self._measured
         holds = measured is not None and measured.gripped
+        place = self._mover.place
         return View(
             stamp=self._now,
             life=self._life,
             serial=self._serial,
             motion=None if motion is None else motion.glimpse,
-            path_position=self._mover.path_position,
-            command=self._command,
-            rcm_error=self._rcm_error,
+            plan=None if motion is None else motion.plan,
+            path=place.path if place else None,
+            path_position=place.state.s if place else 0.0,
+            command=self._ledger.command,
+            placement=self._placement,
             measurement=measured,
             setpoint=self._mover.held,
             grasp=self._mover.grasp if holds else None,
-            last_refusal=self._last_refusal,
+            last_refusal=self._ledger.last_refusal,
             health=self._health,
         )

@@ -31,11 +31,11 @@ def kernel(function: Function) -> Function:
 @cache
 def drop_stale_code() -> None:
     """Delete cached code of the package if any of its sources differs from when it was written."""
-    now = _digest(sorted(SOURCES.glob("*.py")))
+    now = _digest(sorted(SOURCES.rglob("*.py")))
     try:
         if STAMP.is_file() and STAMP.read_text(encoding="ascii") == now:
             return
-        for old in STAMP.parent.glob("*.nb[ic]"):
+        for old in SOURCES.rglob("__pycache__/*.nb[ic]"):
             old.unlink(missing_ok=True)
         STAMP.parent.mkdir(exist_ok=True)
         STAMP.write_text(now, encoding="ascii")

@@ -106,6 +106,10 @@ class Motion:
         """Why the plan cannot go on; empty: it can."""
         return self._run.failure
 
+    def overtime(self, now: float) -> float:
+        """Age of the present phase beyond the time that its way takes at its speed [s]."""
+        return now - self.phase_start - self._run.phase.least_time
+
     @property
     def phase(self) -> PhaseKind:
         """The phase under way."""
@@ -186,8 +190,8 @@ class MotionMaker:
         """
         path = phase.path
         if path is None:
-            settle = self._settle if phase.kind is PhaseKind.CLOSE else 0.0
-            return JawRun(phase, held, self._jaws, settle, phase.kind is PhaseKind.CLOSE)
+            settle = 0.0 if phase.kind is PhaseKind.OPEN else self._settle
+            return JawRun(phase, held, self._jaws, settle)
         state = PathState(phase.start)
         if place is not None and place.path is path:
             state = place.state

@@ -30,10 +30,9 @@ class Mover:
         return self._grasp
 
     @property
-    def path_position(self) -> float:
-        """Way of the tip on the path where it is, or last was [m]."""
-        place = self.motion.place if self.motion else self._place
-        return place.state.s if place else 0.0
+    def place(self) -> Place | None:
+        """Where the tip is, or last was, if on a path."""
+        return self.motion.place if self.motion else self._place
 
     def start(self, plan: Plan, now: float) -> Rejected | None:
         """Set off with a plan, or let it take over from the pull under way."""

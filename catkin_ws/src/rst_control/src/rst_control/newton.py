@@ -48,6 +48,21 @@ def constraints(frames: Any, trocar: Any, J: Any) -> None:
 
 
 @kernel
+def hold_wrist(q: Any, r: Any, J: Any) -> float:
+    """Put a straight wrist in the place of the trocar in r (8,) and J (8, 9).
+
+    With the wrist in the trocar the shaft's direction is free, so that there the tool is led by
+    its pose alone. Returns what is missing to pitch and yaw zero [m].
+    """
+    for k in range(2):
+        r[k] = -q[7 + k] * ROTATION_SCALE
+        for j in range(9):
+            J[k, j] = 0.0
+        J[k, 7 + k] = ROTATION_SCALE
+    return max(abs(r[0]), abs(r[1]))
+
+
+@kernel
 def factor(J: Any, damping: float, L: Any) -> None:
     """Write the Cholesky factor of J J^T + damping into L (8, 8)."""
     for i in range(ROWS):

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from rst_control.lifecycle import IN_MOTION, Life, State
+from rst_control.path import Path
+from rst_control.patient import NOWHERE, Placement
 from rst_control.types import Command, Grasp, Measurement, PhaseKind, Plan, Situation, Vector
 
 DiaryKind = Literal[
@@ -19,6 +21,8 @@ DiaryKind = Literal[
     "at_rest",
     "halted",
     "cleared",
+    "trocar_set",
+    "trocar_refused",
 ]
 OutcomeKind = Literal["succeeded", "refused", "stopped", "failed"]
 
@@ -91,9 +95,11 @@ class View:
     life: Life
     serial: int  # changes whenever what verification looks at has changed, but for the measurement
     motion: Glimpse | None  # None: at rest
-    path_position: float  # [m] of the tip on the path where it is, or last was
+    plan: Plan | None  # under way; None: at rest
+    path: Path | None  # where the tip is, or last was; None: on no path
+    path_position: float  # [m] of the tip on it
     command: str  # in execution, or the last one
-    rcm_error: float  # [m] measured; zero while nothing was
+    placement: Placement  # of the measured joints
     measurement: Measurement | None
     setpoint: Vector | None  # (10,), [rad]
     grasp: Grasp | None
@@ -108,9 +114,11 @@ class View:
             life=Life(),
             serial=0,
             motion=None,
+            plan=None,
+            path=None,
             path_position=0.0,
             command="",
-            rcm_error=0.0,
+            placement=NOWHERE,
             measurement=None,
             setpoint=None,
             grasp=None,
@@ -124,6 +132,19 @@ class View:
         if self.motion is None:
             return "hold"
         return "brake" if self.life.state is State.STOPPING else self.motion.phase.value
+
+    @property
+    def rcm_error(self) -> float:
+        """Measured distance of the shaft's line from the trocar [m]; zero while none was measured.
+
+        While the tool is outside the patient it only informs.
+        """
+        return 0.0 if self.measurement is None else self.placement.error
+
+    @property
+    def insertion(self) -> float:
+        """Measured depth of the tip in the trocar [m], negative outside; zero while none was."""
+        return 0.0 if self.measurement is None else self.placement.insertion
 
     @property
     def is_moving(self) -> bool:
@@ -156,3 +177,8 @@ class View:
             halt_reason=self.life.reason if self.life.is_latched else "",
             grasp=self.grasp,
         )
+
+
+# Changes something between two ticks, or leaves it, in the view of that moment; what it did for the
+# diary, None where it did nothing. It runs in the control loop, so it is quick and never raises.
+Change = Callable[[View], DiaryEntry | None]

@@ -16,7 +16,7 @@ from rst_control.configuration import planning_joints, robot_joints
 from rst_control.path import Path
 from rst_control.profile import Bounds, Profile
 from rst_control.tension import TensionControl
-from rst_control.types import PLAN_COUNT, Measurement, PathState, Phase, Vector
+from rst_control.types import PLAN_COUNT, Measurement, PathState, Phase, PhaseKind, Vector
 
 TINY = 1e-9  # [m] or [rad] of way, below which a phase has none to go
 
@@ -129,6 +129,8 @@ class PathRun(_Braking):
 class TensionRun(_Braking):
     """Pulls or eases along a path to the tension of the phase, or to the furthest s.
 
+    It fails where the tension does not rise with the pull.
+
     Args:
         phase: With a path and a tension.
         path: That of the phase.
@@ -153,8 +155,8 @@ class TensionRun(_Braking):
         self._goal = phase.tension or 0.0
         self._first: float | None = None  # [N] when it began
         self._now = 0.0
-        furthest = max(phase.target, state.s)
-        self._control = TensionControl(config, bounds, furthest, state, self._goal)
+        self._started, self._furthest = state.s, max(phase.target, state.s)
+        self._control = TensionControl(config, bounds, brakes, self._furthest, state, self._goal)
 
     @property
     def state(self) -> PathState:
@@ -172,7 +174,8 @@ class TensionRun(_Braking):
             self.is_done = self._brake.is_done
             return self._joints(state)
         state = self._control.step(self._now, dt)
-        if self._control.is_settled or self._control.is_at_limit:
+        self.failure = self._control.objection
+        if self.failure or self._control.is_settled or self._control.is_at_limit:
             self._brake_from(state)
         return self._joints(state)
 
@@ -182,8 +185,11 @@ class TensionRun(_Braking):
 
     @property
     def progress(self) -> float:
-        """Share of the change of tension that is done, from 0 to 1."""
-        return 0.0 if self._first is None else _share(self._first, self._now, self._goal)
+        """Share of the change of tension, or of the way to the furthest s, that is done."""
+        if self._first is None:
+            return 0.0
+        way = _share(self._started, self.state.s, self._furthest)
+        return max(way, _share(self._first, self._now, self._goal))
 
 
 class JawRun:
@@ -194,18 +200,15 @@ class JawRun:
         held: Joints where it starts [rad]. Shape (10,).
         bounds: Of the opening.
         settle_time: After the jaws came to rest [s].
-        must_grip: It fails where no tissue is held at the end.
     """
 
     is_pulling = False
 
-    def __init__(
-        self, phase: Phase, held: Vector, bounds: Bounds, settle_time: float, must_grip: bool
-    ) -> None:
+    def __init__(self, phase: Phase, held: Vector, bounds: Bounds, settle_time: float) -> None:
         self.phase, self.is_done, self.failure = phase, False, ""
         self._q, self._start = planning_joints(held)
         self._target = self._start if phase.opening is None else phase.opening
-        self._bounds, self._left, self._must_grip = bounds, settle_time, must_grip
+        self._bounds, self._left = bounds, settle_time
         self._is_braking = False
         self._profile = Profile(PathState(self._start), bounds)
         self._profile.go_to(self._target)
@@ -221,8 +224,8 @@ class JawRun:
         if self._profile.is_done:
             self._left -= dt
             self.is_done = self._is_braking or self._left <= 0.0
-            if self.is_done and self._must_grip and not measured.gripped and not self._is_braking:
-                self.failure = "nothing grasped: no tissue between the closed jaws"
+            if self.is_done and not self._is_braking:
+                self.failure = _grip_failure(self.phase.kind, measured.gripped)
         still = np.zeros(PLAN_COUNT)
         return robot_joints(self._q, opening.s), robot_joints(still, opening.speed)
 
@@ -236,6 +239,14 @@ class JawRun:
     def progress(self) -> float:
         """Share of the way that is done, from 0 to 1."""
         return _share(self._start, self._profile.state.s, self._target)
+
+
+def _grip_failure(kind: PhaseKind, is_gripped: bool) -> str:
+    if kind is PhaseKind.CLOSE and not is_gripped:
+        return "nothing grasped: no tissue between the closed jaws"
+    if kind is PhaseKind.ALIGN and is_gripped:
+        return "the closing jaws caught tissue; release first"
+    return ""
 
 
 def _not_pushing(state: PathState) -> PathState:

@@ -9,7 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rst_control import chain, tracking
+from rst_control import chain, manipulability, tracking
+from rst_control.collision import CollisionModel
 from rst_control.config import MotionConfig
 from rst_control.configuration import Configuration
 from rst_control.errors import (
@@ -19,8 +20,10 @@ from rst_control.errors import (
     TrocarDrift,
     Unreachable,
 )
+from rst_control.grasp_ways import GraspWay, grasp_ways
 from rst_control.limits import layer_in_force, make_limits
 from rst_control.path import Path, Samples, speed_bounds
+from rst_control.patient import Patient
 from rst_control.profile import Bounds, stopping_speed
 from rst_control.rcm import SHAFT_LENGTH, rcm_state
 from rst_control.robot_model import RobotModel
@@ -32,7 +35,7 @@ Array = NDArray[np.float64]
 LEAST_KNOTS: Final = 4
 DENSER: Final = 4  # times as many knots where the first try strays from the trocar
 SAME_PLACE: Final = 1e-7  # [m] of path below which there is nothing to move
-SEAT_SCALE: Final = 0.1  # [m/rad] of path for a joint motion back to the trocar
+SEAT_SCALE: Final = 1.5  # [m/rad] of path back to the trocar; the reach: no point is faster
 PROJECTIONS: Final = 20
 MOST_BRAKING: Final = 4.0  # [m/s^2] of s, also where the joints could brake harder
 
@@ -61,24 +64,38 @@ class Planner:
         self.centre = frozen_array(config.scene.workspace_centre, 3)
         self.limits = make_limits(config.limits, config.controller.jaws.open)
         self.solver = IkSolver(model, self.limits, config.scene.home, config.rcm.solver)
-        self.T_base_grasp = grasp_pose(config)
+        self.collisions = CollisionModel(config.collision, model)
+        self.patient = Patient(model, config)
+        self.ways = grasp_ways(config.scene)
+        self.T_base_grasp = self.ways[0].T_base_tip
 
     def warm_up(self) -> None:
         """Compile or load every kernel, by planning once from home."""
         home = np.array(self.config.scene.home)
-        for path in self.reach(home):
-            self.bounds(path, self.config.controller.speed.tip_speed)
-        self.pull(path.end)
+        for way in self.ways:
+            try:
+                *_, path = self.reach(home, way)
+                self.pull(path.end)
+                break
+            except Infeasible:
+                if way is self.ways[-1]:
+                    raise
+        self.bounds(path, self.config.controller.speed.tip_speed)
         path.evaluate(0.0)
         self.project(home)
 
-    def reach(self, q: Vector) -> tuple[Path, ...]:
+    def reach(self, q: Vector, way: GraspWay | None = None) -> tuple[Path, ...]:
         """Ways from q (9,) to before the grasp point, then to it; what is already done is left out.
+
+        Args:
+            q: Where to start [rad]. Shape (9,).
+            way: How to take the sheet; None: the first that the scene leaves open.
 
         Raises:
             Infeasible: No such way keeps all limits; the error says which.
         """
-        first, other = sorted(self._grasps(), key=lambda grasp: self._distance(q, grasp))
+        grasps = self._grasps(way or self.ways[0])
+        first, other = sorted(grasps, key=lambda grasp: self._distance(q, grasp))
         try:
             return self.route(q, self._before(first), first)
         except Infeasible as why_not:
@@ -93,20 +110,19 @@ class Planner:
         Raises:
             Infeasible: No such way keeps all limits; the error says which.
         """
-        scene = self.config.scene
+        way = self.ways[0]  # all pull alike
         goal = Configuration(self.model, q).T_base_tip
-        goal[:3, 3] += _unit(scene.pull_direction) * scene.max_displacement
+        goal[:3, 3] += way.pull * way.length
         return self.leg(q, goal)
 
     def retreat(self, q: Vector) -> Path:
-        """Way from q (9,) straight back out of the tissue.
+        """Way from q (9,) straight back out of the tissue: against where the jaws point.
 
         Raises:
             Infeasible: No such way keeps all limits; the error says which.
         """
-        scene = self.config.scene
         goal = Configuration(self.model, q).T_base_tip
-        goal[:3, 3] -= _unit(scene.approach_axis) * scene.clearance
+        goal[:3, 3] += goal[:3, 1] * self.config.scene.clearance
         return self.leg(q, goal)
 
     def route(self, q: Vector, *goals: Array) -> tuple[Path, ...]:
@@ -130,6 +146,7 @@ class Planner:
 
         Raises:
             TrocarDrift: The shaft is further off than may be put right by itself.
+            Infeasible: The motion breaks another limit; the error says which.
         """
         allowed = self.config.rcm.measured_tolerance
         error = rcm_state(Configuration(self.model, q), self.trocar).error
@@ -138,7 +155,9 @@ class Planner:
         seated = self.project(q)
         length = max(float(np.abs(seated - q).max()) * SEAT_SCALE, 10 * SAME_PLACE)
         slope = (seated - q) / length
-        return Path(np.array([q, seated]), np.array([slope, slope]), length)
+        path = Path(np.array([q, seated]), np.array([slope, slope]), length)
+        self._check_posture(path.sample(self.model.chain, self.trocar))
+        return path
 
     def project(self, q: Vector) -> Vector:
         """Nearest joints (9,) [rad] with the shaft through the trocar.
@@ -186,15 +205,15 @@ class Planner:
         """Speed, acceleration and jerk of motion along a path, up to `speed` [m/s]."""
         return self.pace(path, speed).moving
 
-    def _grasps(self) -> tuple[Array, Array]:
+    def _grasps(self, way: GraspWay) -> tuple[Array, Array]:
         """The grasp and the same with the jaws changed about, which take the tissue alike."""
-        turned = self.T_base_grasp.copy()
+        turned = way.T_base_tip.copy()
         turned[:3, [0, 2]] *= -1.0
-        return self.T_base_grasp, turned
+        return way.T_base_tip, turned
 
     def _before(self, grasp: Array) -> Array:
         before = grasp.copy()
-        before[:3, 3] -= _unit(self.config.scene.approach_axis) * self.config.scene.clearance
+        before[:3, 3] += before[:3, 1] * self.config.scene.clearance
         return before
 
     @property
@@ -228,6 +247,7 @@ class Planner:
             np.ascontiguousarray(start),
             np.array([goal[:3, 3] - start[:3, 3], turn]),
             self.trocar,
+            False,
             axis,
             float(axis @ (posture - q)),
             length,
@@ -236,26 +256,37 @@ class Planner:
             slopes,
         )
         if not missing <= self.config.rcm.solver.tolerance:
+            self._check_manipulability(knots[: max(reached, 1)])  # may be why it got no further
             raise Unreachable(reached / (count - 1) * length, length)
         return Path(knots, slopes, length)
 
     def _swing_axis(self, q: Vector, posture: Vector) -> Vector:
         """Joint direction (9,) between those that move neither tool nor shaft at either end."""
         first, last = np.empty(9), np.empty(9)
-        tracking.free_direction(self.model.chain, np.array(q), self.trocar, first)
-        tracking.free_direction(self.model.chain, np.array(posture), self.trocar, last)
+        tracking.free_direction(self.model.chain, np.array(q), self.trocar, False, first)
+        tracking.free_direction(self.model.chain, np.array(posture), self.trocar, False, last)
         return _unit(first + last * np.sign(first @ last))
 
     def _checked(self, path: Path) -> Path:
         samples = path.sample(self.model.chain, self.trocar)
-        self._check_trocar(samples)
+        self._check_insertion(samples)
         self._check_workspace(samples.tip)
-        self._check_joints(samples)  # last: of all limits only these depend on the elbow
+        self._check_posture(samples)  # from here on, limits that depend on the elbow
+        self._check_trocar(samples)  # last: what strays does so near a singularity, mostly
         return path
+
+    def _check_posture(self, samples: Samples) -> None:
+        self._check_joints(samples)
+        self.collisions.check(samples)
+        self._check_manipulability(samples.q[:, 0])
+
+    def _check_manipulability(self, q: Array) -> None:
+        least = self.config.limits.least_manipulability
+        manipulability.check(self.model.chain, q, self.trocar, least)
 
     def _check_workspace(self, tip: Array) -> None:
         distance = float(np.linalg.norm(tip - self.centre, axis=-1).max())
-        if distance > (allowed := self.config.scene.workspace_radius):
+        if not distance <= (allowed := self.config.scene.workspace_radius):
             raise OutsideWorkspace(distance, allowed)
 
     def _check_joints(self, samples: Samples) -> None:
@@ -264,24 +295,15 @@ class Planner:
 
     def _check_trocar(self, samples: Samples) -> None:
         allowed = self.config.rcm.planned_tolerance
-        if (worst := float(samples.rcm_error.max())) > allowed:
+        if not (worst := float(samples.rcm_error.max())) <= allowed:  # no number: refused, too
             raise TrocarDrift(worst, allowed)
+
+    def _check_insertion(self, samples: Samples) -> None:
         least, most = self.config.rcm.insertion
         depth = SHAFT_LENGTH - samples.along
         for value in (float(depth.min()), float(depth.max())):
             if not least <= value <= most:
                 raise InsertionOutOfRange(value, least, most)
-
-
-def grasp_pose(config: MotionConfig) -> Array:
-    """Pose of tool_tip in base_link at the grasp: jaws along -y, opening about z. Shape (4, 4)."""
-    y = -_unit(config.scene.approach_axis)
-    z = _unit(config.scene.jaw_axis)
-    z = _unit(z - y * float(y @ z))
-    T = np.eye(4)
-    T[:3, 0], T[:3, 1], T[:3, 2] = np.cross(y, z), y, z
-    T[:3, 3] = config.scene.grasp_point
-    return T
 
 
 def _unit(direction: object) -> Vector:

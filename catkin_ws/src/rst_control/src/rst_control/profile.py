@@ -72,8 +72,9 @@ class Profile:
         request.target_position = [target]
         self._plan(request)
 
-    def go_at(self, speed: float) -> None:
-        """Change to a speed [m/s] as fast as the bounds allow, and keep it."""
+    def go_at(self, speed: float, bounds: Bounds | None = None) -> None:
+        """Change to a speed [m/s] as fast as the bounds allow; may change the bounds."""
+        self.bounds = bounds or self.bounds
         request = self._request(self.bounds)
         request.control_interface = ruckig.ControlInterface.Velocity
         request.target_velocity = [speed]

@@ -23,11 +23,13 @@ LEAST_ALIGNMENT = 0.1  # [-] of swing axis and free direction, below which the e
 
 
 @kernel
-def free_direction(chain: Any, q: Any, trocar: Any, out: Any) -> None:
+def free_direction(chain: Any, q: Any, trocar: Any, is_straight: bool, out: Any) -> None:
     """Write the unit joint direction (9,) that moves neither tool nor shaft."""
     frames, J, L = np.empty((12, 3, 4)), np.zeros((8, 9)), np.zeros((8, 8))
     kin.forward(chain, q, frames)
     newton.constraints(frames, trocar, J)
+    if is_straight:
+        newton.hold_wrist(q, np.empty(8), J)
     newton.factor(J, 0.0, L)
     best = 0.0
     trial, found = np.zeros(9), np.empty(9)
@@ -76,13 +78,24 @@ def _with_swing(dq: Any, free: Any, axis: Any, wanted: float) -> None:
 
 @kernel
 def _look(
-    chain: Any, q: Any, target: Any, trocar: Any, axis: Any, J: Any, L: Any, r: Any, free: Any
+    chain: Any,
+    q: Any,
+    target: Any,
+    trocar: Any,
+    is_straight: bool,
+    axis: Any,
+    J: Any,
+    L: Any,
+    r: Any,
+    free: Any,
 ) -> tuple[float, float]:
     """Fill r, J, L and free at q; returns what is missing [m], and how well the elbow can swing."""
     frames = np.empty((12, 3, 4))
     kin.forward(chain, q, frames)
     missing = newton.residual(frames, target, trocar, r)
     newton.constraints(frames, trocar, J)
+    if is_straight:
+        missing = max(missing, newton.hold_wrist(q, r, J))
     newton.factor(J, 0.0, L)
     newton.project(J, L, axis, free)
     alignment = 0.0
@@ -97,6 +110,7 @@ def _correct(
     q: Any,
     target: Any,
     trocar: Any,
+    is_straight: bool,
     axis: Any,
     level: float,
     tolerance: float,
@@ -108,7 +122,7 @@ def _correct(
     r, dq = np.empty(8), np.empty(9)
     missing = np.inf
     for _ in range(MAX_ITERATIONS):
-        missing, alignment = _look(chain, q, target, trocar, axis, J, L, r, free)
+        missing, alignment = _look(chain, q, target, trocar, is_straight, axis, J, L, r, free)
         if alignment < LEAST_ALIGNMENT or not missing < LOST:
             return max(missing, LOST)
         lag = level
@@ -129,6 +143,7 @@ def track(
     start: Any,
     motion: Any,
     trocar: Any,
+    is_straight: bool,
     axis: Any,
     swing: float,
     length: float,
@@ -139,7 +154,8 @@ def track(
     """Fill knots and slopes (n, 9), of which knots[0] holds the start.
 
     The tip moves from start (3, 4) by motion (2, 3): a shift [m], then a turn [rad], base frame;
-    joints change by swing [rad] along axis (9,); all this takes the path length [m].
+    joints change by swing [rad] along axis (9,); all this takes the path length [m]. A straight
+    tool that moves along its shaft is led by its pose alone, with `is_straight`.
 
     Returns:
         What was missing at the last knot tried [m], and its index: n - 1 where all went well.
@@ -156,7 +172,9 @@ def track(
         share = k / last
         pose_between(start, motion[0], motion[1], share, target)
         level = origin + share * swing
-        missing = _correct(chain, q, target, trocar, axis, level, tolerance, J, L, free)
+        missing = _correct(
+            chain, q, target, trocar, is_straight, axis, level, tolerance, J, L, free
+        )
         if not missing < tolerance:
             return missing, k
         newton.least_change(J, L, r, slopes[k])

@@ -14,20 +14,10 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from rst_control.config import TriangulationConfig
 from rst_control.types import Vector
 
 Points = NDArray[np.float64]  # (n, 3), base frame, [m]
-
-
-@dataclass(frozen=True)
-class TriangulationLimits:
-    """What a triangulated sheet keeps."""
-
-    grasp_error: float  # [m] of the jaws from the point meant
-    least_angle: float  # [rad] of the triangle
-    out_of_plane: float  # [m] rms of the exposed sheet
-    tension: tuple[float, float]  # [N] least and most
-    strain: float  # [-] largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +31,7 @@ class Triangulation:
     tension: float  # [N]
     strain: float  # [-]
 
-    def failures(self, limits: TriangulationLimits) -> tuple[str, ...]:
+    def failures(self, limits: TriangulationConfig) -> tuple[str, ...]:
         """What is not as it should be, each with its value and what was allowed."""
         low, high = limits.tension
         checks = (
@@ -156,8 +146,10 @@ def pull_direction(rim: Points, grasp: Vector) -> Vector:
 
 
 def _above(name: str, value: float, most: float, unit: str) -> str:
-    return f"{name} {value:.3g} {unit}, at most {most:.3g}" if value > most else ""
+    words = f"{name} {value:.3g} {unit}".rstrip()
+    return f"{words}, at most {most:.3g}" if value > most else ""
 
 
 def _below(name: str, value: float, least: float, unit: str) -> str:
-    return f"{name} {value:.3g} {unit}, at least {least:.3g}" if value < least else ""
+    words = f"{name} {value:.3g} {unit}".rstrip()
+    return f"{words}, at least {least:.3g}" if value < least else ""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
@@ -31,7 +32,7 @@ def frozen_array(values: ArrayLike, *shape: int) -> Vector:
     array = np.array(values, dtype=np.float64)
     if array.shape != shape:
         raise ValueError(f"array of shape {array.shape}, allowed: {shape}")
-    if not np.isfinite(array).all():
+    if not all(map(math.isfinite, array.ravel().tolist())):  # of few numbers faster than by numpy
         raise ValueError("array with values that are not finite")
     array.flags.writeable = False
     return array
@@ -94,6 +95,11 @@ class Command(Enum):
     PULL_LESS = "pull less"
     STOP = "stop"
     TERMINATE = "terminate"
+    INSERT = "insert"
+    WITHDRAW = "withdraw"
+
+
+BY_HAND = (Command.INSERT, Command.WITHDRAW)  # never by voice
 
 
 class Reason(Enum):
@@ -106,11 +112,15 @@ class Reason(Enum):
     NOT_AT_REST = "not at rest"
     NOTHING_GRASPED = "nothing grasped"
     ALREADY_GRASPED = "already grasped"
+    ALREADY_THERE = "already there"
+    NOT_INSERTED = "not inserted"
     UNREACHABLE = "unreachable"
     JOINT_LIMIT = "joint limit"
     RCM_TOLERANCE = "rcm tolerance"
     WORKSPACE = "workspace"
     INSERTION_DEPTH = "insertion depth"
+    COLLISION = "collision"
+    SINGULAR = "near singular"
     TENSION_LIMIT = "tension limit"
     DISPLACEMENT_LIMIT = "displacement limit"
     NOT_CONNECTED = "not connected"
@@ -127,6 +137,10 @@ class PhaseKind(Enum):
     STEP = "step"
     OPEN = "open"
     EASE = "ease"
+    APPROACH = "approach"
+    ALIGN = "align"
+    INSERT = "insert"
+    WITHDRAW = "withdraw"
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,6 +163,11 @@ class Phase:
     braking: float = 0.0  # [m/s^2] of s, hardest that a stop may be; 0: as `acceleration`
     opening: float | None = None  # [rad] of the jaws at the end; None: as it is
     tension: float | None = None  # [N] to reach and hold; None: none asked for
+
+    @property
+    def least_time(self) -> float:
+        """Time that the way takes at the phase's speed [s]."""
+        return abs(self.target - self.start) / self.speed if self.speed > 0.0 else 0.0
 
 
 @dataclass(frozen=True, eq=False)

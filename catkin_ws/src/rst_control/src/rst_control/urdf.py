@@ -25,6 +25,9 @@ def urdf_text(facts: RobotFacts) -> str:
     robot.append(Xml.Comment(NOTE))
     for name, colour in facts.colours.items():
         Xml.SubElement(Xml.SubElement(robot, "material", name=name), "color", rgba=_row(colour))
+    bodies = {link.name for link in facts.links}
+    for place in sorted({joint.parent for joint in facts.joints} - bodies):
+        Xml.SubElement(robot, "link", name=place)  # the root: KDL allows it no inertia
     for link in facts.links:
         robot.append(_link(link, [v for v in facts.visuals if v["link"] == link.name]))
     for joint in facts.joints:

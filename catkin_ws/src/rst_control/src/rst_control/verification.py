@@ -12,15 +12,22 @@ import numpy as np
 from rst_control.conditions import Conditions, mode_refusal
 from rst_control.configuration import planning_joints
 from rst_control.errors import (
+    Collision,
     Infeasible,
     InsertionOutOfRange,
     JointLimitExceeded,
+    NearSingular,
+    NoGrasp,
     OutsideWorkspace,
     TrocarDrift,
 )
+from rst_control.grasp_choice import choose_grasp
+from rst_control.insertion_plans import InsertionPlans
 from rst_control.path import Path
+from rst_control.phases import along
 from rst_control.planner import Planner
 from rst_control.types import (
+    BY_HAND,
     Accepted,
     Command,
     Grasp,
@@ -36,7 +43,7 @@ from rst_control.types import (
 )
 
 COMMANDS: Final = {command.value: command for command in Command}
-MOTIONS: Final = (Command.TENSE, Command.RELEASE, Command.PULL_MORE, Command.PULL_LESS)
+MOTIONS: Final = (Command.TENSE, Command.RELEASE, Command.PULL_MORE, Command.PULL_LESS, *BY_HAND)
 LEAST_ROOM: Final = 5e-4  # [m] of pull path left, below which pulling further makes no sense
 ROUNDING: Final = 1e-9  # [m] that a path may be shorter than asked for
 NEAR: Final = 2e-3  # [rad] that joints may be away from where the grasp says they are
@@ -46,6 +53,8 @@ REASONS: Final[dict[type[Infeasible], Reason]] = {
     TrocarDrift: Reason.RCM_TOLERANCE,
     OutsideWorkspace: Reason.WORKSPACE,
     InsertionOutOfRange: Reason.INSERTION_DEPTH,
+    Collision: Reason.COLLISION,
+    NearSingular: Reason.SINGULAR,
 }
 
 
@@ -60,6 +69,12 @@ class Verifier:
         self._planner, self._config = planner, planner.config
         self._tension = planner.config.controller.tension
         self._conditions = Conditions(planner)
+        self._insertion = InsertionPlans(planner)
+
+    def warm_up(self) -> None:
+        """Compile or load all that verification calls."""
+        self._planner.warm_up()
+        self._insertion.warm_up()
 
     def __call__(self, request: Request, situation: Situation) -> Accepted | Rejected:
         """Decide; never raises for what a person may ask."""
@@ -77,7 +92,8 @@ class Verifier:
         try:
             return self._plan(command, request, situation)
         except Infeasible as error:
-            reason = REASONS.get(type(error), Reason.UNREACHABLE)
+            cause = error.reasons[0] if isinstance(error, NoGrasp) else error
+            reason = REASONS.get(type(cause), Reason.UNREACHABLE)
             return Rejected(reason, f'cannot "{command.value}": {error}')
 
     # The command itself.
@@ -88,6 +104,8 @@ class Verifier:
         measured = situation.measurement
         if command not in MOTIONS or measured is None:
             return Accepted(Plan(command, _words(command)))
+        if command in BY_HAND:
+            return self._insertion(command, self._joints(situation, measured), measured)
         if command is Command.TENSE:
             return self._tense(request, situation, measured)
         if not measured.gripped:
@@ -109,20 +127,19 @@ class Verifier:
         refusal = self._target(target) or self._current(measured)
         if refusal is not None:
             return refusal
-        ways = self._planner.reach(self._joints(situation, measured))
-        at_grasp = ways[-1].end if ways else self._joints(situation, measured)
-        pull = self._planner.pull(at_grasp)
+        chosen = choose_grasp(self._planner, self._joints(situation, measured))
+        pull = chosen.pull
         furthest = request.distance or pull.length
         if furthest > pull.length + ROUNDING:
             return self._too_far(furthest, pull)
         furthest = min(furthest, pull.length)
         speed = self._config.controller.speed
         phases = [Phase(PhaseKind.OPEN, opening=self._config.controller.jaws.open)]
-        phases += [self._along(PhaseKind.REACH, way, speed.tip_speed) for way in ways]
+        phases += [self._along(PhaseKind.REACH, way, speed.tip_speed) for way in chosen.reach]
         phases.append(Phase(PhaseKind.CLOSE, opening=0.0))
         way = self._along(PhaseKind.PULL, pull, speed.pull_speed)
         phases.append(replace(way, target=furthest, tension=target))
-        grasp = Grasp(pull, self._planner.retreat(at_grasp), 0.0, target)
+        grasp = Grasp(pull, chosen.retreat, 0.0, target)
         words = f"reaches, grasps and pulls to {target:.2f} N"
         return Accepted(Plan(Command.TENSE, words, tuple(phases), grasp))
 
@@ -155,7 +172,9 @@ class Verifier:
         grasp, seats = self._held(situation, measured)
         step = request.tension or self._tension.step_tension
         base = self._base_tension(situation, grasp, measured)
-        target = base + step if command is Command.PULL_MORE else base - step
+        target = base + step
+        if command is Command.PULL_LESS:  # from above what is allowed, all the way back to it
+            target = min(base - step, self._tension.maximum)
         refusal = self._target(target)
         if command is Command.PULL_MORE:
             refusal = refusal or self._current(measured) or self._room(grasp)
@@ -179,7 +198,8 @@ class Verifier:
             if refusal is not None:
                 return refusal
         phase = self._along(PhaseKind.STEP, grasp.pull, self._config.controller.speed.pull_speed)
-        phase = replace(phase, start=grasp.s, target=target)
+        ceiling = self._tension.maximum if command is Command.PULL_MORE else None
+        phase = replace(phase, start=grasp.s, target=target, tension=ceiling)
         words = f"pulls {_direction(command)}: {grasp.s * 1e3:.1f} mm to {target * 1e3:.1f} mm"
         grasp = replace(grasp, s=target, tension=None)
         return Accepted(Plan(command, words, (*seats, phase), grasp))
@@ -227,15 +247,7 @@ class Verifier:
         return target if situation.is_moving or is_held else measured.tension
 
     def _along(self, kind: PhaseKind, path: Path, speed: float) -> Phase:
-        pace = self._planner.pace(path, speed)
-        return Phase(
-            kind,
-            path,
-            target=path.length,
-            speed=pace.moving.speed,
-            acceleration=pace.moving.acceleration,
-            braking=pace.braking.acceleration,
-        )
+        return along(self._planner, kind, path, speed)
 
     def _target(self, target: float) -> Rejected | None:
         low, high = self._tension.minimum, self._tension.maximum

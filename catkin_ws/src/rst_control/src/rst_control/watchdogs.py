@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rst_control.config import WatchdogConfig
+from rst_control.patient import Placement
 from rst_control.types import JOINTS, Measurement, Reason, Rejected, Vector
 
 
@@ -25,10 +26,10 @@ class Watched:
     """What a motion shows to the watchdogs in one tick."""
 
     setpoint: Vector  # (10,), [rad] last commanded
-    rcm_error: float  # [m] measured
+    placement: Placement  # of the measured joints
     raises_tension: bool  # the present phase may pull
     needs_grip: bool  # the present phase pulls on tissue
-    phase_age: float  # [s] since the phase began
+    overtime: float  # [s] that the phase takes longer than its way at its speed
     heartbeat_age: float | None  # [s] of the voice node; None: the command was not spoken
 
 
@@ -73,17 +74,20 @@ class Watchdogs:
             return lost.words if lost else ""
         return (
             self.following(measured, watched.setpoint)
-            or self._rcm(watched.rcm_error)
+            or self._rcm(watched.placement)
             or self._tension(measured, watched)
             or self._grip(measured, watched)
             or self._times(watched)
         )
 
-    def _rcm(self, error: float) -> str:
+    def _rcm(self, place: Placement) -> str:
+        """In force unless the whole robot is measured outside the patient; no number: it fires."""
         allowed = self._limits.rcm_error
-        if error <= allowed:
+        if place.is_outside or place.error <= allowed:
             return ""
-        return f"shaft {error * 1e3:.2f} mm off the trocar, allowed {allowed * 1e3:.2f} mm"
+        words = f"shaft {place.error * 1e3:.2f} mm off the trocar, allowed {allowed * 1e3:.2f} mm"
+        height = f"{place.height * 1e3:.1f} mm above the patient's surface"
+        return f"{words} with the robot {height}" if place.height > 0.0 else words
 
     def _tension(self, measured: Measurement, watched: Watched) -> str:
         allowed = self._limits.tension
@@ -98,6 +102,6 @@ class Watchdogs:
         age, allowed = watched.heartbeat_age, self._settings.voice_heartbeat_age
         if age is not None and age > allowed:
             return f"voice node silent for {age:.1f} s, allowed {allowed:.1f} s"
-        if watched.phase_age > self._settings.phase_timeout:
-            return f"phase took longer than {self._settings.phase_timeout:.0f} s"
+        if watched.overtime > self._settings.phase_timeout:
+            return f"phase took {self._settings.phase_timeout:.0f} s longer than planned"
         return ""

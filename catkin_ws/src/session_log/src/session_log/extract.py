@@ -179,9 +179,9 @@ class _Extractor:
         self._states.say(time, m.state)
         self._phases.say(time, m.phase if m.state in MOVING else "")
         moving = float(m.state in MOVING)
-        self._data.controller.append(
-            time, m.rcm_error, m.tension, m.tension_target, m.path_speed, moving
-        )
+        is_outside = getattr(m, "insertion", 0.0) < 0.0  # older recordings are all of inside
+        error = math.nan if is_outside else m.rcm_error
+        self._data.controller.append(time, error, m.tension, m.tension_target, m.path_speed, moving)
 
     def _tension(self, m: Any) -> None:
         force = m.wrench.force

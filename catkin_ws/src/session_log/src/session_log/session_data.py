@@ -110,7 +110,7 @@ class SessionData:
     modes: list[Span] = field(default_factory=list)
     states: list[Span] = field(default_factory=list)
     phases: list[Span] = field(default_factory=list)
-    controller: Table = field(
+    controller: Table = field(  # rcm_error is nan while the tool is outside the patient
         default_factory=lambda: Table(("time", "rcm_error", "tension", "target", "speed", "moving"))
     )
     tension: Table = field(default_factory=lambda: Table(("time", "tension")))

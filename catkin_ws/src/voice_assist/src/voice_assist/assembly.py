@@ -10,13 +10,26 @@ from voice_assist.audio.microphone import Microphone, Pause
 from voice_assist.audio.portaudio import PortAudio
 from voice_assist.audio.source import Clock, Report, Source
 from voice_assist.audio.wav_file import WavFile
-from voice_assist.config import AudioConfig, VoiceConfig
+from voice_assist.config import AudioConfig, SpotterConfig, VoiceConfig
 from voice_assist.errors import AudioError
 from voice_assist.pipeline import Pipeline
+from voice_assist.spotter.second_way import SecondWay
 from voice_assist.vad.detector import make_detector
 
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
+    from voice_assist.spotter.spotter import Spotter, Spotting
+
+
+def limit_threads(config: VoiceConfig) -> None:
+    """Limit torch to the threads of the settings; each thread that computes must say it anew.
+
+    OpenMP keeps the limit per thread: one that has not set it starts a helper on every core, and
+    they then wait for each other while the machine is busy.
+    """
+    import torch
+
+    torch.set_num_threads(config.recognizer.threads)
 
 
 def make_recognizer(config: VoiceConfig) -> Recognizer:
@@ -25,20 +38,45 @@ def make_recognizer(config: VoiceConfig) -> Recognizer:
     Raises:
         ModelError: The model is missing or damaged.
     """
-    import torch
-
     from voice_assist.recognizer import load_recognizer
 
-    torch.set_num_threads(config.recognizer.threads)
+    limit_threads(config)
     return load_recognizer(config.recognizer.model, config.recognizer.device)
 
 
+def make_spotter(config: SpotterConfig) -> tuple[Spotter, str]:
+    """Load the spotter; gives the SHA-256 of its model too.
+
+    Raises:
+        ModelError: The model or the networks below it are missing or damaged.
+    """
+    from voice_assist.spotter.features import Embedder
+    from voice_assist.spotter.head import CONTEXT, read_head, scorer
+    from voice_assist.spotter.spotter import Spotter
+
+    head, digest = read_head()
+    return Spotter(config, Embedder(), scorer(head), CONTEXT), digest
+
+
 def make_pipeline(
-    config: VoiceConfig, clock: Clock, recognizer: Recognizer | None = None
+    config: VoiceConfig,
+    clock: Clock,
+    recognizer: Recognizer | None = None,
+    spotting: Spotting | None = None,
 ) -> Pipeline:
-    """The pipeline with the real detector and, unless another is given, the real recogniser."""
+    """The pipeline with the real detector and, unless others are given, real networks.
+
+    Args:
+        config: All settings.
+        clock: Stamps the frames [s].
+        recognizer: One that is loaded already.
+        spotting: A spotter that runs elsewhere; None: the pipeline runs its own, if it is enabled.
+    """
     recognizer = recognizer or make_recognizer(config)
-    return Pipeline(config, recognizer, make_detector(config.audio.vad), clock)
+    if spotting is None and config.spotter.is_enabled:
+        spotting, _ = make_spotter(config.spotter)
+    second = SecondWay(config.spotter, spotting)
+    return Pipeline(config, recognizer, make_detector(config.audio.vad), clock, second)
 
 
 def make_source(config: AudioConfig, clock: Clock, pause: Pause, report: Report) -> Source:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Settings of the voice part: audio.yaml, recognizer.yaml and commands.yaml, typed and checked."""
+"""Settings of the voice part, one YAML file for each of its sections, typed and checked."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from voice_assist.errors import CommandsError
 from voice_assist.normalize import is_negated, normalize
 
 CONFIG_DIR = Path(__file__).resolve().parents[2] / "config"
+SECTIONS = ("audio", "recognizer", "spotter", "commands")  # each is a file and a key
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,6 +114,23 @@ class RecognizerConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SpotterConfig:
+    """The second way to a stop, and how it agrees with the recogniser."""
+
+    is_enabled: bool = flag()
+    phrase: str = text()
+    queue: int = integer(4, 10_000, "frames")
+    alone: float = number(-100.0, 1000.0, "nat")
+    middle: float = number(-100.0, 1000.0, "nat")
+    near: float = number(-1000.0, 1000.0, "nat")
+    agree: float = number(-1000.0, 1000.0, "nat")
+    agree_within: float = number(0.1, 5.0, "s")
+    sure: float = number(0.0, 1.0, "")
+    deny: float = number(-1000.0, 1000.0, "nat")
+    rearm_after: float = number(0.1, 60.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
 class CommandConfig:
     """One spoken command."""
 
@@ -169,14 +187,26 @@ class VoiceConfig:
 
     audio: AudioConfig
     recognizer: RecognizerConfig
+    spotter: SpotterConfig
     commands: CommandsConfig
+
+    def __post_init__(self) -> None:
+        """Check what no single file can show.
+
+        Raises:
+            CommandsError: What is spotted is no command that halts.
+        """
+        halts = [c.phrase for c in self.commands.commands if c.is_halt]
+        if self.spotter.is_enabled and self.spotter.phrase not in halts:
+            allowed = ", ".join(halts) or "none"
+            raise CommandsError(f"spotter.phrase is {self.spotter.phrase!r}, allowed: {allowed}")
 
 
 def load_voice_config(folder: str | Path = CONFIG_DIR, **changes: Any) -> VoiceConfig:
-    """Read audio.yaml, recognizer.yaml and commands.yaml.
+    """Read the YAML files of all sections.
 
     Args:
-        folder: That holds the three files.
+        folder: That holds them.
         **changes: Single settings to replace, by their path with `__` for dots, such as
             `audio__wav__speed=0.0`.
 
@@ -184,7 +214,7 @@ def load_voice_config(folder: str | Path = CONFIG_DIR, **changes: Any) -> VoiceC
         typed_config.ConfigError: A file or a key is not as it must be.
         CommandsError: The commands contradict each other.
     """
-    data = {name: _load_one(Path(folder), name) for name in ("audio", "recognizer", "commands")}
+    data = {name: _load_one(Path(folder), name) for name in SECTIONS}
     for path, value in changes.items():
         *parents, key = path.split("__")
         branch: dict[str, Any] = data

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from voice_assist.config import CommandsConfig, EarlyConfig
 from voice_assist.mapper import Mapper
 from voice_assist.normalize import normalize
+from voice_assist.spotter.second_way import Belief, SecondWay
 from voice_assist.types import Hypothesis, Match, NoMatch
 
 _SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
@@ -26,14 +27,17 @@ class Moment:
     quiet: float  # [s] since the last speech
     is_complete: bool  # the end of the utterance is confirmed
     is_whole: bool  # the transcript is of the utterance from its very beginning
+    spotted: float | None = None  # [nat] the spotter's best score of late; None: nobody listens
 
 
 class Judge:
     """Decides about the transcripts of one utterance, oldest first."""
 
-    def __init__(self, mapper: Mapper, commands: CommandsConfig, config: EarlyConfig) -> None:
+    def __init__(
+        self, mapper: Mapper, commands: CommandsConfig, config: EarlyConfig, second: SecondWay
+    ) -> None:
         """Start with a new utterance."""
-        self._mapper, self._config = mapper, config
+        self._mapper, self._config, self._second = mapper, config, second
         self._halts = {c.phrase: c.least_confidence for c in commands.commands if c.is_halt}
         self.reset()
 
@@ -49,6 +53,11 @@ class Judge:
     def has_decided(self) -> bool:
         """A command was already taken from this utterance."""
         return bool(self._decided) or self._has_halted
+
+    @property
+    def has_halted(self) -> bool:
+        """A halt was already taken from this utterance."""
+        return self._has_halted
 
     def __call__(self, heard: Hypothesis, moment: Moment) -> Match | NoMatch | None:
         """Judge a transcript; None: wait for more."""
@@ -95,7 +104,12 @@ class Judge:
             or heard.confidence >= config.stop_confidence
             or self._is_pause(moment)
         )
-        return outcome if is_now or moment.is_complete else None
+        is_ready = is_now or moment.is_complete
+        belief = Belief(heard.confidence, is_ready, moment.spotted)
+        if self._second.confirms(belief, outcome.command):
+            return outcome
+        reason = "the recogniser is not sure, and the spotter did not hear it"
+        return NoMatch(reason, outcome.command, outcome.wer) if moment.is_complete else None
 
     def _may_commit(self, outcome: Match | NoMatch, heard: Hypothesis, moment: Moment) -> bool:
         """Whether a whole command is taken before the end of the utterance."""

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from voice_assist.audio.source import GapWatch
 from voice_assist.config import VoiceConfig
 from voice_assist.denoise import Denoiser
@@ -16,11 +18,14 @@ from voice_assist.hearing import Hearing
 from voice_assist.judge import Judge, Moment, too_unsure
 from voice_assist.mapper import Mapper
 from voice_assist.normalize import is_negated, normalize
+from voice_assist.spotter.second_way import SecondWay
+from voice_assist.spotter.spotter import Spotted
 from voice_assist.types import (
     RATE,
     Action,
     Decision,
     Frame,
+    Halt,
     Hypothesis,
     Lost,
     Match,
@@ -28,6 +33,8 @@ from voice_assist.types import (
     NoMatch,
     Partial,
     Samples,
+    Utterance,
+    frozen_samples,
 )
 from voice_assist.vad.analyzer import Analyzer
 from voice_assist.vad.cutter import Cutter, Growth
@@ -48,7 +55,12 @@ class Pipeline:
     """Hears a stream frame by frame, and decides."""
 
     def __init__(
-        self, config: VoiceConfig, recognizer: Recognizer, detector: Detector, clock: Clock
+        self,
+        config: VoiceConfig,
+        recognizer: Recognizer,
+        detector: Detector,
+        clock: Clock,
+        second: SecondWay | None = None,
     ) -> None:
         """Join the stages.
 
@@ -57,7 +69,9 @@ class Pipeline:
             recognizer: Makes text of sound.
             detector: Tells speech from quiet.
             clock: The one that stamps the frames [s].
+            second: The spotter and the rule that joins it; without it the recogniser is alone.
         """
+        self._second = second or SecondWay(config.spotter, None)
         self._config, self._clock = config, clock
         self._recognizer, self._detector = recognizer, detector
         self._gaps = GapWatch()
@@ -66,7 +80,9 @@ class Pipeline:
         self._cut = Cutter(config.audio.vad)
         self._hear = Hearing(recognizer, config.recognizer.early, clock)
         self._mapper = Mapper(config.commands)
-        self._judge = Judge(self._mapper, config.commands, config.recognizer.early)
+        early = config.recognizer.early
+        self._judge = Judge(self._mapper, config.commands, early, self._second)
+        self._halted = float("-inf")  # [s] clock time up to which sound has led to a halt
         self._state = AT_START
         self._new_utterance()
 
@@ -98,22 +114,25 @@ class Pipeline:
         self._detector.reset()
         self._analyze.reset()
         self._cut.reset()
+        self._second.reset()
+        self._halted = float("-inf")
         self._new_utterance()
 
     def __call__(self, frame: Frame) -> tuple[Event, ...]:
         """Take the next frame of the stream; gives what came of it, oldest first."""
-        lost = self._check_gap(frame)
+        events = self._check_gap(frame)
         cleaned = self._denoise(frame.samples)
         endpoint = self._analyze(self._detector(cleaned), frame.duration)
         if self._config.audio.denoise.mode == "on":
             frame = replace(frame, samples=cleaned)
         growth = self._cut(frame, endpoint)
+        if spotted := self._second.hear(frame):
+            events += self._take_spotted(spotted, growth)
         if growth is None:
-            return lost
+            return events
         time = frame.first_sample / RATE + frame.duration
-        events = lost
         if self._hear(growth, frame, time):
-            events += (*self._partial(frame), *self._decide(growth, time))
+            events += (*self._partial(frame), *self._decide(growth, frame, time))
             self._forget_noise(growth)
         if growth.utterance.is_complete:
             events += (Partial("", frame.stamp),) if self._shown else ()
@@ -156,15 +175,16 @@ class Pipeline:
 
     # --- decide
 
-    def _decide(self, growth: Growth, time: float) -> tuple[Event, ...]:
+    def _decide(self, growth: Growth, frame: Frame, time: float) -> tuple[Event, ...]:
         utterance, heard = growth.utterance, self._hear.heard
         if heard is None:
             return ()
         is_whole = growth.is_whole and not self._hear.is_window
-        moment = Moment(time, growth.quiet, utterance.is_complete, is_whole)
+        spotted = self._second.best(frame.stamp + frame.duration)
+        moment = Moment(time, growth.quiet, utterance.is_complete, is_whole, spotted)
         outcome = self._judge(heard, moment)
         origin = "recognizer"
-        if not isinstance(outcome, Match) and (fired := self._fire(growth, heard)):
+        if not isinstance(outcome, Match) and (fired := self._fire(growth, heard, spotted)):
             outcome, origin = fired, "spotter"
         if outcome is None:
             if self._hear.is_settled(growth):
@@ -198,18 +218,42 @@ class Pipeline:
             return NoMatch(reason, match.command, match.wer), confidence
         return match, confidence
 
-    def _fire(self, growth: Growth, heard: Hypothesis) -> Match | None:
-        """A halt that the transcript misses, but the scores are sure of."""
+    def _fire(self, growth: Growth, heard: Hypothesis, spotted: float | None) -> Match | None:
+        """A halt that the transcript misses, but the scores are sure of, or the spotter is."""
+        if self._judge.has_halted or is_negated(normalize(heard.text)):
+            return None
+        if self._second.is_asking(spotted):
+            phrase = self._second.phrase
+            ratio = self._hear.scores(self._config.commands.phrases)[phrase]
+            if self._second.overrules(spotted, ratio):
+                return Match(phrase, self._mapper(heard.text).wer)
         halts = [c for c in self._config.commands.commands if c.is_halt and c.fire_above < NEVER]
         if not (halts and self._hear.is_settled(growth) and self._config.recognizer.second_opinion):
             return None
-        if self._judge.has_decided or is_negated(normalize(heard.text)):
+        if self._judge.has_decided:
             return None
         scores = self._hear.scores(self._config.commands.phrases)
         for halt in halts:
             if scores[halt.phrase] > halt.fire_above:
                 return Match(halt.phrase, self._mapper(heard.text).wer)
         return None
+
+    def _take_spotted(self, spotted: Spotted, growth: Growth | None) -> tuple[Event, ...]:
+        """The spotter fired alone; nothing new where the recogniser was quicker."""
+        if spotted.time - self._halted < self._config.spotter.rearm_after:
+            return ()
+        heard = self._hear.heard or Hypothesis("", 0.0, 0.0)
+        match = Match(self._second.phrase, self._mapper(heard.text).wer)
+        confidence = _logistic(spotted.score)
+        silent = Utterance(frozen_samples(np.zeros(0)), spotted.time, spotted.time, False)
+        begun = growth or Growth(silent, 0.0, False)
+        decision = self._conclude(match, heard, confidence, begun, "spotter")
+        if growth is None:  # endpointing has noticed no speech: what is said next is new
+            self._judge.reset()
+        if spotted.is_sent:
+            left = tuple(a for a in decision.actions if not isinstance(a, Halt))
+            decision = replace(decision, actions=left)
+        return (decision,)
 
     def _conclude(
         self,
@@ -223,7 +267,7 @@ class Pipeline:
         mode = self._state.mode
         actions: tuple[Action, ...] = ()
         if isinstance(outcome, Match):
-            self._judge.accept(outcome.command)
+            self._accept(outcome.command, growth)
             outcome, actions = self._act(outcome)
         utterance = growth.utterance
         if not utterance.is_complete:
@@ -241,6 +285,11 @@ class Pipeline:
             origin=origin,
             actions=actions,
         )
+
+    def _accept(self, phrase: str, growth: Growth) -> None:
+        self._judge.accept(phrase)
+        if self._config.commands.get(phrase).is_halt:
+            self._halted = growth.utterance.speech_end + growth.quiet
 
     def _act(self, match: Match) -> tuple[Match | NoMatch, tuple[Action, ...]]:
         outcome = step(self._state, Heard(self._config.commands.get(match.command)))

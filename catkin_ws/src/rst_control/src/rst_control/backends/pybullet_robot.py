@@ -11,13 +11,15 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
+from rst_control.backends import ten_joints
 from rst_control.backends.jaws import Jaws
 from rst_control.backends.physics import JointReading, RobotPhysics
-from rst_control.backends.servo import Servo, ServoLimits, ServoState
+from rst_control.backends.servo import Servo, ServoLimits, ServoState, warm_up
 from rst_control.backends.tissue import Tissue
 from rst_control.config import URDF_FILE, LimitsConfig, SimulationConfig
-from rst_control.configuration import planning_joints, robot_joints
+from rst_control.configuration import robot_joints
 from rst_control.types import JOINTS, Measurement, Setpoint
+from typed_config import ConfigError
 
 Vector = NDArray[np.float64]
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -30,6 +32,10 @@ class PybulletRobot:
         config: Limits, scene and simulator settings.
         urdf: Model of the robot.
         start: Time of the first state [s]; set-points are stamped on the same clock.
+
+    Raises:
+        ConfigError: The start position is beyond the limits of a joint.
+        FileNotFoundError: There is no such model.
     """
 
     def __init__(
@@ -37,19 +43,22 @@ class PybulletRobot:
     ) -> None:
         simulator, scene = config.simulator, config.scene
         self.time_step = 1.0 / simulator.physics_rate
-        home = robot_joints(np.array(scene.home), scene.home_opening)
+        begin = start_joints(config)
         self._start, self._steps = start, 0
         self._error = np.array([0.0] * 7 + list(simulator.tool_joint_error))
         self._has_error = bool(self._error.any())
-        self._physics = RobotPhysics(urdf, home + self._error, self.time_step)
-        limits = servo_limits(config.limits, self._physics.torque_limits)
-        self._servo = Servo(simulator.servo, limits, home)
+        limits = servo_limits(config.limits)
+        require_within(limits, begin)
+        self._physics = RobotPhysics(urdf, begin + self._error, self.time_step)
+        warm_up(simulator.servo, limits)
+        self._servo = Servo(simulator.servo, limits, begin)
         self._following_error = simulator.servo.following_error
         self.tissue = Tissue(scene.tissue, self.time_step)
         self._jaws = Jaws(self.tissue, simulator.closed_opening, simulator.held_opening)
         self._load = simulator.tool_load * DOWN
-        self._target, self._reading = home, self._as_reported(self._physics.read())
+        self._target, self._reading = begin, self._as_reported(self._physics.read())
         self._force = np.zeros(3)
+        self._check_following()
 
     @property
     def now(self) -> float:
@@ -127,11 +136,15 @@ class PybulletRobot:
         """Move on by one step of the physics."""
         self._steps += 1
         target, _ = self._servo.course(self.now)
-        self._physics.drive(self._target + self._error, (target - self._target) / self.time_step)
+        self._physics.drive(
+            self._target + self._error if self._has_error else self._target,
+            (target - self._target) / self.time_step,
+        )
         self._physics.push_jaws(self._force + self._load)
         true, tip = self._physics.step(), self._physics.grasp_centre
         self._reading, self._target = self._as_reported(true), target
-        self._jaws.follow(planning_joints(true.position)[1], tip)
+        opening = true.position.item(8) + true.position.item(9)
+        self._jaws.follow(opening, tip)
         self._force = self.tissue.advance(tip)
         self._check_following()
 
@@ -179,21 +192,42 @@ class PybulletRobot:
         return replace(true, position=true.position - self._error) if self._has_error else true
 
     def _check_following(self) -> None:
-        away = np.abs(self._reading.position - self._target)
-        if away.max() > self._following_error:
-            joint = int(away.argmax())
+        joint, away = ten_joints.furthest(self._reading.position, self._target)
+        if away > self._following_error:
             self.fail(
-                f"{JOINTS[joint]} is {away[joint]:.4f} rad off its course, "
+                f"{JOINTS[joint]} is {away:.4f} rad off its course, "
                 f"allowed {self._following_error:.4f}"
             )
 
 
-def servo_limits(config: LimitsConfig, torque: Vector) -> ServoLimits:
+def start_joints(config: SimulationConfig) -> Vector:
+    """Where the simulated robot begins: its own start position, else the scene's home.
+
+    Returns:
+        Joints [rad]. Shape (10,).
+    """
+    q = config.simulator.start_position or config.scene.home
+    return robot_joints(np.array(q), config.scene.home_opening)
+
+
+def require_within(limits: ServoLimits, begin: Vector) -> None:
+    """Refuse a start that the joints cannot stand at; it would jump at the first step.
+
+    Raises:
+        ConfigError: Names the joint.
+    """
+    for name, value, low, high in zip(
+        limits.names, begin.tolist(), limits.lower, limits.upper, strict=True
+    ):
+        if not low <= value <= high:
+            raise ConfigError(f"start of {name}", value, f"{low:.4f} to {high:.4f} rad")
+
+
+def servo_limits(config: LimitsConfig) -> ServoLimits:
     """Limits of the ten joints under the layer in force.
 
     Args:
         config: Layers and position limits.
-        torque: Of the URDF [N m]. Shape (10,).
     """
     layer = next(entry for entry in config.layers if entry.name == config.layer)
     tool = np.array([config.pitch, config.finger, config.finger])
@@ -202,5 +236,4 @@ def servo_limits(config: LimitsConfig, torque: Vector) -> ServoLimits:
         lower=np.concatenate([config.arm_lower, -tool]),
         upper=np.concatenate([config.arm_upper, tool]),
         speed=np.array([*layer.arm_velocity, *[layer.tool_velocity] * 3]),
-        torque=torque,
     )

@@ -18,6 +18,7 @@ import pybullet
 from numpy.typing import NDArray
 
 from rst_control.backends.physics import joint_indices, load_robot
+from rst_control.backends.scene_marks import SceneMarks
 from rst_control.backends.scene_server import SceneState
 from rst_control.backends.scene_shapes import SceneShapes
 from rst_control.config import CameraConfig, SceneConfig
@@ -48,7 +49,7 @@ class ScenePainter:
             raise RuntimeError("no window could be opened")
         self._robot = load_robot(urdf, self._client)
         self._joints = joint_indices(self._robot, self._client)
-        self._shapes = SceneShapes(scene, self._client)
+        self._shapes, self._marks = SceneShapes(scene, self._client), SceneMarks(self._client)
         if window is not None:
             self._look_from(window)
 
@@ -69,6 +70,7 @@ class ScenePainter:
         for joint, angle in zip(self._joints, state.joints, strict=True):
             pybullet.resetJointState(self._robot, joint, float(angle), **on)
         self._shapes.show_tissue(state.nodes)
+        self._marks.show(state.trail, state.tip, state.force)
         pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 1, **on)
 
     def close(self) -> None:

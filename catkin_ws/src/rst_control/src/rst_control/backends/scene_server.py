@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -35,6 +35,12 @@ class SceneState:
 
     joints: NDArray[np.float64]  # (10,), [rad]
     nodes: NDArray[np.float64]  # (columns * rows, 3), [m], of the tissue
+    held: int = -1  # number of the node that the jaws hold; -1: none
+    tip: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))  # (3,), [m]
+    force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))  # (3,), [N], on jaws
+    trail: NDArray[np.float64] = field(
+        default_factory=lambda: np.zeros((0, 3))
+    )  # (n, 3), [m], where the tip was, oldest first
 
 
 def serve(pipe: Connection) -> None:

@@ -7,10 +7,17 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from rst_control.backends.tissue import rest_points, rim_nodes
+from rst_control.backends.sheet_mesh import (
+    Points,
+    Stretch,
+    grid_faces,
+    node_normals,
+    strain_colours,
+    strain_share,
+)
 from rst_control.config import SceneConfig
+from rst_control.sheet import rest_points, rim_nodes
 
-Points = NDArray[np.float64]  # (n, 3), [m]
 Colour = tuple[float, float, float, float]
 
 SKIN: Colour = (0.93, 0.72, 0.60, 1.0)
@@ -18,9 +25,7 @@ RIM: Colour = (0.10, 0.45, 0.75, 1.0)
 PIN: Colour = (0.20, 0.22, 0.26, 1.0)
 TABLE: Colour = (0.55, 0.66, 0.70, 1.0)
 BED: Colour = (0.80, 0.47, 0.42, 1.0)
-RELAXED, TAUT = np.array([0.93, 0.55, 0.52]), np.array([0.70, 0.06, 0.10])
 STRAIN_COLOURS = 12
-TAUT_STRAIN = 0.4  # [-] stretched by this much: darkest
 WALL_RADIUS, WALL_DOME = 0.11, 0.018  # [m] of the patch of abdominal wall, and how far it bulges
 PORT_RADIUS, PORT_LENGTH = 0.0065, 0.035  # [m] of the trocar's tube
 PIN_RADIUS = 0.0018  # [m]
@@ -46,9 +51,9 @@ class SceneShapes:
         self._on = {"physicsClientId": client}
         columns, rows = scene.tissue.nodes
         self._finer = np.kron(_finer(columns), _finer(rows))
-        self._faces = _faces(FINENESS * (columns - 1) + 1, FINENESS * (rows - 1) + 1)
+        self._faces = grid_faces(FINENESS * (columns - 1) + 1, FINENESS * (rows - 1) + 1)
         rest = self._finer @ rest_points(scene.tissue)
-        self._rest_lengths = _edge_lengths(rest, self._faces)
+        self._stretch = Stretch(rest, self._faces)
         self._tissue: list[int] = []
         self._shown: Points | None = None
         self._add_table()
@@ -69,13 +74,13 @@ class SceneShapes:
         for body in self._tissue:
             pybullet.removeBody(body, **self._on)
         nodes = self._finer @ nodes
-        share = np.clip(self._strain(nodes) / TAUT_STRAIN, 0.0, 1.0)
+        share = strain_share(self._strain(nodes))
         groups = np.minimum((share * STRAIN_COLOURS).astype(int), STRAIN_COLOURS - 1)
-        normals = _node_normals(nodes, self._faces)
+        normals = node_normals(nodes, self._faces)
         self._tissue = []
         for group in np.unique(groups):
-            tint = group / (STRAIN_COLOURS - 1)
-            red, green, blue = ((1.0 - tint) * RELAXED + tint * TAUT).tolist()
+            tint = np.array([group / (STRAIN_COLOURS - 1)])
+            red, green, blue = strain_colours(tint)[0].tolist()
             used, faces = np.unique(self._faces[groups == group], return_inverse=True)
             for side in (0.5 * THICKNESS, -0.5 * THICKNESS):
                 outward = normals[used] * np.sign(side)
@@ -85,11 +90,9 @@ class SceneShapes:
 
     def _strain(self, nodes: Points) -> NDArray[np.float64]:
         """Largest stretch of each triangle, evened out over its neighbours [-]."""
-        stretch = (_edge_lengths(nodes, self._faces) / self._rest_lengths).max(axis=1) - 1.0
-        corners = self._faces.ravel()
+        stretch = self._stretch.of_faces(nodes)
         for _ in range(EVENING):
-            at_node = np.bincount(corners, np.repeat(stretch, 3)) / np.bincount(corners)
-            stretch = at_node[self._faces].mean(axis=1)
+            stretch = self._stretch.at_points(stretch)[self._faces].mean(axis=1)
         return stretch
 
     def _add_table(self) -> None:
@@ -105,8 +108,8 @@ class SceneShapes:
     def _add_wall(self, trocar: Points) -> None:
         rings = np.linspace(PORT_RADIUS, WALL_RADIUS, 14)
         points = _rings(trocar, rings, -WALL_DOME * (rings / WALL_RADIUS) ** 2)
-        faces = _faces(len(rings), SLICES, closed=True)
-        normals = _node_normals(points, faces)
+        faces = grid_faces(len(rings), SLICES, closed=True)
+        normals = node_normals(points, faces)
         for side in (1.0, -1.0):
             shifted = points + 0.001 * side * normals
             self._mesh(shifted, side * normals, faces if side > 0 else faces[:, ::-1], SKIN)
@@ -138,8 +141,8 @@ class SceneShapes:
         rings = np.append(radius * np.sin(level), radius)
         heights = np.append(-BED_DOME * (1.0 - np.cos(level)), -middle[2])
         points = _rings(middle, rings, heights)
-        faces = _faces(len(rings), SLICES, closed=True)
-        self._mesh(points, _node_normals(points, faces), faces, BED)
+        faces = grid_faces(len(rings), SLICES, closed=True)
+        self._mesh(points, node_normals(points, faces), faces, BED)
 
     def _mesh(
         self, points: Points, normals: Points, faces: NDArray[np.int64], colour: Colour
@@ -163,16 +166,6 @@ class SceneShapes:
         )
 
 
-def _faces(columns: int, rows: int, closed: bool = False) -> NDArray[np.int64]:
-    """Triangles of a grid, node (column, row) at column * rows + row; closed joins the ends."""
-    column = np.arange(columns - 1)[:, None] * rows
-    row = np.arange(rows if closed else rows - 1)[None, :]
-    after = (row + 1) % rows
-    a, b = (column + row).ravel(), (column + rows + row).ravel()
-    c, d = (column + rows + after).ravel(), (column + after).ravel()
-    return np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-
-
 def _finer(count: int) -> NDArray[np.float64]:
     """Weights that put points between `count` points in a row, FINENESS to each gap."""
     place = np.arange(FINENESS * (count - 1) + 1) / FINENESS
@@ -194,19 +187,4 @@ def _tube(radius: float, length: float) -> tuple[Points, NDArray[np.int64]]:
     angles = np.linspace(0.0, 2.0 * np.pi, SLICES, endpoint=False)
     ring = radius * np.column_stack([np.cos(angles), np.sin(angles)])
     ends = [np.column_stack([ring, np.full(SLICES, z)]) for z in (0.5 * length, -0.5 * length)]
-    return np.vstack(ends), _faces(2, SLICES, closed=True)
-
-
-def _edge_lengths(points: Points, faces: NDArray[np.int64]) -> NDArray[np.float64]:
-    corners = points[faces]  # (m, 3, 3)
-    lengths: NDArray[np.float64] = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-    return lengths
-
-
-def _node_normals(points: Points, faces: NDArray[np.int64]) -> Points:
-    a, b, c = (points[faces[:, k]] for k in range(3))
-    normals = np.zeros_like(points)
-    for k in range(3):
-        np.add.at(normals, faces[:, k], np.cross(b - a, c - a))
-    unit: Points = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    return unit
+    return np.vstack(ends), grid_faces(2, SLICES, closed=True)

@@ -17,6 +17,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from rst_control.backends import ten_joints
 from rst_control.config import ServoConfig
 from rst_control.types import Setpoint
 
@@ -39,7 +40,6 @@ class ServoLimits:
     lower: Joints  # [rad]
     upper: Joints  # [rad]
     speed: Joints  # [rad/s]
-    torque: Joints  # [N m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +163,7 @@ class Servo:
             position, velocity = self._played(now - self._config.playout_delay)
         else:
             position, velocity = self._brake.at(now)
-        position = np.minimum(np.maximum(position, self._limits.lower), self._limits.upper)
+        position = ten_joints.clamped(position, self._limits.lower, self._limits.upper)
         if self.state is ServoState.BRAKING and now >= self._brake.start + self._brake.duration:
             self._rest(position)
         return position, velocity
@@ -221,48 +221,53 @@ class Servo:
 
     def _objection(self, point: Setpoint, now: float) -> str:
         limits = self._limits
-        if not (np.isfinite(point.position).all() and np.isfinite(point.velocity).all()):
-            return "set-point that is not a number"
         if point.stamp > now + self._config.lead:
             return f"set-point stamped {point.stamp - now:.3f} s in the future"
-        bad = (point.position < limits.lower) | (point.position > limits.upper)
-        if bad.any():
-            j = int(bad.argmax())
+        j = ten_joints.outside(point.position, limits.lower, limits.upper)
+        if j >= 0:
             return (
                 f"{limits.names[j]} set-point {point.position[j]:.4f} rad, "
                 f"allowed {limits.lower[j]:.4f} to {limits.upper[j]:.4f}"
             )
         if self.state is ServoState.HOLDING:
-            away = np.abs(point.position - self._brake.at(now)[0])
-            j = int(away.argmax())
-            if away[j] > self._config.start_tolerance:
+            j, away = ten_joints.furthest(point.position, self._brake.at(now)[0])
+            if away > self._config.start_tolerance:
                 return (
-                    f"{limits.names[j]} starts {away[j]:.4f} rad away from where it holds, "
+                    f"{limits.names[j]} starts {away:.4f} rad away from where it holds, "
                     f"allowed {self._config.start_tolerance:.4f}"
                 )
         return self._too_fast(point)
 
     def _too_fast(self, point: Setpoint) -> str:
-        speed = np.abs(point.velocity)
-        if self._points:
-            last = self._points[-1]
-            span = max(point.stamp - last.stamp, self._config.period)  # stamps may jitter
-            speed = np.maximum(speed, np.abs(point.position - last.position) / span)
-        excess = speed - self._limits.speed
-        j = int(excess.argmax())
-        if excess[j] <= 0.0:
+        allowed, period = self._limits.speed, self._config.period
+        last = self._points[-1] if self._points else point
+        span = max(point.stamp - last.stamp, period)  # stamps may jitter
+        j, speed = ten_joints.fastest(point.position, point.velocity, last.position, span, allowed)
+        if speed <= allowed[j]:
             return ""
         return (
-            f"{self._limits.names[j]} set-point speed {speed[j]:.3f} rad/s, "
-            f"allowed {self._limits.speed[j]:.3f}"
+            f"{self._limits.names[j]} set-point speed {speed:.3f} rad/s, allowed {allowed[j]:.3f}"
         )
 
 
+def warm_up(config: ServoConfig, limits: ServoLimits) -> None:
+    """Compile or load all that a servo calls, by leading one along set-points that stand still."""
+    middle = 0.5 * (limits.lower + limits.upper)
+    servo, still, now = Servo(config, limits, middle), np.zeros_like(middle), 0.0
+    while now < config.playout_delay + 3.0 * config.period:
+        servo.course(now)
+        servo.accept(Setpoint(middle, still, now), now)
+        now += config.period
+
+
 def _hermite(first: Setpoint, second: Setpoint, time: float) -> tuple[Joints, Joints]:
-    span = second.stamp - first.stamp
-    u = (time - first.stamp) / span
-    step = second.position - first.position
-    a, b = first.velocity * span, second.velocity * span
-    position = first.position + u * a + u**2 * (3 * step - 2 * a - b) + u**3 * (a + b - 2 * step)
-    velocity = (a + 2 * u * (3 * step - 2 * a - b) + 3 * u**2 * (a + b - 2 * step)) / span
-    return position, velocity
+    course = ten_joints.hermite(
+        first.position,
+        first.velocity,
+        first.stamp,
+        second.position,
+        second.velocity,
+        second.stamp,
+        time,
+    )
+    return course[0], course[1]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rst_control.backends.lattice import Impulses, Lattice, Material
 from rst_control.config import TissueConfig
+from rst_control.sheet import rest_points, rim_nodes
 
 Vector = NDArray[np.float64]  # (3,)
 NOTHING = np.zeros(3)
@@ -45,6 +46,7 @@ class Tissue:
         self._calibrate()
         self._steps = int(np.ceil(step / self._lattice.longest_step()))
         self._held, self._offset = -1, NOTHING
+        self.taken_at = NOTHING  # (3,), base frame, [m]: the tool tip when it took hold last
         self._impulses = STILL
         self._free_steps, self._is_at_rest = 0, True
 
@@ -52,6 +54,11 @@ class Tissue:
     def is_held(self) -> bool:
         """Whether the jaws hold the sheet."""
         return self._held >= 0
+
+    @property
+    def held_node(self) -> int:
+        """Number of the node that the jaws hold; -1: none."""
+        return self._held
 
     @property
     def nodes(self) -> NDArray[np.float64]:
@@ -105,6 +112,7 @@ class Tissue:
         if distance[nearest] > self.config.grasp_radius:
             return False
         self._held, self._offset = nearest, self._lattice.x[nearest] - tip
+        self.taken_at = np.array(tip)
         self._is_at_rest = False
         return True
 
@@ -162,36 +170,6 @@ class Tissue:
         secant = -float(felt @ pull) / float(pull @ pull)
         lattice.material = _material(config, config.stiffness**2 / secant)
         lattice.reset()
-
-
-def rest_points(config: TissueConfig) -> NDArray[np.float64]:
-    """Places of the nodes at rest, base frame, [m]. Shape (columns * rows, 3)."""
-    columns, rows = config.nodes
-    along = np.array(config.along) / np.linalg.norm(config.along)
-    normal = np.cross(along, config.across)
-    across = np.cross(normal / np.linalg.norm(normal), along)
-    u, w = np.meshgrid(
-        (np.arange(columns) / (columns - 1) - 0.5) * config.size[0],
-        (np.arange(rows) / (rows - 1) - 0.5) * config.size[1],
-        indexing="ij",
-    )
-    flat = u.reshape(-1, 1) * along + w.reshape(-1, 1) * across
-    points: NDArray[np.float64] = flat + np.array(config.centre)
-    return points
-
-
-def rim_nodes(config: TissueConfig) -> NDArray[np.bool_]:
-    """Which nodes are fixed. Shape (columns * rows,)."""
-    columns, rows = config.nodes
-    column, row = np.divmod(np.arange(columns * rows), rows)
-    sides = {
-        "start": column == 0,
-        "end": column == columns - 1,
-        "left": row == rows - 1,
-        "right": row == 0,
-    }
-    fixed: NDArray[np.bool_] = np.any([sides[name] for name in config.rim], axis=0)
-    return fixed
 
 
 def _material(config: TissueConfig, stiffness: float) -> Material:

@@ -47,7 +47,10 @@ class CommandService:
     def _on_command(self, request: CommandRequest) -> CommandResponse:
         self.last_command = time.monotonic()
         caller = request._connection_header.get("callerid", "an unnamed node")
-        ticket = self._desk.take(Request(request.command), caller, self._is_spoken(caller))
+        is_by_hand = caller != self._spoken_by
+        ticket = self._desk.take(
+            Request(request.command), caller, self._is_spoken(caller), is_by_hand
+        )
         try:
             reply = ticket.reply.result(REPLY_TIME)
         except NoReply:

@@ -9,22 +9,26 @@ import time
 from contextlib import ExitStack
 
 import rospy
-from geometry_msgs.msg import PointStamped
 
-from rst_control.assembly import make_executor, make_verify
+from rst_control.assembly import make_executor, make_site
 from rst_control.config import MotionConfig
 from rst_control.desk import CommandDesk
 from rst_control.errors import RstError
 from rst_control.msg import ControllerState, Event
+from rst_control.orders import View
 from rst_control.robot_model import RobotModel, parse_robot
 from rst_control.ros.action_server import AssistServer
 from rst_control.ros.command_service import CommandService
 from rst_control.ros.control_loop import ControlLoop
+from rst_control.ros.controller_markers import ControllerMarkers
 from rst_control.ros.diagnostics import Diagnostics
-from rst_control.ros.messages import RosClock, event_message, state_message, trocar_message
+from rst_control.ros.messages import RosClock, event_message, state_message
 from rst_control.ros.priority import ask_for_priority
 from rst_control.ros.robot_link import RobotLink
+from rst_control.ros.trocar_service import TrocarService
 from rst_control.ros.worker import Worker
+from rst_control.site import PresentSite
+from rst_control.trocar import position_words
 from typed_config import ConfigError, load_config
 
 FEEDBACK_RATE = 20.0  # [Hz] to action clients
@@ -45,13 +49,14 @@ class ControllerNode:
         settings = config.controller
         self._clock = RosClock()
         self._link = RobotLink(self._clock)
-        self._executor = make_executor(config, model, self._link.clear_fault)
-        self._desk = CommandDesk(self._executor, make_verify(config, model), time.monotonic)
+        self._site = PresentSite(make_site(config, model))
+        self._executor = make_executor(config, self._site, self._link.clear_fault)
+        self._desk = CommandDesk(self._executor, self._site.verify, time.monotonic)
         self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
-        self._trocar = rospy.Publisher("rst_control/trocar", PointStamped, queue_size=1, latch=True)
-        self._trocar.publish(trocar_message(config.scene.trocar))
+        self._trocar = TrocarService(self._site, self._executor)
+        self._markers = ControllerMarkers(config, self._site, self._look, self._clock)
         self._diagnostics = Diagnostics()
         self._actions = AssistServer(self._desk, self._executor)
         self._service = CommandService(
@@ -70,12 +75,14 @@ class ControllerNode:
         for name, step in (
             ("planning", self._plan),
             ("publishing", self._publish),
+            ("markers", self._markers.step),
             ("action", lambda: self._actions.take_news(timeout=0.2)),
         ):
             self._stack.enter_context(Worker(name, step, self._diagnostics.error))
         self._stack.enter_context(self._loop)
         self._service.start()
         self._actions.start()
+        self._trocar.start()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -96,6 +103,9 @@ class ControllerNode:
         elif self._is_sending:
             self._link.hold()
         self._is_sending = setpoint is not None
+
+    def _look(self) -> View:
+        return self._executor.view
 
     def _plan(self) -> None:
         ticket = self._desk.next(timeout=0.2)
@@ -118,7 +128,8 @@ class ControllerNode:
             self._actions.publish_feedback()
         if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
             loop, age = self._loop.statistics.summary(), now - self._service.last_command
-            self._diagnostics.publish(view, loop, self._link.objection, age)
+            trocar = position_words(self._site.site.trocar)
+            self._diagnostics.publish(view, loop, self._link.objection, age, trocar)
         if not view.is_moving and self._is_due("collect", now, COLLECT_PERIOD):
             gc.collect()
 

@@ -26,7 +26,9 @@ class Diagnostics:
         """Note an error in one of the threads."""
         self._errors = [*self._errors, words][-ERRORS_TOLD:]
 
-    def publish(self, view: View, loop: LoopSummary, objection: str, command_age: float) -> None:
+    def publish(
+        self, view: View, loop: LoopSummary, objection: str, command_age: float, trocar: str
+    ) -> None:
         """Publish one report.
 
         Args:
@@ -34,14 +36,16 @@ class Diagnostics:
             loop: How the control loop keeps its times.
             objection: What is wrong with the robot's messages; empty: nothing.
             command_age: Time since the last command came [s].
+            trocar: The remote centre in force, in words.
         """
-        array = DiagnosticArray(
-            status=[self._robot(view, objection, command_age), self._loop(loop)]
-        )
+        robot = self._robot(view, objection, command_age, trocar)
+        array = DiagnosticArray(status=[robot, self._loop(loop)])
         array.header.stamp = rospy.Time.now()
         self._publisher.publish(array)
 
-    def _robot(self, view: View, objection: str, command_age: float) -> DiagnosticStatus:
+    def _robot(
+        self, view: View, objection: str, command_age: float, trocar: str
+    ) -> DiagnosticStatus:
         level, message = DiagnosticStatus.OK, view.life.state.value
         if view.life.state in LATCHED:
             level = DiagnosticStatus.WARN
@@ -52,6 +56,7 @@ class Diagnostics:
             "state": view.life.state.value,
             "phase": view.phase,
             "rcm error [um]": f"{view.rcm_error * 1e6:.1f}",
+            "trocar": trocar,
             "tension [N]": f"{view.tension:.3f}",
             "last command [s ago]": f"{command_age:.1f}",
             "last refusal": view.last_refusal,

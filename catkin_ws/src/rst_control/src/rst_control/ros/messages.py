@@ -11,6 +11,7 @@ from geometry_msgs.msg import PointStamped
 from rst_control.lifecycle import LATCHED
 from rst_control.msg import AssistFeedback, AssistResult, ControllerState, Event
 from rst_control.orders import DiaryEntry, Outcome, View
+from rst_control.types import Vector
 
 BASE = "base_link"
 CLOCK_JUMP = 1e-3  # [s] change of the wall clock against the steady one that is taken over
@@ -45,6 +46,7 @@ def state_message(view: View, clock: RosClock) -> ControllerState:
         path_position=view.path_position,
         path_speed=motion.path_speed if motion else 0.0,
         rcm_error=view.rcm_error,
+        insertion=view.insertion,
         tension=view.tension,
         tension_target=view.tension_target,
         last_refusal=view.last_refusal,
@@ -81,10 +83,10 @@ def result_message(outcome: Outcome) -> AssistResult:
     )
 
 
-def trocar_message(trocar: tuple[float, float, float]) -> PointStamped:
-    """The remote centre of motion [m], frame base_link."""
+def trocar_message(trocar: Vector) -> PointStamped:
+    """The remote centre of motion [m], frame base_link. Shape (3,)."""
     message = PointStamped()
     message.header.frame_id = BASE
     message.header.stamp = rospy.Time.now()
-    message.point.x, message.point.y, message.point.z = trocar
+    message.point.x, message.point.y, message.point.z = trocar.tolist()
     return message

@@ -11,6 +11,7 @@ import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TransformStamped
 
+from rst_control.backends.exposure import exposure, exposure_words
 from rst_control.backends.pybullet_robot import PybulletRobot
 from rst_control.config import SceneConfig
 from rst_control.ros.simulator_pace import Pace
@@ -26,10 +27,12 @@ class SimulatorDiagnostics:
         robot: What is simulated.
         pace: Counts lateness.
         period: Simulated time between two looks [s].
+        scene: With the bands of a triangulated sheet.
     """
 
-    def __init__(self, robot: PybulletRobot, pace: Pace, period: float) -> None:
+    def __init__(self, robot: PybulletRobot, pace: Pace, period: float, scene: SceneConfig) -> None:
         self._robot, self._pace, self._period = robot, pace, period
+        self._scene = scene
         self.priority = "none"  # what the system granted, in words
         self._topic = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=2)
         self._wall, self._busy = time.monotonic(), time.process_time()
@@ -62,9 +65,25 @@ class SimulatorDiagnostics:
         }
         status = DiagnosticStatus(level=level, name="robot: simulation", message=words)
         status.values = [KeyValue(key, value) for key, value in values.items()]
-        message = DiagnosticArray(status=[status])
+        message = DiagnosticArray(status=[status, self._exposure()])
         message.header.stamp = rospy.Time.now()
         self._topic.publish(message)
+
+    def _exposure(self) -> DiagnosticStatus:
+        """Whether the tissue is triangulated, and by how much it is or is not."""
+        held = exposure(self._robot.tissue, self._scene, self._robot.force)
+        words = exposure_words(held, self._scene)
+        status = DiagnosticStatus(level=DiagnosticStatus.OK, name="robot: tissue", message=words)
+        if held is not None:
+            values = {
+                "grasp error [mm]": f"{1e3 * held.grasp_error:.3f}",
+                "least angle [deg]": f"{np.degrees(held.least_angle):.1f}",
+                "out of plane rms [mm]": f"{1e3 * held.out_of_plane:.3f}",
+                "tension [N]": f"{held.tension:.3f}",
+                "strain": f"{held.strain:.3f}",
+            }
+            status.values = [KeyValue(key, value) for key, value in values.items()]
+        return status
 
     def _verdict(self, late_share: float) -> tuple[int, str]:
         if self._robot.fault:

@@ -23,9 +23,11 @@ from rst_control.backends.pybullet_robot import PybulletRobot
 from rst_control.backends.scene_server import SceneState
 from rst_control.backends.scene_worker import SceneLostError
 from rst_control.backends.servo import ServoState
+from rst_control.backends.trail import Trail
 from rst_control.config import SimulationConfig
 from rst_control.ros.priority import ask_for_priority
 from rst_control.ros.simulator_diagnostics import SimulatorDiagnostics, broadcast_places
+from rst_control.ros.simulator_markers import SimulatorMarkers
 from rst_control.ros.simulator_messages import RawJointState, Stamper, StateWriter
 from rst_control.ros.simulator_pace import Pace
 from rst_control.ros.simulator_pictures import SimulatorPictures
@@ -37,6 +39,8 @@ log = logging.getLogger("rosout.rst_control.simulator")
 
 SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
 JOB_LIMIT = 5.0  # [s] for the loop to take up what a service asks for
+FINE_RATE = 1000.0  # [Hz] of the physics, from which the figures of motion are measured
+COARSE = "physics at %g Hz, below %g Hz: the shaft leaves the trocar further than a robot's would"
 NO_STAMP = 0.0  # set-points sent by hand carry no stamp
 
 
@@ -51,7 +55,9 @@ class SimulatorNode:
         simulator = config.simulator
         self._is_real_time = simulator.real_time_factor == 1.0
         self.robot = PybulletRobot(config, start=time.monotonic() if self._is_real_time else 1.0)
-        self._steps = max(1, round(simulator.physics_rate / simulator.publish_rate))
+        self._steps = round(simulator.physics_rate / simulator.publish_rate)
+        if simulator.physics_rate < FINE_RATE:
+            log.warning(COARSE, simulator.physics_rate, FINE_RATE)
         self._catch_up = simulator.catch_up
         self._stamper = Stamper(self._is_real_time)
         self._writer, self._reader = StateWriter(self._stamper), JointStateReader(JOINTS)
@@ -59,10 +65,12 @@ class SimulatorNode:
         self._told_grip: bool | None = None
         self._told_fault: str | None = None
         self._advertise()
+        self._trail = Trail()
         self._pictures = SimulatorPictures(config, self._copy_state)
+        self._markers = SimulatorMarkers(config.scene.tissue, self._copy_state)
         period = self._steps * self.robot.time_step
         self.pace = Pace(period, simulator.real_time_factor, time.monotonic, time.sleep)
-        self._diagnostics = SimulatorDiagnostics(self.robot, self.pace, period)
+        self._diagnostics = SimulatorDiagnostics(self.robot, self.pace, period, config.scene)
         self._places = broadcast_places(config.scene)
 
     def run(self) -> None:
@@ -79,10 +87,12 @@ class SimulatorNode:
                 self._jobs.popleft()()
             for _ in range(self._steps):
                 self.robot.step()
+            self._trail.add(self.robot.tip)
             self._publish()
 
     def close(self) -> None:
-        """Leave the physics and end the drawing processes."""
+        """Leave the physics, end the drawing processes and the thread that shows the tissue."""
+        self._markers.close()
         self._pictures.close()
         self.robot.close()
 
@@ -153,7 +163,16 @@ class SimulatorNode:
         states: list[SceneState] = []
         robot = self.robot
         self._in_loop(
-            lambda: states.append(SceneState(np.array(robot.reading.position), robot.tissue.nodes))
+            lambda: states.append(
+                SceneState(
+                    joints=np.array(robot.reading.position),
+                    nodes=robot.tissue.nodes,
+                    held=robot.tissue.held_node,
+                    tip=np.array(robot.tip),
+                    force=np.array(robot.force),
+                    trail=self._trail.points,
+                )
+            )
         )
         return states[0]
 

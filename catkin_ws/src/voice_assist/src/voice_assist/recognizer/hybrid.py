@@ -34,6 +34,9 @@ def encode_short(encoder: AudioEncoder, mel: Tensor) -> Tensor:
     return encoder.ln_post(x)
 
 
+Memory = dict[nn.Module | None, Tensor]  # by the linear map that made it
+
+
 class HybridWhisper(nn.Module):
     """A Whisper of N_COMPACT tokens and a CTC head over characters.
 
@@ -68,9 +71,25 @@ class HybridWhisper(nn.Module):
         """Log-probabilities of characters and blank, (batch, time, BLANK + 1)."""
         return self.ctc(states).float().log_softmax(-1)
 
-    def logits(self, tokens: Tensor, states: Tensor) -> Tensor:
-        """Decoder logits for compact tokens, shape (batch, length, N_COMPACT)."""
-        return self.whisper.decoder(tokens, states).float() + self.offset
+    def remember(self, states: Tensor) -> Memory:
+        """What the decoder's blocks keep of the states, for several readings of one sound."""
+        before = torch.empty(1, 0)  # the decoder counts earlier tokens in the first entry
+        memory: Memory = {None: before}
+        for block in self.whisper.decoder.blocks:
+            attention = block.cross_attn
+            memory[attention.key] = attention.key(states)
+            memory[attention.value] = attention.value(states)
+        return memory
+
+    def logits(self, tokens: Tensor, states: Tensor, memory: Memory | None = None) -> Tensor:
+        """Decoder logits for compact tokens, shape (batch, length, N_COMPACT).
+
+        Args:
+            tokens: Compact ids. Shape (batch, length).
+            states: Of the encoder. Shape (batch, time, d).
+            memory: Of these states, if they are read more than once.
+        """
+        return self.whisper.decoder(tokens, states, kv_cache=memory).float() + self.offset
 
     def initialise(self) -> None:
         """Set what Whisper leaves unset or too large for training from nothing."""

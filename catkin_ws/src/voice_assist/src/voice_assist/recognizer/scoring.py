@@ -31,7 +31,8 @@ def decoder_likelihoods(model: HybridWhisper, states: Tensor, texts: Sequence[st
         wanted[row, : len(line) + 1] = torch.tensor([*line, END])
     prompt = torch.tensor([PROMPT]).expand(len(ids), -1)
     fed = torch.cat([prompt, wanted[:, :-1].clamp(min=0)], dim=1)
-    logits = model.logits(fed, states.expand(len(ids), -1, -1))
+    memory = {k: v.expand(len(ids), *v.shape[1:]) for k, v in model.remember(states).items()}
+    logits = model.logits(fed, states, memory)
     logprobs = logits[:, len(PROMPT) - 1 :].log_softmax(-1)
     chosen = logprobs.gather(-1, wanted.clamp(min=0).unsqueeze(-1)).squeeze(-1)
     return (chosen * (wanted >= 0)).sum(-1)

@@ -20,7 +20,7 @@ from voice_assist.recognizer.checkpoint import (
 from voice_assist.recognizer.embedded import EmbeddedRecognizer, is_audible
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import log_mel
-from voice_assist.recognizer.recognizer import LONGEST, Recognizer
+from voice_assist.recognizer.recognizer import LONGEST, Recognizer, believed
 from voice_assist.recognizer.scoring import ratios
 from voice_assist.types import RATE, Hypothesis, Samples
 
@@ -65,7 +65,7 @@ class OpenAIRecognizer:
             return Hypothesis("", 0.0, 1.0)
         with torch.inference_mode():
             result = self._task.run(self._mel(samples))[0]
-        return Hypothesis(result.text, min(float(result.avg_logprob), 0.0), result.no_speech_prob)
+        return believed(result.text, float(result.avg_logprob), result.no_speech_prob)
 
     def score(self, samples: Samples, phrases: Sequence[str]) -> dict[str, float]:
         """The decoder's opinion, over the usual spellings; see Recognizer."""

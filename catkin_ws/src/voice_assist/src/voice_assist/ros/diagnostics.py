@@ -22,6 +22,9 @@ class Health:
     trouble: str = "starting"  # with the source of sound
     failure: str = ""  # a thread ended by an error
     controller: str = ""  # what is wrong with the controller
+    spotter: str = "off"  # model of the second way to a stop
+    spotter_failure: str = ""  # its thread ended by an error
+    spotter_dropped: int = 0  # frames that it never heard
     level: float = -100.0  # [dB] of full scale
     queued: int = 0  # frames
     dropped: int = 0  # frames
@@ -61,6 +64,8 @@ class Diagnostics:
         status.summary(*_summary(health, now, self._deaf_after))
         status.add("source", health.source)
         status.add("model", health.model)
+        status.add("spotter", health.spotter)
+        status.add("spotter frames dropped", f"{health.spotter_dropped}")
         status.add("microphone level [dB]", f"{health.level:.1f}")
         status.add("queue [frames]", f"{health.queued}")
         status.add("frames dropped", f"{health.dropped}")
@@ -80,6 +85,8 @@ def _summary(health: Health, now: float, deaf_after: float) -> tuple[int, str]:
         return DiagnosticStatus.ERROR, health.trouble
     if not health.would_hear(now, deaf_after):
         return DiagnosticStatus.ERROR, "recognition does not keep up: a spoken stop is not heard"
+    if health.spotter_failure:
+        return DiagnosticStatus.ERROR, health.spotter_failure
     if health.controller:
         return DiagnosticStatus.WARN, health.controller
     if health.queued > health.capacity // 2:

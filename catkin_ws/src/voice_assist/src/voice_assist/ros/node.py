@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The voice node: one thread listens, one hears, one calls the controller, one sends heartbeats."""
+"""The voice node: threads that listen, hear, spot "stop", call the controller, send heartbeats."""
 
 from __future__ import annotations
 
@@ -12,9 +12,15 @@ from queue import Empty, Full, Queue
 import rospy
 
 from typed_config import ConfigError
-from voice_assist.assembly import make_pipeline, make_recognizer, make_source
+from voice_assist.assembly import (
+    limit_threads,
+    make_pipeline,
+    make_recognizer,
+    make_source,
+    make_spotter,
+)
 from voice_assist.audio.source import Source, level_db
-from voice_assist.config import VoiceConfig, load_voice_config, voice_config
+from voice_assist.config import SECTIONS, VoiceConfig, load_voice_config, voice_config
 from voice_assist.dialogue import Answered
 from voice_assist.errors import VoiceError
 from voice_assist.pipeline import Event
@@ -22,6 +28,8 @@ from voice_assist.ros.caller import CommandCaller
 from voice_assist.ros.diagnostics import Diagnostics, Health
 from voice_assist.ros.publishers import Publishers
 from voice_assist.ros.topic_source import TopicSource
+from voice_assist.spotter.spotter import Spotted
+from voice_assist.spotter.worker import SpotterThread
 from voice_assist.types import Action, Call, Decision, Frame, Halt, Lost, Match, Partial, SetMode
 
 HEARTBEAT = 0.1  # [s]
@@ -47,17 +55,20 @@ class VoiceNode:
         self._config = config
         recognizer = make_recognizer(config)
         facts = {"model": recognizer.name, "model_sha256": recognizer.model_hash}
-        rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
-        self._pipeline = make_pipeline(config, _now, recognizer)
         self._frames: Queue[Frame | None] = Queue(config.audio.queue)
         self._answers: Queue[Answered] = Queue()
         self._over = threading.Event()
+        self._stopped = float("-inf")  # [s] when the newest stop was sent
         self._publish = Publishers()
         self._health = Health(
             f"{recognizer.name} {recognizer.model_hash[:12]}",
             config.audio.source,
             config.audio.queue,
         )
+        self._spotter = self._make_spotter() if config.spotter.is_enabled else None
+        facts["spotter_sha256"] = self._health.spotter
+        rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
+        self._pipeline = make_pipeline(config, _now, recognizer, self._spotter)
         self._caller = CommandCaller(config.commands.answer_within, self._answers.put)
         self._repeatable = {c.call for c in config.commands.commands if not c.is_motion}
 
@@ -66,9 +77,12 @@ class VoiceNode:
         state = self._pipeline.state
         self._publish.mode(state.mode, state.reason, _now())
         rospy.on_shutdown(self._over.set)
+        if self._spotter is not None:
+            self._spotter.start()
         for target in (self._listen, self._hear, self._beat):
             threading.Thread(target=self._guard, args=(target,), daemon=True).start()
         rospy.loginfo("listening to the %s, model %s", self._health.source, self._health.model)
+        rospy.loginfo("spotter model %s", self._health.spotter[:12])
         rospy.spin()
         self._over.set()
 
@@ -91,6 +105,9 @@ class VoiceNode:
                 if self._over.is_set():
                     return
                 self._trouble("")
+                if self._spotter is not None:
+                    self._spotter.feed(frame)
+                    self._health.spotter_dropped = self._spotter.dropped
                 self._publish.audio(frame)
                 self._health.level = level_db(frame.samples)
                 try:
@@ -115,6 +132,7 @@ class VoiceNode:
     # --- thread 2: recognition
 
     def _hear(self) -> None:
+        limit_threads(self._config)
         while not self._over.is_set():
             self._take_answers()
             try:
@@ -146,12 +164,16 @@ class VoiceNode:
 
     def _do(self, action: Action) -> None:
         if isinstance(action, Halt):
-            self._publish.stop()
-            self._caller.forget()
+            self._stop()
         elif isinstance(action, Call):
             self._caller.call(action.command, action.command in self._repeatable)
         elif isinstance(action, SetMode):
             self._publish.mode(action.mode, action.reason, _now())
+
+    def _stop(self) -> None:
+        self._publish.stop()
+        self._stopped = _now()
+        self._caller.forget()
 
     def _take_answers(self) -> None:
         while not self._answers.empty():
@@ -167,12 +189,31 @@ class VoiceNode:
         outcome, text = decision.outcome, decision.hypothesis.text
         if isinstance(outcome, Match):
             self._health.commanded, self._health.last_command = _now(), outcome.command
-            rospy.loginfo("heard %r: %s (%.2f)", text, outcome.command, decision.confidence)
+            by = "" if decision.origin == "recognizer" else f", by the {decision.origin}"
+            rospy.loginfo("heard %r: %s (%.2f%s)", text, outcome.command, decision.confidence, by)
         else:
             nearest = f", nearest {outcome.nearest!r}" if outcome.nearest else ""
             rospy.loginfo("heard %r: no command, %s%s", text, outcome.reason, nearest)
 
-    # --- thread 3: heartbeat and diagnostics
+    # --- thread 3: the second way to a stop
+
+    def _make_spotter(self) -> SpotterThread:
+        spotter, digest = make_spotter(self._config.spotter)
+        self._health.spotter = digest
+        queue = self._config.spotter.queue
+        return SpotterThread(spotter, queue, self._spotted, self._spotter_failed)
+
+    def _spotted(self, spotted: Spotted) -> None:
+        """Stop at once, unless recognition just did; the pipeline tells it when it comes to it."""
+        if _now() - self._stopped >= self._config.spotter.rearm_after:
+            self._stop()
+        rospy.loginfo("the spotter heard %r: %.1f nat", self._config.spotter.phrase, spotted.score)
+
+    def _spotter_failed(self, error: Exception) -> None:
+        self._health.spotter_failure = f"spotter: {error}; the recogniser alone hears a stop"
+        rospy.logerr("%s", self._health.spotter_failure)
+
+    # --- thread 4: heartbeat and diagnostics
 
     def _beat(self) -> None:
         diagnostics = Diagnostics(self._health, _now, self._config.audio.deaf_after)
@@ -188,8 +229,7 @@ class VoiceNode:
 
 def _load_config() -> VoiceConfig:
     """From the node's private parameters; from the package's files where there are none."""
-    names = ("audio", "recognizer", "commands")
-    given = {name: rospy.get_param(f"~{name}") for name in names if rospy.has_param(f"~{name}")}
+    given = {name: rospy.get_param(f"~{name}") for name in SECTIONS if rospy.has_param(f"~{name}")}
     if not given:
         rospy.loginfo("no private parameters; the settings are those of the package's files")
         return load_voice_config()

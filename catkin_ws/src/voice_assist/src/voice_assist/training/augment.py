@@ -26,6 +26,7 @@ class Strength:
     snr: tuple[float, float] = (0.0, 30.0)  # [dB]
     clip: float = 0.05  # probability
     warp: float = 0.10  # largest relative vocal-tract warp
+    telephone: float = 0.0  # probability of a telephone line's band and mu-law steps
 
 
 def resample_linear(samples: NDArray[np.int16], speed: float) -> Float:
@@ -90,7 +91,26 @@ def add_background(batch: Tensor, around: Surroundings, how: Strength, rng: Gene
         row *= peak / (np.abs(row).max() + 1e-9)
         if rng.random() < how.clip:
             np.clip(row, -0.3 * peak, 0.3 * peak, out=row)
+        if rng.random() < how.telephone:
+            row[:] = telephone(row)
     return torch.from_numpy(sound)
+
+
+def telephone(sound: Float) -> Float:
+    """A line of 8 kHz, 300 to 3,400 Hz and 8 bits by the mu-law of ITU-T G.711.
+
+    Args:
+        sound: Within -1 to 1, 16 kHz. Shape (n,).
+
+    Returns:
+        Shape (n,), 16 kHz.
+    """
+    spectrum = np.fft.rfft(sound, _fast_length(len(sound)))
+    frequency = np.linspace(0, RATE / 2, len(spectrum))
+    spectrum[(frequency < 300) | (frequency > 3400)] = 0
+    line = np.fft.irfft(spectrum)[: len(sound)].clip(-1, 1)
+    steps = np.round(127 * np.log1p(255 * np.abs(line)) / np.log(256))
+    return (np.sign(line) * np.expm1(steps / 127 * np.log(256)) / 255).astype(np.float32)
 
 
 def warp_bands(mel: Tensor, how: Strength, rng: Generator) -> Tensor:

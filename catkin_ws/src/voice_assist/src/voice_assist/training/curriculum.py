@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The order of lessons: short and clear first, then everything, then in pieces."""
+"""The order of lessons: short and clear first, then everything, then in pieces.
+
+A run that continues a checkpoint of an earlier one has a single lesson: pieces again,
+with more of what that checkpoint got wrong, in louder noise.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from voice_assist.training.augment import Strength
@@ -28,17 +32,24 @@ GENTLE = Strength(
 # Human speech always comes with its transcript, and people say commands too.
 SHORT = {
     **{"command": 25, "variant": 5, "near": 14, "span": 24, "noise": 2},
-    **{"human stop": 3, "human rare": 5, "human word": 12, "sentence": 10},
+    **{"human stop": 3, "human rare": 5, "human close": 3, "human word": 9, "sentence": 10},
 }
 WHOLE = {
     **{"command": 20, "variant": 6, "near": 11, "span": 16, "noise": 3},
-    **{"human stop": 4, "human rare": 5, "human word": 10, "sentence": 25},
+    **{"human stop": 4, "human rare": 5, "human close": 3, "human word": 7, "sentence": 25},
 }
 PIECES = {
     **{"command": 13, "wake": 3, "variant": 5, "near": 16, "span": 9, "noise": 4},
-    **{"human stop": 4, "human rare": 4, "human word": 7, "sentence": 3},
+    **{"human stop": 4, "human rare": 4, "human close": 2, "human word": 5, "sentence": 3},
     **{"human span": 22, "cut": 6, "splice": 8, "mined": 4},
 }
+
+MENDING = {
+    **{"command": 14, "wake": 4, "variant": 5, "near": 24, "span": 8, "noise": 4},
+    **{"human stop": 4, "human rare": 4, "human close": 6, "human word": 6, "sentence": 3},
+    **{"human span": 18, "human cut": 4, "cut": 6, "splice": 9, "mined": 5},
+}
+HARSH = Strength(snr=(-3.0, 25.0), noise=0.8, warp=0.12, telephone=0.06)
 
 STAGES = (
     Stage(900, SHORT, 64.0, 3.5, GENTLE, False),
@@ -47,6 +58,9 @@ STAGES = (
 )
 
 
-def stage_of(step: int) -> tuple[int, Stage]:
+CONTINUED = (Stage(1_000_000, MENDING, 80.0, 7.8, HARSH, True),)
+
+
+def stage_of(step: int, stages: Sequence[Stage] = STAGES) -> tuple[int, Stage]:
     """The stage that a step belongs to, with its number."""
-    return next((n, stage) for n, stage in enumerate(STAGES) if step < stage.until)
+    return next((n, stage) for n, stage in enumerate(stages) if step < stage.until)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Train the embedded recogniser: python -m voice_assist.training.fit."""
+"""Train the embedded recogniser: python -m voice_assist.training.fit.
+
+With --from and a file of an earlier run, its checkpoint is trained further.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ from voice_assist.training.checkpoints import (
     save_progress,
 )
 from voice_assist.training.corpus import Corpus, load_corpus
-from voice_assist.training.curriculum import stage_of
+from voice_assist.training.curriculum import CONTINUED, STAGES, stage_of
 from voice_assist.training.export import export
 from voice_assist.training.mixture import RARE, Aligned, Mixture
 from voice_assist.training.objective import joint_loss
@@ -42,13 +45,14 @@ class Run:
         """Build the model, or restore it where the run was broken off."""
         torch.manual_seed(options.seed)
         self.options, self.corpus = options, corpus
-        self.model = start_from(options.start) if options.start else start_anew()
+        start = start_from(options.start) if options.start else start_anew()
+        self.model, self.stages = start.model, CONTINUED if start.is_continued else STAGES
         self.schedule = Schedule(options.steps, options.rate, decay=options.decay)
         self.optimiser = torch.optim.AdamW(
             self.model.parameters(), betas=(0.9, 0.98), weight_decay=0.02, fused=True
         )
         self.average = Average(self.model)
-        self.folder: Path = options.cache / "run"
+        self.folder: Path = options.cache / ("continued" if start.is_continued else "run")
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / "progress.pt"
         self.progress = load_progress(path, self.model, self.optimiser, self.average)
@@ -59,7 +63,7 @@ class Run:
         if self.progress.step >= self.options.steps:
             LOG.info("already trained; to begin anew, remove %s", self.folder)
         while self.progress.step < self.options.steps:
-            number, stage = stage_of(self.progress.step)
+            number, stage = stage_of(self.progress.step, self.stages)
             LOG.info("stage %d from step %d", number, self.progress.step)
             corpus = self.corpus
             aligned = self._word_times(number) if stage.needs_word_times else []
@@ -156,7 +160,7 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
     add("--out", type=Path, default=PACKAGE / "models" / "embedded.pt")
-    add("--from", dest="start", help="Whisper model to fine-tune, such as base.en")
+    add("--from", dest="start", help="checkpoint to continue, or Whisper model such as base.en")
     add("--seed", type=int, default=1)
     add("--steps", type=int, default=4000)
     add("--rate", type=float, default=1.5e-3, help="peak learning rate")

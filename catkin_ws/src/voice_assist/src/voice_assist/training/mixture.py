@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -48,6 +48,7 @@ class Aligned:
 
 
 RARE = ("more", "less", "pull", "release", "robot", "hey", "tense")
+CLOSE = ("up", "go", "down", "on", "off", "no")  # short words of people near to "stop"
 
 
 class Mixture:
@@ -98,13 +99,15 @@ def _sources(clips: Sequence[Clip], aligned: Sequence[Aligned]) -> dict[str, Sou
     sources["noise"] = lambda rng: Item(NOTHING, "")
     human = [a for a in aligned if a.clip.kind == "sentence"]
     if human:
-        sources["human span"] = lambda rng: span(_pick(human, rng), rng)
+        sources["human span"] = lambda rng: _item(span(_pick(human, rng), rng).clip)
+        sources["human cut"] = lambda rng: cut_short(span(_pick(human, rng), rng, 4), rng)
     synthetic = [a for a in aligned if a.clip.kind != "sentence"]
     if synthetic:
         sources["cut"] = lambda rng: cut_short(_pick(synthetic, rng), rng)
-        people = [kinds.get(name, []) for name in ("human word", "human rare", "human stop")]
+        people = [c for name, found in kinds.items() if name.startswith("human") for c in found]
         near = [clip for clip in kinds.get("near", []) if " " not in clip.text]
-        parts = [_whole(found) for found in ([c for part in people for c in part], near) if found]
+        words = (people, near, kinds.get("command", []))
+        parts = [_whole(found) for found in words if found]
         parts += [sources["human span"]] if human else []
         sources["splice"] = lambda rng: splice(parts, rng)
     mined = [(a, i) for a in human for i, w in enumerate(a.words) if w.word in RARE]
@@ -113,15 +116,15 @@ def _sources(clips: Sequence[Clip], aligned: Sequence[Aligned]) -> dict[str, Sou
     return sources
 
 
-def span(aligned: Aligned, rng: Generator, longest: int = 6) -> Item:
-    """One to six consecutive words of a sentence; now and then cut short."""
+def span(aligned: Aligned, rng: Generator, longest: int = 6) -> Aligned:
+    """One to so many consecutive words of a sentence."""
     words = aligned.words
     length = min(int(rng.integers(1, longest + 1)), len(words))
     first = int(rng.integers(len(words) - length + 1))
     return excerpt(aligned, first, first + length)
 
 
-def excerpt(aligned: Aligned, first: int, last: int) -> Item:
+def excerpt(aligned: Aligned, first: int, last: int) -> Aligned:
     """Words first..last-1 with half of the gaps around them."""
     words, samples = aligned.words, aligned.clip.samples
     total = len(samples) / RATE
@@ -129,8 +132,10 @@ def excerpt(aligned: Aligned, first: int, last: int) -> Item:
     after = words[last].start if last < len(words) else total
     start = max(words[first].start - 0.15, (before + words[first].start) / 2)
     end = min(words[last - 1].end + 0.20, (words[last - 1].end + after) / 2)
-    text = " ".join(word.word for word in words[first:last])
-    return Item(samples[int(start * RATE) : int(end * RATE)], text)
+    kept = tuple(WordTime(w.word, w.start - start, w.end - start) for w in words[first:last])
+    sound = samples[int(start * RATE) : int(end * RATE)]
+    text = " ".join(word.word for word in kept)
+    return Aligned(replace(aligned.clip, samples=sound, text=text), kept)
 
 
 def cut_short(aligned: Aligned, rng: Generator) -> Item:
@@ -170,15 +175,15 @@ def _around(aligned: Aligned, index: int, rng: Generator) -> Item:
     """A wanted word alone or with up to two neighbours on each side."""
     before, after = rng.integers(0, 3, 2) if rng.random() < 0.5 else (0, 0)
     first = max(index - int(before), 0)
-    return excerpt(aligned, first, min(index + 1 + int(after), len(aligned.words)))
+    return _item(excerpt(aligned, first, min(index + 1 + int(after), len(aligned.words))).clip)
+
+
+def _item(clip: Clip) -> Item:
+    return Item(clip.samples, clip.text)
 
 
 def _whole(clips: Sequence[Clip]) -> Source:
-    def draw(rng: Generator) -> Item:
-        clip = _pick(clips, rng)
-        return Item(clip.samples, clip.text)
-
-    return draw
+    return lambda rng: _item(_pick(clips, rng))
 
 
 def _name(clip: Clip) -> str:
@@ -186,6 +191,8 @@ def _name(clip: Clip) -> str:
         return clip.kind
     if clip.text == "stop":
         return "human stop"
+    if clip.text in CLOSE:
+        return "human close"
     return "human rare" if clip.text in RARE else "human word"
 
 

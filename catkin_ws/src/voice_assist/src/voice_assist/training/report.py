@@ -28,10 +28,10 @@ class Figures:
     @property
     def score(self) -> float:
         """Commands heard, less three times the share of false commands."""
-        heard = 0.35 * self.quiet.accuracy + 0.15 * self.noisy.accuracy
-        heard += 0.1 * self.loud.accuracy + 0.4 * self.stop.accuracy
-        others = (self.near, self.words, self.talk)
-        false = sum(part.taken for part in others) / max(sum(p.n for p in others), 1)
+        heard = 0.25 * self.quiet.accuracy + 0.15 * self.noisy.accuracy
+        heard += 0.2 * self.loud.accuracy + 0.4 * self.stop.accuracy
+        parts = [getattr(self, name) for name in asdict(self)]
+        false = sum(part.taken for part in parts) / max(sum(part.n for part in parts), 1)
         return heard - 3.0 * false
 
     def flat(self) -> dict[str, object]:

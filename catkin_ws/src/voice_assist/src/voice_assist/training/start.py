@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where training starts: from nothing, or from a Whisper model's weights."""
+"""Where training starts: from nothing, a Whisper model, or an earlier run's checkpoint."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import torch
 from whisper.model import ModelDimensions
 
-from voice_assist.recognizer.checkpoint import find_checkpoint, read_checkpoint
+from voice_assist.recognizer.checkpoint import Checkpoint, find_checkpoint, read_checkpoint
+from voice_assist.recognizer.embedded import restore
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.vocabulary import WHISPER_IDS
 
@@ -29,26 +30,42 @@ SMALL = ModelDimensions(
 )
 
 
-def start_anew(dims: ModelDimensions = SMALL) -> HybridWhisper:
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A model to train, and whether it has learnt the first lessons already."""
+
+    model: HybridWhisper
+    is_continued: bool
+
+
+def start_anew(dims: ModelDimensions = SMALL) -> Start:
     """An untrained model; its weights depend on torch's seed."""
     model = HybridWhisper(dims)
     model.initialise()
-    return model
+    return Start(model, is_continued=False)
 
 
-def start_from(name: str) -> HybridWhisper:
-    """A model with the weights of an English Whisper model, to be fine-tuned.
-
-    Its positions are cut to short sound, its vocabulary to the letters; all tokens
-    that it will never write begin as their mean.
+def start_from(name: str) -> Start:
+    """A model with the weights of a checkpoint, to be trained further.
 
     Args:
-        name: What whisper.load_model takes, such as "base.en".
+        name: A file of an earlier run, which has a CTC head and goes on as it is, or
+            what whisper.load_model takes, such as "base.en", to be fine-tuned.
 
     Raises:
         ModelError: The checkpoint is missing or damaged.
     """
     checkpoint = read_checkpoint(find_checkpoint(name))
+    if checkpoint.ctc is not None:
+        return Start(restore(checkpoint), is_continued=True)
+    return Start(_narrowed(checkpoint), is_continued=False)
+
+
+def _narrowed(checkpoint: Checkpoint) -> HybridWhisper:
+    """An English Whisper model cut to short sound and to the letters.
+
+    All tokens that it will never write begin as their mean.
+    """
     state = {key: weight.float() for key, weight in checkpoint.state.items()}
     for key, length in POSITIONS.items():
         state[key] = state[key][:length]

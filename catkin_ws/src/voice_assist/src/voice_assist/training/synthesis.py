@@ -18,6 +18,7 @@ from voice_assist.training.voices import Engine, Int16, Prompt, random_style, sp
 
 CHUNK = 200  # prompts per cache file
 NOTHING = np.zeros(0, np.int16)
+_NEAR = frozenset((*texts.NEAR_MISSES, *texts.HARD))
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +37,11 @@ class Amounts:
 
     command: int = 9000
     variant: int = 3000
-    near: int = 8000
+    near: int = 7000
+    hard: int = 7000
     talk: int = 2500
-    span: int = 15000
+    span: int = 12000
+    short: int = 4000  # spans of one or two words
 
 
 def plan_training(sentences: Sequence[str], seed: int, amounts: Amounts) -> list[Prompt]:
@@ -50,13 +53,16 @@ def plan_training(sentences: Sequence[str], seed: int, amounts: Amounts) -> list
     said += [texts.command_variant(rng) for _ in range(amounts.variant)]
     near = texts.NEAR_MISSES
     said += [near[i % len(near)] for i in range(amounts.near)]
+    hard = texts.HARD
+    said += [hard[i % len(hard)] for i in range(amounts.hard)]
     talk = texts.TALK
     said += [talk[i % len(talk)] for i in range(amounts.talk)]
     for _ in range(amounts.span):
         is_number = rng.random() < 0.1
         span = texts.word_span(sentences, rng)
         said.append(texts.number_phrase(rng) if is_number else span)
-    prompts = [_cast(text, variants, rng) for text in said]
+    said += [texts.word_span(sentences, rng, longest=2) for _ in range(amounts.short)]
+    prompts = [cast_voice(text, variants, rng) for text in said]
     return sorted(prompts, key=lambda p: (p.engine, p.voice, p.text, p.rate))
 
 
@@ -143,12 +149,13 @@ def read_sounds(path: Path) -> list[Int16]:
 def _kind(text: str) -> str:
     if text in texts.COMMANDS:
         return "command"
-    if any(text.count(command) for command in texts.COMMANDS) and len(text) < 30:
-        return "near" if text in texts.NEAR_MISSES else "variant"
-    return "near" if text in texts.NEAR_MISSES else "span"
+    if text in _NEAR:
+        return "near"
+    is_variant = any(text.count(command) for command in texts.COMMANDS) and len(text) < 30
+    return "variant" if is_variant else "span"
 
 
-def _cast(text: str, variants: list[str], rng: Random) -> Prompt:
+def cast_voice(text: str, variants: list[str], rng: Random) -> Prompt:
     """Choose a voice and a way of speaking for a text."""
     rate, pitch = random_style(rng)
     prompt = Prompt(text, "espeak", "", rate, pitch)

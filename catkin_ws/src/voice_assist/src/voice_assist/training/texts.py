@@ -44,6 +44,44 @@ lesson|lest|loss|lass|let's|left|unless|useless|bless|dress|mess|yes|guess less
     .split("|")
 )
 
+# More of the same, for training alone: near misses that earlier checkpoints took for
+# commands, negations, and commands inside sentences.
+HARD = tuple(
+    """
+stops|stops it|it stops|stop sign|stop watch|stopper|stopwatch|stepped|stopping it|stock up
+up|go|down|on|off|no|get up|sit down|go up|go down|go on|come on|turn it off|start it
+start|started|starts|starting|start up|restart|start now|start over|smart|art|part|dark
+stork|stalk|stark|storm|store it|spa|spots|stuck|stub|stubs|stump|tub|top up|up top|hop up
+pool more|pool less|pull moors|pull mores|pull moore|full less|full more|fool more|pull morse
+the less|the more|and less|and more|in less|for less|for more|bull less|pulls less|pulls more
+pull the lens|pull a lesson|pull us|pull let's|pull left|pull list|pull last|pull lessons
+pull morning|pull monitor|pull mortar|polar|poll more|paul moore|pulmonary|pull next|pull mess
+tents|two tents|tenths|tens of them|tense is|tends|tenses|pens|then|sends|dents|lens|the lens
+terminates|terminating|terminals|termite|terminus|turn it|turn it on|turning|turn mine eight
+eliminate|nominate|dominate|laminate|contaminate|germinates|animate|ultimate|term in eight
+releases|re leased|rely|relieve|received|recess|relish|relics|really this|believes|please
+early|earlier peace|real ease|her lease|the lease|we lease|niece|geese|crease|decrease|leased
+a rowboat|hey roman|hey row|hey roger|hey rowan|play robot|they robot|my robot|this robot
+hey robotics|hey ron|hey robbie|hello|hey joe|hey john|hey siri|hey buddy|hey everyone|hey now
+don't stop now|please don't stop|do not stop yet|never stop|you must not stop|we can't stop
+do not pull|don't pull|do not pull any more|don't pull any more|please don't pull more
+don't pull less now|you should not pull less|never pull less|don't ever pull more
+never release|don't release it|do not release yet|please do not release|not release
+do not tense up|don't be tense|never tense|not tense|do not terminate|never terminate
+please do not terminate|not terminate|don't say stop|no stop signs|not stop|not pull more
+i said pull it|i will pull more later|we pull more than we push|they pull less than before
+if you pull more it tears|when they pull less it slips|who will release it|press release
+news release|release date|time release|slow release|the release valve|release notes please
+will it stop here|where does the bus stop|it will stop soon|a full stop|one stop shop|pit stop
+stop and go|stop or go|stop looking|stop talking|stop worrying|stop at the door|stop the timer
+past tense|future tense|the tense is wrong|a tense moment|so tense|very tense|tense and tired
+terminate the call|terminate his contract|terminate it|to terminate|could terminate
+a robot arm|the robot is here|robot vacuum|that robot|say hey robot|hey the robot moved
+""".replace("\n", "|")
+    .strip("|")
+    .split("|")
+)
+
 TALK = tuple(
     """
 can you pass me the scissors please|suction please|more light over here

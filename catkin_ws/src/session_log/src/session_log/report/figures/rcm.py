@@ -24,11 +24,11 @@ class RcmError(SessionFigure):
 
     name = "rcm_error"
     title = "RCM error"
-    lacking = "The recording holds no controller states."
+    lacking = "The recording holds no controller states with the tool inside the patient."
 
     def can_draw(self, material: Material) -> bool:
-        """Tell whether the controller's state was recorded."""
-        return len(material.data.controller) > 0
+        """Tell whether the controller's state was recorded with the tool inside."""
+        return bool(np.isfinite(material.data.controller["rcm_error"]).any())
 
     def caption(self, material: Material) -> str:
         """Name the errors while moving."""
@@ -50,7 +50,8 @@ class RcmError(SessionFigure):
         figure = new_figure(layout, 2.2)
         ax = figure.subplots()
         shade_motion(ax, material.data.states)
-        time, error = thin(table["time"], table["rcm_error"] * 1e6)
+        inside = np.isfinite(table["rcm_error"])
+        time, error = thin(table["time"][inside], table["rcm_error"][inside] * 1e6)
         ax.plot(time, error, color=BLUE, lw=0.8)
         ax.axhline(limit, color=RED, lw=1.0, ls="--")
         ax.annotate(

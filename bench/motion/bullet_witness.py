@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where tool and arm are towards trocar and patient, by PyBullet's forward kinematics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import TracebackType
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from rst_control.backends.physics import joint_indices, link_indices, load_robot
+from rst_control.config import URDF_FILE, MotionConfig
+from rst_control.configuration import robot_joints
+from rst_control.rcm import rcm_error
+
+Array = NDArray[np.float64]
+TOOL = ("interface_link", "pitch_link", "finger_left_link")
+STANDING = ("base_link", "shoulder_link")  # they do not move from where they are
+PLACES = ("interface_link", "pitch_link", "tool_tip")
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What PyBullet says of one configuration."""
+
+    error: float  # [m] of the shaft's line from the trocar
+    tip: float  # [m] of the tip beyond the trocar, along the shaft
+    wrist: float  # [m] of the wrist beyond it
+    tool: float  # [m] lowest point of shaft, wrist and jaws above the patient's surface
+    arm: float  # [m] lowest point of all else that moves
+
+
+class BulletWitness:
+    """PyBullet's robot with the shapes of collision.yaml; a context manager.
+
+    Args:
+        config: Scene and shapes.
+    """
+
+    def __init__(self, config: MotionConfig) -> None:
+        self._client = pybullet.connect(pybullet.DIRECT)
+        self._robot = load_robot(URDF_FILE, self._client)
+        self._joints = joint_indices(self._robot, self._client)
+        links = link_indices(self._robot, self._client)
+        self._bodies = [body for body in config.collision.bodies if body.link not in STANDING]
+        self._names = sorted({body.link for body in self._bodies} | set(PLACES))
+        self._links = [links[name] for name in self._names]
+        self._trocar = np.array(config.scene.trocar)
+        self._outward = np.array(config.scene.outward) / np.linalg.norm(config.scene.outward)
+
+    def look(self, q: Array) -> Sight:
+        """See the robot at q (9,) [rad], jaws closed."""
+        poses = self._poses(q)
+        first, wrist, tip = (poses[name][:, 3] for name in PLACES)
+        along = (wrist - first) / np.linalg.norm(wrist - first)
+        lowest = {True: np.inf, False: np.inf}
+        for body in self._bodies:
+            T, is_tool = poses[body.link], body.link in TOOL
+            for end in (body.start, body.end):
+                place = T[:, :3] @ np.array(end) + T[:, 3]
+                height = float(self._outward @ (place - self._trocar)) - body.radius
+                lowest[is_tool] = min(lowest[is_tool], height)
+        error = float(np.linalg.norm(rcm_error(first, along, self._trocar)))
+        depths = (float(along @ (place - self._trocar)) for place in (tip, wrist))
+        return Sight(error, *depths, lowest[True], lowest[False])
+
+    def _poses(self, q: Array) -> dict[str, Array]:
+        values = [[float(value)] for value in robot_joints(q, 0.0)]
+        on = {"physicsClientId": self._client}
+        pybullet.resetJointStatesMultiDof(self._robot, self._joints, values, **on)
+        states = pybullet.getLinkStates(self._robot, self._links, computeForwardKinematics=1, **on)
+        poses = {}
+        for name, state in zip(self._names, states, strict=True):
+            R = np.array(pybullet.getMatrixFromQuaternion(state[5])).reshape(3, 3)
+            poses[name] = np.column_stack([R, state[4]])
+        return poses
+
+    def close(self) -> None:
+        """End the connection; calling it twice does no harm."""
+        if self._client >= 0:
+            pybullet.disconnect(self._client)
+            self._client = -1
+
+    def __enter__(self) -> BulletWitness:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

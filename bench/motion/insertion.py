@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Insertion from anywhere and withdrawal: what can be planned, how fast, and how it is carried out.
+
+Starts are drawn all over the joint ranges, several turns included, and kept where nothing touches
+and the whole robot is outside the patient.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.figures import Figure
+from bench.motion.bullet_witness import BulletWitness, Sight
+from bench.motion.rig import Rig
+from rst_control.config import MotionConfig, SimulationConfig
+from rst_control.configuration import robot_joints
+from rst_control.path import Path
+from rst_control.planner import Planner
+from rst_control.profile import Bounds, Profile
+from rst_control.rcm import rcm_error
+from rst_control.robot_model import load_robot
+from rst_control.types import (
+    Measurement,
+    PathState,
+    Phase,
+    PhaseKind,
+    Rejected,
+    Request,
+    Situation,
+)
+from rst_control.verification import Verifier
+
+Array = NDArray[np.float64]
+NOW = 100.0  # [s]
+LOOKS = 100  # places of each phase that PyBullet is asked about
+RATE = 10_000.0  # [Hz] of the samples of the way through the trocar, each looked at once
+RCM_WORST = 1e-6  # [m] of a planned path
+FLOAT_NOISE = 1e-6  # [m] of PyBullet's poses, which have single precision
+ROUNDING = 1e-3  # share by which finite differences may exceed a limit
+EXECUTED = 4  # of the starts, that are carried out in PyBullet
+
+
+def measure(config: MotionConfig, simulation: SimulationConfig, count: int) -> list[Figure]:
+    """Plan from random starts, judge every plan by PyBullet's kinematics, carry some out.
+
+    Args:
+        config: Settings of planning.
+        simulation: Settings of the simulated robot.
+        count: Random starts.
+    """
+    planner = Planner(load_robot(), config)
+    verify = Verifier(planner)
+    verify.warm_up()
+    times, refusals, objections, plans = [], Counter[str](), Counter[str](), []
+    with BulletWitness(config) as witness:
+        judge = Judge(planner, witness)
+        for q in outside_starts(planner, count, seed=7):
+            begin = time.perf_counter()
+            decision = verify(Request("insert"), situation(q))
+            times.append(time.perf_counter() - begin)
+            if isinstance(decision, Rejected):
+                refusals[decision.reason.value] += 1
+                continue
+            plans.append(decision)
+            objections[judge.objection(q, decision.plan.phases, LOOKS)] += 1
+        worst = judge.worst_inside(plans[0].plan.phases, RATE) if plans else float("nan")
+    starts = outside_starts(planner, min(EXECUTED, count), seed=8)
+    seen = [carry_out(config, simulation, q) for q in starts]
+    bad = sum(n for words, n in objections.items() if words)
+    words = ", ".join(f"{n} {reason}" for reason, n in refusals.items()) or "none"
+    note = f"({count} random starts; refused: {words})"
+    by = f"(PyBullet's kinematics, {LOOKS} places of each phase)"
+    slow = "(PyBullet's kinematics at 10 kHz, of the way in, which all starts share)"
+    ran = f"(1 kHz, {len(seen)} starts: insert, tense, release, withdraw)"
+    failed = [run.failure for run in seen if run.failure]
+    return [
+        Figure("insertion: starts planned", 100.0 * len(plans) / count, "%", note=note),
+        Figure("insertion: planning time p50", float(np.percentile(times, 50)) * 1e3, "ms"),
+        Figure("insertion: planning time p99", float(np.percentile(times, 99)) * 1e3, "ms", 1000.0),
+        Figure("insertion: plans that an oracle objects to", float(bad), "", 0.0, note=by),
+        Figure("insertion: planned RCM error max, inside", worst * 1e6, "um", 1.0, note=slow),
+        Figure("insertion: runs that failed", float(len(failed)), "", 0.0, note=", ".join(failed)),
+        Figure(
+            "insertion: executed RCM error max, inside",
+            max(run.error for run in seen) * 1e6,
+            "um",
+            10.0,
+            note=ran,
+        ),
+    ]
+
+
+def outside_starts(planner: Planner, count: int, seed: int) -> Iterator[Array]:
+    """Random joints (9,) [rad] at which nothing touches and the robot is outside the patient."""
+    rng, limits, outside = np.random.default_rng(seed), planner.limits, planner.patient.outside
+    made = 0
+    while made < count:
+        q = rng.uniform(limits.lower, limits.upper)
+        found = outside.clearance(q)
+        if found.distance >= found.allowed:
+            made += 1
+            yield q
+
+
+def situation(q: Array, **more: bool) -> Situation:
+    """An active controller on a robot at rest at q (9,) [rad], jaws closed."""
+    joints, still = robot_joints(q, 0.0), np.zeros(10)
+    measured = Measurement(joints, still, still, NOW, **more)
+    return Situation(measured, NOW, setpoint=joints, is_active=True)
+
+
+class Judge:
+    """Looks at plans through PyBullet.
+
+    Args:
+        planner: Its limits are what plans have to keep.
+        witness: The robot's kinematics.
+    """
+
+    def __init__(self, planner: Planner, witness: BulletWitness) -> None:
+        self._planner, self._witness = planner, witness
+        self._margin = planner.config.scene.surface_margin
+        self._least = planner.config.rcm.insertion[0]
+        self._approved: set[Path] = set()  # the way in is the same for every approach
+
+    def objection(self, q: Array, phases: tuple[Phase, ...], looks: int) -> str:
+        """What is wrong with a plan from q (9,) [rad]; empty: nothing."""
+        for phase in phases:
+            if phase.path is None:
+                continue
+            name = phase.kind.value
+            if np.abs(phase.path.start - q).max() > 1e-9:
+                return f"{name} begins away from where the last phase ends"
+            q = phase.path.end
+            if phase.path in self._approved:
+                continue
+            if words := self._limits(phase):
+                return f"{name}: {words}"
+            for s in np.linspace(0.0, phase.path.length, looks):
+                place = phase.path.evaluate(s).q
+                sight = self._witness.look(place)
+                if words := self._place(phase.kind, place, sight):
+                    return f"{name} at {s * 1e3:.1f} mm: {words}"
+            self._approved.add(phase.path)
+        return ""
+
+    def worst_inside(self, phases: tuple[Phase, ...], rate: float) -> float:
+        """Largest RCM error [m] at all samples [Hz] at which the tip is in the trocar."""
+        worst = 0.0
+        for phase in phases:
+            if phase.path is None or phase.kind is PhaseKind.APPROACH:
+                continue
+            profile = self._profile(phase)
+            for _ in range(int(profile.remaining * rate) + 1):
+                sight = self._witness.look(phase.path.evaluate(profile.step(1.0 / rate).s).q)
+                if sight.tip >= 0.0:
+                    worst = max(worst, sight.error)
+        return worst
+
+    def _place(self, kind: PhaseKind, q: Array, sight: Sight) -> str:
+        if self._planner.limits.violation(q) is not None:
+            return "beyond a joint limit"
+        if sight.arm < self._margin - FLOAT_NOISE:
+            return f"arm {sight.arm * 1e3:.2f} mm from the patient's surface"
+        is_clear = sight.tool >= self._margin - FLOAT_NOISE
+        if kind is PhaseKind.APPROACH:
+            return "" if is_clear else f"tool {sight.tool * 1e3:.2f} mm from the surface"
+        if sight.error > RCM_WORST + FLOAT_NOISE:
+            return f"shaft {sight.error * 1e6:.2f} um off the trocar"
+        is_bent = np.abs(q[7:]).max() > 1e-9
+        return "bent in the trocar" if is_bent and sight.wrist < self._least - FLOAT_NOISE else ""
+
+    def _limits(self, phase: Phase) -> str:
+        """Speeds and accelerations of the joints, by finite differences of the motion in time."""
+        assert phase.path is not None
+        profile, dt = self._profile(phase), 1.0 / self._planner.config.controller.rate
+        count = int(profile.remaining / dt) + 2
+        q = np.array([phase.path.evaluate(profile.step(dt).s).q for _ in range(count)])
+        speed = np.abs(np.diff(q, axis=0)).max(axis=0) / dt
+        pull = np.abs(np.diff(q, 2, axis=0)).max(axis=0) / dt**2
+        limits = self._planner.limits
+        if (speed > limits.velocity * (1.0 + ROUNDING)).any():
+            return "a joint too fast"
+        return "a joint too hard" if (pull > limits.acceleration * (1.0 + ROUNDING)).any() else ""
+
+    def _profile(self, phase: Phase) -> Profile:
+        jerk = self._planner.config.controller.speed.jerk
+        profile = Profile(PathState(0.0), Bounds(phase.speed, phase.acceleration, jerk))
+        profile.go_to(phase.target)
+        return profile
+
+
+class Run:
+    """One session in PyBullet, looked at after every step of the physics.
+
+    Args:
+        rig: At the start.
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self._rig = rig
+        self.error = 0.0  # [m] largest distance of the shaft from the trocar with the tip inside
+        self.failure = ""
+        self.phases: set[str] = set()
+
+    def finish(self, words: str) -> None:
+        """Carry out one command, unless an earlier one failed."""
+        if self.failure:
+            return
+        ticket = self._rig.give(words)
+        if not ticket.reply.result(0).accepted:
+            self.failure = f'"{words}" refused: {ticket.reply.result(0).message}'
+            return
+        while not ticket.ended.done():
+            self._rig.tick(self._look)
+            self.phases.add(self._rig.executor.view.phase)
+        if ticket.ended.result(0).kind != "succeeded":
+            self.failure = f'"{words}": {ticket.ended.result(0).reason}'
+
+    def _look(self) -> None:
+        tip, trocar = self._rig.robot.tip, self._rig.planner.trocar
+        if (tip - trocar) @ self._rig.planner.patient.outward > 0.0:
+            return  # the tip is outside the patient
+        first, second = self._rig.robot.shaft()
+        along = (second - first) / np.linalg.norm(second - first)
+        self.error = max(self.error, float(np.linalg.norm(rcm_error(first, along, trocar))))
+
+
+def carry_out(config: MotionConfig, simulation: SimulationConfig, q: Array) -> Run:
+    """Start at q (9,) [rad], then insert, tense, release and withdraw."""
+    settings = replace(simulation.simulator, start_position=tuple(float(v) for v in q))
+    with Rig(config, replace(simulation, simulator=settings)) as rig:
+        rig.wake()
+        run = Run(rig)
+        for words in ("insert", "tense", "release", "withdraw"):
+            run.finish(words)
+        return run

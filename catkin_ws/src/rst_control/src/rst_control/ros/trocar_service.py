@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The trocar on ROS: its latched topic, and the services that set it or fit it to shaft poses."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import TimeoutError as NoReply
+
+import rospy
+from geometry_msgs.msg import Point, PointStamped
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from rst_control.executor import Executor
+from rst_control.orders import Reply
+from rst_control.pivot import PivotFit, PivotIllPosed
+from rst_control.ros.messages import trocar_message
+from rst_control.site import PresentSite
+from rst_control.srv import (
+    FitTrocar,
+    FitTrocarRequest,
+    FitTrocarResponse,
+    SetTrocar,
+    SetTrocarRequest,
+    SetTrocarResponse,
+)
+from rst_control.trocar import TrocarRegistrar
+from rst_control.trocar_poses import ShaftPoses, fit_words
+
+REPLY_TIME = 2.0  # [s] for the control loop to take up the question
+UNANSWERED = "the control loop does not answer; the trocar stays as it is"
+
+
+class TrocarService:
+    """Publishes `rst_control/trocar`; serves set_trocar, record_shaft, forget_shafts, fit_trocar.
+
+    Args:
+        present: The site in force.
+        executor: Runs the control loop.
+    """
+
+    def __init__(self, present: PresentSite, executor: Executor) -> None:
+        self._present, self._executor = present, executor
+        self._registrar = TrocarRegistrar(present, executor)
+        config = present.site.config
+        self._poses = ShaftPoses(present.site.model, config.rcm, config.controller.watchdogs)
+        self._topic = rospy.Publisher("rst_control/trocar", PointStamped, queue_size=1, latch=True)
+        self._services: list[rospy.Service] = []
+        self._publish()
+
+    def start(self) -> None:
+        """Begin to serve."""
+        self._services = [
+            rospy.Service("rst_control/set_trocar", SetTrocar, self._on_set),
+            rospy.Service("rst_control/record_shaft", Trigger, self._on(self._record)),
+            rospy.Service("rst_control/forget_shafts", Trigger, self._on(self._poses.forget)),
+            rospy.Service("rst_control/fit_trocar", FitTrocar, self._on_fit),
+        ]
+
+    def _publish(self) -> None:
+        self._topic.publish(trocar_message(self._present.site.trocar))
+
+    def _on_set(self, request: SetTrocarRequest) -> SetTrocarResponse:
+        p = request.position
+        reply = self._set((p.x, p.y, p.z), _caller(request))
+        return SetTrocarResponse(reply.accepted, reply.message)
+
+    def _on_fit(self, request: FitTrocarRequest) -> FitTrocarResponse:
+        try:
+            fit = self._poses.fit()
+        except PivotIllPosed as error:
+            return FitTrocarResponse(accepted=False, message=str(error))
+        reply = Reply(True, fit_words(fit))
+        if request.apply:
+            reply = self._set_fitted(fit, reply.message, _caller(request))
+        return _fit_response(reply, fit)
+
+    def _set_fitted(self, fit: PivotFit, words: str, caller: str) -> Reply:
+        objection = self._poses.objection(fit)
+        if objection:
+            return Reply(False, f"{words}; not set: {objection}")
+        reply = self._set(fit.position.tolist(), f"{caller}, fitted")
+        if not reply.accepted:
+            return Reply(False, f"{words}; not set: {reply.message}")
+        self._poses.forget()
+        return Reply(True, f"{words}; set: {reply.message}")
+
+    def _set(self, trocar: Sequence[float], caller: str) -> Reply:
+        answer = self._registrar.ask(trocar, caller)
+        try:
+            reply = answer.result(REPLY_TIME)
+        except NoReply:
+            if answer.cancel():
+                return Reply(False, UNANSWERED)
+            reply = answer.result(REPLY_TIME)  # it is being answered at this moment
+        if reply.accepted:
+            self._publish()
+        return reply
+
+    def _record(self) -> Reply:
+        return self._poses.record(self._executor.view, time.monotonic())
+
+    @staticmethod
+    def _on(act: Callable[[], Reply]) -> Callable[[TriggerRequest], TriggerResponse]:
+        def answer(_: TriggerRequest) -> TriggerResponse:
+            reply = act()
+            return TriggerResponse(reply.accepted, reply.message)
+
+        return answer
+
+
+def _caller(request: SetTrocarRequest | FitTrocarRequest) -> str:
+    return str(request._connection_header.get("callerid", "an unnamed node"))
+
+
+def _fit_response(reply: Reply, fit: PivotFit) -> FitTrocarResponse:
+    return FitTrocarResponse(
+        accepted=reply.accepted,
+        message=reply.message,
+        position=Point(*fit.position.tolist()),
+        poses=len(fit.residuals),
+        rms=fit.rms,
+        largest=fit.largest,
+        deviation=fit.deviation,
+        spread=fit.spread,
+        outliers=[n + 1 for n in fit.outliers],
+    )

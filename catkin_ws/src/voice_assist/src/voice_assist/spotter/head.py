@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The trained part of the spotter: a committee of small networks over the newest embeddings."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import torch
+from torch import Tensor, nn
+
+from voice_assist.errors import ModelError
+from voice_assist.spotter.features import WIDTH, Embeddings
+
+PATH = Path(__file__).resolve().parents[3] / "models" / "spotter.pt"
+CONTEXT = 10  # embeddings that one look sees: with the sound under the first of them 1.5 s
+MEMBERS = 3
+_NARROW, _HIDDEN = 32, 48
+
+
+class Member(nn.Module):
+    """One opinion: log-odds that the word has just ended."""
+
+    def __init__(self) -> None:
+        """Start with random weights."""
+        super().__init__()
+        self.narrow = nn.Linear(WIDTH, _NARROW)
+        self.hidden = nn.Linear(CONTEXT * _NARROW, _HIDDEN)
+        self.out = nn.Linear(_HIDDEN, 1)
+        self.drop = nn.Dropout(0.3)
+
+    def forward(self, seen: Tensor) -> Tensor:
+        """From shape (batch, CONTEXT, WIDTH), scaled, to (batch,)."""
+        narrow = self.drop(nn.functional.gelu(self.narrow(seen)).flatten(1))
+        hidden = self.drop(nn.functional.gelu(self.hidden(narrow)))
+        odds: Tensor = self.out(hidden).squeeze(-1)
+        return odds
+
+
+class Head(nn.Module):
+    """Mean opinion of members that started from different seeds."""
+
+    def __init__(self) -> None:
+        """Start with random weights and no scaling."""
+        super().__init__()
+        self.mean: Tensor
+        self.spread: Tensor
+        self.register_buffer("mean", torch.zeros(WIDTH))
+        self.register_buffer("spread", torch.ones(WIDTH))
+        self.members = nn.ModuleList(Member() for _ in range(MEMBERS))
+
+    def scaled(self, seen: Tensor) -> Tensor:
+        """Embeddings of about unit spread."""
+        return (seen - self.mean) / self.spread
+
+    def forward(self, seen: Tensor) -> Tensor:
+        """Log-odds [nat] that the word has just ended; from (batch, CONTEXT, WIDTH) to (batch,)."""
+        scaled = self.scaled(seen)
+        return torch.stack([member(scaled) for member in self.members]).mean(0)
+
+
+def read_head(path: Path = PATH) -> tuple[Head, str]:
+    """Head of a file, by weights only, and the SHA-256 of the file.
+
+    Raises:
+        ModelError: The file is missing, damaged, or holds something else.
+    """
+    head = Head()
+    try:
+        head.load_state_dict(torch.load(path, map_location="cpu", weights_only=True))
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    except (OSError, EOFError, ValueError, RuntimeError, zipfile.BadZipFile) as error:
+        raise ModelError(f"spotter model {path} cannot be read: {error}") from error
+    except pickle.UnpicklingError as error:
+        raise ModelError(f"spotter model {path} holds no plain weights: {error}") from error
+    return head.eval(), digest
+
+
+def scorer(head: Head) -> Callable[[Embeddings], float]:
+    """The head for one look: from embeddings of shape (CONTEXT, WIDTH) to log-odds [nat]."""
+
+    def score(seen: Embeddings) -> float:
+        with torch.inference_mode():
+            return float(head(torch.from_numpy(seen)[None]))
+
+    return score

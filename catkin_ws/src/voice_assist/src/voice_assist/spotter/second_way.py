@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The rule by which recogniser and spotter come to a stop together.
+
+1. The spotter alone, from `alone` on.
+2. The recogniser alone, where it writes the word with a confidence of at least `sure`, unless the
+   spotter was below `deny` all through `agree_within`: then something quite different was said.
+3. The recogniser less sure of the word, where the spotter gave `agree` within `agree_within`.
+4. The spotter from `middle` on, where the word is at most `near` less likely to the recogniser than
+   what it wrote instead.
+5. Nothing else; but where no spotter listens, the recogniser decides as if there were none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from voice_assist.config import SpotterConfig
+from voice_assist.spotter.spotter import Spotted, Spotting
+from voice_assist.types import Frame
+
+
+@dataclass(frozen=True)
+class Belief:
+    """What the recogniser makes of a look in which it wrote the word."""
+
+    confidence: float  # [0, 1]
+    is_ready: bool  # it would stop by itself now: seen twice, sure, in a pause, or at the end
+    spotted: float | None  # [nat] the spotter's best of late; None: nobody listens
+
+
+class SecondWay:
+    """Asks the spotter, if there is one, and applies the rule."""
+
+    def __init__(self, config: SpotterConfig, spotting: Spotting | None) -> None:
+        """Without a spotter the recogniser is on its own."""
+        self._config, self._spotting = config, spotting
+
+    @property
+    def phrase(self) -> str:
+        """The command that is spotted."""
+        return self._config.phrase
+
+    def reset(self) -> None:
+        """Forget the stream so far."""
+        if self._spotting is not None:
+            self._spotting.reset()
+
+    def hear(self, frame: Frame) -> Spotted | None:
+        """What the spotter fires alone."""
+        return None if self._spotting is None else self._spotting(frame)
+
+    def best(self, now: float) -> float | None:
+        """The spotter's best score [nat] of late, at a clock time [s]; None: nobody listens."""
+        if self._spotting is None:
+            return None
+        return self._spotting.best(now - self._config.agree_within)
+
+    def confirms(self, belief: Belief, phrase: str) -> bool:
+        """Whether a halt that the recogniser wrote stops now (2, 3 and 5)."""
+        if belief.spotted is None or phrase != self.phrase:
+            return belief.is_ready
+        if belief.spotted >= self._config.middle:
+            return True
+        is_sure = belief.confidence >= self._config.sure
+        least = self._config.deny if is_sure else self._config.agree
+        return belief.is_ready and belief.spotted >= least
+
+    def is_asking(self, spotted: float | None) -> bool:
+        """Whether the spotter believes enough to ask how likely the recogniser finds the word."""
+        return spotted is not None and spotted >= self._config.middle
+
+    def overrules(self, spotted: float | None, ratio: float) -> bool:
+        """Whether the word stops though the recogniser wrote something else (4).
+
+        Args:
+            spotted: The spotter's best of late [nat].
+            ratio: Log-likelihood of the word less that of the recogniser's best other text [nat].
+        """
+        return self.is_asking(spotted) and ratio >= -self._config.near

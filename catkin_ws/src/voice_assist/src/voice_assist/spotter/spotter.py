@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Listens for one word in a stream; fires once when it is sure, and keeps what it heard."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from voice_assist.config import SpotterConfig
+from voice_assist.types import Frame
+
+if TYPE_CHECKING:
+    from voice_assist.spotter.features import Embedder, Embeddings
+
+_KEPT = 64  # looks, about 5 s
+
+Score = Callable[["Embeddings"], float]  # of (CONTEXT, WIDTH) embeddings, oldest first: log-odds
+
+
+@dataclass(frozen=True)
+class Look:
+    """One opinion."""
+
+    time: float  # [s] clock time at which the sound it is about ended
+    score: float  # [nat] log-odds that the word has just ended, mean of the two newest
+
+
+@dataclass(frozen=True)
+class Spotted:
+    """The word was heard surely enough for the spotter to act alone."""
+
+    time: float  # [s] clock time at which the sound it is about ended
+    score: float  # [nat]
+    is_sent: bool = False  # the stop is under way already: whoever runs the spotter sent it
+
+
+class Spotting(Protocol):
+    """A spotter as the pipeline sees it, wherever it runs."""
+
+    def __call__(self, frame: Frame) -> Spotted | None:
+        """What was spotted since the last call; each is given once."""
+
+    def best(self, since: float) -> float | None:
+        """Highest score of the looks since a clock time [s]; None: nobody listens."""
+
+    def reset(self) -> None:
+        """Forget the stream so far."""
+
+
+class Spotter:
+    """One look for every 80 ms of sound, whatever the frames it comes in.
+
+    What it fires stays latched: it fires again only once the score has been below the threshold
+    for `rearm_after`. `best` may be asked from another thread.
+    """
+
+    def __init__(
+        self, config: SpotterConfig, embedder: Embedder, score: Score, context: int
+    ) -> None:
+        """Start with a silent past.
+
+        Args:
+            config: When to fire.
+            embedder: Makes embeddings of sound.
+            score: The trained head.
+            context: Embeddings that it sees.
+        """
+        self._config, self._embedder, self._score, self._context = config, embedder, score, context
+        self._lock = threading.Lock()
+        self._next_sample: int | None = None
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the stream so far, and what was fired."""
+        with self._lock:
+            self._looks: deque[Look] = deque(maxlen=_KEPT)
+        self._latched_until = float("-inf")  # [s] clock time
+        self._restart()
+
+    def __call__(self, frame: Frame) -> Spotted | None:
+        """Hear a frame; gives what it fires with it. A gap before the frame is heard as silence."""
+        if self._next_sample is not None and frame.first_sample != self._next_sample:
+            self._restart()
+        self._next_sample = frame.first_sample + len(frame.samples)
+        fired = None
+        for embedding in self._embedder(frame.samples):
+            fired = self._look(embedding, frame.stamp + frame.duration) or fired
+        return fired
+
+    @property
+    def looks(self) -> tuple[Look, ...]:
+        """The newest opinions, oldest first."""
+        with self._lock:
+            return tuple(self._looks)
+
+    def best(self, since: float) -> float | None:
+        """Highest score of the looks since a clock time; a low one where there were none."""
+        scores = [look.score for look in self.looks if look.time >= since]
+        return max(scores, default=float("-inf"))
+
+    def _restart(self) -> None:
+        self._embedder.reset()
+        self._seen: deque[Embeddings] = deque(
+            [self._embedder.quiet] * self._context, maxlen=self._context
+        )
+        self._before: float | None = None
+        self._next_sample = None
+
+    def _look(self, embedding: Embeddings, time: float) -> Spotted | None:
+        self._seen.append(embedding)
+        newest = self._score(np.stack(self._seen))
+        look = Look(time, newest if self._before is None else (newest + self._before) / 2)
+        self._before = newest
+        with self._lock:
+            self._looks.append(look)
+        if look.score < self._config.alone:
+            return None
+        is_latched = time < self._latched_until
+        self._latched_until = time + self._config.rearm_after
+        return None if is_latched else Spotted(look.time, look.score)

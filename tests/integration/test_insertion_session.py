@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A session in PyBullet that begins with the tool far from the patient, and ends there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bench.motion.insertion import Run, outside_starts
+from bench.motion.rig import Rig
+from rst_control.config import load_motion_config, load_simulation_config
+from rst_control.planner import Planner
+from rst_control.robot_model import load_robot
+
+WORST = 10e-6  # [m] of the shaft from the trocar, after every step of the physics
+
+
+def start():
+    """The first random start from which nothing has to be gone round, to keep the test short."""
+    planner = Planner(load_robot(), load_motion_config())
+    return next(iter(outside_starts(planner, 1, seed=8)))
+
+
+def rig_at(q):
+    motion, simulation = load_motion_config(), load_simulation_config()
+    settings = replace(simulation.simulator, start_position=tuple(q.tolist()))
+    return Rig(motion, replace(simulation, simulator=settings))
+
+
+def test_in_to_the_tissue_and_out_again_with_the_shaft_in_the_trocar():
+    with rig_at(start()) as rig:
+        rig.run(0.02)
+        assert rig.executor.view.insertion < 0.0
+        assert "hey robot" in rig.finish("insert")
+        rig.wake()
+        run = Run(rig)
+        for words in ("insert", "tense", "release", "withdraw"):
+            run.finish(words)
+        assert run.failure == ""
+        assert run.phases >= {"approach", "align", "insert", "reach", "pull", "withdraw"}
+        assert 0.0 < run.error < WORST
+        np.testing.assert_allclose(rig.executor.view.insertion, -0.030, atol=1e-4)
+        assert rig.robot.fault == ""

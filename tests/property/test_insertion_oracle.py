@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Insertion from a hundred places outside and withdrawal, judged by PyBullet's kinematics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bench.motion.bullet_witness import BulletWitness
+from bench.motion.insertion import Judge, outside_starts, situation
+from bench.motion.rig import random_poses
+from rst_control.errors import Infeasible
+from rst_control.types import PhaseKind, Rejected, Request
+from rst_control.verification import Verifier
+
+STARTS = 100
+LOOKS = 25  # places of each phase
+RATE = 1000.0  # [Hz] of the looks at the way through the trocar; the bench takes 10 kHz
+RCM_WORST = 2e-6  # [m], of which 1 um is PyBullet's single precision
+
+
+@pytest.fixture(scope="module")
+def judge(planner, motion_config):
+    with BulletWitness(motion_config) as witness:
+        yield Judge(planner, witness)
+
+
+@pytest.fixture(scope="module")
+def verify(planner):
+    return Verifier(planner)
+
+
+@pytest.fixture(scope="module")
+def decisions(planner, verify):
+    starts = outside_starts(planner, STARTS, seed=21)
+    return [(q, verify(Request("insert"), situation(q))) for q in starts]
+
+
+def test_insertion_from_anywhere_outside_is_planned_or_refused_with_a_reason(decisions):
+    refused = [d for _, d in decisions if isinstance(d, Rejected)]
+    assert len(refused) <= 0.1 * STARTS
+    assert all("blocked" in decision.words for decision in refused)
+
+
+def test_every_plan_keeps_trocar_surface_joint_limits_and_their_derivatives(judge, decisions):
+    judged = 0
+    for q, decision in decisions:
+        if not isinstance(decision, Rejected):
+            assert judge.objection(q, decision.plan.phases, LOOKS) == ""
+            judged += 1
+    assert judged > 0.9 * STARTS
+
+
+def test_approaches_differ_but_all_lead_through_the_same_trocar(judge, decisions):
+    plans = [d.plan for _, d in decisions if not isinstance(d, Rejected)]
+    counts = {sum(p.kind is PhaseKind.APPROACH for p in plan.phases) for plan in plans}
+    assert 1 in counts and max(counts) > 2
+    ends = np.array([plan.phases[-1].path.end for plan in plans])
+    np.testing.assert_allclose(ends, np.tile(ends[0], (len(ends), 1)), atol=1e-12)
+    assert judge.worst_inside(plans[0].phases, RATE) < RCM_WORST
+
+
+def test_withdrawals_from_anywhere_inside_keep_them_as_well(planner, judge, verify, home):
+    q, judged = home, 0
+    for pose in random_poses(planner.config, 60, seed=22):
+        try:
+            q = planner.leg(q, pose).end
+        except Infeasible:
+            continue
+        decision = verify(Request("withdraw"), situation(q))
+        assert not isinstance(decision, Rejected), decision.words
+        assert judge.objection(q, decision.plan.phases, LOOKS) == ""
+        judged += 1
+    assert judged > 10

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import threading
+
+import pytest
+from fake_speech import quiet_frame
+
+from voice_assist.spotter.spotter import Spotted
+from voice_assist.spotter.worker import SpotterThread
+
+WAIT = 20.0  # [s] for another thread; only a broken one lets it pass
+
+
+class Scripted:
+    """Does for each frame what it is told, once it is let go."""
+
+    def __init__(self, *script):
+        self.script, self.heard = list(script), []
+        self.go, self.done = threading.Event(), threading.Event()
+
+    def __call__(self, frame):
+        assert self.go.wait(WAIT)
+        self.heard.append(frame.first_sample)
+        result = self.script.pop(0) if self.script else None
+        if not self.script:
+            self.done.set()
+        if isinstance(result, Exception):
+            raise result
+        return result
+
+    def best(self, since):
+        return 1.0
+
+    def reset(self):
+        raise AssertionError("the stream of a thread is its own")
+
+
+@pytest.fixture
+def start():
+    threads = []
+
+    def begin(spotter, capacity=4):
+        told, failed = [], []
+        thread = SpotterThread(spotter, capacity, told.append, failed.append)
+        thread.start()
+        threads.append((thread, spotter))
+        return thread, told, failed
+
+    yield begin
+    for thread, spotter in threads:
+        spotter.go.set()
+        thread.close()
+
+
+def test_what_is_spotted_is_told_at_once_and_to_the_pipeline_once(start):
+    spotter = Scripted(None, Spotted(1.0, 9.0))
+    thread, told, failed = start(spotter)
+    spotter.go.set()
+    thread.feed(quiet_frame(0))
+    thread.feed(quiet_frame(512))
+    thread.close()
+    assert told == [Spotted(1.0, 9.0)]
+    assert thread(quiet_frame(512)) == Spotted(1.0, 9.0, is_sent=True)
+    assert thread(quiet_frame(1024)) is None
+    assert failed == []
+
+
+def test_a_full_queue_drops_the_oldest_and_counts_them(start):
+    spotter = Scripted(*[None] * 4)
+    thread, _, _ = start(spotter, capacity=3)
+    for number in range(10):  # the thread may have taken one of them already
+        thread.feed(quiet_frame(number * 512))
+    assert thread.dropped in (6, 7)
+    spotter.go.set()
+    thread.close()
+    assert spotter.heard[-1] == 9 * 512
+
+
+def test_a_failure_is_told_and_the_recogniser_is_alone(start):
+    spotter = Scripted(ValueError("bad sound"))
+    thread, _, failed = start(spotter)
+    assert thread.best(0.0) == 1.0
+    spotter.go.set()
+    thread.feed(quiet_frame())
+    thread.close()
+    assert [str(error) for error in failed] == ["bad sound"]
+    assert thread.best(0.0) is None
+    thread.feed(quiet_frame(512))
+    assert thread(quiet_frame(512)) is None
+
+
+def test_the_pipeline_cannot_reset_the_stream_of_the_thread(start):
+    thread, _, _ = start(Scripted())
+    thread.reset()
