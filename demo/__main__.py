@@ -17,7 +17,7 @@ import soundfile
 from rich.console import Console
 from rich.table import Table
 
-from demo.check import Verdict, verdicts
+from demo.check import Verdict, verdicts, worst_rcm_error
 from demo.film import Camera, take_picture, write_film
 from demo.script import Script, load_script
 from demo.sound import RATE, render
@@ -112,6 +112,8 @@ def _session(
         if options.film:
             stack.callback(Camera(timeline.warn).close)
         _follow(script, system, timeline)
+        worst = worst_rcm_error(timeline.observed)
+        timeline.say(f"largest RCM error while moving: {worst * 1e6:.2f} um, from joint states")
         return verdicts(script, timeline.observed)
 
 

@@ -27,6 +27,7 @@ TARGETS = (0.3, 2.0)  # [N]
 BENDS = (100.0, 1000.0)  # [1/m] of exponential tissue
 SLACK = 0.005  # [m] at most
 STIFFER = 10.0  # times, at a random tension on the way to the target
+STIFFENED = math.log(RANGE[1] / RANGE[0] / STIFFER) / math.log(RANGE[1] / RANGE[0])
 NOISE = 0.005  # [N] rms
 BRAKING = 1.2  # [m/s^2] as the joints allow on the pull path of the scene
 LENGTH, LONGEST = 0.2, 20.0  # [m] of the path and [s] of a pull
@@ -44,19 +45,25 @@ class Outcome:
 
 
 def measure(config: ControllerConfig, pulls: int) -> list[Figure]:
-    """First pulls of tissue of random stiffness and targets, one third of them of each law.
+    """First pulls of tissue of random stiffness and targets, a quarter of them of each law.
 
     Args:
         config: Settings of the controller.
         pulls: Number of pulls.
     """
     rng, figures = np.random.default_rng(77), list[Figure]()
-    for name, draw in (("slack", slack), ("exponential", exponential), ("stiffening", stiffening)):
+    for name, draw in (
+        ("slack", slack),
+        ("exponential", exponential),
+        ("tenfold stiffening", stiffening),
+        ("tenfold stiffening, up to 40,000 N/m,", stiffening_to_bone),
+    ):
         outcomes = []
-        for _ in range(max(1, pulls // 3)):
+        for _ in range(max(1, pulls // 4)):
             target = float(rng.uniform(*TARGETS))
             outcomes.append(pull(config, draw(rng, target), target, rng))
-        figures += _figures(f"tension of {name} tissue", outcomes, draw is stiffening)
+        is_sudden = draw in (stiffening, stiffening_to_bone)
+        figures += _figures(f"tension of {name} tissue", outcomes, is_sudden)
     return figures
 
 
@@ -75,8 +82,17 @@ def exponential(rng: np.random.Generator, target: float) -> Law:
 
 
 def stiffening(rng: np.random.Generator, target: float) -> Law:
-    """Tissue that is ten times as stiff beyond a random share of the target."""
-    stiffness, bend = _stiffness(rng), float(rng.uniform(0.1, 0.98)) * target
+    """Tissue that is ten times as stiff beyond a random share of the target, within the range."""
+    return _stiffer(RANGE[0] * (_stiffness(rng) / RANGE[0]) ** STIFFENED, target, rng)
+
+
+def stiffening_to_bone(rng: np.random.Generator, target: float) -> Law:
+    """The same from anywhere in the range, so that it ends far above it."""
+    return _stiffer(_stiffness(rng), target, rng)
+
+
+def _stiffer(stiffness: float, target: float, rng: np.random.Generator) -> Law:
+    bend = float(rng.uniform(0.1, 0.98)) * target
     return lambda s: stiffness * max(0.0, s) + (STIFFER - 1.0) * max(0.0, stiffness * s - bend)
 
 

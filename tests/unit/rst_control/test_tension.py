@@ -231,3 +231,10 @@ def test_a_wider_tolerance_settles_sooner(config):
         pull.run(after=0.0)
         times.append(len(pull.forces))
     assert times[1] < times[0]
+
+
+@pytest.mark.parametrize("slack", np.linspace(0.0, 0.003, 13))
+@pytest.mark.parametrize("stiffness", [500.0, 1000.0, 2000.0])
+def test_slack_tissue_does_not_teach_that_it_is_soft(config, stiffness, slack):
+    pull = Pull(config, stiffness, slack=slack, target=0.31, delay=5, noise=0.005)
+    assert pull.run().max() <= 0.31 * (1.0 + OVERSHOOT)

@@ -116,6 +116,12 @@ class TensionControl:
         trusted = self._cautious * math.exp(-TRUST * dt)
         self._cautious = max(estimate.cautious, trusted)
         self.tension = max(0.0, estimate.force + estimate.value * (state.s - seen))
+        if self._is_slack:  # slack tissue says nothing of how stiff it is once taut
+            self._cautious = max(self._cautious, estimate.highest)
+
+    @property
+    def _is_slack(self) -> bool:
+        return self.tension < LOADED * self._config.noise
 
     def _error(self) -> float:
         """Tension that is missing [N]; what is only forecast may stop s, but not turn it round."""
@@ -137,7 +143,7 @@ class TensionControl:
 
     def _towards(self, error: float) -> float:
         """Speed at which the tension comes near its target without passing it [m/s]."""
-        if error > 0.0 and self.tension < LOADED * self._config.noise:
+        if error > 0.0 and self._is_slack:
             return self._stoppable(SLACK_SHARE * error / self._estimate.highest, self._bounds)
         way = abs(error) / self._cautious
         return min(self._config.bandwidth * way, self._stoppable(way, self._bounds))
