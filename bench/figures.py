@@ -89,9 +89,9 @@ def run(name: str, measure: Callable[[], list[Figure]], console: Console) -> lis
         mark = {None: "", True: "[green]met[/green]", False: "[red]missed[/red]"}[f.is_met]
         table.add_row(f"{f.name} {f.note}".strip(), f"{f.value:.4g} {f.unit}", target, mark)
     console.print(table)
-    RESULTS.mkdir(parents=True, exist_ok=True)
     data = {"machine": where, "figures": [{**asdict(f), "met": f.is_met} for f in figures]}
     path = RESULTS / f"{name}.json"
+    path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     console.print(f"written: {path.relative_to(ROOT)}")
     return figures

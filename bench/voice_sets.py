@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import numpy as np
 import soundfile
 
 from bench.figures import ROOT
+from bench.voice_phrases import plan
 from demo.sound import theatre_noise
 from voice_assist.training.human import read_manifest
 from voice_assist.training.synthesis import Clip, plan_held_out, synthesise
@@ -44,6 +46,19 @@ def synthetic_commands(thin: int = 1) -> Path:
     return manifest
 
 
+def near_misses(voices: int) -> Path:
+    """Near misses, denied commands and sentences, each by so many held-out voices."""
+    folder = CACHE / f"near_{voices}"
+    manifest = folder / "manifest.csv"
+    prompts = plan(SEED, voices)
+    key = hashlib.sha256(repr(prompts).encode()).hexdigest()
+    made_of = folder / "plan.sha256"
+    if not made_of.is_file() or made_of.read_text(encoding="utf-8") != key:
+        _write(folder, synthesise(prompts, ROOT / ".cache" / "training" / "held_out"))
+        made_of.write_text(key, encoding="utf-8")
+    return manifest
+
+
 def theatre() -> Path:
     """Folder with theatre noise of several seeds."""
     folder = CACHE / "theatre"
@@ -73,6 +88,13 @@ def people(split: str, thin: int = 1, only: str = "") -> Path | None:
     CACHE.mkdir(parents=True, exist_ok=True)
     manifest = CACHE / f"{split}_{only or 'all'}_{thin}.csv"
     _table(manifest, ((str(r.path.resolve()), r.transcript) for r in rows))
+    return manifest
+
+
+def no_command(folder: Path, names: Iterable[str]) -> Path:
+    """Manifest of sound files in which no command is said."""
+    manifest = folder / "manifest.csv"
+    _table(manifest, ((name, "") for name in names))
     return manifest
 
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import csv
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -128,6 +130,28 @@ def test_a_line_per_clip_can_be_written(manifest, fakes):
     lines = details.read_text().splitlines()
     assert len(lines) == 8
     assert "pull less" in lines[3]
+
+
+def claims_by_path(manifest, **changes):
+    details = manifest.parent / "details.csv"
+    evaluate(CONFIG, job(manifest, details=details, **changes))
+    with details.open(newline="") as file:
+        lines = list(csv.DictReader(file))
+    return {Path(line["path"]).name: json.loads(line["claims"]) for line in lines}
+
+
+def test_claims_are_what_was_taken_right_or_wrong(manifest, fakes):
+    claims = claims_by_path(manifest)
+    assert [c["command"] for c in claims["c.wav"]] == ["pull less"]
+    assert [(c["command"], c["is_taken"]) for c in claims["g.wav"]] == [("stop", True)]
+    assert 0.0 < claims["g.wav"][0]["confidence"] <= 1.0
+    assert claims["d.wav"] == claims["e.ogg"] == []
+
+
+def test_a_refused_decision_claims_only_what_its_words_say(manifest, fakes):
+    claims = claims_by_path(manifest, mode="standby")
+    assert claims["d.wav"] == claims["e.ogg"] == []
+    assert {(c["command"], c["is_taken"]) for c in claims["b.flac"]} == {("pull less", False)}
 
 
 def test_noise_is_added_at_the_level_asked_for(manifest, fakes):

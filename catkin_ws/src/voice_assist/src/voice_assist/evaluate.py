@@ -12,7 +12,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -154,6 +154,8 @@ def _write_details(path: Path, outcomes: Sequence[Outcome]) -> None:
         "why": lambda o: "|".join(o.why),
         "latency_ms": lambda o: "|".join(f"{1e3 * t.latency:.0f}" for t in o.taken),
         "confidence": lambda o: "|".join(f"{t.confidence:.3f}" for t in o.taken),
+        "seconds": lambda o: f"{o.seconds:.3f}",
+        "claims": lambda o: json.dumps([asdict(claim) for claim in o.claims]),
     }
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)

@@ -47,6 +47,16 @@ class Taken:
 
 
 @dataclass(frozen=True)
+class Claim:
+    """A decision whose words are exactly a command's, taken or refused."""
+
+    command: str
+    confidence: float  # [0, 1] that the decision carried
+    origin: str  # "recognizer" or "spotter"
+    is_taken: bool
+
+
+@dataclass(frozen=True)
 class Outcome:
     """What a clip came to."""
 
@@ -57,6 +67,7 @@ class Outcome:
     why: tuple[str, ...]  # reasons of those refused
     compute: float  # [s]
     streamed: float  # [s] of sound, with the quiet around it
+    claims: tuple[Claim, ...] = ()
 
 
 class StreamClock:
@@ -129,10 +140,11 @@ class Evaluator:
         speech_end = BEFORE + end_of_speech(samples)
         stream = self._with_quiet(samples, clip.row)
         began, compute = self._clock() + 1.0, self._clock.compute
-        taken, heard, why = [], [], []
+        taken, heard, why, claims = [], [], [], []
         self._pipeline.reset()
         for decision in self._decide(stream, began):
             heard.append(decision.hypothesis.text)
+            claims += _claim(decision)
             if isinstance(decision.outcome, Match):
                 latency = decision.decided - began - speech_end
                 text, sure = decision.hypothesis.text, decision.confidence
@@ -142,7 +154,8 @@ class Evaluator:
         spent = self._clock.compute - compute
         seconds = len(samples) / RATE
         streamed = len(stream) / RATE
-        return Outcome(clip, seconds, tuple(taken), tuple(heard), tuple(why), spent, streamed)
+        words = tuple(heard), tuple(why)
+        return Outcome(clip, seconds, tuple(taken), *words, spent, streamed, tuple(claims))
 
     def warm_up(self) -> None:
         """Let torch compile and allocate what it does only once, so that no clip pays for it."""
@@ -247,6 +260,14 @@ def _clip(folder: Path, row: int, name: str, transcript: str, phrases: dict[str,
     path = folder / name.strip()
     open_sound(path).close()
     return Clip(row, path, transcript, phrases.get(" ".join(normalize(transcript)), ""))
+
+
+def _claim(decision: Decision) -> list[Claim]:
+    outcome, sure = decision.outcome, decision.confidence
+    if isinstance(outcome, Match):
+        return [Claim(outcome.command, sure, decision.origin, True)]
+    is_named = outcome.wer.get(outcome.nearest) == 0.0
+    return [Claim(outcome.nearest, sure, decision.origin, False)] if is_named else []
 
 
 def _frames(stream: Samples, began: float) -> Iterator[Frame]:

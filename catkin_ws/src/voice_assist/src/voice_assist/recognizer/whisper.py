@@ -38,13 +38,20 @@ class ShortDecodingTask(DecodingTask):  # type: ignore[misc]  # untyped library
 class OpenAIRecognizer:
     """A Whisper model with OpenAI's vocabulary in full."""
 
-    def __init__(self, name: str, checkpoint: Checkpoint, device: str = "cpu") -> None:
+    def __init__(
+        self,
+        name: str,
+        checkpoint: Checkpoint,
+        device: str = "cpu",
+        most_tokens: int = MOST_TOKENS,
+    ) -> None:
         """Take the weights.
 
         Args:
             name: As asked for.
             checkpoint: Of any size.
             device: A torch device.
+            most_tokens: Written for one sound.
         """
         self.name, self.model_hash = name, checkpoint.sha256
         self.model = Whisper(checkpoint.dims)
@@ -53,7 +60,7 @@ class OpenAIRecognizer:
         options = DecodingOptions(
             language="en",
             temperature=0.0,
-            sample_len=MOST_TOKENS,
+            sample_len=most_tokens,
             without_timestamps=True,
             fp16=False,
         )

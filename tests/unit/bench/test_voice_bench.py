@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import json
+
+import numpy as np
+import pytest
+import torch
+from scipy.stats import binom, poisson
+from whisper.model import ModelDimensions, Whisper
+
+from bench import __main__ as main_module
+from bench import voice_denoise, voice_noises, voice_run, voice_speed
+from bench.voice_bounds import at_least, at_most, rate_at_most
+from bench.voice_calibration import KINDS, Reliability, claims_of, draw, reliability
+from bench.voice_keywords import count
+from bench.voice_near import figures as near_figures
+from bench.voice_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
+from bench.voice_run import Evaluated, Row, changed_config, read_rows
+from voice_assist.config import load_voice_config
+from voice_assist.evaluation import Claim
+from voice_assist.mapper import Mapper
+from voice_assist.normalize import is_negated, normalize
+from voice_assist.recognizer.whisper import OpenAIRecognizer
+from voice_assist.types import RATE, Match
+
+CONFIG = load_voice_config()
+
+
+def row(transcript, command="", taken=(), seconds=1.0, claims=()):
+    return Row("a.wav", transcript, command, tuple(taken), seconds, tuple(claims))
+
+
+# --- bounds
+
+
+@pytest.mark.parametrize(("count_", "trials"), [(0, 60), (3, 96), (110, 112), (7, 7)])
+def test_bounds_on_a_share_leave_five_percent_on_their_side(count_, trials):
+    if count_:
+        low = at_least(count_, trials)
+        assert binom.sf(count_ - 1, trials, low) == pytest.approx(0.05)
+    if count_ < trials:
+        high = at_most(count_, trials)
+        assert binom.cdf(count_, trials, high) == pytest.approx(0.05)
+
+
+def test_bounds_reach_the_ends_only_where_nothing_speaks_against_it():
+    assert at_least(0, 50) == 0.0
+    assert at_most(50, 50) == 1.0
+    assert at_most(0, 3000) == pytest.approx(1 - 0.05 ** (1 / 3000))
+
+
+@pytest.mark.parametrize("events", [0, 1, 9])
+def test_bound_on_a_rate_leaves_five_percent_below(events):
+    most = rate_at_most(events, 2.5)
+    assert poisson.cdf(events, most * 2.5) == pytest.approx(0.05)
+
+
+# --- calibration
+
+
+def test_calibration_error_is_the_weighted_gap_of_the_bins():
+    sure = [0.95] * 8 + [0.55] * 2
+    right = [True] * 6 + [False] * 2 + [True, False]
+    curve = reliability(sure, right)
+    assert curve.count.tolist() == [2, 8]
+    assert curve.right.tolist() == [0.5, 0.75]
+    assert curve.error == pytest.approx(0.2 * 0.05 + 0.8 * 0.20)
+
+
+def test_confidence_that_keeps_its_word_has_almost_no_error():
+    rng = np.random.default_rng(3)
+    sure = rng.uniform(size=20_000)
+    honest = reliability(sure, rng.uniform(size=20_000) < sure)
+    boastful = reliability(np.sqrt(sure), rng.uniform(size=20_000) < sure)
+    assert honest.error < 0.02
+    assert boastful.error > 0.1
+
+
+def test_full_confidence_falls_into_the_last_bin():
+    curve = reliability([1.0, 0.95], [True, False])
+    assert curve.count.tolist() == [2]
+
+
+def test_claims_are_right_only_where_their_command_was_said():
+    claims = [
+        Claim("stop", 0.9, "recognizer", True),
+        Claim("stop", 0.8, "spotter", True),
+        Claim("pull more", 0.3, "recognizer", False),
+        Claim("terminate", 0.7, "recognizer", True),
+    ]
+    found = claims_of(Evaluated("x", {}, (row("stop", "stop", claims=claims),)), "human")
+    assert [c.kind for c in found] == list(KINDS)
+    assert [c.is_right for c in found] == [True, True, False, False]
+    assert {c.voices for c in found} == {"human"}
+
+
+def test_plot_is_a_picture(tmp_path):
+    curve = Reliability(np.array([0.3, 0.9]), np.array([0.2, 0.95]), np.array([5, 40]))
+    draw({"all": curve, "motion": curve}, tmp_path / "plots" / "r.png")
+    assert (tmp_path / "plots" / "r.png").read_bytes()[:4] == b"\x89PNG"
+
+
+# --- phrases
+
+
+def test_no_near_miss_is_a_command_in_words():
+    mapper = Mapper(CONFIG.commands)
+    taken = [p for phrases in ALL.values() for p in phrases if isinstance(mapper(p), Match)]
+    assert taken == []
+
+
+def test_near_misses_are_many_distinct_and_normalised():
+    phrases = [*SOUNDS_LIKE, *DENIED, *IN_A_SENTENCE]
+    assert len(set(phrases)) == len(phrases) >= 200
+    assert all(p == p.strip().lower() and p for p in phrases)
+
+
+def test_every_denied_phrase_denies():
+    assert [p for p in DENIED if not is_negated(normalize(p))] == []
+
+
+def test_near_misses_of_the_requirement_are_all_there():
+    named = {"tents", "dense", "least", "full more", "shop", "don't stop", "stop pulling"}
+    named |= {"don't pull more", "the release form", "terminal"}
+    assert named <= {*SOUNDS_LIKE, *DENIED}
+
+
+def test_a_stop_taken_from_a_denied_stop_is_no_motion():
+    rows = [
+        row("don't stop", taken=["stop"]),
+        row("tents"),
+        row("illuminate"),
+        row("pull more gauze"),
+    ]
+    found = {f.name: f for f in near_figures(rows)}
+    assert found["near misses: taken as motion"].value == 0.0
+    assert found["denied: taken as motion"].is_met
+    assert found["denied: taken as stop"].value == 1.0
+
+
+def test_a_denied_command_that_moves_misses_its_target():
+    rows = [
+        row("don't pull more", taken=["pull more"]),
+        row("tents"),
+        row("illuminate"),
+        row("pull more gauze"),
+    ]
+    found = {f.name: f for f in near_figures(rows)}
+    assert found["denied: taken as motion"].is_met is False
+    assert '"don\'t pull more"' in found["denied: taken as motion"].note
+
+
+# --- noises
+
+
+@pytest.mark.parametrize("kind", sorted(set(voice_noises.KINDS) - {"replies"}))
+def test_noise_is_the_same_from_the_same_seed_and_stays_in_range(kind):
+    sound = voice_noises.make(kind, 3.0, 5)
+    assert sound.shape == (3 * RATE,)
+    assert sound.dtype == np.float32
+    assert np.abs(sound).max() <= 1.0
+    assert np.array_equal(sound, voice_noises.make(kind, 3.0, 5))
+    assert not np.array_equal(sound, voice_noises.make(kind, 3.0, 6))
+    assert np.std(sound) > 1e-4
+
+
+def test_silence_is_quieter_than_any_other_noise():
+    loud = {k: np.std(voice_noises.make(k, 3.0, 1)) for k in voice_noises.KINDS if k != "replies"}
+    assert min(loud, key=loud.get) == "silence"
+
+
+# --- sets and parts
+
+
+def test_details_of_an_evaluation_are_read_back(tmp_path):
+    claims = json.dumps(
+        [{"command": "stop", "confidence": 0.9, "origin": "spotter", "is_taken": True}]
+    )
+    quoted = claims.replace('"', '""')
+    path = tmp_path / "d.csv"
+    path.write_text(
+        "path,transcript,command,taken,seconds,claims\n"
+        f'a.wav,stop,stop,stop|tense,1.500,"{quoted}"\n'
+        "b.wav,shop,,,0.500,[]\n"
+    )
+    first, second = read_rows(path)
+    assert first.taken == ("stop", "tense")
+    assert first.claims == (Claim("stop", 0.9, "spotter", True),)
+    assert (second.taken, second.seconds, second.claims) == ((), 0.5, ())
+    assert Evaluated("x", {}, (first, second)).hours == pytest.approx(2.0 / 3600)
+
+
+@pytest.mark.parametrize("mode", voice_denoise.MODES)
+def test_changed_settings_differ_in_that_one_alone(tmp_path, monkeypatch, mode):
+    monkeypatch.setattr(voice_run.voice_sets, "CACHE", tmp_path)
+    folder = changed_config((("audio.denoise.mode", mode),))
+    assert load_voice_config(folder) == load_voice_config(audio__denoise__mode=mode)
+
+
+def test_a_command_heard_beside_another_is_not_right():
+    rows = [row("stop", "stop"), row("tense", "tense"), row("shop", seconds=1800.0)]
+    heard = {"stop": ("stop", "tense"), "tense": ("tense",), "shop": ("stop", "stop")}
+    counts = count(rows, lambda r: heard[r.transcript])
+    assert (counts.said, counts.right, counts.hours) == (2, 1, 0.5)
+    assert counts.taken == {"stop": 2}
+
+
+def test_an_unknown_part_is_refused_and_nothing_is_measured(capsys, monkeypatch):
+    monkeypatch.setattr(main_module, "run", lambda *_: pytest.fail("measured"))
+    assert main_module.main(["voice.nonsense"]) == 2
+    assert main_module.main(["nonsense.near"]) == 2
+    assert main_module.main(["motion.near"]) == 2
+    assert "voice.nonsense" in capsys.readouterr().out
+
+
+def test_a_part_alone_is_measured_and_written_beside_its_family(monkeypatch):
+    ran = []
+    monkeypatch.setattr(
+        main_module, "run", lambda name, measure, _: ran.append((name, measure)) or []
+    )
+    assert main_module.main(["voice.near"]) == 0
+    from bench import voice_near
+
+    assert ran == [("voice/near", voice_near.measure)]
+
+
+# --- speed
+
+
+def test_both_ways_of_whisper_write_as_few_tokens_as_asked_for():
+    dims = ModelDimensions(80, 1500, 16, 2, 1, 51864, 448, 16, 2, 1)
+    torch.manual_seed(0)
+    model = Whisper(dims).eval()
+    with torch.no_grad():
+        model.decoder.positional_embedding.normal_(std=0.02)
+    steps = []
+    ours = OpenAIRecognizer("small", voice_speed.checkpoint(model), most_tokens=3)
+    ours.model.decoder.register_forward_hook(lambda *_: steps.append("ours"))
+    ours.transcribe(voice_speed.clip())
+    model.decoder.register_forward_hook(lambda *_: steps.append("theirs"))
+    voice_speed.transcribe(model, voice_speed.clip(), 3)
+    assert [steps.count("ours"), steps.count("theirs")] == [3, 3]
