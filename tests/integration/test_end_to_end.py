@@ -77,9 +77,18 @@ def test_the_recording_holds_sound_joint_states_and_decisions(session):
     assert {"/rst_control/event", "/rst_control/trocar", "/robot/tension"} <= set(counts)
 
 
+def _heed_ctrl_c():
+    """Tests that a shell runs in the background inherit that SIGINT is ignored."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 def test_ctrl_c_ends_everything_and_leaves_a_readable_recording(tmp_path):
     demo = subprocess.Popen(
-        [*COMMAND, "--out", str(tmp_path)], cwd=ROOT, stdout=subprocess.PIPE, text=True
+        [*COMMAND, "--out", str(tmp_path)],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        text=True,
+        preexec_fn=_heed_ctrl_c,
     )
     mcap = tmp_path / "session.mcap"
     deadline = time.monotonic() + 90.0
