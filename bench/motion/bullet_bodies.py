@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-from types import TracebackType
-
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
+from bench.motion.bullet_robot import BulletRobot
 from rst_control.collision_config import BodyConfig, CollisionConfig
-from rst_control.config import URDF_FILE
 from rst_control.configuration import robot_joints
 from rst_control.types import JOINTS
 
@@ -21,7 +19,7 @@ STANDING = ("base_link", "shoulder_link")  # at one height in every configuratio
 Found = tuple[float, frozenset[str]]  # [m], and the names of the two
 
 
-class BulletBodies:
+class BulletBodies(BulletRobot):
     """Capsules hung on PyBullet's own robot; a context manager.
 
     Args:
@@ -29,11 +27,8 @@ class BulletBodies:
     """
 
     def __init__(self, config: CollisionConfig) -> None:
+        super().__init__()
         self._config = config
-        self._client = pybullet.connect(pybullet.DIRECT)
-        self._robot = pybullet.loadURDF(
-            str(URDF_FILE), useFixedBase=True, physicsClientId=self._client
-        )
         infos = [
             pybullet.getJointInfo(self._robot, i, physicsClientId=self._client)
             for i in range(pybullet.getNumJoints(self._robot, physicsClientId=self._client))
@@ -115,21 +110,6 @@ class BulletBodies:
     def _distance(self, a: int, b: int) -> float:
         points = pybullet.getClosestPoints(a, b, FAR, physicsClientId=self._client)
         return min(float(point[8]) for point in points)
-
-    def close(self) -> None:
-        """End the connection."""
-        pybullet.disconnect(self._client)
-
-    def __enter__(self) -> BulletBodies:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _along(body: BodyConfig) -> Array:

@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import TracebackType
 
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from rst_control.backends.physics import joint_indices, link_indices, load_robot
-from rst_control.config import URDF_FILE, MotionConfig
+from bench.motion.bullet_robot import BulletRobot
+from rst_control.backends.physics import joint_indices, link_indices
+from rst_control.config import MotionConfig
 from rst_control.configuration import robot_joints
 from rst_control.rcm import rcm_error
 
@@ -32,7 +32,7 @@ class Sight:
     arm: float  # [m] lowest point of all else that moves
 
 
-class BulletWitness:
+class BulletWitness(BulletRobot):
     """PyBullet's robot with the shapes of collision.yaml; a context manager.
 
     Args:
@@ -40,8 +40,7 @@ class BulletWitness:
     """
 
     def __init__(self, config: MotionConfig) -> None:
-        self._client = pybullet.connect(pybullet.DIRECT)
-        self._robot = load_robot(URDF_FILE, self._client)
+        super().__init__()
         self._joints = joint_indices(self._robot, self._client)
         links = link_indices(self._robot, self._client)
         self._bodies = [body for body in config.collision.bodies if body.link not in STANDING]
@@ -76,20 +75,3 @@ class BulletWitness:
             R = np.array(pybullet.getMatrixFromQuaternion(state[5])).reshape(3, 3)
             poses[name] = np.column_stack([R, state[4]])
         return poses
-
-    def close(self) -> None:
-        """End the connection; calling it twice does no harm."""
-        if self._client >= 0:
-            pybullet.disconnect(self._client)
-            self._client = -1
-
-    def __enter__(self) -> BulletWitness:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

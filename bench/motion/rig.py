@@ -21,6 +21,7 @@ from rst_control.desk import CommandDesk, Ticket
 from rst_control.grasp_ways import grasp_ways, turned
 from rst_control.lifecycle import IN_MOTION
 from rst_control.path import Path
+from rst_control.phases import along
 from rst_control.robot_model import load_robot
 from rst_control.site import PresentSite, Site
 from rst_control.types import Phase, PhaseKind, Request
@@ -113,15 +114,7 @@ class Rig:
 
     def along(self, kind: PhaseKind, path: Path, speed: float) -> Phase:
         """Phase along a path as fast as the joints can follow, up to `speed` [m/s]."""
-        pace = self.planner.pace(path, speed)
-        return Phase(
-            kind,
-            path,
-            target=path.length,
-            speed=pace.moving.speed,
-            acceleration=pace.moving.acceleration,
-            braking=pace.braking.acceleration,
-        )
+        return along(self.planner, kind, path, speed)
 
     @property
     def rcm_error(self) -> float:

@@ -34,15 +34,20 @@ def row(name: str, found: Tally) -> str:
     return f"| {name} | {found.n} | {share} | {found.taken} |"
 
 
-def main() -> None:
-    """Print a table of exact transcripts, synthetic voices and people apart."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def parse(description: str | None) -> argparse.Namespace:
+    """Options of what is measured on the held-out voices: model, speech, cache and seed."""
+    parser = argparse.ArgumentParser(description=description)
     add = parser.add_argument
     add("--model", default="embedded")
     add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
     add("--seed", type=int, default=1)
-    options = parser.parse_args()
+    return parser.parse_args()
+
+
+def main() -> None:
+    """Print a table of exact transcripts, synthetic voices and people apart."""
+    options = parse(__doc__)
     model = restore(read_checkpoint(find_checkpoint(options.model))).eval()
     corpus = held_out_corpus(options.speech, options.cache, options.seed)
     around = corpus.around

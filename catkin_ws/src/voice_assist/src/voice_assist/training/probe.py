@@ -8,10 +8,8 @@ tell, the more of what is learnt from synthesis holds for people.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import torch
@@ -26,8 +24,7 @@ from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.training import voices
 from voice_assist.training.augment import Strength, add_background, colour, place
-from voice_assist.training.figures import held_out_corpus
-from voice_assist.training.fit import REPOSITORY
+from voice_assist.training.figures import held_out_corpus, parse
 from voice_assist.training.noise import build_rooms
 from voice_assist.training.synthesis import Clip, synthesise
 from voice_assist.training.voices import Int16, Prompt
@@ -48,13 +45,7 @@ Floats = NDArray[np.float32]
 
 def main() -> None:
     """Print how well synthesis and people are told apart, in quiet and in noise."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    add = parser.add_argument
-    add("--model", default="embedded")
-    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
-    add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
-    add("--seed", type=int, default=1)
-    options = parser.parse_args()
+    options = parse(__doc__)
     model = restore(read_checkpoint(find_checkpoint(options.model))).eval()
     corpus = held_out_corpus(options.speech, options.cache, options.seed)
     spoken = synthesise(plan_words(options.seed), options.cache / "probe")
