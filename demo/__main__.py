@@ -113,7 +113,7 @@ def _session(
             stack.callback(Camera(timeline.warn).close)
         _follow(script, system, timeline)
         worst = worst_rcm_error(timeline.observed)
-        timeline.say(f"largest RCM error while moving: {worst * 1e6:.2f} um, from joint states")
+        timeline.say(f"largest RCM error while moving: {worst * 1e6:.2g} um, from joint states")
         return verdicts(script, timeline.observed)
 
 

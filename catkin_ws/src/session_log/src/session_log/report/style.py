@@ -72,8 +72,8 @@ class Layout:
         return self.width > 5.0
 
 
-WIDE = Layout("wide", 7.16, 60.0, 4)
-NARROW = Layout("narrow", 3.5, 24.0, 2)
+WIDE = Layout("wide", 7.16, 60.0, 2)
+NARROW = Layout("narrow", 3.5, 24.0, 1)
 
 
 def new_figure(layout: Layout, height: float) -> Figure:
