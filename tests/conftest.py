@@ -11,6 +11,7 @@ import subprocess
 import time
 from pathlib import Path
 
+import hypothesis
 import pytest
 
 from demo.system import free_port
@@ -18,6 +19,12 @@ from demo.system import free_port
 ROOT = Path(__file__).resolve().parent.parent
 START_TIME = 30.0  # [s] allowed for roscore to answer
 TIME_LIMIT = 240.0  # [s] for one .test file, start and end of its nodes included
+
+# The same examples each time, so that a failure says something of the change at hand; EXPLORE=1
+# looks at others, and many more of them.
+hypothesis.settings.register_profile("fixed", derandomize=True)
+hypothesis.settings.register_profile("explore", max_examples=2000, deadline=None)
+hypothesis.settings.load_profile("explore" if os.environ.get("EXPLORE") else "fixed")
 
 
 def pytest_collect_file(file_path, parent):
