@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from rst_control.backends.servo import Servo, ServoLimits, ServoState
@@ -187,6 +187,7 @@ def test_a_course_that_heads_into_a_limit_ends_at_the_limit():
         max_size=60,
     )
 )
+@example([("set-point", 0)] * 4 + [("silence", 0)])  # the newest stamp, but for a rounding
 def test_whatever_comes_the_course_never_leaves_position_or_speed_limits(events):
     robot, now, last = servo(), 0.0, HOME
     for kind, seed in events:

@@ -5,7 +5,7 @@ import random
 import tracemalloc
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from session_log.errors import NotASession, SessionMissing
@@ -84,6 +84,7 @@ def test_a_file_cut_anywhere_gives_every_message_before_the_cut(sound, tmp_path_
     length=st.integers(1, 400),
     filler=st.sampled_from(["zeros", "ones", "noise"]),
 )
+@example(start=2820, length=1, filler="ones")  # a length that would swallow two sound records
 @settings(max_examples=80, deadline=None)
 def test_what_lies_beside_a_damaged_stretch_is_read(sound, tmp_path_factory, start, length, filler):
     content, ends = sound

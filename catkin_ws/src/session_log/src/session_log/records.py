@@ -51,15 +51,17 @@ class RecordWalker:
         position = start
         while position < self._size:
             record = self._read(position)
-            if record is not None:
+            end = position if record is None else position + HEAD.size + len(record.body)
+            is_sound = record is not None and self._leads_on(end)
+            found = end if is_sound else self._find(position + 1)
+            if record is not None and found >= end:
                 yield record
-                position += HEAD.size + len(record.body)
+                position = end
                 if record.opcode == FOOTER:
                     return
-                continue
-            found = self._find(position + 1)
-            yield _damage(position, found, self._size)
-            position = found
+            else:  # none, or one whose damaged length would swallow sound records
+                yield _damage(position, found, self._size)
+                position = found
 
     def _read(self, position: int) -> Record | None:
         length = self._length(position)
@@ -88,10 +90,13 @@ class RecordWalker:
             length = self._length(position)
             if length is None:
                 continue
-            end = position + HEAD.size + length
-            if end == self._size or self._length(end) is not None or self._is_ending(end):
+            if self._leads_on(position + HEAD.size + length):
                 return position
         return self._size
+
+    def _leads_on(self, end: int) -> bool:
+        """Whether a sound record, or the end of the file, follows a record that ends there."""
+        return end == self._size or self._length(end) is not None or self._is_ending(end)
 
     def _candidates(self, start: int) -> Iterator[int]:
         while start < self._size:

@@ -179,8 +179,8 @@ class Servo:
 
     def _start_braking(self, now: float) -> None:
         time = now - self._config.playout_delay
-        begun = max(time - self.newest_stamp, 0.0)
-        curve = self._curve(time - begun)
+        last = min(time, self.newest_stamp)  # exactly: a rounding beyond it has no set-point
+        begun, curve = time - last, self._curve(last)
         pull = self._deceleration - np.minimum(np.abs(curve.bend), 0.5 * self._deceleration)
         duration = float(np.max(1.5 * np.abs(curve.at(begun)[1]) / pull))
         position = curve.at(begun)[0]
