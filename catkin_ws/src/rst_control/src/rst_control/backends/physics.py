@@ -15,13 +15,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from types import TracebackType
 
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
 from rst_control import chain
+from rst_control.backends.bullet_world import BulletWorld
 from rst_control.backends.jaw_tips import JawTips
 from rst_control.backends.rigid_parts import joined
 from rst_control.robot_model import load_robot as load_model
@@ -44,7 +44,7 @@ class JointReading:
     effort: Vector  # [N m], of the motors
 
 
-class RobotPhysics:
+class RobotPhysics(BulletWorld):
     """One PyBullet world with the robot in it; a context manager.
 
     Args:
@@ -58,7 +58,7 @@ class RobotPhysics:
 
     def __init__(self, urdf: Path, position: Vector, step: float) -> None:
         self.time_step, self._model = step, load_model(urdf)
-        self._client = pybullet.connect(pybullet.DIRECT)
+        super().__init__()
         self._on = {"physicsClientId": self._client}
         self._robot = _load_parts(urdf, self._client)
         self._links = link_indices(self._robot, self._client)
@@ -128,23 +128,6 @@ class RobotPhysics:
         place, turn = self._pose(WRIST)
         interface = place + turn @ self._model.chain[chain.SHAFT, :, 3]
         return interface, self._pose("pitch_link")[0]
-
-    def close(self) -> None:
-        """Leave the world; calling it twice does no harm."""
-        if self._client >= 0:
-            pybullet.disconnect(self._client)
-            self._client = -1
-
-    def __enter__(self) -> RobotPhysics:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _set_up(self, position: Vector) -> None:
         pybullet.setGravity(0.0, 0.0, -GRAVITY, **self._on)

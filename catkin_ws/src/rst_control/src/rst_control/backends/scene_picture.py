@@ -11,12 +11,12 @@ import struct
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
+from rst_control.backends.bullet_world import BulletWorld
 from rst_control.backends.physics import joint_indices, load_robot
 from rst_control.backends.scene_marks import SceneMarks
 from rst_control.backends.scene_server import SceneState
@@ -31,7 +31,7 @@ NEAR = 0.01  # [m] nothing closer is drawn
 Image = NDArray[np.uint8]  # (height, width, 3)
 
 
-class ScenePainter:
+class ScenePainter(BulletWorld):
     """Draws pictures in a world of its own; a context manager.
 
     Args:
@@ -44,7 +44,7 @@ class ScenePainter:
     """
 
     def __init__(self, scene: SceneConfig, urdf: Path, window: CameraConfig | None = None) -> None:
-        self._client = pybullet.connect(pybullet.DIRECT if window is None else pybullet.GUI)
+        super().__init__(pybullet.DIRECT if window is None else pybullet.GUI)
         if self._client < 0:
             raise RuntimeError("no window could be opened")
         self._robot = load_robot(urdf, self._client)
@@ -72,23 +72,6 @@ class ScenePainter:
         self._shapes.show_tissue(state.nodes)
         self._marks.show(state.trail, state.tip, state.force)
         pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 1, **on)
-
-    def close(self) -> None:
-        """Leave the world; calling it twice does no harm."""
-        if self._client >= 0:
-            pybullet.disconnect(self._client)
-            self._client = -1
-
-    def __enter__(self) -> ScenePainter:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _look_from(self, camera: CameraConfig) -> None:
         on = {"physicsClientId": self._client}
