@@ -15,6 +15,7 @@ from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import encode
 from voice_assist.training.mixture import Aligned, WordTime
+from voice_assist.training.precision import cheap_numbers
 from voice_assist.training.synthesis import Clip
 from voice_assist.types import RATE, Samples
 
@@ -73,7 +74,7 @@ def long_logprobs(model: HybridWhisper, sound: Samples) -> NDArray[np.float32]:
     for start in range(0, len(sound), WINDOW):
         first = max(start - MARGIN, 0)
         piece = torch.from_numpy(sound[first : start + WINDOW + MARGIN])[None]
-        with torch.autocast("cpu", torch.bfloat16):
+        with cheap_numbers():
             logprobs = model.ctc_logprobs(model.encode(log_mel(piece)))[0].numpy()
         skip = (start - first) // 320
         parts.append(logprobs[skip : skip + WINDOW // 320])

@@ -14,6 +14,7 @@ from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import END, PROMPT, decode
 from voice_assist.training.noise import Surroundings, background
+from voice_assist.training.precision import cheap_numbers
 from voice_assist.training.synthesis import Clip
 from voice_assist.training.texts import COMMANDS
 from voice_assist.types import RATE, Samples
@@ -64,7 +65,7 @@ def transcripts(model: HybridWhisper, sounds: Sequence[Samples], quiet: float = 
             first = int(quiet * RATE)
             kept = sounds[index][: longest - first]
             row[first : first + len(kept)] += kept
-        with torch.autocast("cpu", torch.bfloat16):
+        with cheap_numbers():
             texts = greedy(model, log_mel(torch.from_numpy(batch.astype(np.float32))))
         for index, text in zip(chosen, texts, strict=True):
             written[index] = text.strip()

@@ -12,6 +12,7 @@ from torch.nn import functional
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.vocabulary import BLANK
 from voice_assist.training.batches import IGNORED, Batch
+from voice_assist.training.precision import cheap_numbers
 
 CTC_SHARE = 0.4
 SMOOTHING = 0.05
@@ -28,7 +29,7 @@ class Loss:
 
 def joint_loss(model: HybridWhisper, batch: Batch) -> Loss:
     """Hybrid CTC/attention loss (Watanabe et al. 2017), in bfloat16 where safe."""
-    with torch.autocast("cpu", torch.bfloat16):
+    with cheap_numbers():
         states = model.encode(batch.mel)
         logprobs = model.ctc_logprobs(states)
         logits = model.logits(batch.tokens, states)

@@ -14,6 +14,7 @@ from random import Random
 import numpy as np
 
 from voice_assist.training import texts, voices
+from voice_assist.training.homophones import same_as_command
 from voice_assist.training.voices import Engine, Int16, Prompt, random_style, speak
 
 CHUNK = 200  # prompts per cache file
@@ -62,7 +63,8 @@ def plan_training(sentences: Sequence[str], seed: int, amounts: Amounts) -> list
         span = texts.word_span(sentences, rng)
         said.append(texts.number_phrase(rng) if is_number else span)
     said += [texts.word_span(sentences, rng, longest=2) for _ in range(amounts.short)]
-    prompts = [cast_voice(text, variants, rng) for text in said]
+    cast = (cast_voice(text, variants, rng) for text in said)
+    prompts = [p for p in cast if not _is_homophone(p)]
     return sorted(prompts, key=lambda p: (p.engine, p.voice, p.text, p.rate))
 
 
@@ -155,17 +157,23 @@ def _kind(text: str) -> str:
     return "variant" if is_variant else "span"
 
 
+def _is_homophone(prompt: Prompt) -> bool:
+    return prompt.text in _NEAR and same_as_command(prompt.text, prompt.engine, prompt.voice)
+
+
 def cast_voice(text: str, variants: list[str], rng: Random) -> Prompt:
     """Choose a voice and a way of speaking for a text."""
     rate, pitch = random_style(rng)
     prompt = Prompt(text, "espeak", "", rate, pitch)
     kind = rng.random()
-    if kind < 0.72:
+    if kind < 0.60:
         voice = f"{rng.choice(voices.ACCENTS)}+{rng.choice(variants)}"
         return replace(prompt, voice=voice)
-    if kind < 0.86:
+    if kind < 0.76:
         voice = f"{rng.choice(voices.FOREIGN)}+{rng.choice(variants)}"
         return replace(prompt, engine="phonemes", voice=voice)
-    if kind < 0.94:
+    if kind < 0.82:
         return replace(prompt, engine="flite", voice=rng.choice(voices.FLITE))
+    if kind < 0.94:
+        return replace(prompt, engine="rhvoice", voice=rng.choice(voices.RHVOICE))
     return replace(prompt, engine="festival", voice=rng.choice(voices.FESTIVAL))

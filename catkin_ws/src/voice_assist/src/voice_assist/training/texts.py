@@ -22,7 +22,7 @@ NEAR_MISSES = tuple(
 tents|dense|tens|ten|tennis|sense|pence|fence|hence|tent|attend|intense|tension
 pretense|the tents are here|tense up|tensing|tend|test|tenth|guess|text|tells
 least|lease|at least|police|release form|the release form|released|releasing|relief
-leash|believe|really|reel|relax|relay|increase|please|peace|a lease|re lease|relapse
+leash|believe|really|reel|relax|relay|increase|please|peace|a lease|relapse
 full more|pull|pull moor|full|more|less|pull mall|poor more|wool more|bull more
 pull over|pull it|pull up|pull the other one|pull me|pull him less often|full less
 pool less|pool more|pulling|pulled|push more|push less|push|more pull|less pull
@@ -53,13 +53,13 @@ up|go|down|on|off|no|get up|sit down|go up|go down|go on|come on|turn it off|sta
 start|started|starts|starting|start up|restart|start now|start over|smart|art|part|dark
 stork|stalk|stark|storm|store it|spa|spots|stuck|stub|stubs|stump|tub|top up|up top|hop up
 pool more|pool less|pull moors|pull mores|pull moore|full less|full more|fool more|pull morse
-the less|the more|and less|and more|in less|for less|for more|bull less|pulls less|pulls more
+and less|and more|in less|for less|for more|bull less|pulls less|pulls more
 pull the lens|pull a lesson|pull us|pull let's|pull left|pull list|pull last|pull lessons
 pull morning|pull monitor|pull mortar|polar|poll more|paul moore|pulmonary|pull next|pull mess
 tents|two tents|tenths|tens of them|tense is|tends|tenses|pens|then|sends|dents|lens|the lens
 terminates|terminating|terminals|termite|terminus|turn it|turn it on|turning|turn mine eight
 eliminate|nominate|dominate|laminate|contaminate|germinates|animate|ultimate|term in eight
-releases|re leased|rely|relieve|received|recess|relish|relics|really this|believes|please
+releases|rely|relieve|received|recess|relish|relics|really this|believes|please
 early|earlier peace|real ease|her lease|the lease|we lease|niece|geese|crease|decrease|leased
 a rowboat|hey roman|hey row|hey roger|hey rowan|play robot|they robot|my robot|this robot
 hey robotics|hey ron|hey robbie|hello|hey joe|hey john|hey siri|hey buddy|hey everyone|hey now

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 import subprocess
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from voice_assist.errors import ModelError
 from voice_assist.types import RATE
 
-Engine = Literal["espeak", "phonemes", "flite", "festival"]
+Engine = Literal["espeak", "phonemes", "flite", "festival", "rhvoice", "pico", "mbrola"]
 Int16 = NDArray[np.int16]
 
 ACCENTS = (
@@ -42,6 +43,16 @@ FLITE = ("slt", "kal16", "kal")
 HELD_OUT_FLITE = ("awb", "rms")
 FESTIVAL = ("kal_diphone", "cmu_us_slt_arctic_hts")
 HELD_OUT_FESTIVAL = ("ked_diphone",)
+RHVOICE = ("bdl", "clb", "slt")
+HELD_OUT_RHVOICE = ("alan",)
+# Two engines that training never hears. MBROLA's voices are diphones of people, many of
+# other languages; their licences forbid commercial use, so nothing is trained on them.
+PICO = ("en-US", "en-GB")
+MBROLA_NATIVE = ("mb-en1", "mb-us1", "mb-us2", "mb-us3")
+MBROLA_FOREIGN = (
+    *("mb-af1-en", "mb-de4-en", "mb-de5-en", "mb-de6-en", "mb-fr1-en", "mb-fr4-en"),
+    *("mb-gr2-en", "mb-hu1-en", "mb-nl2-en", "mb-pl1-en", "mb-ro1-en", "mb-sw1-en", "mb-sw2-en"),
+)
 HELD_OUT_EVERY = 5  # of the espeak variants, one in so many is held out
 
 
@@ -76,7 +87,7 @@ def speak(prompts: list[Prompt]) -> list[Int16 | None]:
     """
     if prompts[0].engine == "festival":
         return _festival(prompts)
-    one = {"espeak": _espeak, "phonemes": _phonemes, "flite": _flite}[prompts[0].engine]
+    one = _ENGINES[prompts[0].engine]
     return [one(prompt) for prompt in prompts]
 
 
@@ -85,9 +96,10 @@ def random_style(rng: Random) -> tuple[float, float]:
     return rng.uniform(0.7, 1.4), rng.uniform(0.2, 0.8)
 
 
-def _run(command: list[str]) -> bytes:
+def _run(command: list[str], said: str = "") -> bytes:
     try:
-        return subprocess.run(command, check=True, capture_output=True).stdout
+        done = subprocess.run(command, check=True, capture_output=True, input=said.encode())
+        return done.stdout
     except FileNotFoundError as error:
         raise ModelError(f"training needs the program {command[0]!r}") from error
 
@@ -96,14 +108,31 @@ def _espeak(prompt: Prompt, text: str | None = None) -> Int16 | None:
     speed = ["-s", str(round(165 * prompt.rate)), "-p", str(round(99 * prompt.pitch))]
     said = prompt.text if text is None else text
     data = _run(["espeak-ng", "-v", prompt.voice, *speed, "--stdout", said])
-    return _finish(np.frombuffer(data[44 : 44 + (len(data) - 44) // 2 * 2], "<i2"), 22050)
+    rate = int.from_bytes(data[24:28], "little")  # an MBROLA voice has its own
+    return _finish(np.frombuffer(data[44 : 44 + (len(data) - 44) // 2 * 2], "<i2"), rate)
+
+
+def phonemes(text: str, accent: str) -> str:
+    """A text in espeak-ng's phoneme mnemonics.
+
+    Args:
+        text: English.
+        accent: An English voice of espeak-ng, such as "en-gb-scotland".
+
+    Raises:
+        ModelError: espeak-ng is not installed.
+    """
+    return " ".join(_run(["espeak-ng", "-q", "-x", "-v", accent, text]).decode().split())
+
+
+def shared_phonemes(mnemonics: str) -> str:
+    """English phonemes as the nearest ones that voices of other languages have."""
+    return _PHONEME.sub(lambda match: _SHARED_PHONEMES[match[0]], mnemonics)
 
 
 def _phonemes(prompt: Prompt) -> Int16 | None:
     """English phonemes spoken by the voice of another language: an accent."""
-    mnemonics = _run(["espeak-ng", "-q", "-x", "-v", "en-us", prompt.text]).decode()
-    shared = _PHONEME.sub(lambda m: _SHARED_PHONEMES[m[0]], " ".join(mnemonics.split()))
-    return _espeak(prompt, f"[[{shared}]]")
+    return _espeak(prompt, f"[[{shared_phonemes(phonemes(prompt.text, 'en-us'))}]]")
 
 
 def _flite(prompt: Prompt) -> Int16 | None:
@@ -112,6 +141,24 @@ def _flite(prompt: Prompt) -> Int16 | None:
         stretch = f"duration_stretch={1 / prompt.rate:.3f}"
         style = ["--setf", stretch, "-voice", prompt.voice]
         _run(["flite", *style, "-t", prompt.text, "-o", str(path)])
+        return _finish(*soundfile.read(path, dtype="int16"))
+
+
+def _rhvoice(prompt: Prompt) -> Int16 | None:
+    """Statistical voices of recorded people; rate and pitch in per cent."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "a.wav"
+        style = ["-r", str(round(100 * prompt.rate)), "-t", str(round(70 + 60 * prompt.pitch))]
+        _run(["RHVoice-test", "-p", prompt.voice, *style, "-o", str(path)], prompt.text)
+        return _finish(*soundfile.read(path, dtype="int16"))
+
+
+def _pico(prompt: Prompt) -> Int16 | None:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "a.wav"
+        speed, pitch = round(100 * prompt.rate), round(70 + 60 * prompt.pitch)
+        said = f'<pitch level="{pitch}"><speed level="{speed}">{prompt.text}</speed></pitch>'
+        _run(["pico2wave", "-l", prompt.voice, "-w", str(path), said])
         return _finish(*soundfile.read(path, dtype="int16"))
 
 
@@ -140,3 +187,13 @@ def _finish(samples: Int16, rate: int) -> Int16 | None:
     loud = np.flatnonzero(np.abs(sound) > 0.01 * np.abs(sound).max())
     sound = sound[max(loud[0] - 160, 0) : loud[-1] + 320]
     return np.round(sound * (16000 / np.abs(sound).max())).astype(np.int16)
+
+
+_ENGINES: dict[Engine, Callable[[Prompt], Int16 | None]] = {
+    "espeak": _espeak,
+    "mbrola": _espeak,
+    "phonemes": _phonemes,
+    "flite": _flite,
+    "rhvoice": _rhvoice,
+    "pico": _pico,
+}
