@@ -10,7 +10,7 @@ RUN := unset PYTHONPATH PYTHONHOME; . catkin_ws/devel/setup.sh; export ROS_IP=12
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
 
-.PHONY: help setup demo test bench evaluate train lint report clean
+.PHONY: help setup demo test bench evaluate train paper lint report clean
 
 help: ## list the verbs
 	@echo "Voice interface for surgical robot assistants. Say one of:"
@@ -54,9 +54,14 @@ FIRST := .cache/training/first.pt
 train: setup ## train the embedded recogniser anew, then further; or one run of your own with ARGS; resumes where it was interrupted
 	@$(RUN) $(if $(ARGS),$(FIT) $(ARGS),$(FIT) --out $(FIRST) && $(FIT) --from $(FIRST) --steps 6200 --rate 6e-4 --decay 0.68)
 
-report: setup ## SESSION=sessions/<time>: make the report of a recorded session again
+paper: setup ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; goes on where it was interrupted
+	@$(RUN) python -m paper $(if $(REPETITIONS),--repetitions '$(REPETITIONS)') $(if $(VOICES),--voices '$(VOICES)') \
+	    $(if $(OUT),--out '$(OUT)')
+
+report: setup ## SESSION=sessions/<time> or a folder of sessions: make the report [OUT=dir] [LATEX=1] [JOBS=n]
 	@test -n "$(SESSION)" || { echo "make report needs SESSION=folder or file.mcap"; exit 2; }
-	@$(RUN) python -m session_log.cli report '$(SESSION)'
+	@$(RUN) python -m session_log.cli report '$(SESSION)' $(if $(OUT),--out '$(OUT)') \
+	    $(if $(LATEX),--latex) $(if $(JOBS),--jobs '$(JOBS)')
 
 lint: setup ## style, types and the rule that only ros/ folders import ROS
 	@$(RUN) ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports

@@ -4,11 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.voice_sets import SPEECH
 from demo.sound import speak, theatre_noise
+from voice_assist.training.human import read_int16, read_manifest
 from voice_assist.types import RATE, Samples
 
 Sound = NDArray[np.float64]
@@ -30,6 +33,8 @@ REPLIES = (
     'unknown command "more light"; say one of: hey robot, tense, release, pull more, pull less, '
     "stop, terminate, insert, withdraw",
 )
+RECORDED = "recorded"
+LONGEST_RECORDED = 60.0  # [s] of one recording
 REPLY_VOICES = ("en-us", "en-gb", "en-us+f3", "en-gb+m3")
 
 
@@ -102,16 +107,65 @@ def music(seconds: float, rng: np.random.Generator) -> Sound:
     return _level(sound, rng)
 
 
+def servo(seconds: float, rng: np.random.Generator) -> Sound:
+    """The robot's own joints: gears that whine with their speed, the motors' hum, brakes."""
+    t = _times(seconds)
+    sound = 0.05 * _coloured(seconds, rng, 1.0)
+    for _ in range(3):
+        wish = np.interp(t, *_random_steps(seconds, 1.0, rng, -1.0, 1.5))
+        speed = np.clip(wish, 0.0, 1.0)  # of the fastest
+        mesh = 2 * np.pi * np.cumsum(rng.uniform(500.0, 1500.0) * speed) / RATE  # teeth that meet
+        whine = sum((np.sin(k * mesh) / k for k in range(1, 5)), np.zeros_like(t))
+        rumble = _coloured(seconds, rng, 1.5) * (1.0 + np.sin(mesh / 20.0))
+        sound += speed * (whine + 0.5 * rumble)
+        for edge in np.flatnonzero(np.diff((speed > 0.0).astype(np.int8))):
+            click = rng.standard_normal(RATE // 50) * np.exp(-np.arange(RATE // 50) / 60.0)
+            _add(sound, edge / RATE, 2.0 * click)
+    hum = np.sin(2 * np.pi * rng.uniform(90.0, 130.0) * t)
+    return _level(sound + 0.1 * hum, rng)
+
+
 def replies(seconds: float, rng: np.random.Generator) -> Sound:
     """What the robot says of itself, by a loudspeaker, with pauses."""
+    return _replies(seconds, rng, REPLIES, (0.6, 3.0))
+
+
+def speaking(seconds: float, rng: np.random.Generator) -> Sound:
+    """One reply after the other, with hardly a pause to be heard in; none says "stop" itself."""
+    return _replies(seconds, rng, tuple(r for r in REPLIES if "stop" not in r), (0.0, 0.1))
+
+
+def _replies(
+    seconds: float, rng: np.random.Generator, texts: tuple[str, ...], pauses: tuple[float, float]
+) -> Sound:
     sound = 10 ** (-60 / 20) * rng.standard_normal(_count(seconds))
-    at = 0.5
+    at = min(0.5, pauses[1])
     while at < seconds:
         voice = REPLY_VOICES[int(rng.integers(len(REPLY_VOICES)))]
-        said = speak(REPLIES[int(rng.integers(len(REPLIES)))], voice, int(rng.integers(130, 190)))
-        _add(sound, at, said * rng.uniform(0.2, 1.5))
-        at += len(said) / RATE + rng.uniform(0.6, 3.0)
+        said = speak(texts[int(rng.integers(len(texts)))], voice, int(rng.integers(130, 190)))
+        loudness = rng.uniform(0.2, 1.5) if pauses[0] > 0.0 else 1.0
+        _add(sound, at, said * loudness)
+        at += len(said) / RATE + rng.uniform(*pauses)
     return np.clip(sound, -1.0, 1.0)
+
+
+def recorded(seconds: float, rng: np.random.Generator) -> Sound:
+    """Recordings of rooms and things one after the other, each at its own level.
+
+    Training mixes the same files below speech. In quiet where there are none.
+    """
+    pieces, done, wanted, paths = [np.zeros(0)], 0, _count(seconds), recordings()
+    while done < wanted and paths:
+        sound = read_int16(paths[int(rng.integers(len(paths)))])[: _count(LONGEST_RECORDED)]
+        pieces.append(_level(sound.astype(np.float64), rng))
+        done += len(sound)
+    whole = np.concatenate(pieces)[:wanted]
+    return np.pad(whole, (0, wanted - len(whole)))
+
+
+def recordings() -> list[Path]:
+    """Recorded noises; none where ../shared/speech is absent."""
+    return [row.path for row in read_manifest(SPEECH) if row.kind == "noise"]
 
 
 KINDS: dict[str, Callable[[float, np.random.Generator], Sound]] = {
@@ -122,7 +176,10 @@ KINDS: dict[str, Callable[[float, np.random.Generator], Sound]] = {
     "drills": drill,
     "alarms": alarms,
     "music": music,
+    "servo": servo,
     "replies": replies,
+    "speaking": speaking,
+    RECORDED: recorded,
 }
 
 
@@ -137,7 +194,7 @@ def make(kind: str, seconds: float, seed: int) -> Samples:
     Returns:
         16 kHz in [-1, 1]. Shape (n,).
     """
-    rng = np.random.default_rng((sorted(KINDS).index(kind), seed))
+    rng = np.random.default_rng((tuple(KINDS).index(kind), seed))
     return np.clip(KINDS[kind](seconds, rng), -1.0, 1.0).astype(np.float32)
 
 

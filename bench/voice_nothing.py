@@ -1,75 +1,99 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Hours in which nobody gives a command, armed; HOURS=10 for the record."""
+"""Hours in which nobody gives a command, armed; HOURS=10 for the record.
+
+Pieces that are there are counted, so that it can be done in several goes.
+"""
 
 from __future__ import annotations
 
-import json
 import math
 import os
-import shutil
 from collections import Counter
-from pathlib import Path
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-import soundfile
-
-from bench import voice_noises, voice_sets
+from bench import voice_chunks, voice_kept, voice_noises
 from bench.figures import Figure
 from bench.voice_bounds import rate_at_most
-from bench.voice_run import FOLDER, Row, evaluated
-from voice_assist.types import RATE
+from bench.voice_chunks import Label, Record, digest, source
+from bench.voice_stream import Scene
+from voice_assist.types import RATE, Mode
 
-HOURS = float(os.environ.get("HOURS", "0.2"))
-LONGEST = 300.0  # [s] of one piece
+FULL = 10.0  # [h]
+HOURS = min(FULL, float(os.environ.get("HOURS", "0.2")))
+SECONDS = 300.0  # [s] of one piece
+
+
+@dataclass(frozen=True)
+class NoiseChunk:
+    """Some minutes of one kind of noise."""
+
+    kind: str  # of voice_noises.KINDS, or RECORDED
+    seed: int
+    seconds: float = SECONDS
+
+    def name(self) -> str:
+        """Digest of kind, seed, length and how they make sound."""
+        return f"{self.kind}-{self.seed:04d}-{digest(self, source(voice_noises))}"
+
+    def scenes(self) -> Iterator[tuple[Label, Scene]]:
+        """One."""
+        sound = voice_noises.make(self.kind, self.seconds, self.seed)
+        label: Label = {"kind": self.kind, "seed": self.seed, "seconds": len(sound) / RATE}
+        yield label, Scene(sound, Mode.ACTIVE)
 
 
 def measure() -> list[Figure]:
-    """As much of each kind; at most an hour lies on the disk at a time."""
-    kinds = tuple(voice_noises.KINDS)
-    share = 3600.0 * HOURS / len(kinds)  # [s] of a kind
-    pieces = math.ceil(share / LONGEST)
-    rows: list[Row] = []
-    per_batch = max(1, round(3600.0 / (LONGEST * len(kinds))))
-    for first in range(0, pieces, per_batch):
-        seeds = range(first, min(first + per_batch, pieces))
-        rows += _batch(kinds, share / pieces, seeds)
-    figures = [_figure("nothing said: taken", rows, 0.0)]
-    figures += [_figure(f"{k}: taken", [r for r in rows if _kind(r) == k]) for k in kinds]
-    _write(rows)
+    """As much of each kind."""
+    plan = _plan()
+    wanted = math.ceil(HOURS * 3600.0 / SECONDS)
+    pieces = voice_chunks.up_to("nothing", plan, wanted)
+    records = voice_chunks.measured("nothing", {"": pieces})[""]
+    hours = _hours(records)
+    figures = [voice_kept.measured(hours, "h", FULL), _figure("nothing said: taken", records, 0.0)]
+    for kind in dict.fromkeys(r.label["kind"] for r in records):
+        some = [r for r in records if r.label["kind"] == kind]
+        figures.append(_figure(f"{kind}: taken", some))
+    compute = sum(r.heard.compute for r in records)
+    figures.append(Figure("real-time factor on noise", compute / (3600.0 * hours), ""))
+    data = {"mode": "active", "fired": _fired(records)}
+    voice_kept.write_details("nothing_fired", hours, data)
     return figures
 
 
-def _batch(kinds: tuple[str, ...], seconds: float, seeds: range) -> list[Row]:
-    folder = voice_sets.CACHE / "nothing"
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    names = []
-    for kind in kinds:
-        for seed in seeds:
-            name = f"{kind}_{seed}.wav"
-            soundfile.write(folder / name, voice_noises.make(kind, seconds, seed), RATE)
-            names.append(name)
-    manifest = voice_sets.no_command(folder, names)
-    found = evaluated(f"nothing_{seeds.start}", manifest)
-    (FOLDER / f"nothing_{seeds.start}.json").unlink()  # nothing.json holds the sum of them
-    shutil.rmtree(folder)
-    return list(found.rows)
+def _plan() -> list[NoiseChunk]:
+    kinds = list(voice_noises.KINDS)
+    if not voice_noises.recordings():
+        print("no recorded noise in ../shared/speech: made noise alone")
+        kinds.remove(voice_noises.RECORDED)
+    count = math.ceil(FULL * 3600.0 / SECONDS)
+    return [NoiseChunk(kinds[i % len(kinds)], i // len(kinds)) for i in range(count)]
 
 
-def _kind(row: Row) -> str:
-    return Path(row.path).stem.rpartition("_")[0]
-
-
-def _figure(name: str, rows: list[Row], target: float | None = None) -> Figure:
-    taken = Counter(command for row in rows for command in row.taken)
-    hours = sum(row.seconds for row in rows) / 3600.0
+def _figure(name: str, records: Sequence[Record], target: float | None = None) -> Figure:
+    taken = Counter(command for r in records for command in r.heard.taken)
+    hours = _hours(records)
     which = "".join(f", {command}: {count}" for command, count in taken.items())
     note = f"(in {hours:.2f} h, at most {rate_at_most(taken.total(), hours):.2f}/h{which})"
     return Figure(name, float(taken.total()), "commands", target, note=note)
 
 
-def _write(rows: list[Row]) -> None:
-    fired = [{"sound": Path(r.path).name, "taken": r.taken} for r in rows if r.taken]
-    hours = sum(row.seconds for row in rows) / 3600.0
-    data = {"hours": hours, "mode": "active", "fired": fired}
-    path = FOLDER / "nothing_fired.json"
-    path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+def _hours(records: Sequence[Record]) -> float:
+    return sum(r.heard.streamed for r in records) / 3600.0
+
+
+def _fired(records: Sequence[Record]) -> list[dict[str, object]]:
+    return [
+        {
+            "kind": record.label["kind"],
+            "seed": record.label["seed"],
+            "at": one.at,
+            "taken": one.command,
+            "heard": one.text,
+            "confidence": one.confidence,
+            "origin": one.origin,
+        }
+        for record in records
+        for one in record.heard.said
+        if one.is_taken
+    ]

@@ -59,6 +59,10 @@ why did it stop|will it stop here|stop worrying about that|the bleeding will sto
 stop at the door please doctor|tell him to stop talking
 """)
 
+NAMED = _split("""
+tents|dense|least|full more|shop|don't stop|stop pulling|don't pull more|the release form|terminal
+""")
+
 ALL = {"sounds like": SOUNDS_LIKE, "denied": DENIED, "in a sentence": IN_A_SENTENCE}
 TRAINED = frozenset((*texts.NEAR_MISSES, *texts.HARD, *texts.TALK, *texts.COMMANDS))
 

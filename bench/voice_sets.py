@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -12,7 +11,6 @@ import numpy as np
 import soundfile
 
 from bench.figures import ROOT
-from bench.voice_phrases import plan
 from demo.sound import theatre_noise
 from voice_assist.training.human import read_manifest
 from voice_assist.training.synthesis import Clip, plan_held_out, synthesise
@@ -43,19 +41,6 @@ def synthetic_commands(thin: int = 1) -> Path:
         rows = [(row["path"], row["transcript"]) for row in csv.DictReader(file)]
     manifest = folder / f"manifest_{thin}.csv"
     _table(manifest, rows[::thin])
-    return manifest
-
-
-def near_misses(voices: int) -> Path:
-    """Near misses, denied commands and sentences, each by so many held-out voices."""
-    folder = CACHE / f"near_{voices}"
-    manifest = folder / "manifest.csv"
-    prompts = plan(SEED, voices)
-    key = hashlib.sha256(repr(prompts).encode()).hexdigest()
-    made_of = folder / "plan.sha256"
-    if not made_of.is_file() or made_of.read_text(encoding="utf-8") != key:
-        _write(folder, synthesise(prompts, ROOT / ".cache" / "training" / "held_out"))
-        made_of.write_text(key, encoding="utf-8")
     return manifest
 
 

@@ -26,7 +26,6 @@ from demo.timeline import Timeline
 from demo.virtual_microphone import VirtualMicrophone
 
 ROOT = Path(__file__).resolve().parent.parent
-READY_TIME = 90.0  # [s] allowed for the system to come up
 SOUND_TIME = 20.0  # [s] allowed for the first sound to be heard
 WAV_LEAD = 12.0  # [s] of noise before the script where the voice node plays the file itself
 TAIL = 2.0  # [s] recorded after the last step
@@ -91,16 +90,7 @@ def _session(
         environment = microphone.environment if microphone else {}
         system = stack.enter_context(System(folder / "launch.log", environment))
         rospy.init_node("demo", anonymous=True, disable_signals=True)
-        launch = ROOT / "launch" / "system.launch"
-        system.launch(
-            launch,
-            gui=options.gui,
-            sessions=folder.parent,
-            session=folder.name,
-            controller_overrides=ROOT / "demo" / "overrides.yaml",
-            robot_overrides=ROOT / "demo" / "robot_overrides.yaml",
-            **source,
-        )
+        system.launch_session(folder, gui=options.gui, **source)
         timeline = stack.enter_context(Timeline(console))
         _wait_until_ready(system, timeline)
         if options.microphone:
@@ -131,19 +121,12 @@ def _record_script(script: Script, wav: Path, lead: float) -> Path:
 
 
 def _wait_until_ready(system: System, timeline: Timeline) -> None:
-    deadline = time.monotonic() + READY_TIME
     parts = {
         "recorder": timeline.recorder_ready,
         "robot": timeline.controller_ready,
         "voice": timeline.voice_ready,
     }
-    for part, ready in parts.items():
-        while not ready.wait(0.2):
-            if not system.is_running():
-                raise RuntimeError(f"a node ended while the {part} was starting")
-            if time.monotonic() > deadline:
-                raise RuntimeError(f"the {part} was not ready within {READY_TIME:g} s")
-        timeline.say(f"{part} ready", "green")
+    system.wait_for(parts, lambda part: timeline.say(f"{part} ready", "green"))
 
 
 def _follow(script: Script, system: System, timeline: Timeline) -> None:
@@ -151,6 +134,7 @@ def _follow(script: Script, system: System, timeline: Timeline) -> None:
     take_picture(timeline.warn)
     for i, step in enumerate(script.steps):
         _wait_until(step.at, system, timeline)
+        timeline.intend("" if step.effect == "nothing" else step.say)
         who = "surgeon" if step.speaker == "surgeon" else "people "
         timeline.say(f'{who} says "{step.say}"', "bold white")
         end = script.end_of(i)

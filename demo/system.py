@@ -7,12 +7,16 @@ import os
 import signal
 import socket
 import subprocess
+import threading
 import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import rosgraph
 
+ROOT = Path(__file__).resolve().parent.parent
 START_TIME = 20.0  # [s] allowed for roscore to answer
+READY_TIME = 90.0  # [s] allowed for all parts to come up
 STOP_TIME = 15.0  # [s] allowed for roslaunch to end before it is killed
 
 
@@ -52,6 +56,43 @@ class System:
             f"{k}:={str(v).lower() if isinstance(v, bool) else v}" for k, v in arguments.items()
         ]
         self._spawn(["roslaunch", "--wait", str(file), *words])
+
+    def launch_session(self, folder: Path, gui: bool = False, **source: str | Path) -> None:
+        """Start the whole system on a simulated robot that is recorded into a folder.
+
+        Args:
+            folder: Of this session.
+            gui: Open the simulator's window.
+            source: Launch arguments that say where the sound comes from.
+        """
+        self.launch(
+            ROOT / "launch" / "system.launch",
+            gui=gui,
+            sessions=folder.parent,
+            session=folder.name,
+            controller_overrides=ROOT / "demo" / "overrides.yaml",
+            robot_overrides=ROOT / "demo" / "robot_overrides.yaml",
+            **source,
+        )
+
+    def wait_for(self, parts: Mapping[str, threading.Event], say: Callable[[str], None]) -> None:
+        """Wait until every part has shown that it is ready.
+
+        Args:
+            parts: Name of each part, and what is set when it is ready.
+            say: Told the name of each part when it is ready.
+
+        Raises:
+            RuntimeError: A node ended, or a part was not ready in time.
+        """
+        deadline = time.monotonic() + READY_TIME
+        for part, ready in parts.items():
+            while not ready.wait(0.2):
+                if not self.is_running():
+                    raise RuntimeError(f"a node ended while the {part} was starting")
+                if time.monotonic() > deadline:
+                    raise RuntimeError(f"the {part} was not ready within {READY_TIME:g} s")
+            say(part)
 
     def is_running(self) -> bool:
         """Tell whether everything that was started is still there."""

@@ -42,6 +42,7 @@ class Timeline:
         self._partial, self._mode = "", "?"
         self._state: ControllerState | None = None
         self._lock = threading.Lock()
+        self._intended = rospy.Publisher("voice_assist/intended", String, queue_size=10)
         self._live = Live(console=console, refresh_per_second=8, get_renderable=self._footer)
 
     def start_clock(self, zero: float) -> None:
@@ -97,6 +98,10 @@ class Timeline:
     def say(self, words: str, style: str = "bold") -> None:
         """Print one line of the timeline."""
         self._console.print(Text(f"{self.now():7.2f} s  {words}", style=style))
+
+    def intend(self, phrase: str) -> None:
+        """Put on record what now begins to sound: the exact command, or empty for none."""
+        self._intended.publish(String(phrase))
 
     def warn(self, words: str) -> None:
         """Print one line about something that went wrong beside the session."""

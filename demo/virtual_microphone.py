@@ -72,10 +72,16 @@ class VirtualMicrophone:
     ) -> None:
         self._close()
 
-    def play(self, wav: Path) -> subprocess.Popen[bytes]:
-        """Begin to play a sound file into the microphone; returns the player."""
+    def play(self, wav: Path, ahead_ms: int = 200) -> subprocess.Popen[bytes]:
+        """Begin to play a sound file into the microphone; returns the player.
+
+        Args:
+            wav: The sound.
+            ahead_ms: Sound that the server holds ready [ms]; too little for a busy machine, and
+                there are gaps in it.
+        """
         return subprocess.Popen(
-            ["paplay", "--latency-msec=30", f"--device={self._sink}", str(wav)],
+            ["paplay", f"--latency-msec={ahead_ms}", f"--device={self._sink}", str(wav)],
             env={**os.environ, **self.environment},
             start_new_session=True,
         )

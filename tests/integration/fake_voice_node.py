@@ -7,7 +7,7 @@ from voice_assist.ros import node
 from voice_assist.spotter.second_way import SecondWay
 
 node.make_recognizer = lambda config: FakeRecognizer()
-node.make_pipeline = lambda config, clock, recognizer, spotting: Pipeline(
-    config, recognizer, make_detector(), clock, SecondWay(config.spotter, spotting)
+node.make_pipeline = lambda config, clock, recognizer, spotting, witness: Pipeline(
+    config, recognizer, make_detector(), clock, SecondWay(config.spotter, spotting), witness
 )
 node.main()

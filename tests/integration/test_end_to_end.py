@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From a sound file to a moved robot to an MCAP file, through the whole launched system."""
 
+import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -9,10 +11,14 @@ import time
 from pathlib import Path
 
 import pytest
+import yaml
 from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 
 from demo.check import REST
+from session_log import metadata
+from session_log.reader import SessionReader
+from tests.recorded_topics import ON_REQUEST, TYPES
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "tests" / "data" / "short_session.yaml"
@@ -75,6 +81,57 @@ def test_the_recording_holds_sound_joint_states_and_decisions(session):
     assert counts["/voice_assist/audio"] > 10 * 16_000 / 512
     assert counts["/joint_states"] > 10 * 100
     assert {"/rst_control/event", "/rst_control/trocar", "/robot/tension"} <= set(counts)
+
+
+def test_the_recording_is_heard_again_without_a_difference(session):
+    folder, _ = session
+    words = [sys.executable, "-m", "session_log.cli", "replay", str(folder)]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and "the same" in done.stdout, done.stdout + done.stderr
+    assert "warning" not in done.stderr and "lost" not in done.stdout
+
+
+def test_the_recording_holds_what_the_layouts_open_with_the_right_types(session):
+    folder, _ = session
+    with (folder / "session.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    found = {c.topic: summary.schemas[c.schema_id].name for c in summary.channels.values()}
+    wanted = {topic: kind for topic, kind in TYPES.items() if topic not in ON_REQUEST}
+    assert {topic: found.get(topic) for topic in wanted} == wanted
+
+
+def test_the_message_classes_of_ros_read_every_message_and_write_the_same_bytes(session):
+    folder, _ = session
+    done = subprocess.run(
+        [
+            sys.executable,
+            ROOT / "tests" / "integration" / "ros_classes.py",
+            folder / "session.mcap",
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    count = json.loads(done.stdout)
+    assert count["sensor_msgs/JointState"] > 1000 and count["voice_assist/AudioChunk"] > 100
+    assert count["rst_control/ControllerState"] > 100
+
+
+def test_the_recording_says_by_what_it_was_made(session):
+    folder, _ = session
+    reader = SessionReader(folder)
+    condition = reader.check()
+    assert (condition.is_closed, condition.checksum, condition.damage) == (True, "good", [])
+    voice = condition.latest("session/voice_assist")
+    assert voice["model"] and re.fullmatch("[0-9a-f]{64}", voice["model_sha256"])
+    assert re.fullmatch("[0-9a-f]{40}|unknown", condition.latest("code")["commit"])
+    assert condition.latest("machine") == metadata.machine_facts()
+    assert {"started", "seed"} <= set(condition.latest("session"))
+    settings = yaml.safe_load(condition.latest("parameters")["controller"])
+    assert settings["controller"]["recording"]["on_loss"] == "refuse"
+    (urdf,) = reader.messages({"/robot_description"})
+    assert urdf.data[4:] == (ROOT / "urdf" / "gen3_openrst.urdf").read_bytes()
 
 
 def _heed_ctrl_c():

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import signal
@@ -11,20 +12,25 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager
+from datetime import datetime
 from pathlib import Path
 
 import pytest
 import rosgraph
+import yaml
 from mcap.reader import make_reader
+from mcap_ros1.decoder import DecoderFactory
 
+from session_log import metadata
 from session_log.reader import SessionReader
 from session_log.survey import survey
+from tests.integration import recorder_talker
+from tests.integration.recorder_talker import FAST, odd_classes, odd_message
 from typed_config import load_yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "catkin_ws" / "src" / "session_log"
 PATIENCE = 40.0  # [s] after which a test gives up
-FAST = ("/joint_states", "/robot/servo_jp", "/robot/tension")
 
 
 def wait_until(claim, what):
@@ -81,11 +87,12 @@ def ros(tmp_path_factory):
 
 
 @contextmanager
-def recorder(ros, folder, **changes):
+def recorder(ros, folder, screen=None, **changes):
     settings = dict(load_yaml(PACKAGE / "config" / "recorder.yaml"))
     settings |= {"folder": str(folder), "name": ".", **changes}
     ros.master.setParam("/recorder", settings)
-    process = ros.start([sys.executable, str(PACKAGE / "scripts" / "recorder")])
+    errors = screen.open("wb") if screen else None
+    process = ros.start([sys.executable, str(PACKAGE / "scripts" / "recorder")], stderr=errors)
     try:
         yield process
     finally:
@@ -96,8 +103,8 @@ def recorder(ros, folder, **changes):
 
 
 def talk(ros, *words):
-    """Run this file as the process that talks; returns it with its output as a pipe."""
-    command = [sys.executable, __file__, *words]
+    """Start the process that talks; returns it with its output as a pipe."""
+    command = [sys.executable, recorder_talker.__file__, *words]
     return ros.start(command, stdout=subprocess.PIPE, text=True)
 
 
@@ -112,10 +119,12 @@ def session(ros, tmp_path_factory):
     """A recording of fast topics, a latched one from before, and one that appears late."""
     folder = tmp_path_factory.mktemp("session")
     ros.master.setParam("/robot_description", "<robot name='test'/>")
-    ros.master.setParam("/session/voice_assist", {"model": "embedded", "seed": 3})
+    model = folder / "model.pt"
+    model.write_bytes(b"weights")
+    ros.master.setParam("/session/voice_assist", {"model": str(model)})
     process = talk(ros, "traffic", "1500")
     wait_until(lambda: any(t == "/latched" for t, _ in ros.master.getPublishedTopics("")), "talk")
-    with recorder(ros, folder):
+    with recorder(ros, folder, seed=11):
         (said,) = lines(process)
     return folder / "session.mcap", said
 
@@ -159,9 +168,66 @@ def test_settings_model_and_robot_are_recorded_with_it(session):
     (urdf,) = reader.messages({"/robot_description"})
     assert urdf.data[4:] == b"<robot name='test'/>"
     condition = reader.condition
-    assert condition.latest("session/voice_assist") == {"model": "embedded", "seed": "3"}
-    assert "flush_period" in condition.latest("parameters")["recorder"]
-    assert condition.latest("code")["commit"] and condition.latest("versions")["mcap"]
+    model = session[0].with_name("model.pt")
+    facts = {"model": str(model), "model_sha256": hashlib.sha256(b"weights").hexdigest()}
+    assert condition.latest("session/voice_assist") == facts
+    parameters = condition.latest("parameters")
+    assert yaml.safe_load(parameters["recorder"])["flush_period"] == 0.005
+    assert "robot_description" not in parameters
+    head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    assert condition.latest("code")["commit"] == (head.stdout.strip() or "unknown")
+    assert condition.latest("machine") == metadata.machine_facts()
+    assert condition.latest("versions") == metadata.version_facts()
+    assert condition.latest("session")["seed"] == "11"
+    started = datetime.fromisoformat(condition.latest("session")["started"])
+    assert 0.0 < time.time() - started.timestamp() < 3600.0
+
+
+def test_a_type_that_this_workspace_does_not_have_is_recorded_by_its_definition(session):
+    kind = odd_classes()["strange_msgs/Odd"]
+    with session[0].open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        ((schema, channel, _, odd),) = reader.iter_decoded_messages(["/odd"])
+    assert (schema.name, channel.metadata["md5sum"]) == ("strange_msgs/Odd", kind._md5sum)
+    assert [(p.name, list(p.samples)) for p in odd.parts] == [("a", [1.5]), ("", []), ("ü", [2, 3])]
+    assert (odd.when.secs, odd.when.nsecs, odd.lasting.secs, odd.lasting.nsecs) == (7, 8, -9, 10)
+    assert (list(odd.fixed), list(odd.words), bytes(odd.raw)) == (
+        [-1, 2, 3],
+        ["", "x y"],
+        b"\0\xff",
+    )
+    assert odd.LIMIT == 5 and odd.is_true and odd.large == 2**63 + 1
+    found = kind()
+    (message,) = SessionReader(session[0]).messages({"/odd"})
+    found.deserialize(message.data)  # by a class of genpy, as ROS itself reads it
+    assert found == odd_message()
+
+
+def test_a_recording_is_played_for_viewers_that_open_no_files(ros, session):
+    listener = talk(ros, "listen")
+    wait_until(listener.stdout.readline, "the listener")
+    play = [sys.executable, str(PACKAGE / "scripts" / "play"), str(session[0])]
+    player = ros.start([*play, "--rate", "2"], stdout=subprocess.DEVNULL)
+    (heard,) = lines(listener)
+    assert heard["joints"] == [float(k) for k in range(1500)]
+    assert (heard["name"], heard["odd"]) == ("joint_7", True)
+    assert heard["urdf"] == "<robot name='test'/>"
+    assert player.wait(PATIENCE) == 0
+
+
+def test_a_recording_is_not_played_into_a_running_system(ros, session):
+    robot = talk(ros, "until_killed")
+    wait_until(lambda: ["/joint_states", "sensor_msgs/JointState"] in topics(ros), "the robot")
+    play = [sys.executable, str(PACKAGE / "scripts" / "play"), str(session[0])]
+    refused = ros.start(play, stderr=subprocess.PIPE, text=True)
+    assert "someone publishes /joint_states" in refused.communicate(timeout=PATIENCE)[1]
+    assert refused.returncode == 1
+    robot.kill()
+    robot.wait(PATIENCE)
+
+
+def topics(ros):
+    return ros.master.getPublishedTopics("")
 
 
 def test_sigkill_takes_nothing_that_was_acknowledged(ros, tmp_path):
@@ -184,22 +250,34 @@ def test_sigkill_takes_nothing_that_was_acknowledged(ros, tmp_path):
     assert result.missing == 0
 
 
+def diagnosed(watcher):
+    """What diagnostics say next; None where the next line is a heartbeat that has changed."""
+    line = json.loads(watcher.stdout.readline())
+    return None if line["level"] is None else line
+
+
 def test_a_folder_that_cannot_be_written_is_an_error_until_it_can(ros, tmp_path):
     obstacle = tmp_path / "sessions"
     obstacle.write_text("a file where the folder should be")
-    with recorder(ros, obstacle):
+    with recorder(ros, obstacle, screen=tmp_path / "screen") as process:
         watcher = talk(ros, "watch")
-        first = json.loads(wait_until(watcher.stdout.readline, "diagnostics"))
+        first = wait_until(lambda: diagnosed(watcher), "diagnostics")
         assert first["level"] == 2 and "NOT RECORDING" in first["message"]
         assert "cannot record to" in first["message"] and first["file"] == ""
+        assert first["heartbeat"] == first["message"].removeprefix("NOT RECORDING: ")
         obstacle.unlink()
         found = first
         deadline = time.monotonic() + PATIENCE
         while found["level"] != 0 and time.monotonic() < deadline:
-            found = json.loads(watcher.stdout.readline())
-        assert found["message"] == "recording"
+            found = diagnosed(watcher) or found
+        assert found["message"] == "recording" and found["heartbeat"] == ""
+        process.send_signal(signal.SIGINT)
+        process.wait(PATIENCE)
+        end = wait_until(lambda: json.loads(watcher.stdout.readline())["heartbeat"], "the end")
+        assert end == "the recorder was shut down"
         watcher.kill()
         watcher.wait(PATIENCE)
+    assert "NOT RECORDING: cannot record to" in (tmp_path / "screen").read_text()
     assert survey(SessionReader(obstacle)).topics["/rosout"].messages > 0
 
 
@@ -223,109 +301,3 @@ def test_the_launch_file_records_into_the_folder_it_is_given(ros, tmp_path):
         launch.wait(PATIENCE)
     condition = SessionReader(folder).check()
     assert condition.is_closed and condition.checksum == "good"
-
-
-def say(**values):
-    print(json.dumps(values), flush=True)
-
-
-class Talker:
-    """Publishes what the system would."""
-
-    def __init__(self):
-        import rospy
-        from geometry_msgs.msg import WrenchStamped
-        from sensor_msgs.msg import JointState
-
-        names = [f"joint_{i}" for i in range(1, 8)]
-        self.joints = JointState(name=names, position=[0.0] * 7, velocity=[0.0] * 7)
-        self.wrench = WrenchStamped()
-        kinds = (JointState, JointState, WrenchStamped)
-        pairs = zip(FAST, kinds, strict=True)
-        self.out = [rospy.Publisher(t, kind, queue_size=2000) for t, kind in pairs]
-        self.count = 0
-        while not all(p.get_num_connections() for p in self.out) and not rospy.is_shutdown():
-            rospy.sleep(0.05)
-
-    def publish(self):
-        self.joints.position[0] = float(self.count)
-        for publisher, message in zip(
-            self.out, (self.joints, self.joints, self.wrench), strict=True
-        ):
-            publisher.publish(message)
-        self.count += 1
-
-
-def traffic(count):
-    import rospy
-    from std_msgs.msg import Empty, String
-
-    latched = rospy.Publisher("/latched", String, latch=True, queue_size=1)
-    latched.publish("said once, long ago")
-    talker = Talker()
-    rate = rospy.Rate(500)
-    late = None
-    for k in range(count):
-        talker.publish()
-        if k == count // 2:
-            late = rospy.Publisher("/late", Empty, latch=True, queue_size=1)
-            late.publish()
-        rate.sleep()
-    rospy.sleep(1.5)
-    say(published=talker.count, late=late is not None)
-
-
-def until_killed():
-    import rospy
-    from std_msgs.msg import Time
-
-    stamps = []
-
-    def acknowledge(message):
-        # the stamp is taken before the message leaves, so what left two seconds before the
-        # acknowledged time had arrived by then
-        until = message.data.to_sec() - 2.0
-        say(acknowledged=sum(stamp < until for stamp in list(stamps)))
-
-    rospy.Subscriber("/session_log/written", Time, acknowledge)
-    talker = Talker()
-    rate = rospy.Rate(500)
-    while not rospy.is_shutdown():
-        stamps.append(time.time())
-        talker.publish()
-        rate.sleep()
-
-
-def watch():
-    import rospy
-    from diagnostic_msgs.msg import DiagnosticArray
-    from std_msgs.msg import String
-
-    file = [""]
-    rospy.Subscriber("/session_log/file", String, lambda m: file.__setitem__(0, m.data))
-    rospy.sleep(1.0)
-
-    def show(array):
-        for status in array.status:
-            if status.name == "recorder: recording":
-                level = status.level[0] if isinstance(status.level, bytes) else status.level
-                say(level=level, message=status.message, file=file[0])
-
-    rospy.Subscriber("/diagnostics", DiagnosticArray, show)
-    rospy.spin()
-
-
-def main(words):
-    import rospy
-
-    rospy.init_node("talker", anonymous=True)
-    if words[0] == "traffic":
-        traffic(int(words[1]))
-    elif words[0] == "until_killed":
-        until_killed()
-    else:
-        watch()
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

@@ -12,7 +12,6 @@ from bench import voice_denoise, voice_noises, voice_run, voice_speed
 from bench.voice_bounds import at_least, at_most, rate_at_most
 from bench.voice_calibration import KINDS, Reliability, claims_of, draw, reliability
 from bench.voice_keywords import count
-from bench.voice_near import figures as near_figures
 from bench.voice_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
 from bench.voice_run import Evaluated, Row, changed_config, read_rows
 from voice_assist.config import load_voice_config
@@ -124,35 +123,12 @@ def test_near_misses_of_the_requirement_are_all_there():
     assert named <= {*SOUNDS_LIKE, *DENIED}
 
 
-def test_a_stop_taken_from_a_denied_stop_is_no_motion():
-    rows = [
-        row("don't stop", taken=["stop"]),
-        row("tents"),
-        row("illuminate"),
-        row("pull more gauze"),
-    ]
-    found = {f.name: f for f in near_figures(rows)}
-    assert found["near misses: taken as motion"].value == 0.0
-    assert found["denied: taken as motion"].is_met
-    assert found["denied: taken as stop"].value == 1.0
-
-
-def test_a_denied_command_that_moves_misses_its_target():
-    rows = [
-        row("don't pull more", taken=["pull more"]),
-        row("tents"),
-        row("illuminate"),
-        row("pull more gauze"),
-    ]
-    found = {f.name: f for f in near_figures(rows)}
-    assert found["denied: taken as motion"].is_met is False
-    assert '"don\'t pull more"' in found["denied: taken as motion"].note
-
-
 # --- noises
 
 
-@pytest.mark.parametrize("kind", sorted(set(voice_noises.KINDS) - {"replies"}))
+@pytest.mark.parametrize(
+    "kind", sorted(set(voice_noises.KINDS) - {"replies", "speaking", "recorded"})
+)
 def test_noise_is_the_same_from_the_same_seed_and_stays_in_range(kind):
     sound = voice_noises.make(kind, 3.0, 5)
     assert sound.shape == (3 * RATE,)
@@ -164,7 +140,8 @@ def test_noise_is_the_same_from_the_same_seed_and_stays_in_range(kind):
 
 
 def test_silence_is_quieter_than_any_other_noise():
-    loud = {k: np.std(voice_noises.make(k, 3.0, 1)) for k in voice_noises.KINDS if k != "replies"}
+    made = set(voice_noises.KINDS) - {"replies", "speaking", "recorded"}
+    loud = {k: np.std(voice_noises.make(k, 3.0, 1)) for k in made}
     assert min(loud, key=loud.get) == "silence"
 
 
@@ -218,9 +195,9 @@ def test_a_part_alone_is_measured_and_written_beside_its_family(monkeypatch):
         main_module, "run", lambda name, measure, _: ran.append((name, measure)) or []
     )
     assert main_module.main(["voice.near"]) == 0
-    from bench import voice_near
+    from bench import voice
 
-    assert ran == [("voice/near", voice_near.measure)]
+    assert ran == [("voice/near", voice.PARTS["near"])]
 
 
 # --- speed

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import pytest
 
+from bench.story import write_session
 from session_log.cli import CONFIG
 from session_log.config import RecorderConfig, ReportConfig
-from tests.unit.session_log.synthetic_session import write_session
 from typed_config import load_config, load_yaml
 
 

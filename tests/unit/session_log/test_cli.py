@@ -80,6 +80,45 @@ def test_report_is_written_beside_the_recording(story, tmp_path, capsys):
     assert (tmp_path / "report.html").is_file() and (tmp_path / "timeline.png").is_file()
 
 
+def test_report_over_a_folder_names_what_it_could_not_read(story, tmp_path, capsys):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "session.mcap").write_bytes(story[0].read_bytes())
+    (tmp_path / "b.mcap").write_bytes(b"#ROSBAG V2.0")
+    words = (tmp_path, "--no-pages", "--latex")
+    code, out, err = run(capsys, "report", *words)
+    assert code == 0 and "1 sessions read, 1 not readable" in out
+    assert err.startswith(f"not read: {tmp_path / 'b.mcap'}: ") and err.count("\n") == 1
+    assert str(tmp_path / "report.html") in out and str(tmp_path / "latency.tex") in out
+    assert (tmp_path / "a" / "report_summary.json").is_file()
+
+
+@pytest.mark.parametrize(
+    ("words", "wrong"),
+    [
+        (["empty"], "empty: a folder without any recording (*.mcap) in or below it"),
+        (["none"], "none: no such file or folder"),
+        (["bag.mcap"], "bag.mcap is not an MCAP recording: it begins with b'#ROSBAG '"),
+        (["bag.mcap", "empty"], "2 inputs and no place for the report over them: give --out DIR"),
+        (["bag.mcap", "none", "--out", "o"], "none: no such file or folder"),
+        (["bags"], "none of 1 recordings can be read: "),
+        (["empty", "--jobs", "0"], "--jobs 0: allowed is 1 or more"),
+    ],
+)
+def test_report_says_what_is_wrong_in_one_line(tmp_path, capsys, monkeypatch, words, wrong):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "bags").mkdir()
+    for path in (tmp_path / "bag.mcap", tmp_path / "bags" / "bag.mcap"):
+        path.write_bytes(b"#ROSBAG V2.0")
+    code, _, err = run(capsys, "report", *words)
+    assert code == 1 and err.startswith("session_log: " + wrong) and err.count("\n") == 1
+
+
+def test_report_without_anything_named_shows_its_usage(capsys):
+    code, _, err = run(capsys, "report")
+    assert code == 2 and "SESSION|FOLDER" in err
+
+
 def test_a_wrong_key_in_the_settings_is_named(story, tmp_path, capsys):
     (tmp_path / "report.yaml").write_text("rcm_limits: 3\n", encoding="utf-8")
     code, _, err = run(capsys, "report", story[0], "--config", tmp_path / "report.yaml")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
 
+from bench.message_classes import class_of, serialise, source_of
 from session_log.decoder import Decoder, Undecodable
 from session_log.types import Message, Source
-from tests.unit.session_log.message_classes import class_of, serialise, source_of
 
 
 def test_a_message_is_decoded_by_the_definition_in_the_file():

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import wave
 
+from bench.story import Story
 from session_log.export import export
 from session_log.reader import SessionReader
 from session_log.writer import SessionWriter
-from tests.unit.session_log.synthetic_session import Story
 
 
 def test_lost_sound_becomes_silence_of_the_same_length(tmp_path):

@@ -4,16 +4,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from session_log.extract import extract
-from session_log.reader import SessionReader
-from session_log.writer import SessionWriter
-from tests.unit.session_log.synthetic_session import (
+from bench.story import (
     MOTION,
     OUTSIDE_UNTIL,
     SPEECH,
     Story,
     write_session,
 )
+from session_log.extract import extract
+from session_log.reader import SessionReader
+from session_log.writer import SessionWriter
 
 
 def write(path, messages):

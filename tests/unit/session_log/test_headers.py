@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
 
+from bench.message_classes import class_of, definition_of, serialise
 from session_log.headers import read_header, starts_with_header
-from tests.unit.session_log.message_classes import class_of, definition_of, serialise
 
 
 @pytest.mark.parametrize(

@@ -7,22 +7,8 @@ import re
 import pytest
 import yaml
 
-from tests.unit.session_log.message_classes import ROOT, class_of
-
-TYPES = {
-    "/voice_assist/utterance": "voice_assist/Utterance",
-    "/voice_assist/mode": "voice_assist/Mode",
-    "/rst_control/event": "rst_control/Event",
-    "/rst_control/state": "rst_control/ControllerState",
-    "/joint_states": "sensor_msgs/JointState",
-    "/rst_control/trocar": "geometry_msgs/PointStamped",
-    "/rst_control/markers": "visualization_msgs/MarkerArray",
-    "/robot/tissue_markers": "visualization_msgs/MarkerArray",
-    "/robot/tension": "geometry_msgs/WrenchStamped",
-    "/robot/scene/compressed": "sensor_msgs/CompressedImage",
-    "/robot_description": "std_msgs/String",
-    "/diagnostics": "diagnostic_msgs/DiagnosticArray",
-}
+from bench.message_classes import ROOT, class_of
+from tests.recorded_topics import TYPES
 
 
 @pytest.fixture(scope="module")
@@ -56,3 +42,12 @@ def test_every_topic_of_rviz_is_one_that_is_recorded():
     topics = {d["Marker Topic"] for d in displays if "Marker Topic" in d}
     assert topics == {"/rst_control/markers", "/robot/tissue_markers"}
     assert all(TYPES[topic] == "visualization_msgs/MarkerArray" for topic in topics)
+
+
+def test_rviz_takes_robot_and_frames_from_what_is_recorded():
+    config = yaml.safe_load((ROOT / "urdf/rviz/session.rviz").read_text(encoding="utf-8"))
+    manager = config["Visualization Manager"]
+    robots = [d for d in manager["Displays"] if d["Class"] == "rviz/RobotModel"]
+    assert [d["Robot Description"] for d in robots] == ["robot_description"]
+    assert TYPES["/robot_description"] == "std_msgs/String"
+    assert manager["Global Options"]["Fixed Frame"] == "base_link"

@@ -8,13 +8,13 @@ from itertools import count
 
 import pytest
 
+from bench.message_classes import class_of, serialise, source_of
 from session_log.errors import RecordingFailed
 from session_log.reader import SessionReader
 from session_log.recorder import Recorder
 from session_log.survey import survey
 from session_log.types import Source
 from session_log.writer import SessionWriter
-from tests.unit.session_log.message_classes import class_of, serialise, source_of
 
 PATIENCE = 20.0  # [s] after which a test gives up; none is expected to take it
 
@@ -241,3 +241,55 @@ def test_metadata_may_come_at_any_time_and_the_last_of_a_name_counts(tmp_path, r
     condition = SessionReader(tmp_path / "s.mcap").check()
     assert condition.latest("parameters") == {"gain": "2"}
     assert [name for name, _ in condition.metadata] == ["parameters", "parameters"]
+
+
+class Blocking:
+    """A disk whose writes take as long as the test likes."""
+
+    def __init__(self):
+        self.is_free = threading.Event()
+        self.is_free.set()
+
+    def write(self, fd, data):
+        assert self.is_free.wait(PATIENCE)
+        return os.write(fd, data)
+
+
+def test_a_disk_that_hangs_without_an_error_is_an_error_until_it_goes_on(tmp_path, recorder_config):
+    disk, now = Blocking(), [0.0]
+
+    def open_writer():
+        writer = SessionWriter(tmp_path / "s.mcap")
+        writer._stream._write = disk.write
+        return writer
+
+    recorder = Recorder(open_writer, recorder_config, time.time_ns, lambda: now[0])
+    tally = recorder.register(text())
+    recorder.start()
+    wait_until(lambda: recorder.status().is_recording)
+    disk.is_free.clear()
+    recorder.offer(tally, b"x")
+    wait_until(lambda: recorder.status().waiting == 0)  # the writer has taken it, and hangs
+    assert recorder.status().is_recording
+    now[0] += recorder_config.stall_time + 0.1
+    status = recorder.status()
+    assert status.error == "the disk has taken nothing for more than 3 s"
+    assert not status.is_recording and status.written == 0
+    disk.is_free.set()
+    wait_until(lambda: recorder.status().is_recording)
+    assert recorder.close() == "" and recorder.status().written == 1
+
+
+def test_a_drop_counts_as_loss_for_a_while_and_stays_counted(recorder_config):
+    now = [0.0]
+    config = replace(recorder_config, queue_messages=100)
+    recorder = Recorder(pytest.fail, config, time.time_ns, lambda: now[0])
+    tally = recorder.register(text())
+    for _ in range(100):
+        recorder.offer(tally, b"x")
+    assert recorder.status().error == ""
+    recorder.offer(tally, b"one too many")
+    now[0] = config.stall_time
+    assert recorder.status().error == "messages are being dropped: the disk is too slow"
+    now[0] += 0.1
+    assert (recorder.status().error, recorder.status().dropped) == ("", 1)

@@ -8,17 +8,21 @@ from html.parser import HTMLParser
 import pytest
 from PIL import Image
 
+from bench.story import Story, write_session
 from session_log.errors import OutputFailed
 from session_log.reader import SessionReader
 from session_log.report import write_report
-from session_log.report.figures.rcm import micrometres
+from session_log.report.text_table import length
 from session_log.writer import SessionWriter
-from tests.unit.session_log.synthetic_session import Story, write_session
 
 FIGURES = {"timeline", "latency", "rcm_error", "tension", "scene", "joints", "loop_timing"}
+FIGURES |= {"accuracy", "confusion"}
 SECTIONS = [
     "Timeline",
     "Commands",
+    "What was refused, and why",
+    "Recognition accuracy",
+    "What was taken for what",
     "From the end of speech to motion",
     "RCM error",
     "Tissue tension",
@@ -81,11 +85,11 @@ def test_the_page_needs_nothing_outside_itself(report):
 
 
 def test_latency_stands_beside_the_papers_table(report):
-    rows = {row[0]: row for row in report[1].rows if len(row) == 6}
+    rows = {row[0]: row for row in report[1].rows if len(row) == 7}
     paper = {"hey robot": 1.97, "tense": 1.14, "release": 1.42, "pull more": 2.39}
     paper |= {"pull less": 2.50, "stop": 1.29, "terminate": 1.52}
     for command, latency in paper.items():
-        assert rows[command][-1] == f"{latency:.2f}\u00a0s"
+        assert rows[command][-1] == f"{latency:.2f}"
     assert rows["all"][1] == "10"
 
 
@@ -99,8 +103,38 @@ def test_refusals_and_ignored_talk_are_told_with_their_reason(report):
     )
 
 
-def test_small_errors_keep_their_digits():
-    assert micrometres(2.95e-8) == "0.0295 µm" and micrometres(50e-6) == "50 µm"
+def test_what_was_refused_has_a_table_of_its_own(report):
+    rows = [row for row in report[1].rows if len(row) == 4 and row[1] == "tense"]
+    assert rows == [["28.8\u00a0s", "tense", "“tense”", "tissue is held already"]]
+
+
+def test_accuracy_counts_what_was_meant_and_never_heard(report):
+    rows = {row[0]: row[1:] for row in report[1].rows if len(row) == 5}
+    assert rows["stop"] == ["2", "1", "50.0\u00a0%", "1.3 to 98.7\u00a0%"]
+    assert rows["all commands"][:2] == ["12", "11"]
+    assert rows["no command"][:2] == ["2", "2"]
+
+
+def test_both_rcm_errors_and_the_trocars_change_are_told(report):
+    words = report[1].words
+    assert "From the joint states, by the recorded robot model and trocar alone, while" in words
+    assert "Trocar set at 20.0 s (by a service call)." in words
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        (2.95e-8, "29.5 nm"),
+        (50e-6, "50 µm"),
+        (0.1e-6, "0.1 µm"),
+        (0.0123, "12.3 mm"),
+        (0.0, "0 µm"),
+        (3e-17, "below 0.001 nm"),
+        (float("nan"), "–"),
+    ],
+)
+def test_lengths_keep_their_digits_in_a_fitting_unit(value, words):
+    assert length(value).replace("\u00a0", " ") == words
 
 
 def test_a_session_by_hand_has_commands_but_no_latency(tmp_path, report_config):
@@ -120,11 +154,11 @@ def test_a_session_by_hand_has_commands_but_no_latency(tmp_path, report_config):
 def test_origin_and_limits_are_named(report):
     words = report[1].words
     assert "0123456789abcdef0123456789abcdef01234567" in words
-    assert "model_sha256" in words and "limit of 50 µm" in words
+    assert "model_sha256" in words and "limit of 50\u00a0µm" in words
 
 
 def test_what_was_recorded_is_text_never_markup(tmp_path, report_config, monkeypatch):
-    from tests.unit.session_log import synthetic_session
+    from bench import story as synthetic_session
 
     hostile = [(1.0, 0.5, "<script>alert(1)</script>", "", "<b>no</b>")]
     monkeypatch.setattr(synthetic_session, "SPEECH", hostile)
@@ -138,7 +172,9 @@ def test_a_session_without_anything_still_gives_a_page_that_says_so(tmp_path, re
     write_session(tmp_path / "s.mcap", duration=-1.0)
     result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
     page = Page(result.page.read_text(encoding="utf-8"))
-    assert result.figures == [] and page.headings == SECTIONS
+    assert result.figures == []
+    assert page.headings == [s for s in SECTIONS if s != "What was taken for what"]
+    assert "Nobody recorded what was meant to be said" in page.words
     assert "No spoken command led to an action." in page.words
 
 

@@ -13,11 +13,11 @@ from mcap.records import Message as McapMessage
 from mcap.stream_reader import StreamReader
 from mcap_ros1.decoder import DecoderFactory
 
+from bench.message_classes import class_of, serialise, source_of
 from session_log.errors import RecordingFailed
 from session_log.reader import SessionReader
 from session_log.types import Message
 from session_log.writer import SessionWriter
-from tests.unit.session_log.message_classes import class_of, serialise, source_of
 
 ROOT = Path(__file__).resolve().parents[3]
 NOW = 1_795_200_000_000_000_000

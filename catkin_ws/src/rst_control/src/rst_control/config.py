@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from rst_control.collision_config import CollisionConfig
+from rst_control.recording_config import RecordingConfig
 from rst_control.types import PLAN_COUNT
 from typed_config import (
     ConfigError,
@@ -226,6 +227,7 @@ class ControllerConfig:
     jaws: JawsConfig
     tension: TensionConfig
     watchdogs: WatchdogConfig
+    recording: RecordingConfig
 
 
 @dataclass(frozen=True, kw_only=True)

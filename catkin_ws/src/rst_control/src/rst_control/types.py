@@ -126,6 +126,7 @@ class Reason(Enum):
     NOT_CONNECTED = "not connected"
     FAULTED = "faulted"
     STALE = "joint states stale"
+    NOT_RECORDED = "not recorded"
 
 
 class PhaseKind(Enum):

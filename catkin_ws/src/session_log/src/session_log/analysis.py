@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a session to figures: one row per command, latency by command, RCM error, tension, loops."""
+"""From a session to figures: one row per command, RCM error, tension, loops."""
 
 from __future__ import annotations
 
@@ -98,33 +98,9 @@ def command_rows(data: SessionData, config: ReportConfig) -> list[CommandRow]:
     return sorted(rows, key=lambda row: row.time)
 
 
-def latency_by_command(rows: Iterable[CommandRow]) -> dict[str, Statistics]:
-    """Time from the end of speech to the robot's action [s], by command."""
-    by_command: dict[str, list[float]] = {}
-    for row in rows:
-        if math.isfinite(row.action_latency):
-            by_command.setdefault(row.command, []).append(row.action_latency)
-    return {command: statistics(values) for command, values in by_command.items()}
-
-
-def decision_by_command(rows: Iterable[CommandRow]) -> dict[str, Statistics]:
-    """Time from the end of speech to the decision [s], by command."""
-    by_command: dict[str, list[float]] = {}
-    for row in rows:
-        if row.heard:
-            by_command.setdefault(row.command, []).append(row.decision_latency)
-    return {command: statistics(values) for command, values in by_command.items()}
-
-
 def rcm_while_moving(data: SessionData) -> Statistics:
     """Distance of the shaft line from the trocar while the robot moves [m]."""
     return statistics(data.controller["rcm_error"][data.controller["moving"] > 0])
-
-
-def rcm_above(data: SessionData, limit: float) -> int:
-    """Count samples while moving whose RCM error is above a limit [m]."""
-    error = data.controller["rcm_error"][data.controller["moving"] > 0]
-    return int(np.count_nonzero(error > limit))
 
 
 def tension_statistics(data: SessionData) -> Statistics:

@@ -14,6 +14,8 @@ from pathlib import Path
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed, SessionLogError
 from session_log.reader import SessionReader
+from session_log.replay_options import add_replay_options
+from session_log.report_options import add_options
 from session_log.survey import Survey, survey
 from typed_config import ConfigError, load_config, load_yaml
 
@@ -57,14 +59,15 @@ def _recover(arguments: argparse.Namespace) -> int:
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    from session_log.export import export
+    from session_log.export import FORMATS, Format, export
 
     config = _config(arguments.config)
     topics = config.topics
     wanted = arguments.topic or [topics.utterance, topics.event, topics.state, topics.mode]
     reader = SessionReader(arguments.session)
     folder = arguments.out or reader.path.parent / "export"
-    result = export(reader, folder, wanted, topics.audio)
+    formats: tuple[Format, ...] = FORMATS[arguments.format]
+    result = export(reader, folder, wanted, topics.audio, formats)
     for path, rows in result.rows.items():
         print(f"{path}: {rows} rows")
     for topic in sorted(set(wanted) - {t for t in wanted if _is_written(t, result.rows)}):
@@ -76,16 +79,16 @@ def _export(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _report(arguments: argparse.Namespace) -> int:
-    from session_log.report import write_report
+def _replay(arguments: argparse.Namespace) -> int:
+    from session_log.replay_command import run
 
-    config = _config(arguments.config)
-    reader = SessionReader(arguments.session)
-    report = write_report(reader, arguments.out or reader.path.parent, config)
-    print(f"{report.page}")
-    for path in report.figures:
-        print(f"{path}")
-    return 0
+    return run(arguments)
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from session_log.report.command import run
+
+    return run(arguments, _config(arguments.config))
 
 
 def _config(path: Path) -> ReportConfig:
@@ -153,11 +156,18 @@ def _parser() -> argparse.ArgumentParser:
     info.add_argument("--json", action="store_true", help="as JSON")
     recover = _command(commands, "recover", _recover, "copy what is readable to a sound file")
     recover.add_argument("--out", type=Path, help="file to write; default: beside the recording")
-    export = _command(commands, "export", _export, "topics to CSV, sound to WAV")
+    replay = _command(
+        commands, "replay", _replay, "hear again, and list what comes out differently"
+    )
+    add_replay_options(replay)
+    export = _command(commands, "export", _export, "topics to CSV or Parquet, sound to WAV")
     export.add_argument("--out", type=Path, help="folder; default: export beside the recording")
+    export.add_argument("--format", choices=("csv", "parquet", "both"), default="csv")
     export.add_argument("--topic", action="append", help="a topic to write, instead of the usual")
-    report = _command(commands, "report", _report, "one HTML page and its figures as PNG")
-    report.add_argument("--out", type=Path, help="folder; default: that of the recording")
+    words = "one HTML page and its figures as PNG, of one session or over many"
+    report = commands.add_parser("report", help=words, description=words)
+    report.set_defaults(run=_report)
+    add_options(report)
     for command in (export, report):
         command.add_argument("--config", type=Path, default=CONFIG, help="settings of the report")
     return parser

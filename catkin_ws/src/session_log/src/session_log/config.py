@@ -22,6 +22,7 @@ class RecorderConfig:
     flush_period: float = number(0.0005, 1.0, "s")
     sync_period: float = number(0.0, 3600.0, "s")
     retry_period: float = number(0.05, 60.0, "s")
+    stall_time: float = number(0.1, 600.0, "s")
     queue_messages: int = integer(100, 10_000_000, "messages")
     queue_size: int = integer(1_000_000, 8_000_000_000, "B")
     low_space: int = integer(0, 1_000_000_000_000, "B")
@@ -44,6 +45,17 @@ class ReportTopics:
     set_points: str = text()
     picture: str = text()
     diagnostics: str = text()
+    trocar: str = text()
+    intended: str = text()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaftLinks:
+    """Where the shaft is in the recorded robot model."""
+
+    base: str = text()
+    link: str = text()
+    tip: str = text()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,17 +67,29 @@ class PaperLatency:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Paper:
+    """What the paper reports, and where it stands."""
+
+    source: str = text()
+    hardware: str = text()
+    repetitions: int = integer(0, 100_000)
+    latency: tuple[PaperLatency, ...] = items(0, 100)
+
+
+@dataclass(frozen=True, kw_only=True)
 class ReportConfig:
     """What the report reads and the lines it draws."""
 
     topics: ReportTopics
     rcm_limit: float = number(0.0, 1.0, "m")
+    shaft: ShaftLinks
     match_window: float = number(0.0, 60.0, "s")
+    intended_window: float = number(0.0, 600.0, "s")
+    intended_slack: float = number(0.0, 5.0, "s")
     motion_window: float = number(0.0, 600.0, "s")
     sample_period: float = number(0.0, 10.0, "s")
     late_factor: float = number(1.0, 100.0, "")
     pictures: int = integer(0, 64)
-    paper_hardware: str = text()
-    paper_latency: tuple[PaperLatency, ...] = items(0, 100)
+    paper: Paper
     resolution: int = integer(50, 600, "dpi")
     vector: bool = flag()

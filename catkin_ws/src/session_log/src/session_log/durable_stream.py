@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import errno
 import os
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -35,6 +36,11 @@ class DurableStream:
         """Take bytes for the next commit."""
         self._pending += data
         return len(data)
+
+    def checksum(self, start: int) -> int:
+        """CRC-32 of what was taken since a position [B], none of which may be committed yet."""
+        with memoryview(self._pending) as view:
+            return zlib.crc32(view[start - self._committed :])
 
     def tell(self) -> int:
         """Position in the file, pending bytes included [B]."""

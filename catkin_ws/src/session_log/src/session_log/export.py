@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Topics to CSV, sound to WAV."""
+"""Topics to CSV and Parquet, sound to WAV."""
 
 from __future__ import annotations
 
@@ -7,16 +7,23 @@ import csv
 import json
 import wave
 from array import array
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, Protocol
 
 from session_log.decoder import Decoder, Undecodable
 from session_log.errors import OutputFailed
 from session_log.reader import SessionReader
 from session_log.types import Message
+
+Format = Literal["csv", "parquet"]
+FORMATS: Mapping[str, tuple[Format, ...]] = {
+    "csv": ("csv",),
+    "parquet": ("parquet",),
+    "both": ("csv", "parquet"),
+}
 
 LONGEST_GAP = 60.0  # [s] of lost sound that is filled with silence; a longer gap is a restart
 
@@ -32,14 +39,24 @@ class Export:
     undecodable: int = 0
 
 
-def export(reader: SessionReader, folder: Path, topics: Collection[str], audio: str) -> Export:
-    """Write one CSV per topic, named after it, and the sound of the audio topic as audio.wav.
+def export(
+    reader: SessionReader,
+    folder: Path,
+    topics: Collection[str],
+    audio: str,
+    formats: Collection[Format] = FORMATS["csv"],
+) -> Export:
+    """Write one table per topic, named after it, and the sound of the audio topic as audio.wav.
+
+    Messages are written as they are read: memory does not grow with the recording. Where a topic
+    changes its type, what follows goes to a file of its own, numbered.
 
     Args:
         reader: The recording, sound or not.
         folder: Where to write; made if it is not there.
-        topics: Topics to write as CSV.
+        topics: Topics to write as tables.
         audio: Topic of the sound.
+        formats: Of the tables.
 
     Raises:
         OutputFailed: The folder cannot be written.
@@ -47,17 +64,37 @@ def export(reader: SessionReader, folder: Path, topics: Collection[str], audio: 
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with ExitStack() as stack:
-            return _Exporter(folder, stack, topics, audio).run(reader)
+            return _Exporter(folder, stack, topics, audio, formats).run(reader)
     except OSError as error:
         raise OutputFailed(folder, error) from error
 
 
+class _Table(Protocol):
+    """One topic as a file."""
+
+    path: Path
+    rows: int
+
+    def add(self, message: Message, content: Any) -> None: ...
+
+    def __enter__(self) -> _Table: ...
+
+    def __exit__(self, *_: object) -> None: ...
+
+
 class _Exporter:
-    def __init__(self, folder: Path, stack: ExitStack, topics: Collection[str], audio: str) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        stack: ExitStack,
+        topics: Collection[str],
+        audio: str,
+        formats: Collection[Format],
+    ) -> None:
         self._folder, self._stack = folder, stack
-        self._topics, self._audio = topics, audio
+        self._topics, self._audio, self._formats = topics, audio, formats
         self._decoder = Decoder()
-        self._tables: dict[str, _CsvFile] = {}
+        self._tables: dict[tuple[str, str, str], list[_Table]] = {}
         self._wave: _WaveFile | None = None
         self._result = Export()
 
@@ -67,7 +104,8 @@ class _Exporter:
                 self._take(message, self._decoder.decode(message))
             except Undecodable:
                 self._result.undecodable += 1
-        self._result.rows = {table.path: table.rows for table in self._tables.values()}
+        tables = [table for group in self._tables.values() for table in group]
+        self._result.rows = {table.path: table.rows for table in tables}
         if self._wave:
             self._result.sound = self._wave.path
             self._result.samples, self._result.lost_samples = self._wave.samples, self._wave.lost
@@ -81,10 +119,31 @@ class _Exporter:
                 self._wave = self._stack.enter_context(_WaveFile(path, content.rate))
             self._wave.add(content.first_sample, content.samples)
         if topic in self._topics:
-            if topic not in self._tables:
-                path = self._folder / (topic.strip("/").replace("/", "_") + ".csv")
-                self._tables[topic] = self._stack.enter_context(_CsvFile(path))
-            self._tables[topic].add(message.log_time, dict(flatten(content)))
+            for table in self._tables_of(message):
+                table.add(message, content)
+
+    def _tables_of(self, message: Message) -> list[_Table]:
+        source = message.source
+        key = (source.topic, source.datatype, source.md5sum)
+        if key not in self._tables:
+            before = sum(topic == source.topic for topic, *_ in self._tables)
+            stem = file_stem(source.topic) + (f"_{before + 1}" if before else "")
+            opened = [self._open(stem, name, message) for name in self._formats]
+            self._tables[key] = [self._stack.enter_context(table) for table in opened]
+        return self._tables[key]
+
+    def _open(self, stem: str, name: Format, first: Message) -> _Table:
+        path = self._folder / f"{stem}.{name}"
+        if name == "csv":
+            return _CsvFile(path)
+        from session_log.parquet import ParquetFile  # loads pyarrow, which takes its time
+
+        return ParquetFile(path, first)
+
+
+def file_stem(topic: str) -> str:
+    """Name of a topic's file, without its ending."""
+    return topic.strip("/").replace("/", "_")
 
 
 class _CsvFile:
@@ -95,12 +154,14 @@ class _CsvFile:
         self._file = path.open("w", newline="", encoding="utf-8")
         self._writer: csv.DictWriter[str] | None = None
 
-    def add(self, log_time: int, fields: dict[str, object]) -> None:
+    def add(self, message: Message, content: Any) -> None:
+        fields = dict(flatten(content))
         if self._writer is None:
             columns = ["log_time", *fields]
             self._writer = csv.DictWriter(self._file, columns, extrasaction="ignore")
             self._writer.writeheader()
-        self._writer.writerow({"log_time": f"{log_time * 1e-9:.9f}", **fields})
+        seconds, nanoseconds = divmod(message.log_time, 1_000_000_000)
+        self._writer.writerow({"log_time": f"{seconds}.{nanoseconds:09d}", **fields})
         self.rows += 1
 
     def __enter__(self) -> _CsvFile:

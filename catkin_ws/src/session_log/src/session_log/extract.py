@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from session_log.config import ReportConfig
 from session_log.decoder import Decoder, Undecodable
 from session_log.headers import read_header, starts_with_header
@@ -16,11 +18,13 @@ from session_log.session_data import (
     Event,
     Health,
     Heard,
+    Intended,
     Intervals,
     Picture,
     SessionData,
     Span,
     Table,
+    Trocar,
 )
 from session_log.survey import Counter, Survey
 from session_log.types import Message, Source
@@ -84,6 +88,8 @@ class _Extractor:
             topics.state: self._state,
             topics.picture: self._picture,
             topics.diagnostics: self._diagnostics,
+            topics.intended: self._intended,
+            topics.trocar: self._trocar,
             URDF_TOPIC: self._urdf,
         }
         self._fast: dict[str, Callable[[Any], None]] = {
@@ -151,6 +157,7 @@ class _Extractor:
 
     def _utterance(self, m: Any) -> None:
         wer = dict(zip(m.phrases, m.wer, strict=False))
+        self._data.phrases = tuple(m.phrases) or self._data.phrases
         self._data.heard.append(
             Heard(
                 speech_start=self._time(m.speech_start),
@@ -167,6 +174,13 @@ class _Extractor:
                 is_early=bool(m.early),
             )
         )
+
+    def _intended(self, m: Any) -> None:
+        self._data.intended.append(Intended(self._now, m.data))
+
+    def _trocar(self, m: Any) -> None:
+        position = (m.point.x, m.point.y, m.point.z)
+        self._data.trocars.append(Trocar(self._now, position, m.header.frame_id))
 
     def _mode(self, m: Any) -> None:
         self._modes.say(max(self._time(m.header.stamp), 0.0), m.mode)
@@ -197,7 +211,8 @@ class _Extractor:
     def _audio(self, m: Any) -> None:
         if not m.samples:
             return
-        power = sum(s * s for s in m.samples) / len(m.samples) / FULL_SCALE**2
+        samples = np.asarray(m.samples, dtype=float)
+        power = float(samples @ samples) / len(samples) / FULL_SCALE**2
         level = 10.0 * math.log10(power) if power > 0 else QUIETEST
         self._data.sound.append(self._time(m.header.stamp), max(level, QUIETEST))
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
@@ -16,8 +16,9 @@ from mcap.exceptions import McapError
 from mcap.records import Channel, Chunk, Header, Metadata, Schema
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import CRCValidationError, breakup_chunk
+from zstandard import ZstdError
 
-from session_log import records
+from session_log import records, seals
 from session_log.errors import NotASession, SessionMissing
 from session_log.records import MAGIC, Record, RecordWalker
 from session_log.session_folder import FILE_NAME
@@ -26,6 +27,16 @@ from session_log.types import Damage, Message, Source
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _FOOTER_SIZE = records.HEAD.size + 20
 _EARLIEST = 946_684_800_000_000_000  # [ns] the year 2000; times before it are damage
+UNREADABLE = (  # what reading damaged records raises
+    McapError,
+    CRCValidationError,
+    ZstdError,
+    ValueError,
+    struct.error,
+    EOFError,
+    RuntimeError,
+    MemoryError,
+)
 _LATEST = 4_102_444_800_000_000_000  # [ns] the year 2100
 
 
@@ -91,7 +102,10 @@ class _Pass:
         self._channels: dict[int, Source] = {}
         self._checksum = zlib.crc32(MAGIC)
         self._is_data_over = False
+        self._from_ending: dict[int, Source] = {}
+        self._named_at = -1  # [B] of the last record that named a topic
         self._walker = RecordWalker(file, self._accepts)
+        self._held = seals.Held(file)
 
     def messages(self, topics: Collection[str] | None) -> Iterator[Message]:
         if self._condition.size >= self._start + _FOOTER_SIZE + len(MAGIC):
@@ -101,13 +115,20 @@ class _Pass:
                 self._condition.damage.append(item)
             else:
                 yield from self._take(item, topics)
+        yield from self._given(self._held.release(), topics)
 
     def _take(self, record: Record, topics: Collection[str] | None) -> Iterator[Message]:
-        if record.opcode == records.MESSAGE:
-            message = self._message(record.body)
-            if message and (topics is None or message.source.topic in topics):
-                yield message
+        if record.opcode in (records.MESSAGE, records.METADATA):
+            yield from self._given(self._held.hold(record), topics)
+        elif record.opcode == records.SEAL:
+            yield from self._given(self._held.open(record), topics)
+            self._note_broken()
+        elif record.opcode == records.DATA_END:
+            yield from self._given(self._held.finish(record), topics)
+            self._note_broken()
+            self._note(record)
         elif record.opcode == records.CHUNK:
+            yield from self._given(self._held.release(), topics)
             yield from self._chunk(record, topics)
         else:
             self._note(record)
@@ -115,12 +136,36 @@ class _Pass:
             head = records.HEAD.pack(record.opcode, len(record.body))
             self._checksum = zlib.crc32(record.body, zlib.crc32(head, self._checksum))
 
+    def _given(
+        self, released: Iterator[Record], topics: Collection[str] | None
+    ) -> Iterator[Message]:
+        for record in released:
+            if record.opcode == records.METADATA:
+                self._note(record)
+                continue
+            message = self._message(record.body)
+            if message and (topics is None or message.source.topic in topics):
+                yield message
+
+    def _note_broken(self) -> None:
+        broken, damage = self._held.broken, self._condition.damage
+        if broken is None:
+            return
+        while damage and damage[-1].offset >= broken.offset:
+            damage.pop()  # part of it
+        is_named_there = broken.offset <= self._named_at < broken.offset + broken.length
+        if is_named_there and not self._from_ending:
+            broken = replace(broken, what=f"{broken.what}; names of topics may be wrong")
+        damage.append(broken)
+        self._channels.update(self._from_ending)  # those of the broken stretch may be wrong
+
     def _note(self, record: Record) -> None:
         try:
             if record.opcode == records.SCHEMA:
                 self._add_schema(Schema.read(_stream(record.body)))
             elif record.opcode == records.CHANNEL:
                 self._add_channel(Channel.read(_stream(record.body)))
+                self._named_at = record.offset
             elif record.opcode == records.HEADER:
                 self._condition.library = Header.read(_stream(record.body)).library
             elif record.opcode == records.METADATA:
@@ -130,7 +175,7 @@ class _Pass:
                 self._end(struct.unpack_from("<I", record.body)[0])
             elif record.opcode == records.FOOTER:
                 self._condition.is_closed = True
-        except (McapError, ValueError, struct.error, EOFError):
+        except UNREADABLE:
             self._lose(record, "damaged " + _name(record.opcode))
 
     def _end(self, checksum: int) -> None:
@@ -162,8 +207,10 @@ class _Pass:
     def _chunk(self, record: Record, topics: Collection[str] | None) -> Iterator[Message]:
         try:
             chunk = Chunk.read(_stream(record.body))
+            if chunk.uncompressed_size > records.LONGEST:
+                raise ValueError(f"{chunk.uncompressed_size} B in one chunk")
             inside = breakup_chunk(chunk, validate_crc=True)
-        except (McapError, CRCValidationError, ValueError, struct.error, EOFError, RuntimeError):
+        except UNREADABLE:
             self._lose(record, "damaged chunk")
             return
         for entry in inside:
@@ -182,7 +229,7 @@ class _Pass:
 
     def _accepts(self, opcode: int, begin: bytes) -> bool:
         if opcode != records.MESSAGE:
-            return records.HEADER <= opcode <= records.DATA_END
+            return records.HEADER <= opcode <= records.DATA_END or opcode == records.SEAL
         channel, _, log_time, _ = _MESSAGE.unpack_from(begin)
         return channel in self._channels and _EARLIEST < log_time < _LATEST
 
@@ -191,12 +238,16 @@ class _Pass:
         footer_at = self._condition.size - _FOOTER_SIZE - len(MAGIC)
         self._file.seek(footer_at)
         ending = self._file.read()
-        opcode, length, summary, _, _ = struct.unpack_from("<BQQQI", ending)
+        opcode, length, summary, _, checksum = struct.unpack_from("<BQQQI", ending)
         if (opcode, length) != (records.FOOTER, 20) or not self._start < summary < footer_at:
+            return
+        covered = self._condition.size - len(MAGIC) - 4 - summary
+        if checksum and seals.checksum(self._file, summary, covered) != checksum:
             return
         for item in self._walker.walk(summary):
             if isinstance(item, Record) and item.opcode in (records.SCHEMA, records.CHANNEL):
                 self._note(item)
+        self._from_ending = dict(self._channels)
 
 
 def _stream(body: bytes) -> ReadDataStream:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -42,7 +43,7 @@ class RecorderStatus:
     """What diagnostics and acknowledgement need to know."""
 
     path: str  # empty until the file exists
-    error: str  # why nothing is being written now; empty when it is
+    error: str  # why nothing, or not all, is being recorded now; empty when all is
     size: int  # [B] of the file
     received: int
     written: int
@@ -65,6 +66,7 @@ class Recorder:
         open_writer: Creates the file; called again after `retry_period` while it fails.
         config: Limits and periods.
         clock: Wall time [ns].
+        steady: Time that no one sets [s].
     """
 
     def __init__(
@@ -72,8 +74,10 @@ class Recorder:
         open_writer: Callable[[], SessionWriter],
         config: RecorderConfig,
         clock: Callable[[], int],
+        steady: Callable[[], float] = time.monotonic,
     ) -> None:
         self._open_writer, self._config, self._clock = open_writer, config, clock
+        self._steady = steady
         self._lock = threading.Lock()
         self._queue: deque[Message | Metadata] = deque()
         self._waiting_bytes = 0
@@ -85,11 +89,14 @@ class Recorder:
         self._written = 0
         self._written_until = 0
         self._next_sync = 0
+        self._progress = float("inf")  # [s] when the disk last took something, or had nothing to
+        self._last_drop = float("-inf")  # [s]
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="session_writer", daemon=True)
 
     def start(self) -> None:
         """Begin to write."""
+        self._progress = self._steady()
         self._thread.start()
 
     def register(self, source: Source) -> Tally:
@@ -107,6 +114,7 @@ class Recorder:
                 self._note_gap(tally, data)
             if self._is_full(len(data)):
                 tally.dropped += 1
+                self._last_drop = self._steady()
                 return False
             self._waiting_bytes += len(data)
             self._queue.append(Message(tally.source, data, self._clock(), tally.received))
@@ -122,7 +130,7 @@ class Recorder:
         with self._lock:
             return RecorderStatus(
                 path=str(self._writer.path) if self._writer else "",
-                error=self._fault or self._error,
+                error=self._fault or self._error or self._loss(),
                 size=self._writer.committed if self._writer else 0,
                 received=sum(t.received for t in self._tallies),
                 written=self._written,
@@ -144,6 +152,15 @@ class Recorder:
         if self._thread.ident is not None:
             self._thread.join()
         return self._fault or self._error
+
+    def _loss(self) -> str:
+        """What is wrong although no attempt to write has failed."""
+        now, allowed = self._steady(), self._config.stall_time
+        if now - self._progress > allowed:
+            return f"the disk has taken nothing for more than {allowed:g} s"
+        if now - self._last_drop <= allowed:
+            return "messages are being dropped: the disk is too slow"
+        return ""
 
     def _is_full(self, size: int) -> bool:
         too_many = len(self._queue) >= self._config.queue_messages
@@ -211,6 +228,7 @@ class Recorder:
         writer.commit()
         self._written += self._in_flight
         self._in_flight = 0
+        self._progress = self._steady()
 
     def _write(self, writer: SessionWriter, entry: Message | Metadata) -> None:
         if isinstance(entry, Message):

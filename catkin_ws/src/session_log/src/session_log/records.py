@@ -18,8 +18,11 @@ WINDOW = 1 << 20  # [B] searched at once for the next record
 
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06
 METADATA, DATA_END = 0x0C, 0x0F
+SEAL = 0x80  # ours: MCAP leaves opcodes from 0x80 on to applications, and readers skip them
+SEAL_BODY = struct.Struct("<QI")  # how many bytes before this record it covers, their CRC-32
 _SHORTEST = {HEADER: 8, FOOTER: 20, SCHEMA: 14, CHANNEL: 16, MESSAGE: 22, CHUNK: 40, DATA_END: 4}
-_CANDIDATE = re.compile(rb"(?=[\x01-\x0f][\s\S]{4}\x00{4})")  # opcode, length below 4 GiB
+_SHORTEST[SEAL] = SEAL_BODY.size
+_CANDIDATE = re.compile(rb"(?=[\x01-\x0f\x80][\s\S]{4}\x00{4})")  # opcode, length below 4 GiB
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,7 @@ class RecordWalker:
     def __init__(self, file: BinaryIO, accepts: Callable[[int, bytes], bool]) -> None:
         self._file, self._accepts = file, accepts
         self._size = file.seek(0, 2)
+        self._known = (-1, 0, 0)  # position, opcode and length of the sound record found last
 
     def walk(self, start: int) -> Iterator[Record | Damage]:
         """Yield every record from `start` on, and a `Damage` for each stretch that is none.
@@ -74,6 +78,9 @@ class RecordWalker:
 
     def _length(self, position: int) -> int | None:
         """Length of the body of the record at a position; None if there is no sound record."""
+        if position == self._known[0]:  # it was looked at as the follower of the one before
+            _, self._opcode, length = self._known
+            return length
         self._file.seek(position)
         head = self._file.read(HEAD.size + 22)
         if len(head) < HEAD.size:
@@ -82,7 +89,12 @@ class RecordWalker:
         fits = length <= LONGEST and position + HEAD.size + length <= self._size
         if not fits or length < _SHORTEST.get(self._opcode, 0):
             return None
-        return length if self._accepts(self._opcode, head[HEAD.size :]) else None
+        if self._opcode == SEAL and length != SEAL_BODY.size:
+            return None
+        if not self._accepts(self._opcode, head[HEAD.size :]):
+            return None
+        self._known = position, self._opcode, length
+        return length
 
     def _find(self, start: int) -> int:
         """Find the next position at which two sound records follow each other, or the end."""

@@ -10,6 +10,8 @@ from session_log.reader import SessionReader
 from session_log.survey import Counter, Survey
 from session_log.writer import SessionWriter
 
+DAMAGE_TOLD = 100  # places of damage that the copy names
+
 
 def recover(reader: SessionReader, target: Path) -> Survey:
     """Write every readable message, and all metadata, to a new file.
@@ -44,4 +46,7 @@ def _account(reader: SessionReader, result: Survey) -> dict[str, str]:
         "messages": str(result.messages),
         "missing_messages": str(result.missing),
         "unreadable_bytes": str(sum(d.length for d in condition.damage)),
+        "damage": "; ".join(
+            f"{d.length} B at {d.offset}: {d.what}" for d in condition.damage[:DAMAGE_TOLD]
+        ),
     }

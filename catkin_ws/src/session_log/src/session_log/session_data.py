@@ -33,6 +33,23 @@ class Heard:
 
 
 @dataclass(frozen=True)
+class Intended:
+    """A phrase that began to sound, by the word of whoever played or prompted it."""
+
+    time: float  # [s]
+    phrase: str  # the exact command; empty: words that are no command
+
+
+@dataclass(frozen=True)
+class Trocar:
+    """The remote centre of motion, from a moment on."""
+
+    time: float  # [s]
+    position: tuple[float, float, float]  # [m], in `frame`
+    frame: str
+
+
+@dataclass(frozen=True)
 class Event:
     """One entry of the controller's diary."""
 
@@ -121,3 +138,6 @@ class SessionData:
     pictures: list[Picture] = field(default_factory=list)
     urdf: str = ""
     undecodable: dict[str, int] = field(default_factory=dict)
+    intended: list[Intended] = field(default_factory=list)
+    phrases: tuple[str, ...] = ()  # every command that the recogniser compared with
+    trocars: list[Trocar] = field(default_factory=list)

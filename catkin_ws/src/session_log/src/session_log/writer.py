@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes one MCAP file: profile ros1, schemas ros1msg, raw message bytes, no chunks.
 
-Without chunks every commit leaves a file that can be read up to its last record.
+Without chunks every commit leaves a file that can be read up to its last record. Each commit ends
+with a seal, a checksum over its bytes, so that damage shows even in a file that was never closed.
 """
 
 from __future__ import annotations
@@ -16,9 +17,23 @@ from mcap.writer import CompressionType, IndexType
 from mcap.writer import Writer as McapWriter
 
 from session_log.durable_stream import DurableStream
+from session_log.records import SEAL, SEAL_BODY
 from session_log.types import Message, Source
 
 LIBRARY = "session_log"
+SEALED_AT_ONCE = 1 << 20  # [B] after which a seal is due, commit or not; bounds a reader's memory
+
+
+class _Mcap(McapWriter):
+    """The library's writer, which can also write a record of ours among its own."""
+
+    def add_record(self, opcode: int, body: bytes) -> None:
+        """Write a record that has no part in index and statistics."""
+        builder = self._Writer__record_builder  # type: ignore[attr-defined]
+        builder.start_record(opcode)
+        builder.write(body)
+        builder.finish_record()
+        self._Writer__flush()  # type: ignore[attr-defined]
 
 
 class SessionWriter:
@@ -35,7 +50,8 @@ class SessionWriter:
     def __init__(self, path: Path, *, chunked: bool = False) -> None:
         self.path = path
         self._stream = DurableStream(path)
-        self._mcap = McapWriter(
+        self._sealed = None if chunked else 0  # [B] up to where seals reach; chunks have their own
+        self._mcap = _Mcap(
             cast("IO[Any]", self._stream),
             use_chunking=chunked,
             compression=CompressionType.ZSTD if chunked else CompressionType.NONE,
@@ -45,7 +61,7 @@ class SessionWriter:
         self._channels: dict[Source, int] = {}
         self._schemas: dict[tuple[str, str], int] = {}
         self._mcap.start(profile="ros1", library=LIBRARY)
-        self._stream.flush()
+        self.commit()
 
     def add(self, message: Message) -> None:
         """Take one message for the next commit."""
@@ -56,6 +72,8 @@ class SessionWriter:
             sequence=message.sequence & 0xFFFFFFFF,
             data=message.data,
         )
+        if self._sealed is not None and self._stream.tell() - self._sealed > SEALED_AT_ONCE:
+            self._seal()
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Take named facts about the session for the next commit."""
@@ -71,6 +89,7 @@ class SessionWriter:
         Raises:
             RecordingFailed: It was not written and is kept for the next commit.
         """
+        self._seal()
         self._stream.flush()
 
     def sync(self) -> None:
@@ -93,6 +112,7 @@ class SessionWriter:
             RecordingFailed: The ending could not be written; the messages before it are readable.
         """
         try:
+            self._seal()
             self._mcap.finish()
             self._stream.flush()
             self._stream.sync()
@@ -113,6 +133,14 @@ class SessionWriter:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def _seal(self) -> None:
+        end = self._stream.tell()
+        if self._sealed is None or self._sealed == end:
+            return
+        checksum = self._stream.checksum(self._sealed)
+        self._mcap.add_record(SEAL, SEAL_BODY.pack(end - self._sealed, checksum))
+        self._sealed = self._stream.tell()
 
     def _channel(self, source: Source) -> int:
         channel = self._channels.get(source)

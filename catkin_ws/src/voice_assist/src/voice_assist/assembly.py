@@ -10,6 +10,7 @@ from voice_assist.audio.microphone import Microphone, Pause
 from voice_assist.audio.portaudio import PortAudio
 from voice_assist.audio.source import Clock, Report, Source
 from voice_assist.audio.wav_file import WavFile
+from voice_assist.circumstances import Witness, ignore
 from voice_assist.config import AudioConfig, SpotterConfig, VoiceConfig
 from voice_assist.errors import AudioError
 from voice_assist.pipeline import Pipeline
@@ -63,6 +64,7 @@ def make_pipeline(
     clock: Clock,
     recognizer: Recognizer | None = None,
     spotting: Spotting | None = None,
+    witness: Witness = ignore,
 ) -> Pipeline:
     """The pipeline with the real detector and, unless others are given, real networks.
 
@@ -71,12 +73,13 @@ def make_pipeline(
         clock: Stamps the frames [s].
         recognizer: One that is loaded already.
         spotting: A spotter that runs elsewhere; None: the pipeline runs its own, if it is enabled.
+        witness: Told of all that comes in besides sound.
     """
     recognizer = recognizer or make_recognizer(config)
     if spotting is None and config.spotter.is_enabled:
         spotting, _ = make_spotter(config.spotter)
     second = SecondWay(config.spotter, spotting)
-    return Pipeline(config, recognizer, make_detector(config.audio.vad), clock, second)
+    return Pipeline(config, recognizer, make_detector(config.audio.vad), clock, second, witness)
 
 
 def make_source(config: AudioConfig, clock: Clock, pause: Pause, report: Report) -> Source:

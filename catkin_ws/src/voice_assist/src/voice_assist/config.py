@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from typed_config import choice, flag, integer, items, load_config, load_yaml, number, text
+from voice_assist.calibration import Calibration
 from voice_assist.errors import CommandsError
 from voice_assist.normalize import is_negated, normalize
 
@@ -102,6 +103,15 @@ class EarlyConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ConfidenceConfig:
+    """What each kind of evidence is worth as a probability of being right."""
+
+    transcript: Calibration
+    scores: Calibration
+    spotter: Calibration
+
+
+@dataclass(frozen=True, kw_only=True)
 class RecognizerConfig:
     """Recognition and the moment of decision."""
 
@@ -109,7 +119,7 @@ class RecognizerConfig:
     device: str = text()
     threads: int = integer(1, 64, "threads")
     second_opinion: bool = flag()
-    score_scale: float = number(0.01, 1000.0, "nat")
+    confidence: ConfidenceConfig
     early: EarlyConfig
 
 
@@ -120,6 +130,7 @@ class SpotterConfig:
     is_enabled: bool = flag()
     phrase: str = text()
     queue: int = integer(4, 10_000, "frames")
+    patience: float = number(0.0, 1.0, "s")
     alone: float = number(-100.0, 1000.0, "nat")
     middle: float = number(-100.0, 1000.0, "nat")
     near: float = number(-1000.0, 1000.0, "nat")

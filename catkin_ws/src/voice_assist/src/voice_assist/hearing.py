@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voice_assist.circumstances import Circumstance, Kind, Witness, ignore
 from voice_assist.config import EarlyConfig
 from voice_assist.types import RATE, Frame, Hypothesis, Samples, frozen_samples
 from voice_assist.vad.cutter import Growth, last
@@ -28,7 +29,11 @@ class Hearing:
     """
 
     def __init__(
-        self, recognizer: Recognizer, config: EarlyConfig, clock: Callable[[], float]
+        self,
+        recognizer: Recognizer,
+        config: EarlyConfig,
+        clock: Callable[[], float],
+        witness: Witness = ignore,
     ) -> None:
         """Start with a new utterance.
 
@@ -36,8 +41,10 @@ class Hearing:
             recognizer: Makes text of sound.
             config: When to look.
             clock: The one that stamps the frames [s].
+            witness: Told of looks that are skipped because the sound comes too late.
         """
         self._recognizer, self._config, self._clock = recognizer, config, clock
+        self._witness = witness
         self.reset()
 
     def reset(self) -> None:
@@ -98,6 +105,7 @@ class Hearing:
         if not (self._config.is_enabled and self._has_news):
             return False
         if self._clock() - frame.stamp - frame.duration > self._config.max_backlog:
+            self._witness(Circumstance(Kind.BEHIND, frame.first_sample))
             return False
         looked_at = time if self._looked_at is None else self._looked_at
         is_time = time - looked_at >= self._config.partial_interval - _SLACK

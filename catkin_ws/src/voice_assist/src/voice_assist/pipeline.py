@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -11,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voice_assist.audio.source import GapWatch
+from voice_assist.calibration import log_odds
+from voice_assist.circumstances import Circumstance, Kind, Witness, ignore
 from voice_assist.config import VoiceConfig
 from voice_assist.denoise import Denoiser
 from voice_assist.dialogue import AT_START, Answered, Heard, State, step
@@ -47,6 +48,7 @@ Event = Partial | Decision | Lost
 Clock = Callable[[], float]
 
 NEVER = 1000.0  # [nat] a `fire_above` that switches firing off
+_PROGRESS = RATE  # samples between two notes of how far hearing has come
 _KEPT_OF_NOISE = 0.5  # [s] before a look that heard nothing, which may begin a word
 _KEPT_OF_PAUSE = 0.064  # [s] before a decision in a pause that may begin the next word
 
@@ -61,6 +63,7 @@ class Pipeline:
         detector: Detector,
         clock: Clock,
         second: SecondWay | None = None,
+        witness: Witness = ignore,
     ) -> None:
         """Join the stages.
 
@@ -70,15 +73,17 @@ class Pipeline:
             detector: Tells speech from quiet.
             clock: The one that stamps the frames [s].
             second: The spotter and the rule that joins it; without it the recogniser is alone.
+            witness: Told of all that comes in besides sound, or is not heard for lack of time.
         """
         self._second = second or SecondWay(config.spotter, None)
-        self._config, self._clock = config, clock
+        self._config, self._clock, self._witness = config, clock, witness
+        self._next_sample = 0  # index of the sample that follows all those heard
         self._recognizer, self._detector = recognizer, detector
         self._gaps = GapWatch()
         self._denoise = Denoiser(config.audio.denoise)
         self._analyze = Analyzer(config.audio.vad)
         self._cut = Cutter(config.audio.vad)
-        self._hear = Hearing(recognizer, config.recognizer.early, clock)
+        self._hear = Hearing(recognizer, config.recognizer.early, clock, witness)
         self._mapper = Mapper(config.commands)
         early = config.recognizer.early
         self._judge = Judge(self._mapper, config.commands, early, self._second)
@@ -97,6 +102,8 @@ class Pipeline:
 
     def answer(self, answered: Answered) -> tuple[Action, ...]:
         """Tell the dialogue what the controller replied."""
+        told = answered.command, answered.is_accepted, answered.message
+        self._witness(Circumstance(Kind.ANSWERED, self._next_sample, 0, *told))
         outcome = step(self._state, answered)
         self._state = outcome.state
         return outcome.actions
@@ -120,6 +127,9 @@ class Pipeline:
 
     def __call__(self, frame: Frame) -> tuple[Event, ...]:
         """Take the next frame of the stream; gives what came of it, oldest first."""
+        self._next_sample = frame.first_sample + len(frame.samples)
+        if frame.first_sample // _PROGRESS != self._next_sample // _PROGRESS:
+            self._witness(Circumstance(Kind.HEARD, frame.first_sample))
         events = self._check_gap(frame)
         cleaned = self._denoise(frame.samples)
         endpoint = self._analyze(self._detector(cleaned), frame.duration)
@@ -145,6 +155,7 @@ class Pipeline:
         lost = self._gaps(frame)
         if lost is None:
             return ()
+        self._witness(Circumstance(Kind.LOST, frame.first_sample))
         self._detector.reset()
         self._analyze.reset()
         self._cut.break_at(frame.stamp)
@@ -190,8 +201,11 @@ class Pipeline:
             if self._hear.is_settled(growth):
                 self._prepare(heard)
             return ()
-        confidence = heard.confidence
-        if isinstance(outcome, Match):
+        worth = self._config.recognizer.confidence
+        confidence = worth.transcript(log_odds(heard.confidence))
+        if origin == "spotter" and spotted is not None:
+            confidence = worth.spotter(spotted)
+        elif isinstance(outcome, Match):
             outcome, confidence = self._second_opinion(outcome, heard)
         return (self._conclude(outcome, heard, confidence, growth, origin),)
 
@@ -202,14 +216,17 @@ class Pipeline:
 
     def _second_opinion(self, match: Match, heard: Hypothesis) -> tuple[Match | NoMatch, float]:
         """The scores of whole commands may refuse one that is no halt; gives the confidence too."""
-        command = self._config.commands.get(match.command)
+        command, worth = (
+            self._config.commands.get(match.command),
+            self._config.recognizer.confidence,
+        )
+        confidence = worth.transcript(log_odds(heard.confidence))
         if command.is_halt:
-            return match, heard.confidence
-        confidence = heard.confidence
+            return match, confidence
         if self._config.recognizer.second_opinion:
             scores = self._hear.scores(self._config.commands.phrases)
             best, score = max(scores, key=scores.__getitem__), scores[match.command]
-            confidence = _logistic(score / self._config.recognizer.score_scale)
+            confidence = worth.scores(score)
             if best != match.command:
                 reason = f"it sounds more like {best!r}"
                 return NoMatch(reason, match.command, match.wer), confidence
@@ -244,7 +261,7 @@ class Pipeline:
             return ()
         heard = self._hear.heard or Hypothesis("", 0.0, 0.0)
         match = Match(self._second.phrase, self._mapper(heard.text).wer)
-        confidence = _logistic(spotted.score)
+        confidence = self._config.recognizer.confidence.spotter(spotted.score)
         silent = Utterance(frozen_samples(np.zeros(0)), spotted.time, spotted.time, False)
         begun = growth or Growth(silent, 0.0, False)
         decision = self._conclude(match, heard, confidence, begun, "spotter")
@@ -297,7 +314,3 @@ class Pipeline:
         if outcome.why:
             return NoMatch(outcome.why, match.command, match.wer), ()
         return match, outcome.actions
-
-
-def _logistic(x: float) -> float:
-    return 1.0 / (1.0 + math.exp(-min(max(x, -700.0), 700.0)))

@@ -16,6 +16,7 @@ from rst_control.desk import CommandDesk
 from rst_control.errors import RstError
 from rst_control.msg import ControllerState, Event
 from rst_control.orders import View
+from rst_control.recording import RecordedOnly, RecordingWatch
 from rst_control.robot_model import RobotModel, parse_robot
 from rst_control.ros.action_server import AssistServer
 from rst_control.ros.command_service import CommandService
@@ -24,6 +25,7 @@ from rst_control.ros.controller_markers import ControllerMarkers
 from rst_control.ros.diagnostics import Diagnostics
 from rst_control.ros.messages import RosClock, event_message, state_message
 from rst_control.ros.priority import ask_for_priority
+from rst_control.ros.recording_link import RecordingLink
 from rst_control.ros.robot_link import RobotLink
 from rst_control.ros.trocar_service import TrocarService
 from rst_control.ros.worker import Worker
@@ -51,7 +53,10 @@ class ControllerNode:
         self._link = RobotLink(self._clock)
         self._site = PresentSite(make_site(config, model))
         self._executor = make_executor(config, self._site, self._link.clear_fault)
-        self._desk = CommandDesk(self._executor, self._site.verify, time.monotonic)
+        watch = RecordingWatch(settings.recording, time.monotonic)
+        self._recording = RecordingLink(watch, self._executor)
+        verify = RecordedOnly(self._site.verify, watch)
+        self._desk = CommandDesk(self._executor, verify, time.monotonic)
         self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
@@ -120,6 +125,7 @@ class ControllerNode:
     def _publish(self) -> None:
         time.sleep(self._state_period)
         view = self._executor.view
+        self._recording.look(view)
         self._state.publish(state_message(view, self._clock))
         while self._executor.diary:
             self._event.publish(event_message(self._executor.diary.popleft(), self._clock))
@@ -129,7 +135,8 @@ class ControllerNode:
         if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
             loop, age = self._loop.statistics.summary(), now - self._service.last_command
             trocar = position_words(self._site.site.trocar)
-            self._diagnostics.publish(view, loop, self._link.objection, age, trocar)
+            recording = self._recording.status()
+            self._diagnostics.publish(view, loop, self._link.objection, age, trocar, recording)
         if not view.is_moving and self._is_due("collect", now, COLLECT_PERIOD):
             gc.collect()
 

@@ -27,7 +27,13 @@ class Diagnostics:
         self._errors = [*self._errors, words][-ERRORS_TOLD:]
 
     def publish(
-        self, view: View, loop: LoopSummary, objection: str, command_age: float, trocar: str
+        self,
+        view: View,
+        loop: LoopSummary,
+        objection: str,
+        command_age: float,
+        trocar: str,
+        recording: DiagnosticStatus,
     ) -> None:
         """Publish one report.
 
@@ -37,9 +43,10 @@ class Diagnostics:
             objection: What is wrong with the robot's messages; empty: nothing.
             command_age: Time since the last command came [s].
             trocar: The remote centre in force, in words.
+            recording: Whether what happens is being recorded.
         """
         robot = self._robot(view, objection, command_age, trocar)
-        array = DiagnosticArray(status=[robot, self._loop(loop)])
+        array = DiagnosticArray(status=[robot, self._loop(loop), recording])
         array.header.stamp = rospy.Time.now()
         self._publisher.publish(array)
 
@@ -62,7 +69,7 @@ class Diagnostics:
             "last refusal": view.last_refusal,
             "messages of the robot": objection or "good",
         }
-        return _status("motion", level, message, values)
+        return make_status("motion", level, message, values)
 
     def _loop(self, loop: LoopSummary) -> DiagnosticStatus:
         level, message = DiagnosticStatus.OK, "on time"
@@ -80,10 +87,11 @@ class Diagnostics:
             "priority": self.priority,
             "errors": "; ".join(self._errors) or "none",
         }
-        return _status("control loop", level, message, values)
+        return make_status("control loop", level, message, values)
 
 
-def _status(name: str, level: int, message: str, values: dict[str, str]) -> DiagnosticStatus:
+def make_status(name: str, level: int, message: str, values: dict[str, str]) -> DiagnosticStatus:
+    """Put one status of the controller together."""
     return DiagnosticStatus(
         level=level,
         name=f"rst_control: {name}",

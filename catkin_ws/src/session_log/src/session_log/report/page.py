@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from html import escape
 
-from session_log.report.tables import NONE, TextTable
+from session_log.report.text_table import NONE, TextTable
 
 STYLE = """
 :root { --ink: #1f2933; --quiet: #616e7c; --line: #e4e7eb; --blue: #0072b2; --red: #b3470a; }
@@ -20,8 +20,9 @@ h1 { font-size: 1.7rem; margin: 0 0 .2rem; }
 h2 { font-size: 1.2rem; margin: 2.4rem 0 .6rem; padding-top: .6rem;
   border-top: 1px solid var(--line); }
 p { margin: .4rem 0; } .quiet, figcaption { color: var(--quiet); font-size: .9rem; }
+a { color: var(--blue); } td.number, th.number { text-align: right; }
 .warn { background: #fdf1e7; border-left: 4px solid var(--red); padding: .6rem .8rem; }
-.facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 10px;
+.facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(122px, 1fr)); gap: 10px;
   margin: 1.2rem 0; }
 .fact { border: 1px solid var(--line); border-radius: 6px; padding: .6rem .8rem; }
 .fact b { display: block; font-size: 1.25rem; font-weight: 600; }
@@ -38,11 +39,17 @@ pre { white-space: pre-wrap; overflow-wrap: anywhere; font-size: .78rem; backgro
   padding: .6rem; border-radius: 4px; margin: .3rem 0; }
 @media (max-width: 640px) {
   main { padding: 16px 14px 40px; }
-  thead { display: none; }
-  tr { display: block; border-bottom: 1px solid var(--line); padding: .45rem 0; }
-  td { overflow-wrap: anywhere; display: flex; gap: .8rem; border: 0; padding: .08rem 0; }
-  td.none { display: none; }
-  td::before { content: attr(data-label); flex: 0 0 7.2rem; color: var(--quiet); }
+  .compact { font-size: .8rem; }
+  .compact th, .compact td { padding: .3rem .35rem .3rem 0; }
+  table:not(.compact) thead { display: none; }
+  table:not(.compact) tr { display: block; border-bottom: 1px solid var(--line);
+    padding: .45rem 0; }
+  table:not(.compact) td { overflow-wrap: anywhere; display: flex; gap: .8rem; border: 0;
+    padding: .08rem 0; text-align: left; }
+  table:not(.compact) td:first-child { font-weight: 600; }
+  table:not(.compact) td.none { display: none; }
+  table:not(.compact) td::before { content: attr(data-label); flex: 0 0 9.6rem;
+    color: var(--quiet); font-weight: 400; }
 }
 @media print { h2 { break-after: avoid; } figure, tr { break-inside: avoid; } }
 """
@@ -105,13 +112,20 @@ def figure(image: Image) -> str:
 
 def table(content: TextTable) -> str:
     """Set a table; on a narrow screen each row becomes a card."""
-    head = "".join(f"<th>{escape(column)}</th>" for column in content.columns)
-    marks = content.marks or ("",) * len(content.rows)
-    body = "".join(
-        f'<tr class="{mark}">' + "".join(map(_cell, content.columns, row)) + "</tr>"
-        for row, mark in zip(content.rows, marks, strict=True)
+    head = "".join(
+        f"<th{_class('number' if i in content.numbers else '')}>{escape(column)}</th>"
+        for i, column in enumerate(content.columns)
     )
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    nothing = ("",) * len(content.rows)
+    lines = zip(content.rows, content.marks or nothing, content.links or nothing, strict=True)
+    body = "".join(
+        f'<tr class="{mark}">'
+        + "".join(_cell(content, i, row, link) for i in range(len(row)))
+        + "</tr>"
+        for row, mark, link in lines
+    )
+    kind = _class("compact" if content.is_compact else "")
+    return f"<table{kind}><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def details(title: str, values: Mapping[str, str]) -> str:
@@ -120,9 +134,18 @@ def details(title: str, values: Mapping[str, str]) -> str:
     return f"<details><summary>{escape(title)}</summary>{inner}</details>"
 
 
-def _cell(column: str, value: str) -> str:
-    kind = ' class="none"' if value == NONE else ""
-    return f'<td{kind} data-label="{escape(column, quote=True)}"><span>{escape(value)}</span></td>'
+def _cell(content: TextTable, index: int, row: tuple[str, ...], link: str) -> str:
+    value, column = row[index], escape(content.columns[index], quote=True)
+    kinds = ("none" if value == NONE else "", "number" if index in content.numbers else "")
+    kind = _class(" ".join(filter(None, kinds)))
+    words = f"<span>{escape(value)}</span>"
+    if link and index == 0:
+        words = f'<a href="{escape(link, quote=True)}">{words}</a>'
+    return f'<td{kind} data-label="{column}">{words}</td>'
+
+
+def _class(name: str) -> str:
+    return f' class="{name}"' if name else ""
 
 
 def _inline(png: bytes) -> str:

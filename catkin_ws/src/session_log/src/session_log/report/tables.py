@@ -4,30 +4,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 
-from session_log.analysis import (
-    CommandRow,
-    Statistics,
-    decision_by_command,
-    latency_by_command,
-    statistics,
-)
+from session_log.analysis import CommandRow
 from session_log.report.figures import Material
+from session_log.report.text_table import NONE, TextTable, seconds, size_words
 from session_log.session_data import Heard
 
-NONE = "–"
 LEVELS = {0: "ok", 1: "warning", 2: "error", 3: "stale"}
-
-
-@dataclass(frozen=True)
-class TextTable:
-    """Column titles and rows; `marks` holds a word for rows that stand out."""
-
-    columns: tuple[str, ...]
-    rows: Sequence[tuple[str, ...]]
-    marks: tuple[str, ...] = ()
 
 
 def commands_table(material: Material) -> TextTable:
@@ -40,30 +23,19 @@ def commands_table(material: Material) -> TextTable:
     return TextTable(columns, [e[1] for e in entries], tuple(e[2] for e in entries))
 
 
-def latency_table(material: Material) -> TextTable:
-    """Set our latency beside the paper's table 1, by command."""
-    paper = {entry.command: entry.latency for entry in material.config.paper_latency}
-    acted, decided = latency_by_command(material.rows), decision_by_command(material.rows)
-    columns = ("command", "n", "decision, mean", "action, mean", "action, largest", "paper, mean")
-    rows = []
-    for command in dict.fromkeys([*paper, *acted, *decided]):
-        ours = acted.get(command)
-        rows.append(
-            (
-                command,
-                str(ours.count if ours else 0),
-                _seconds(decided.get(command)),
-                _seconds(ours),
-                seconds(ours.largest) if ours else NONE,
-                seconds(paper.get(command, math.nan)),
-            )
+def refused_table(material: Material) -> TextTable:
+    """List what was refused, by whom it was asked for, and the controller's words."""
+    rows = [
+        (
+            f"{row.time:.1f}\u00a0s",
+            row.command,
+            f"“{row.heard.transcript}”" if row.heard else "by\u00a0hand",
+            row.message or "no reason given",
         )
-    ours = statistics([row.action_latency for row in material.rows])
-    decision = statistics([row.decision_latency for row in material.rows])
-    mean = sum(paper.values()) / len(paper) if paper else math.nan
-    total = ("all", str(ours.count), _seconds(decision), _seconds(ours), seconds(ours.largest))
-    rows.append((*total, seconds(mean)))
-    return TextTable(columns, rows, ("",) * (len(rows) - 1) + ("total",))
+        for row in material.rows
+        if row.outcome == "refused"
+    ]
+    return TextTable(("time", "command", "asked for by", "why"), rows)
 
 
 def topics_table(material: Material) -> TextTable:
@@ -94,24 +66,6 @@ def health_table(material: Material) -> TextTable:
         rows.append((health.name, words, health.last_message, values))
         marks.append("bad" if health.worst == 2 else "warning" if health.worst else "")
     return TextTable(("part", "worst", "last", "last values"), rows, tuple(marks))
-
-
-def seconds(value: float) -> str:
-    """Write a time in seconds; a dash for none."""
-    return f"{value:.2f}\u00a0s" if math.isfinite(value) else NONE
-
-
-def size_words(size: float) -> str:
-    """Write a size in bytes, kB, MB or GB."""
-    for unit in ("B", "kB", "MB"):
-        if size < 1000:
-            return f"{size:.0f} {unit}" if unit == "B" else f"{size:.1f} {unit}"
-        size /= 1000
-    return f"{size:.2f} GB"
-
-
-def _seconds(values: Statistics | None) -> str:
-    return seconds(values.mean) if values else NONE
 
 
 def _command_row(row: CommandRow) -> tuple[str, ...]:

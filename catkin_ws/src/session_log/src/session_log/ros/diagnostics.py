@@ -22,12 +22,8 @@ class RecorderDiagnostics:
         self._updater.setHardwareID("session_log")
         self._updater.add("recording", self._fill)
 
-    def update(self) -> None:
-        """Publish, at most once a second."""
-        self._updater.update()
-
-    def force_update(self) -> None:
-        """Publish now."""
+    def publish(self) -> None:
+        """Publish now; the node keeps the period, by a clock that no simulation sets."""
         self._updater.force_update()
 
     def _fill(self, stat: diagnostic_updater.DiagnosticStatusWrapper) -> object:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
+import threading
 import time
 from functools import partial
 from pathlib import Path
@@ -24,23 +25,35 @@ from session_log.types import Source
 from typed_config import ConfigError, load_config
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
+REPORT_PERIOD = 1.0  # [s] between two statuses in /diagnostics
 URDF_TOPIC = "/robot_description"
 
 
 class Announcer:
-    """Tells the system which file is being written and up to when it is complete."""
+    """Tells the system whether it is recorded, to which file, and up to when that is complete."""
 
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
+        self._heartbeat = rospy.Publisher("session_log/recording", String, queue_size=10)
         self._file = rospy.Publisher("session_log/file", String, latch=True, queue_size=1)
         self._written = rospy.Publisher("session_log/written", Time, queue_size=10)
         self._said: tuple[str, str] | None = None
 
-    def announce(self, is_ready: bool) -> None:
-        """Publish the file (empty while nothing is recorded) and the acknowledged time."""
+    def announce(self, is_ready: bool, problem: str) -> bool:
+        """Publish heartbeat, file (empty while nothing is recorded) and acknowledged time.
+
+        Args:
+            is_ready: Every topic that was waited for is being recorded.
+            problem: Why the recording is not what was asked for; empty: it is.
+
+        Returns:
+            Whether recording began or ended since the last time.
+        """
         status = self._recorder.status()
+        self._heartbeat.publish(status.error or problem or ("" if status.path else "starting"))
         path = status.path if status.is_recording and is_ready else ""
-        if (path, status.error) != self._said:
+        is_news = (path, status.error) != self._said
+        if is_news:
             self._said = (path, status.error)
             self._file.publish(path)
             if status.error:
@@ -49,6 +62,11 @@ class Announcer:
                 rospy.loginfo("recording to %s", path)
         if status.is_recording:
             self._written.publish(rospy.Time(*divmod(status.written_until, 1_000_000_000)))
+        return is_news
+
+    def retire(self) -> None:
+        """Say that nothing is recorded from now on."""
+        self._heartbeat.publish("the recorder was shut down")
 
 
 class ParameterWatcher:
@@ -119,6 +137,8 @@ class RecorderNode:
         self._diagnostics = RecorderDiagnostics(self._recorder, config)
         self._announcer = Announcer(self._recorder)
         self._parameters = ParameterWatcher(self._recorder)
+        self._next_report = 0.0
+        self._ended = threading.Event()
         add_facts(self._recorder, config, started)
 
     def run(self) -> None:
@@ -128,17 +148,18 @@ class RecorderNode:
         self._recorder.start()
         self._discovery.start()
         rospy.on_shutdown(self.close)
-        rate = rospy.Rate(self._config.acknowledge_rate)
         while not rospy.is_shutdown():
             try:
                 self._turn()
             except Exception as error:  # top of the node: the recording must go on
                 if not rospy.is_shutdown():
                     rospy.logerr_throttle(5.0, f"recorder: {type(error).__name__}: {error}")
-            _sleep(rate)
+            self._ended.wait(1.0 / self._config.acknowledge_rate)  # whatever a simulated clock does
 
     def close(self) -> None:
         """Stop receiving, write the ending, say how it went."""
+        self._ended.set()
+        self._announcer.retire()
         self._discovery.stop()
         self._topics.close()
         error = self._recorder.close()
@@ -152,8 +173,10 @@ class RecorderNode:
             self._next_look = time.monotonic() + self._config.parameters_period
             self._parameters.look()
         self._check_ready()
-        self._announcer.announce(self._is_ready)
-        self._diagnostics.update()
+        is_news = self._announcer.announce(self._is_ready, self._diagnostics.problem)
+        if is_news or time.monotonic() >= self._next_report:
+            self._next_report = time.monotonic() + REPORT_PERIOD
+            self._diagnostics.publish()
 
     def _check_ready(self) -> None:
         problem = self._discovery.error
@@ -165,13 +188,6 @@ class RecorderNode:
         if problem and problem != self._diagnostics.problem:
             rospy.logerr("%s", problem)
         self._diagnostics.problem = problem
-
-
-def _sleep(rate: rospy.Rate) -> None:
-    try:
-        rate.sleep()
-    except rospy.ROSInterruptException:
-        return
 
 
 def main() -> None:

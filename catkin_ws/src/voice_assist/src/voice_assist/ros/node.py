@@ -20,6 +20,7 @@ from voice_assist.assembly import (
     make_spotter,
 )
 from voice_assist.audio.source import Source, level_db
+from voice_assist.circumstances import Circumstance, Kind
 from voice_assist.config import SECTIONS, VoiceConfig, load_voice_config, voice_config
 from voice_assist.dialogue import Answered
 from voice_assist.errors import VoiceError
@@ -68,7 +69,8 @@ class VoiceNode:
         self._spotter = self._make_spotter() if config.spotter.is_enabled else None
         facts["spotter_sha256"] = self._health.spotter
         rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
-        self._pipeline = make_pipeline(config, _now, recognizer, self._spotter)
+        witness = self._publish.circumstance
+        self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, witness)
         self._caller = CommandCaller(config.commands.answer_within, self._answers.put)
         self._repeatable = {c.call for c in config.commands.commands if not c.is_motion}
 
@@ -114,6 +116,7 @@ class VoiceNode:
                     self._frames.put_nowait(frame)
                 except Full:
                     self._health.dropped += 1  # the pipeline notices the gap
+                    self._publish.circumstance(Circumstance(Kind.UNHEARD, frame.first_sample))
         self._frames.put(None)
 
     def _source(self) -> Source:
@@ -200,8 +203,10 @@ class VoiceNode:
     def _make_spotter(self) -> SpotterThread:
         spotter, digest = make_spotter(self._config.spotter)
         self._health.spotter = digest
-        queue = self._config.spotter.queue
-        return SpotterThread(spotter, queue, self._spotted, self._spotter_failed)
+        told = self._spotted, self._spotter_failed
+        patience = self._config.spotter.patience
+        witness = self._publish.circumstance
+        return SpotterThread(spotter, self._config.spotter.queue, *told, patience, witness)
 
     def _spotted(self, spotted: Spotted) -> None:
         """Stop at once, unless recognition just did; the pipeline tells it when it comes to it."""

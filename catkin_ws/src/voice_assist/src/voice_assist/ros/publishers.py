@@ -6,6 +6,7 @@ from __future__ import annotations
 import rospy
 from std_msgs.msg import Empty, String, Time
 
+from voice_assist.circumstances import Circumstance, to_text
 from voice_assist.msg import AudioChunk
 from voice_assist.msg import Mode as ModeMessage
 from voice_assist.msg import Utterance as UtteranceMessage
@@ -22,6 +23,7 @@ class Publishers:
         self._audio = advertise("voice_assist/audio", AudioChunk, queue_size=100)
         self._partial = advertise("voice_assist/partial", String, queue_size=20)
         self._utterance = advertise("voice_assist/utterance", UtteranceMessage, queue_size=100)
+        self._besides = advertise("voice_assist/circumstances", String, queue_size=1000)
         self._mode = advertise("voice_assist/mode", ModeMessage, queue_size=10, latch=True)
         self._stop = advertise("rst_control/stop", Empty, queue_size=10)
         self._heartbeat = advertise("rst_control/heartbeat", Time, queue_size=1)
@@ -29,6 +31,10 @@ class Publishers:
     def audio(self, frame: Frame) -> None:
         """What is heard, unmodified."""
         self._audio.publish(messages.audio_chunk(frame))
+
+    def circumstance(self, circumstance: Circumstance) -> None:
+        """What hearing depended on besides the sound, for the recording."""
+        self._besides.publish(String(data=to_text(circumstance)))
 
     def partial(self, partial: Partial) -> None:
         """What has been heard so far."""

@@ -17,7 +17,8 @@ from voice_assist.types import Frame
 if TYPE_CHECKING:
     from voice_assist.spotter.features import Embedder, Embeddings
 
-_KEPT = 64  # looks, about 5 s
+_KEPT = 256  # looks, 20 s: more than the recogniser's queue can hold it back
+NEWEST = 1 << 62  # a sample that no stream reaches
 
 Score = Callable[["Embeddings"], float]  # of (CONTEXT, WIDTH) embeddings, oldest first: log-odds
 
@@ -28,6 +29,7 @@ class Look:
 
     time: float  # [s] clock time at which the sound it is about ended
     score: float  # [nat] log-odds that the word has just ended, mean of the two newest
+    until: int  # index of the sample that follows that sound
 
 
 @dataclass(frozen=True)
@@ -45,8 +47,13 @@ class Spotting(Protocol):
     def __call__(self, frame: Frame) -> Spotted | None:
         """What was spotted since the last call; each is given once."""
 
-    def best(self, since: float) -> float | None:
-        """Highest score of the looks since a clock time [s]; None: nobody listens."""
+    def best(self, since: float, until: int = NEWEST) -> float | None:
+        """Highest score of the looks since a clock time [s]; None: nobody listens.
+
+        Args:
+            since: Clock time [s].
+            until: Index of the first sample that counts no more.
+        """
 
     def reset(self) -> None:
         """Forget the stream so far."""
@@ -98,9 +105,9 @@ class Spotter:
         with self._lock:
             return tuple(self._looks)
 
-    def best(self, since: float) -> float | None:
+    def best(self, since: float, until: int = NEWEST) -> float | None:
         """Highest score of the looks since a clock time; a low one where there were none."""
-        scores = [look.score for look in self.looks if look.time >= since]
+        scores = [look.score for look in self.looks if look.time >= since and look.until <= until]
         return max(scores, default=float("-inf"))
 
     def _restart(self) -> None:
@@ -114,7 +121,8 @@ class Spotter:
     def _look(self, embedding: Embeddings, time: float) -> Spotted | None:
         self._seen.append(embedding)
         newest = self._score(np.stack(self._seen))
-        look = Look(time, newest if self._before is None else (newest + self._before) / 2)
+        score = newest if self._before is None else (newest + self._before) / 2
+        look = Look(time, score, self._next_sample or 0)
         self._before = newest
         with self._lock:
             self._looks.append(look)

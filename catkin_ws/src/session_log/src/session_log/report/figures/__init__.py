@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The figures of a report, one per file, in the order in which they are shown."""
 
-from session_log.report.figures.figure import Material, SessionFigure
+from session_log.report.figures.accuracy import Accuracy
+from session_log.report.figures.confusion import Confusion
+from session_log.report.figures.figure import Material, PoolFigure, ReportFigure, SessionFigure
 from session_log.report.figures.joints import Joints
 from session_log.report.figures.latency import Latency
 from session_log.report.figures.loops import Loops
@@ -10,9 +12,9 @@ from session_log.report.figures.rcm import RcmError
 from session_log.report.figures.tension import Tension
 from session_log.report.figures.timeline import Timeline
 
-FIGURES: tuple[SessionFigure, ...] = (
+POOL_FIGURES: tuple[PoolFigure, ...] = (Accuracy(), Confusion(), Latency())
+SESSION_FIGURES: tuple[SessionFigure, ...] = (
     Timeline(),
-    Latency(),
     RcmError(),
     Tension(),
     Pictures(),
@@ -20,4 +22,11 @@ FIGURES: tuple[SessionFigure, ...] = (
     Loops(),
 )
 
-__all__ = ["FIGURES", "Material", "SessionFigure"]
+__all__ = [
+    "POOL_FIGURES",
+    "SESSION_FIGURES",
+    "Material",
+    "PoolFigure",
+    "ReportFigure",
+    "SessionFigure",
+]

@@ -5,22 +5,28 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from matplotlib.figure import Figure
 
 from session_log.analysis import CommandRow
 from session_log.config import ReportConfig
+from session_log.report.pool import Pool
+from session_log.report.shaft import JointRcm
 from session_log.report.style import Layout
+from session_log.report.trials import Trial
 from session_log.session_data import SessionData
 
 
 @dataclass(frozen=True)
 class Material:
-    """What figures and tables are made from."""
+    """What figures and tables of one session are made from."""
 
     data: SessionData
     rows: list[CommandRow]
     config: ReportConfig
+    rcm: JointRcm
+    trials: tuple[Trial, ...]
 
     @property
     def duration(self) -> float:
@@ -28,21 +34,32 @@ class Material:
         return self.data.survey.duration
 
 
-class SessionFigure(ABC):
-    """One figure: its name is also the name of its PNG."""
+M = TypeVar("M")
+
+
+class ReportFigure(ABC, Generic[M]):
+    """One figure of some material: its name is also the name of its PNG."""
 
     name: str
     title: str
-    lacking: str  # said in place of the figure when the session has nothing for it
+    lacking: str  # said in place of the figure when there is nothing for it
 
     @abstractmethod
-    def can_draw(self, material: Material) -> bool:
-        """Tell whether the session has what the figure shows."""
+    def can_draw(self, material: M) -> bool:
+        """Tell whether there is what the figure shows."""
 
     @abstractmethod
-    def caption(self, material: Material) -> str:
+    def caption(self, material: M) -> str:
         """Say what is to be seen, with the figures that matter."""
 
     @abstractmethod
-    def draw(self, material: Material, layout: Layout) -> Figure:
+    def draw(self, material: M, layout: Layout) -> Figure:
         """Draw it for a layout."""
+
+
+class SessionFigure(ReportFigure[Material]):
+    """One figure of one session."""
+
+
+class PoolFigure(ReportFigure[Pool]):
+    """One figure of one session or of many."""

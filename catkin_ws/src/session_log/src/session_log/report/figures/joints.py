@@ -4,16 +4,15 @@
 from __future__ import annotations
 
 import math
-from xml.etree import ElementTree
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from session_log.report.figures.figure import Material, SessionFigure
+from session_log.report.margins import joint_limits, joint_margins
 from session_log.report.style import BLUE, INK, PALE, QUIET, RED, Layout, new_figure
 from session_log.session_data import Track
 
-Limits = dict[str, tuple[float, float]]
 CLOSE = math.radians(5.0)  # a margin below this is drawn as a warning
 
 
@@ -31,7 +30,7 @@ class Joints(SessionFigure):
 
     def caption(self, material: Material) -> str:
         """Name the joint that came closest to a limit."""
-        margins = joint_margins(material)
+        margins = joint_margins(material.data)
         words = "Bar: positions visited; pale: allowed by the URDF; ring: position at the end."
         if not margins:
             return words + " The recording names no joint limits."
@@ -46,7 +45,7 @@ class Joints(SessionFigure):
         names = joints.columns[1:]
         figure = new_figure(layout, 0.6 + 0.24 * len(names))
         ax = figure.subplots()
-        margins = joint_margins(material)
+        margins = joint_margins(material.data)
         for y, name in enumerate(names):
             _draw_joint(ax, y, joints[name] * 180.0 / math.pi, limits.get(name))
             margin = margins.get(name)
@@ -70,37 +69,7 @@ class Joints(SessionFigure):
         return figure
 
 
-def joint_limits(urdf: str) -> Limits:
-    """Lower and upper limit of each joint that has them [rad]; empty if the URDF is not one."""
-    try:
-        joints = ElementTree.fromstring(urdf).iter("joint") if urdf else iter(())
-        found = {}
-        for joint in joints:
-            limit = joint.find("limit")
-            if limit is not None and joint.get("type") in ("revolute", "prismatic"):
-                name = joint.get("name", "")
-                found[name] = (float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0)))
-    except (ElementTree.ParseError, ValueError):
-        return {}
-    return found
-
-
-def joint_margins(material: Material) -> dict[str, float]:
-    """Smallest distance to a limit over the session, by joint [rad]; negative is beyond it."""
-    joints, limits = material.data.joints, joint_limits(material.data.urdf)
-    if joints is None or not len(joints):
-        return {}
-    margins = {}
-    for name in joints.columns[1:]:
-        if name in limits:
-            low, high = limits[name]
-            q = joints[name]
-            margins[name] = float(min((q - low).min(), (high - q).min()))
-    return margins
-
-
 def _draw_joint(ax: Axes, y: int, q: Track, limits: tuple[float, float] | None) -> None:
-
     low, high = (math.degrees(v) for v in limits) if limits else (-180.0, 180.0)
     ax.barh(y, high - low, left=low, height=0.62, color=PALE, lw=0)
     width = max(float(q.max() - q.min()), 0.8)

@@ -3,81 +3,91 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from session_log.analysis import latency_by_command, statistics
-from session_log.report.figures.figure import Material, SessionFigure
-from session_log.report.style import BLUE, ORANGE, PALE, RED, Layout, new_figure
+from session_log.report.bounds import quantile
+from session_log.report.figures.figure import PoolFigure
+from session_log.report.pool import Pool
+from session_log.report.style import BLUE, INK, ORANGE, PALE, RED, Layout, new_figure
+
+FEW = 8  # so many points of a command stand on its line; more are strewn about it
+STREWN = 0.26  # of a line's height, to either side
+MOST_POINTS = 500  # drawn of a command; more are thinned evenly by rank
 
 
-class Latency(SessionFigure):
-    """Every command of the session as a point, its mean, and the paper's mean."""
+class Latency(PoolFigure):
+    """Every command as a point, their median, and the paper's mean."""
 
     name = "latency"
     title = "From the end of speech to motion"
     lacking = "No spoken command led to an action."
 
-    def can_draw(self, material: Material) -> bool:
+    def can_draw(self, material: Pool) -> bool:
         """Tell whether a spoken command led to an action."""
-        return bool(latency_by_command(material.rows))
+        return bool(material.latencies().action)
 
-    def caption(self, material: Material) -> str:
+    def caption(self, material: Pool) -> str:
         """Name the overall mean."""
-        ours = statistics([row.action_latency for row in material.rows])
-        paper = [entry.latency for entry in material.config.paper_latency]
+        ours = material.latencies().action
+        paper = [entry.latency for entry in material.config.paper.latency]
         words = (
-            "Time from the end of speech to the robot's action: motion started, braking began "
-            "(stop) or the mode changed (hey robot, terminate). "
-            f"Mean of {ours.count} commands {ours.mean:.2f} s, largest {ours.largest:.2f} s."
+            "Time from the end of speech, as the recogniser found it, to the robot's action: "
+            "motion started, braking began (stop) or the mode changed (hey robot, terminate). "
+            f"Mean of {len(ours)} commands {sum(ours) / len(ours):.2f} s, largest {ours[-1]:.2f} s."
         )
-        early = sum(1 for row in material.rows if row.heard and row.heard.is_early)
-        if early:
-            words += f" Decided before the end of speech was certain: {early}."
+        if material.early:
+            words += f" Decided before the end of speech was certain: {material.early}."
         if paper:
             mean = sum(paper) / len(paper)
-            words += f" The paper: mean {mean:.2f} s on an {material.config.paper_hardware}."
+            words += f" The paper: mean {mean:.2f} s on an {material.config.paper.hardware}."
         return words
 
-    def draw(self, material: Material, layout: Layout) -> Figure:
-        """Draw one line per command."""
-        paper = {entry.command: entry.latency for entry in material.config.paper_latency}
-        ours = latency_by_command(material.rows)
-        commands = list(dict.fromkeys([*paper, *ours]))
-        figure = new_figure(layout, 0.9 + 0.26 * len(commands))
+    def draw(self, material: Pool, layout: Layout) -> Figure:
+        """Draw one line per command, in seconds."""
+        paper = {entry.command: entry.latency for entry in material.config.paper.latency}
+        commands = [c for c in material.commands if c in paper or material.latencies(c).action]
+        figure = new_figure(layout, 0.9 + 0.28 * len(commands))
         ax = figure.subplots()
         for y, command in enumerate(commands):
             ax.axhline(y, color=PALE, lw=0.6, zorder=0)
-            _draw_ours(ax, material, command, y)
+            times = material.latencies(command)
+            _draw_points(ax, y, times.decision, "|", ORANGE)
+            _draw_points(ax, y, times.action, "o", BLUE)
+            if times.action:
+                middle = quantile(times.action, 0.5).value
+                ax.plot([middle] * 2, [y - 0.34, y + 0.34], color=INK, lw=1.4, zorder=4)
             if command in paper:
                 ax.plot(paper[command], y, marker="D", ms=5, mfc="none", color=RED, ls="")
-        _label(ax, commands)
-        if not layout.is_wide:
-            ax.set_xlabel("end of speech to action [s]")
+        _label(ax, commands, layout)
         handles, labels = ax.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=4, handletextpad=0.2)
+        columns = 4 if layout.is_wide else 2
+        figure.legend(handles, labels, loc="outside upper center", ncols=columns, handletextpad=0.2)
         return figure
 
 
-def _draw_ours(ax: Axes, material: Material, command: str, y: int) -> None:
-    mine = [r for r in material.rows if r.command == command and math.isfinite(r.action_latency)]
-    if not mine:
-        return
-    decided = [r.decision_latency for r in mine]
-    acted = [r.action_latency for r in mine]
-    ax.plot(decided, [y] * len(mine), marker="|", ms=8, color=ORANGE, ls="")
-    ax.plot(acted, [y] * len(mine), marker="o", ms=4.5, color=BLUE, alpha=0.55, mew=0, ls="")
+def _draw_points(ax: Axes, y: int, times: Sequence[float], marker: str, color: str) -> None:
+    shown = np.asarray(times)[:: max(len(times) // MOST_POINTS, 1)]
+    strewn = np.zeros(len(shown))
+    if len(shown) > FEW:  # the same each time, and no two neighbours at the same height
+        strewn = STREWN * (2.0 * np.modf(0.618 * np.arange(len(shown)))[0] - 1.0)
+    size, alpha = (8.0, 0.8) if marker == "|" else (4.0, 0.55)
+    width = 1.0 if marker == "|" else 0.0
+    ax.plot(shown, y + strewn, marker, ms=size, color=color, alpha=alpha, mew=width)
 
 
-def _label(ax: Axes, commands: list[str]) -> None:
+def _label(ax: Axes, commands: Sequence[str], layout: Layout) -> None:
     ax.plot([], [], marker="|", ms=8, color=ORANGE, ls="", label="decision")
     ax.plot([], [], marker="o", ms=4.5, color=BLUE, ls="", label="action")
-    ax.plot([], [], marker="D", ms=5, mfc="none", color=RED, ls="", label="paper")
+    ax.plot([], [], marker="|", ms=9, mew=1.4, color=INK, ls="", label="median of action")
+    ax.plot([], [], marker="D", ms=5, mfc="none", color=RED, ls="", label="paper, mean")
     ax.set_yticks(range(len(commands)), commands)
     ax.set_ylim(len(commands) - 0.5, -0.5)
     ax.set_xlim(left=min(0.0, ax.get_xlim()[0]))
-    ax.set_xlabel("time from the end of speech to the robot's action [s]")
+    wide = "time from the end of speech to the robot's action [s]"
+    ax.set_xlabel(wide if layout.is_wide else "end of speech to action [s]")
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)

@@ -1,22 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""RCM error over time with its limit."""
+"""RCM error over time with its limit: as the controller says, and from the joint states."""
 
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from session_log.analysis import rcm_above, rcm_while_moving
+from session_log.analysis import rcm_while_moving, statistics
 from session_log.report.figures.figure import Material, SessionFigure
-from session_log.report.style import BLUE, RED, Layout, new_figure, shade_motion, thin, time_axis
+from session_log.report.style import (
+    BLUE,
+    ORANGE,
+    RED,
+    Layout,
+    new_figure,
+    shade_motion,
+    thin,
+    time_axis,
+)
+from session_log.report.text_table import length
+from session_log.session_data import Track
 
 SMALL = 20.0  # an error this many times below the limit is drawn on a logarithmic scale
 LEAST = 1e-6  # [µm] where that scale begins at the latest
-
-
-def micrometres(value: float) -> str:
-    """Write a length [m] in micrometres, three digits."""
-    return f"{value * 1e6:.3g} µm"
+WHAT = "Distance of the measured shaft line from the trocar"
 
 
 class RcmError(SessionFigure):
@@ -24,47 +32,42 @@ class RcmError(SessionFigure):
 
     name = "rcm_error"
     title = "RCM error"
-    lacking = "The recording holds no controller states with the tool inside the patient."
+    lacking = "The recording holds no moment with the tool inside the patient."
 
     def can_draw(self, material: Material) -> bool:
-        """Tell whether the controller's state was recorded with the tool inside."""
-        return bool(np.isfinite(material.data.controller["rcm_error"]).any())
+        """Tell whether either error is known at some time."""
+        stated = material.data.controller["rcm_error"]
+        return bool(np.isfinite(stated).any() or np.isfinite(material.rcm.error).any())
 
     def caption(self, material: Material) -> str:
-        """Name the errors while moving."""
-        moving = rcm_while_moving(material.data)
-        if not moving.count:
-            return "Distance of the measured shaft line from the trocar. The robot did not move."
-        limit = material.config.rcm_limit
-        above = rcm_above(material.data, limit)
-        return (
-            "Distance of the measured shaft line from the trocar; shaded while the robot moves. "
-            f"While moving: RMS {micrometres(moving.rms)}, 95 % {micrometres(moving.p95)}, "
-            f"largest {micrometres(moving.largest)}; {above} of {moving.count} samples above "
-            f"the limit of {micrometres(limit)}."
-        )
+        """Name the errors while moving, by either way."""
+        words = [f"{WHAT}; shaded while the robot moves."]
+        stated = rcm_while_moving(material.data)
+        own = material.rcm.while_moving
+        if not stated.count and not len(own):
+            words.append("The robot did not move.")
+        if stated.count:
+            error = material.data.controller["rcm_error"][material.data.controller["moving"] > 0]
+            words.append("By the controller, " + _errors(error, material))
+        if len(own):
+            words.append("From the joint states, by the recorded robot model and trocar alone, ")
+            words[-1] += _errors(own, material)
+        if material.rcm.lacking:
+            words.append(f"Not computed from the joint states: {material.rcm.lacking}.")
+        return " ".join(words)
 
     def draw(self, material: Material, layout: Layout) -> Figure:
-        """Draw error and limit in micrometres."""
+        """Draw errors and limit in length."""
         table, limit = material.data.controller, material.config.rcm_limit * 1e6
-        figure = new_figure(layout, 2.2)
+        figure = new_figure(layout, 2.3)
         ax = figure.subplots()
         shade_motion(ax, material.data.states)
-        inside = np.isfinite(table["rcm_error"])
-        time, error = thin(table["time"][inside], table["rcm_error"][inside] * 1e6)
-        ax.plot(time, error, color=BLUE, lw=0.8)
-        ax.axhline(limit, color=RED, lw=1.0, ls="--")
-        ax.annotate(
-            f"limit {limit:.3g} µm",
-            (1.0, limit),
-            xycoords=("axes fraction", "data"),
-            xytext=(-2, -3),
-            textcoords="offset points",
-            ha="right",
-            va="top",
-            color=RED,
-            fontsize=7.5,
-        )
+        tracks = [
+            _draw_track(ax, table["time"], table["rcm_error"], "by the controller", BLUE, 1.8),
+            _draw_track(ax, material.rcm.time, material.rcm.error, "from joint states", ORANGE),
+        ]
+        error = np.concatenate(tracks)
+        ax.axhline(limit, color=RED, lw=1.0, ls="--", label=f"limit {limit:.3g} µm")
         largest = float(error.max())
         if 0.0 < largest < limit / SMALL:
             ax.set_yscale("log")
@@ -74,4 +77,27 @@ class RcmError(SessionFigure):
             ax.set_ylim(0.0, max(limit, largest) * 1.12)
         ax.set_ylabel("RCM error [µm]")
         time_axis(ax, material.duration)
+        columns = 3 if layout.is_wide else 2
+        figure.legend(loc="outside upper center", ncols=columns)
         return figure
+
+
+def _errors(error: Track, material: Material) -> str:
+    limit, found = material.config.rcm_limit, statistics(error)
+    above = int(np.count_nonzero(error > limit))
+    return (
+        f"while moving: RMS {length(found.rms)}, 95 % {length(found.p95)}, "
+        f"largest {length(found.largest)}; {above} of {found.count} samples above "
+        f"the limit of {length(limit)}."
+    )
+
+
+def _draw_track(
+    ax: Axes, time: Track, error: Track, label: str, color: str, width: float = 0.7
+) -> Track:
+    inside = np.isfinite(error)
+    if not inside.any():
+        return np.empty(0)
+    shown, micro = thin(time[inside], error[inside] * 1e6)
+    ax.plot(shown, micro, color=color, lw=width, label=label)
+    return micro

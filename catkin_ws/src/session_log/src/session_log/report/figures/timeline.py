@@ -15,6 +15,7 @@ from session_log.report.figures.figure import Material, SessionFigure
 from session_log.report.style import (
     GREEN,
     INK,
+    PURPLE,
     QUIET,
     RED,
     SKY,
@@ -24,6 +25,7 @@ from session_log.report.style import (
     new_figure,
     thin,
 )
+from session_log.report.trials import NOT_SAID, NOTHING, Trial
 from session_log.session_data import Span
 
 MOST_ROWS = 6
@@ -31,6 +33,13 @@ LANES = 4
 LONGEST_LABEL = 26  # characters
 LETTER = 0.058  # [in] width of a letter of a label
 QUIETEST, LOUDEST = -70.0, 0.0  # [dBFS]
+
+MARKS = {  # of the controller's diary: shape, colour, words
+    "refused": ("X", RED, "refused"),
+    "stop_received": ("s", INK, "stop received"),
+    "trocar_set": ("P", PURPLE, "trocar set"),
+    "trocar_refused": ("v", PURPLE, "trocar refused"),
+}
 
 
 @dataclass(frozen=True)
@@ -77,7 +86,7 @@ class Timeline(SessionFigure):
         return (
             f"{len(heard)} utterances, {matched} taken for a command, {len(heard) - matched} not; "
             f"refused by the controller: {refused}. Bars: speech; labels stand at the decision. "
-            "Grey: sound level."
+            "Grey: sound level." + _trocar_words(material)
         )
 
     def draw(self, material: Material, layout: Layout) -> Figure:
@@ -96,6 +105,16 @@ class Timeline(SessionFigure):
         columns = 5 if layout.is_wide else 3
         figure.legend(handles=_legend(material), loc="outside lower center", ncols=columns)
         return figure
+
+
+def _trocar_words(material: Material) -> str:
+    kinds = {"trocar_set": "Trocar set", "trocar_refused": "Trocar refused"}
+    changes = [event for event in material.data.events if event.kind in kinds]
+    words = (
+        f" {kinds[e.kind]} at {e.time:.1f} s" + (f" ({e.message})." if e.message else ".")
+        for e in changes
+    )
+    return "".join(words)
 
 
 def _rows(duration: float, layout: Layout) -> list[Row]:
@@ -121,8 +140,9 @@ def _draw_speech(ax: Axes, material: Material, row: Row) -> None:
         length = max(heard.speech_end - heard.speech_start, 0.05)
         color = GREEN if heard.command else QUIET
         ax.barh(-0.3, length, left=heard.speech_start, height=0.3, color=color, lw=0)
-    if sum(len(label.words) * row.letter for label in labels) < 0.9 * LANES * row.length:
-        _draw_labels(ax, labels, row)
+    if sum(len(label.words) * row.letter for label in labels) > 0.9 * LANES * row.length:
+        labels = [label for label in labels if label.color in (RED, PURPLE)]  # what went wrong
+    _draw_labels(ax, labels, row)
 
 
 def _draw_labels(ax: Axes, labels: list[Label], row: Row) -> None:
@@ -149,14 +169,21 @@ def _draw_labels(ax: Axes, labels: list[Label], row: Row) -> None:
 
 
 def _labels(material: Material) -> list[Label]:
-    """Every command, spoken or by hand, and every utterance that was none; in order of time."""
+    """Every command, every utterance that was none, every phrase taken wrongly; by time."""
     labels = [
         Label(row.time, row.command, RED if row.outcome == "refused" else INK, "normal")
         for row in material.rows
     ]
+    wrong = (trial for trial in material.trials if not trial.is_correct)
+    labels += [Label(t.time, _misheard(t), PURPLE, "normal") for t in wrong]
     silent = (heard for heard in material.data.heard if not heard.command)
     labels += [Label(h.decision, _quoted(h.transcript), QUIET, "italic") for h in silent]
     return sorted(labels, key=lambda label: label.time)
+
+
+def _misheard(trial: Trial) -> str:
+    meant = trial.intended if trial.intended == NOT_SAID else f"meant: {trial.intended}"
+    return f"{meant} ({trial.taken})" if trial.taken == NOTHING else meant
 
 
 def _quoted(words: str) -> str:
@@ -176,10 +203,9 @@ def _draw_bands(ax: Axes, material: Material, row: Row) -> None:
             middle = (span.start + span.end) / 2
             ax.text(middle, 0.0, span.word, ha="center", va="center", fontsize=6.5)
     for event in data.events:
-        if event.kind == "refused":
-            ax.plot(event.time, 1.0, marker="X", color=RED, ms=6, mec="white", mew=0.6)
-        if event.kind == "stop_received":
-            ax.plot(event.time, 1.0, marker="s", color=INK, ms=5, mec="white", mew=0.6)
+        if event.kind in MARKS:
+            shape, color, _ = MARKS[event.kind]
+            ax.plot(event.time, 1.0, marker=shape, color=color, ms=6, mec="white", mew=0.6)
     ax.set_ylim(-0.5, 2.5)
     ax.set_yticks([2.0, 1.0, 0.0], ["voice", "robot", "phase"])
     ax.tick_params(axis="y", length=0)
@@ -212,11 +238,8 @@ def _legend(material: Material) -> list[Patch | Line2D]:
     handles += [
         Patch(color=color, label=state) for state, color in STATE_COLORS.items() if state in shown
     ]
-    if any(e.kind == "refused" for e in data.events):
-        handles.append(_marker("X", RED, "refused"))
-    if any(e.kind == "stop_received" for e in data.events):
-        handles.append(_marker("s", INK, "stop received"))
-    return handles
+    kinds = {event.kind for event in data.events}
+    return handles + [_marker(*mark) for kind, mark in MARKS.items() if kind in kinds]
 
 
 def _marker(marker: str, color: str, label: str) -> Line2D:

@@ -2,72 +2,55 @@
 """Writes a session as the whole system would record it, without the system.
 
 The story: activation, a tense, talk that does nothing, pulls, a refused command, a stop in
-mid-motion, activation again, release, terminate.
+mid-motion, activation again, release, terminate. Tests use it, too.
 """
 
 from __future__ import annotations
 
 import math
-import struct
-import zlib
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from session_log.types import Message
+from bench.message_classes import class_of, serialise, source_of
+from bench.story_script import (
+    COMMANDS,
+    END,
+    INTENDED,
+    JOINTS,
+    METADATA,
+    MOTION,
+    OUTSIDE_UNTIL,
+    REFUSED,
+    SPEECH,
+    START,
+    TROCAR,
+    TROCAR_AFTER,
+    TROCAR_CHANGE,
+    URDF,
+    png,
+    target,
+    tension,
+)
+from session_log.types import Message, Source
 from session_log.writer import SessionWriter
-from tests.unit.session_log.message_classes import class_of, serialise, source_of
-
-START = 1_795_200_000_000_000_000  # [ns]
-JOINTS = [f"joint_{i}" for i in range(1, 8)] + [
-    "joint_pitch",
-    "joint_finger_left",
-    "joint_finger_right",
-]
-COMMANDS = ["hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate"]
-# spoken at [s], length [s], transcript, command or "", reason
-SPEECH = [
-    (2.0, 0.7, "hey robot", "hey robot", ""),
-    (5.0, 0.5, "tense", "tense", ""),
-    (12.0, 1.4, "could you pass me the clamp", "", "nothing close enough"),
-    (15.0, 0.7, "pull more", "pull more", ""),
-    (19.0, 0.8, "pull moor", "pull more", ""),
-    (22.0, 0.4, "pull", "", "pull more and pull less fit equally"),
-    (24.0, 0.7, "pull less", "pull less", ""),
-    (28.0, 0.5, "tense", "tense", ""),
-    (31.0, 0.7, "pull more", "pull more", ""),
-    (32.2, 0.4, "stop", "stop", ""),
-    (36.0, 0.7, "hey robot", "hey robot", ""),
-    (39.0, 0.6, "release", "release", ""),
-    (44.0, 0.8, "terminate", "terminate", ""),
-]
-# motion from, to [s]; phase; command
-OUTSIDE_UNTIL = 1.0  # [s] the tool is not in the patient
-MOTION = [
-    (5.9, 9.0, "reach", "tense"),
-    (9.0, 9.6, "close", "tense"),
-    (9.6, 11.2, "pull", "tense"),
-    (16.1, 17.0, "step", "pull more"),
-    (20.2, 21.1, "step", "pull more"),
-    (25.1, 26.0, "step", "pull less"),
-    (32.05, 32.75, "step", "pull more"),
-    (39.9, 40.4, "open", "release"),
-    (40.4, 42.0, "ease", "release"),
-]
-REFUSED = {28.0: "tissue is held already"}
-END = 47.0
 
 
 class Story:
     """Produces the messages in order of time."""
 
-    def __init__(self, duration=END, rate=500, seed=1):
+    def __init__(self, duration: float = END, rate: int = 500, seed: int = 1) -> None:
         self.rng = np.random.default_rng(seed)
         self.duration, self.rate = duration, rate
-        self.sources, self.counts = {}, {}
-        self.messages = []
+        self.sources: dict[str, Source] = {}
+        self.counts: dict[str, int] = {}
+        self.messages: list[Message] = []
 
-    def say(self, time, topic, datatype, **fields):
+    def say(self, time: float, topic: str, datatype: str, **fields: Any) -> None:
+        """Add a message of these fields, said at a time [s]."""
         if topic not in self.sources:
             self.sources[topic] = source_of(topic, datatype)
         message = class_of(datatype)()
@@ -81,12 +64,14 @@ class Story:
                 setattr(message, name, value)
         self.put(time, topic, serialise(message))
 
-    def put(self, time, topic, data):
+    def put(self, time: float, topic: str, data: bytes) -> None:
+        """Add a message as bytes."""
         self.counts[topic] = self.counts.get(topic, 0) + 1
         stamp = START + int(time * 1e9)
         self.messages.append(Message(self.sources[topic], data, stamp, self.counts[topic]))
 
-    def build(self):
+    def build(self) -> Iterator[Message]:
+        """Make all messages, in the order of time."""
         self.speech()
         self.motions()
         self.fast()
@@ -96,7 +81,8 @@ class Story:
         kept = [m for m in self.messages if m.log_time <= cut]
         return numbered(sorted(kept, key=lambda m: m.log_time))
 
-    def speech(self):
+    def speech(self) -> None:
+        """What was said, and how it was answered."""
         mode = "standby"
         self.mode(0.1, "standby", "started")
         for begin, length, transcript, command, reason in SPEECH:
@@ -127,10 +113,12 @@ class Story:
                 mode = "active" if command == "hey robot" else "standby"
                 self.mode(decided + 0.01, mode, command)
 
-    def mode(self, time, mode, reason):
+    def mode(self, time: float, mode: str, reason: str) -> None:
+        """A change of the voice mode."""
         self.say(time, "/voice_assist/mode", "voice_assist/Mode", mode=mode, reason=reason)
 
-    def answer(self, time, begin, command):
+    def answer(self, time: float, begin: float, command: str) -> None:
+        """What the controller makes of a command."""
         if begin in REFUSED:
             self.event(time, "refused", command, REFUSED[begin])
         elif command == "stop":
@@ -140,7 +128,8 @@ class Story:
         else:
             self.event(time, "accepted", command, f"{command}: will do")
 
-    def event(self, time, kind, command, message):
+    def event(self, time: float, kind: str, command: str, message: str) -> None:
+        """An entry of the diary."""
         self.say(
             time,
             "/rst_control/event",
@@ -150,15 +139,17 @@ class Story:
             message=message,
         )
 
-    def motions(self):
-        started = set()
+    def motions(self) -> None:
+        """Beginning and end of every phase, in the diary."""
+        started: set[tuple[float, str]] = set()
         for begin, end, _, command in MOTION:
             if not any(abs(begin - b) < 4 and c == command for b, c in started):
                 self.event(begin, "motion_started", command, "")
             started.add((begin, command))
             self.event(end, "motion_finished", command, "")
 
-    def fast(self):
+    def fast(self) -> None:
+        """Joint states, set-points and tension."""
         js, wrench = class_of("sensor_msgs/JointState")(), class_of("geometry_msgs/WrenchStamped")()
         js.name = JOINTS
         js.velocity = js.effort = [0.0] * len(JOINTS)
@@ -180,7 +171,8 @@ class Story:
             self.put(time + 0.0003, "/robot/servo_jp", data)
             self.put(time + 0.0005, "/robot/tension", serialise(wrench))
 
-    def states(self):
+    def states(self) -> None:
+        """The controller's state, 50 Hz."""
         for k in range(int(self.duration * 50)):
             time = k / 50
             motion = next((m for m in MOTION if m[0] <= time < m[1]), None)
@@ -206,7 +198,8 @@ class Story:
                 tissue_held=9.6 < time < 40.4,
             )
 
-    def others(self):
+    def others(self) -> None:
+        """Diagnostics, pictures, trocar, sound, URDF."""
         for k in range(int(self.duration)):
             array = class_of("diagnostic_msgs/DiagnosticArray")()
             status = class_of("diagnostic_msgs/DiagnosticStatus")()
@@ -230,10 +223,29 @@ class Story:
                 format="png",
                 data=png(320, 240, k),
             )
+        for time, command in INTENDED:
+            self.say(time, "/voice_assist/intended", "std_msgs/String", data=command)
+        self.trocar(0.05, TROCAR)
+        self.trocar(TROCAR_CHANGE, TROCAR_AFTER)
+        self.event(TROCAR_CHANGE, "trocar_set", "", "by a service call")
         self.audio()
         self.say(0.0, "/robot_description", "std_msgs/String", data=URDF)
 
-    def audio(self):
+    def trocar(self, time: float, position: tuple[float, float, float]) -> None:
+        """The remote centre in force from a time on."""
+        point = class_of("geometry_msgs/Point")()
+        point.x, point.y, point.z = position
+        message = class_of("geometry_msgs/PointStamped")()
+        message.header.frame_id = "base_link"
+        self.sources["/rst_control/trocar"] = source_of(
+            "/rst_control/trocar", "geometry_msgs/PointStamped"
+        )
+        set_time(message.header.stamp, time)
+        message.point = point
+        self.put(time, "/rst_control/trocar", serialise(message))
+
+    def audio(self) -> None:
+        """Noise, louder where there is speech."""
         for k in range(int(self.duration * 16000 / 512)):
             time = k * 512 / 16000
             is_speech = any(b <= time < b + n for b, n, *_ in SPEECH)
@@ -249,68 +261,21 @@ class Story:
             )
 
 
-URDF = (
-    "<robot name='test'>"
-    + "".join(
-        f"<joint name='{n}' type='revolute'><limit lower='-2.2' upper='2.2'/></joint>"
-        for n in JOINTS
-    )
-    + "</robot>"
-)
-
-
-def numbered(messages):
-    counts = {}
+def numbered(messages: Iterable[Message]) -> Iterator[Message]:
+    """Count the messages of each topic, as the recorder does."""
+    counts: dict[str, int] = {}
     for message in messages:
         topic = message.source.topic
         counts[topic] = counts.get(topic, 0) + 1
         yield replace(message, sequence=counts[topic])
 
 
-def target(time):
-    steps = [(9.6, 1.0), (16.1, 1.5), (20.2, 2.0), (25.1, 1.5), (32.05, 1.8), (40.4, 0.0)]
-    return next((t for since, t in reversed(steps) if time >= since), 0.0)
-
-
-def tension(time):
-    value, now = 0.0, 0.0
-    while now < time:
-        value += (target(now) - value) * min(0.1 / 0.4, 1.0)
-        now += 0.1
-    return value
-
-
-def set_time(stamp, seconds):
+def set_time(stamp: Any, seconds: float) -> None:
+    """Set a stamp to a time of the story [s]."""
     stamp.secs, stamp.nsecs = divmod(START + int(seconds * 1e9), 1_000_000_000)
 
 
-def png(width, height, k):
-    """A small picture: a gradient whose colour tells pictures apart."""
-    row = bytes(c for x in range(width) for c in (x * 255 // width, 60 + 30 * k, 160))
-    raw = b"".join(b"\0" + row for _ in range(height))
-
-    def chunk(kind, data):
-        body = kind + data
-        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
-
-    size = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    return (
-        b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", size)
-        + chunk(b"IDAT", zlib.compress(raw))
-        + chunk(b"IEND", b"")
-    )
-
-
-METADATA = {
-    "session": {"started": "2026-11-20T10:00:00.000+00:00", "seed": "7"},
-    "code": {"commit": "0123456789abcdef0123456789abcdef01234567", "changed_files": ""},
-    "machine": {"host": "bench", "processor": "a processor", "cores": "2"},
-    "session/voice_assist": {"model": "embedded", "model_sha256": "ab" * 32},
-}
-
-
-def write_session(path, **options):
+def write_session(path: Path, **options: Any) -> list[Message]:
     """Write the story to a new file; returns its messages."""
     messages = list(Story(**options).build())
     path.parent.mkdir(parents=True, exist_ok=True)

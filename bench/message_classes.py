@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Message classes straight from the .msg files: tests need neither a roscore nor a build."""
+"""Message classes straight from the .msg files, without roscore or build; tests use them, too."""
 
 from __future__ import annotations
 
@@ -7,18 +7,19 @@ import re
 from functools import cache
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 from genpy.dynamic import generate_dynamic
 
 from session_log.types import Source
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[1]
 SEPARATOR = "\n" + "=" * 80 + "\nMSG: "
 BUILT_IN = {"bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"}
 BUILT_IN |= {"float32", "float64", "string", "time", "duration", "byte", "char"}
 
 
-def definition_of(datatype):
+def definition_of(datatype: str) -> str:
     """Full ros1msg text: the type's own definition, then each nested one."""
     text, seen, waiting = _own_text(datatype), {datatype}, _nested(datatype)
     while waiting:
@@ -31,23 +32,27 @@ def definition_of(datatype):
 
 
 @cache
-def class_of(datatype):
+def class_of(datatype: str) -> Any:
     """A class that serialises the type."""
     return generate_dynamic(datatype, definition_of(datatype))[datatype]
 
 
-def source_of(topic, datatype, publisher="/test", is_latched=False):
+def source_of(
+    topic: str, datatype: str, publisher: str = "/test", is_latched: bool = False
+) -> Source:
+    """The source of a topic, as the recorder would describe it."""
     kind = class_of(datatype)
     return Source(topic, datatype, kind._md5sum, definition_of(datatype), publisher, is_latched)
 
 
-def serialise(message):
+def serialise(message: Any) -> bytes:
+    """A message as ROS sends it."""
     buffer = BytesIO()
     message.serialize(buffer)
     return buffer.getvalue()
 
 
-def _own_text(datatype):
+def _own_text(datatype: str) -> str:
     package, name = datatype.split("/")
     for folder in (ROOT / "catkin_ws/src" / package, Path("/usr/share") / package):
         path = folder / "msg" / f"{name}.msg"
@@ -56,7 +61,7 @@ def _own_text(datatype):
     raise FileNotFoundError(f"{datatype}: no .msg file")
 
 
-def _nested(datatype):
+def _nested(datatype: str) -> list[str]:
     package = datatype.split("/")[0]
     found = []
     for line in _own_text(datatype).splitlines():

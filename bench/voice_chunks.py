@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Long measurements in pieces that are kept, so that they can be made in several goes.
+
+What a piece came to lies under .cache/bench/chunks/<key>/, where the key is made of the networks,
+the settings and the code that hears: whatever changes one of them begins anew. In the environment:
+MODEL another model than the shipped one, JOBS the processes, MINUTES after which no more pieces are
+begun, SHARE the part of a plan to take (0.02: one in fifty, to try).
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import json
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Protocol, TypeVar
+
+from bench import voice_sets
+from bench.voice_stream import Heard, Listener, Scene
+from voice_assist import pipeline
+from voice_assist.assembly import make_recognizer, make_spotter
+from voice_assist.config import CONFIG_DIR, load_voice_config
+
+MODEL = os.environ.get("MODEL", "embedded")
+JOBS = int(os.environ.get("JOBS") or os.cpu_count() or 1)
+MINUTES = float(os.environ.get("MINUTES", "inf"))
+SHARE = float(os.environ.get("SHARE", "1"))
+BESIDE_HEARING = ("training", "ros")  # parts of the package that change nothing that is heard
+BESIDE_FILES = ("cli", "listen", "evaluate", "scores", "microphone", "portaudio", "pulse", "worker")
+
+_T = TypeVar("_T")
+Label = dict[str, Any]  # what is known of a scene; JSON
+
+
+class Chunk(Protocol):
+    """A piece of work: small enough to be lost, large enough to be worth a file."""
+
+    def name(self) -> str:
+        """Tells the piece from all others of its part, and changes when its content does."""
+        ...
+
+    def scenes(self) -> Iterator[tuple[Label, Scene]]:
+        """What to stream."""
+        ...
+
+
+@dataclass(frozen=True)
+class Record:
+    """A scene and what it came to."""
+
+    label: Label
+    heard: Heard
+
+
+def measured(
+    part: str, plans: Mapping[str, Sequence[Chunk]], model: str = MODEL
+) -> dict[str, list[Record]]:
+    """Stream the pieces that are not there yet; gives all that are, in the order of the plans.
+
+    Args:
+        part: Names the measurement.
+        plans: Pieces by the set that they belong to.
+        model: That listens.
+    """
+    folder = voice_sets.CACHE / "chunks" / identity(model) / part
+    folder.mkdir(parents=True, exist_ok=True)
+    jobs = {
+        name: [(chunk, folder / f"{chunk.name()}.json") for chunk in plan]
+        for name, plan in plans.items()
+    }
+    missing = [job for some in jobs.values() for job in some if not job[1].is_file()]
+    if missing:
+        print(f"{part}: {len(missing)} of {sum(map(len, jobs.values()))} pieces to do", flush=True)
+        _do(part, missing, model)
+    return {
+        name: [record for _, path in some if path.is_file() for record in read(path)]
+        for name, some in jobs.items()
+    }
+
+
+def up_to(part: str, plan: Sequence[Chunk], count: int, model: str = MODEL) -> list[Chunk]:
+    """The first pieces of a plan, and of the others those that earlier goes have done."""
+    folder = voice_sets.CACHE / "chunks" / identity(model) / part
+    done = [chunk for chunk in plan[count:] if (folder / f"{chunk.name()}.json").is_file()]
+    return [*plan[:count], *done]
+
+
+def read(path: Path) -> list[Record]:
+    """Records of a piece."""
+    data = json.loads(path.read_text(encoding="utf-8"))
+    return [Record(one["label"], Heard.from_json(one["heard"])) for one in data]
+
+
+def share_of(plan: Sequence[_T]) -> list[_T]:
+    """The part of a plan that SHARE asks for, at least one."""
+    return list(plan[: max(1, round(SHARE * len(plan)))])
+
+
+def digest(*values: object) -> str:
+    """Short name of values, by their `repr`."""
+    return hashlib.sha256(repr(values).encode()).hexdigest()[:16]
+
+
+@cache
+def source(*modules: ModuleType) -> str:
+    """Digest of modules that make sound, so that pieces of an earlier way are made anew."""
+    return digest([_code_of(Path(str(module.__file__))) for module in modules])
+
+
+@cache
+def identity(model: str = MODEL) -> str:
+    """Key of all that decides what is heard: networks, settings, code."""
+    config = load_voice_config(CONFIG_DIR, recognizer__model=model)
+    network = make_recognizer(config).model_hash
+    _, spotter = make_spotter(config.spotter)
+    named = load_voice_config(CONFIG_DIR)  # by what is in the file, not by how it is called
+    return digest(network, spotter, named, code(Path(pipeline.__file__).parent))
+
+
+def code(folder: Path) -> str:
+    """Digest of the modules that hear, whatever their comments and layout."""
+    parts = []
+    for path in sorted(folder.rglob("*.py")):
+        inside = path.relative_to(folder)
+        if inside.parts[0] in BESIDE_HEARING or inside.stem in BESIDE_FILES:
+            continue
+        parts.append((str(inside), _code_of(path)))
+    return digest(parts)
+
+
+def _code_of(path: Path) -> str:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):  # docstrings change nothing
+            body[:] = [s for s in body if not (isinstance(s, ast.Expr) and _is_text(s.value))]
+    return ast.dump(tree)
+
+
+def _is_text(value: ast.expr) -> bool:
+    return isinstance(value, ast.Constant) and isinstance(value.value, str)
+
+
+def _do(part: str, missing: Sequence[tuple[Chunk, Path]], model: str) -> None:
+    """In processes of their own, which load their networks once; each writes what it finishes."""
+    began = time.monotonic()
+    waiting = iter(missing)
+    with _pool(model, min(JOBS, len(missing))) as pool:
+        running: set[Future[None]] = {
+            pool.submit(_one, *job) for _, job in zip(range(JOBS), waiting, strict=False)
+        }
+        done = 0
+        while running:
+            finished, running = wait(running, return_when=FIRST_COMPLETED)
+            for one in finished:
+                one.result()
+            done += len(finished)
+            spent = time.monotonic() - began
+            print(f"{part}: {done} of {len(missing)} after {spent:.0f} s", flush=True)
+            if spent < 60.0 * MINUTES:
+                turns = zip(finished, waiting, strict=False)  # a new piece for each finished one
+                running |= {pool.submit(_one, *job) for _, job in turns}
+
+
+def _pool(model: str, jobs: int) -> Executor:
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(jobs, context, _prepare, (model,))
+
+
+_LISTENERS: list[Listener] = []  # one per process, built by its start
+
+
+def _prepare(model: str) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it; an unfinished piece is lost
+    threading.Thread(target=_end_with_parent, name="end with parent", daemon=True).start()
+    _LISTENERS[:] = [Listener(model)]
+
+
+def _end_with_parent() -> None:
+    """Nobody waits for what this process finds once the one that started it is gone."""
+    if (parent := multiprocessing.parent_process()) is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _one(chunk: Chunk, path: Path) -> None:
+    records = [
+        {"label": label, "heard": _LISTENERS[0](scene).to_json()} for label, scene in chunk.scenes()
+    ]
+    unfinished = path.with_suffix(f".{os.getpid()}.tmp")
+    unfinished.write_text(json.dumps(records), encoding="utf-8")
+    unfinished.rename(path)

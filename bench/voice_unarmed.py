@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Hours of talk in standby: nothing may move, whatever is taken for "hey robot" in between.
+
+HOURS=30 for the record. Pieces that are there are counted, so that it can be done in several goes.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from typing import Any
+
+from bench import voice_chunks, voice_kept
+from bench.figures import Figure
+from bench.voice_armed import of_commands
+from bench.voice_chunks import Record
+from bench.voice_talk import SECONDS, TalkChunk, Who, deck
+
+FULL = 30.0  # [h]
+HOURS = min(FULL, float(os.environ.get("HOURS", "0.2")))
+
+
+def measure() -> list[Figure]:
+    """People and synthetic voices in turn, counted apart."""
+    plan = _plan()
+    wanted = math.ceil(HOURS * 3600.0 / SECONDS)
+    pieces = voice_chunks.up_to("unarmed", plan, wanted)
+    records = voice_chunks.measured("unarmed", {"": pieces})[""]
+    hours = sum(r.heard.streamed for r in records) / 3600.0
+    figures = [voice_kept.measured(hours, "h", FULL)]
+    figures += of_commands("talk, unarmed", records, 0.0)
+    for who in ("human", "synthetic"):
+        some = [r for r in records if r.label["who"] == who]
+        if some:
+            figures += of_commands(f"{who} talk, unarmed", some)
+            figures += _armed(who, some)
+    compute = sum(r.heard.compute for r in records)
+    figures.append(Figure("real-time factor on talk", compute / (3600.0 * hours), ""))
+    data = {"fired": [one for r in records for one in fired(r)]}
+    voice_kept.write_details("unarmed_fired", hours, data)
+    return figures
+
+
+def fired(record: Record) -> list[dict[str, Any]]:
+    """Every command taken in a piece, with the utterance that was last begun before it."""
+    found = []
+    for one in record.heard.said:
+        if one.is_taken:
+            begun = [span for span in record.label["spans"] if span[0] <= one.at]
+            _, text, voice, path = begun[-1] if begun else (0.0, "", "", "")
+            found.append(
+                {
+                    "taken": one.command,
+                    "confidence": one.confidence,
+                    "origin": one.origin,
+                    "heard": one.text,
+                    "said": text,
+                    "voice": voice,
+                    "path": path,
+                    "who": record.label["who"],
+                    "seed": record.label["seed"],
+                    "at": one.at,
+                }
+            )
+    return found
+
+
+def _plan() -> list[TalkChunk]:
+    count = math.ceil(FULL * 3600.0 / SECONDS)
+    has_people = bool(deck("human"))
+    if not has_people:
+        print("no human speech in ../shared/speech: synthetic talk alone")
+    who: tuple[Who, ...] = ("human", "synthetic") if has_people else ("synthetic",)
+    return [TalkChunk(who[i % len(who)], i // len(who)) for i in range(count)]
+
+
+def _armed(who: str, records: Sequence[Record]) -> list[Figure]:
+    """How long a "hey robot" that nobody said has left it armed, until a piece was over."""
+    hours = sum(r.heard.armed for r in records) / 3600.0
+    note = "(until its piece of three minutes is over)"
+    return [Figure(f"{who} talk: armed by mistake", hours, "h", note=note)]

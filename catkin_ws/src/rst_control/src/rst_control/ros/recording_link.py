@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Hears the recorders' heartbeats, and says on the screen and in diagnostics when they are lost."""
+
+from __future__ import annotations
+
+import time
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from std_msgs.msg import String
+
+from rst_control.executor import Executor
+from rst_control.lifecycle import State
+from rst_control.orders import View
+from rst_control.recording import RecordingNews, RecordingWatch
+from rst_control.ros.diagnostics import make_status
+
+GRACE = 15.0  # [s] after the start, within which a recorder that is not there yet is no news
+
+
+class RecordingLink:
+    """Feeds the watch, and acts on what it finds.
+
+    Args:
+        watch: Knows of the recording.
+        executor: Brakes the motion under way where the setting says so.
+    """
+
+    def __init__(self, watch: RecordingWatch, executor: Executor) -> None:
+        self._watch, self._executor = watch, executor
+        self._news = RecordingNews(watch, GRACE, time.monotonic)
+        self._subscriber = rospy.Subscriber(
+            "session_log/recording", String, self._on_beat, tcp_nodelay=True
+        )
+
+    def look(self, view: View) -> None:
+        """Stop what may not go on unrecorded, and tell what is new."""
+        if view.life.state is State.MOVING and (reason := self._watch.stop_reason(view.plan)):
+            self._executor.stop(reason)
+        news = self._news.next()
+        if news is None:
+            return
+        is_loss, words = news
+        if not is_loss:
+            rospy.loginfo("%s", words)
+        elif self._watch.is_ignored:
+            rospy.logwarn("%s", words)
+        else:
+            rospy.logerr("%s", words)
+
+    def status(self) -> DiagnosticStatus:
+        """What diagnostics say of it."""
+        problem, level = self._watch.problem, DiagnosticStatus.OK
+        if problem and not (self._watch.is_ignored and not self._watch.was_heard):
+            level = DiagnosticStatus.WARN if self._watch.is_ignored else DiagnosticStatus.ERROR
+        words = f"not recorded: {problem}" if problem else "recorded"
+        return make_status("recording", level, words, {"on loss": self._watch.consequence})
+
+    def _on_beat(self, message: String) -> None:
+        sender = message._connection_header.get("callerid", "an unnamed recorder")
+        self._watch.heard(sender, message.data)

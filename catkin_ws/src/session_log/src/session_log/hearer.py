@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a replay asks of whoever hears the recorded sound again, and how that one is found.
+
+This package does not know the voice part: a setting names `module:function`, which is imported when
+it is needed. The function is a `MakeHearer`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from session_log.errors import SessionLogError
+
+
+class NoHearer(SessionLogError):
+    """Nobody is there to hear the sound again."""
+
+    def __init__(self, name: str, why: str) -> None:
+        super().__init__(f"hearer {name!r} of replay.yaml: {why}; allowed: module:function")
+        self.name, self.why = name, why
+
+
+@dataclass(frozen=True, eq=False)
+class Sound:
+    """One recorded block of sound."""
+
+    samples: NDArray[np.int16]  # (n,), mono
+    rate: int  # [Hz]
+    first_sample: int  # index of samples[0] since the stream began
+    stamp: float  # [s] clock time at which samples[0] was captured
+
+    @property
+    def next_sample(self) -> int:
+        """Index of the sample that follows."""
+        return self.first_sample + len(self.samples)
+
+
+class Decided(Protocol):
+    """One decision, with the fields of the message voice_assist/Utterance; times in [s]."""
+
+    @property
+    def transcript(self) -> str: ...  # noqa: D102 - the message explains its fields
+    @property
+    def wer(self) -> Mapping[str, float]: ...  # noqa: D102
+    @property
+    def command(self) -> str: ...  # noqa: D102
+    @property
+    def reason(self) -> str: ...  # noqa: D102
+    @property
+    def nearest(self) -> str: ...  # noqa: D102
+    @property
+    def confidence(self) -> float: ...  # noqa: D102
+    @property
+    def mode(self) -> str: ...  # noqa: D102
+    @property
+    def origin(self) -> str: ...  # noqa: D102
+    @property
+    def early(self) -> bool: ...  # noqa: D102
+    @property
+    def speech_start(self) -> float: ...  # noqa: D102
+    @property
+    def speech_end(self) -> float: ...  # noqa: D102
+    @property
+    def decision(self) -> float: ...  # noqa: D102
+
+
+class Hearer(Protocol):
+    """The live pipeline in lock-step: its clock shows the recorded stamps, never the time."""
+
+    model: str  # as asked for
+    model_hash: str  # SHA-256, hexadecimal
+    spotter_hash: str  # empty: no spotter
+    warnings: tuple[str, ...]  # what of the recorded settings could not be restored
+
+    def hear(self, sound: Sound) -> Sequence[Decided]:
+        """Take the next block of sound; gives what was decided with it, oldest first.
+
+        Raises:
+            ValueError: The block does not suit the pipeline.
+        """
+
+    def set_mode(self, mode: str, reason: str) -> None:
+        """Take over a recorded mode, where what led to it is lost."""
+
+    def heard_live(self, first_sample: int) -> bool:
+        """Whether it is on record that the live pipeline decided on the block of a sample."""
+
+    def lost_live(self, first_sample: int) -> bool:
+        """Whether the live pipeline, too, lacked the sound in front of a sample."""
+
+
+class MakeHearer(Protocol):
+    """Builds the pipeline of one run of the voice node."""
+
+    def __call__(
+        self, settings: Mapping[str, Any], notes: Sequence[str], model: str | None
+    ) -> Hearer:
+        """Start a pipeline as the node started.
+
+        Args:
+            settings: The voice part's recorded parameters; empty: none were recorded.
+            notes: What hearing depended on besides the sound, as recorded.
+            model: Recogniser in place of the recorded one; None: that one.
+
+        Raises:
+            ValueError: Something of it cannot be used.
+        """
+
+
+def find_hearer(name: str) -> MakeHearer:
+    """Import `module:function`.
+
+    Raises:
+        NoHearer: The package is not there, or has no such function.
+    """
+    module, _, function = name.partition(":")
+    if not (module and function):
+        raise NoHearer(name, "is no module and function")
+    try:
+        made = getattr(import_module(module), function, None)
+    except ImportError as error:
+        raise NoHearer(name, f"cannot be imported ({error})") from error
+    if not callable(made):
+        raise NoHearer(name, f"{module} has no function {function!r}")
+    found: MakeHearer = made
+    return found

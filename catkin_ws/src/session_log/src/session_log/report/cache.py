@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Keeps the summary of a session beside its page, so that a folder is read only once."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict
+from hashlib import sha256
+from pathlib import Path
+
+from session_log.config import ReportConfig
+from session_log.report.summary import SessionSummary, from_json
+
+FILE_NAME = "report_summary.json"
+VERSION = 1  # of what a summary holds and of how it is computed; raise it when either changes
+
+
+def key_of(recording: Path, config: ReportConfig) -> dict[str, object]:
+    """What a summary depends on: the file, the settings, and the code's version.
+
+    Raises:
+        OSError: The recording cannot be looked at.
+    """
+    state = recording.stat()
+    settings = json.dumps(asdict(config), sort_keys=True).encode()
+    return {
+        "version": VERSION,
+        "recording": recording.name,
+        "size": state.st_size,
+        "modified": state.st_mtime_ns,
+        "settings": sha256(settings).hexdigest()[:16],
+    }
+
+
+def load(folder: Path, key: dict[str, object]) -> SessionSummary | None:
+    """Return the summary kept in a folder; None if there is none for this key."""
+    try:
+        kept = json.loads((folder / FILE_NAME).read_text(encoding="utf-8"))
+        return from_json(kept["summary"]) if kept["key"] == key else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def store(folder: Path, key: dict[str, object], summary: SessionSummary) -> None:
+    """Keep a summary; whole or not at all.
+
+    Raises:
+        OSError: The folder cannot be written.
+    """
+    target = folder / FILE_NAME
+    draft = target.with_suffix(f".{os.getpid()}")
+    draft.write_text(json.dumps({"key": key, "summary": asdict(summary)}), encoding="utf-8")
+    draft.replace(target)

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The subcommand `session_log report`: over one session, or over all that are named or found."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from session_log.config import ReportConfig
+from session_log.errors import SessionLogError
+from session_log.reader import SessionReader
+from session_log.report.many_sessions import FolderReport, folder
+from session_log.report.one_session import Report, write_report
+from session_log.session_folder import FILE_NAME
+
+
+class OutputUnclear(SessionLogError):
+    """Several inputs were named, and no place for the report over them."""
+
+    def __init__(self, inputs: int) -> None:
+        super().__init__(f"{inputs} inputs and no place for the report over them: give --out DIR")
+
+
+class WrongNumber(SessionLogError):
+    """A number on the command line is out of range."""
+
+    def __init__(self, option: str, value: int, allowed: str) -> None:
+        super().__init__(f"{option} {value}: allowed is {allowed}")
+
+
+def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
+    """Write the report and print what was written.
+
+    Raises:
+        SessionLogError: Something named is not there or not readable, or --out is not writable.
+    """
+    if arguments.jobs < 1:
+        raise WrongNumber("--jobs", arguments.jobs, "1 or more")
+    named: list[Path] = arguments.sessions
+    if len(named) == 1 and (not named[0].is_dir() or (named[0] / FILE_NAME).exists()):
+        report = _one(named[0], arguments, config)
+    else:
+        report = _many(named, arguments, config)
+    for path in (report.page, *report.figures, *report.latex):
+        print(path)
+    return 0
+
+
+def _one(path: Path, arguments: argparse.Namespace, config: ReportConfig) -> Report:
+    reader = SessionReader(path)
+    out = arguments.out or reader.path.parent
+    return write_report(reader, out, config, latex=arguments.latex)
+
+
+def _many(named: list[Path], arguments: argparse.Namespace, config: ReportConfig) -> FolderReport:
+    if arguments.out is None and len(named) > 1:
+        raise OutputUnclear(len(named))
+    report = folder(
+        named,
+        arguments.out or named[0],
+        config,
+        beside=arguments.out is None,
+        with_pages=not arguments.no_pages,
+        jobs=arguments.jobs,
+        cluster=arguments.cluster,
+        latex=arguments.latex,
+    )
+    for unread in report.unread:
+        print(f"not read: {unread.path}: {unread.reason}", file=sys.stderr)
+    print(f"{report.sessions} sessions read, {len(report.unread)} not readable")
+    return report

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes the report over many sessions: each is reduced once, then their summaries are pooled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from hashlib import sha256
+from pathlib import Path
+
+from session_log.config import ReportConfig
+from session_log.errors import OutputFailed, SessionLogError, SessionMissing
+from session_log.report.drawing import draw
+from session_log.report.figures import POOL_FIGURES
+from session_log.report.folder_page import folder_page
+from session_log.report.latex import write_latex
+from session_log.report.one_session import PAGE_NAME, Report, reduce_session
+from session_log.report.pool import Pool, Unread
+from session_log.report.spread import spread
+from session_log.report.summary import SessionSummary
+from session_log.session_folder import FILE_NAME
+
+PAGES_FOLDER = "sessions"  # below the output, where that is not beside the recordings
+RECOVERED = "_recovered"
+
+
+@dataclass(frozen=True)
+class Task:
+    """One recording to reduce."""
+
+    path: Path
+    folder: Path  # of its summary and its page
+
+
+@dataclass(frozen=True)
+class FolderReport(Report):
+    """What was written over many sessions."""
+
+    sessions: int = 0
+    unread: tuple[Unread, ...] = ()
+
+
+class NothingReadable(SessionLogError):
+    """None of the recordings that were named can be read."""
+
+    def __init__(self, unread: Sequence[Unread]) -> None:
+        reasons = "; ".join(u.reason for u in unread[:3])
+        more = f"; and {len(unread) - 3} more" if len(unread) > 3 else ""
+        super().__init__(f"none of {len(unread)} recordings can be read: {reasons}{more}")
+        self.unread = tuple(unread)
+
+
+def folder(
+    inputs: Sequence[Path],
+    out: Path,
+    config: ReportConfig,
+    *,
+    beside: bool = False,
+    with_pages: bool = True,
+    jobs: int = 1,
+    cluster: str = "",
+    latex: bool = False,
+) -> FolderReport:
+    """Write the report over every recording that is named or lies below a named folder.
+
+    Args:
+        inputs: MCAP files and folders; a folder is searched to any depth.
+        out: Where the page and its figures go; made if it is not there.
+        config: Settings of the report.
+        beside: Keep each session's page and summary beside its recording, not below `out`.
+        with_pages: Also write each session's own page.
+        jobs: Processes on this machine; more than one needs dask.distributed.
+        cluster: Address of a dask scheduler to use instead; its workers must see the same
+            files under the same names. Empty for none.
+        latex: Also write the tables as .tex files.
+
+    Raises:
+        SessionMissing: Something named is not there, or holds no recording.
+        NothingReadable: There are recordings, but none can be read.
+        EngineMissing, EngineUnreachable: See `spread`.
+        OutputFailed: The output cannot be written.
+    """
+    tasks = _tasks(recordings(inputs), None if beside else out / PAGES_FOLDER)
+    pool = Pool(config)
+    work = partial(_reduce, config=config, with_page=with_pages)
+    for task, found in spread(work, tasks, jobs, cluster):
+        if isinstance(found, SessionSummary):
+            page = task.folder / PAGE_NAME
+            pool.add(task.path, page if with_pages or page.exists() else None, found)
+        else:
+            pool.unread.append(found)
+    if not pool.members:
+        raise NothingReadable(pool.unread)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        return _write(pool, out, latex)
+    except OSError as error:
+        raise OutputFailed(out, error) from error
+
+
+def recordings(inputs: Iterable[Path]) -> list[Path]:
+    """Every recording that is named or lies below a named folder, each once, in order of name.
+
+    A recovered copy is left out where its original lies beside it.
+
+    Raises:
+        SessionMissing: Something named is not there, or holds no recording.
+    """
+    found: dict[Path, Path] = {}
+    for path in inputs:
+        if not path.exists():
+            raise SessionMissing(path, "no such file or folder")
+        below = [path] if path.is_file() else sorted(p for p in path.rglob("*.mcap") if p.is_file())
+        if not below:
+            raise SessionMissing(path, "a folder without any recording (*.mcap) in or below it")
+        for recording in below:
+            found.setdefault(recording.resolve(), recording)
+    return [recording for recording in found.values() if not _is_copy(recording)]
+
+
+def _is_copy(recording: Path) -> bool:
+    original = recording.stem.removesuffix(RECOVERED)
+    return original != recording.stem and recording.with_stem(original).exists()
+
+
+def _tasks(paths: Iterable[Path], pages: Path | None) -> Iterator[Task]:
+    for path in paths:
+        yield Task(path, path.parent if pages is None else pages / _page_name(path))
+
+
+def _page_name(path: Path) -> str:
+    """A name for the folder of a session's page that no other recording has."""
+    full = path.resolve()
+    name = full.parent.name if full.name == FILE_NAME else full.stem
+    return f"{name}_{sha256(str(full).encode()).hexdigest()[:8]}"
+
+
+def _reduce(
+    task: Task, config: ReportConfig, with_page: bool
+) -> tuple[Task, SessionSummary | Unread]:
+    """Reduce one session; whatever is wrong with it must not end the report over the others."""
+    try:
+        return task, reduce_session(task.path, task.folder, config, with_page=with_page)
+    except SessionLogError as error:
+        return task, Unread(task.path, str(error))
+    except Exception as error:  # top of a worker
+        return task, Unread(task.path, f"{type(error).__name__}: {error}")
+
+
+def _write(pool: Pool, out: Path, latex: bool) -> FolderReport:
+    images, written = draw(POOL_FIGURES, pool, out, pool.config)
+    target = out / PAGE_NAME
+    target.write_text(folder_page(pool, images, out), encoding="utf-8")
+    tex = write_latex(pool, out) if latex else []
+    return FolderReport(target, written, tex, len(pool.members), tuple(pool.unread))

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Gathers the summaries of one session or of many into the numbers of the tables."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from statistics import median
+
+from session_log.config import ReportConfig
+from session_log.report.bounds import Bounded, proportion
+from session_log.report.summary import Given, Moments, SessionSummary
+from session_log.report.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER, Trial
+
+_NUMBER = re.compile(r"-?\d+(\.\d+)?")
+
+
+@dataclass(frozen=True)
+class Member:
+    """One session of a pool, as one row of its table."""
+
+    path: Path  # the recording
+    page: Path | None  # its own report, if one was written
+    name: str
+    started: float  # [s] since 1970; zero if nothing was recorded
+    duration: float  # [s]
+    is_complete: bool
+    right: int  # phrases that were taken as they were meant, words that are no command included
+    said: int  # phrases whose meaning is known
+    commands: int  # taken or given by hand
+    refused: int
+    action: float  # [s] median time from the end of speech to the action; nan if none
+    rcm: float  # [m] largest while moving, by the controller; nan if none
+    rcm_joints: float  # [m] the same from joint states
+    tension: float  # [N]
+    margin: float  # [rad] to the nearest joint limit
+    late: int  # late cycles of the fast topics
+    cycles: int
+
+
+@dataclass(frozen=True)
+class Unread:
+    """A recording that could not be read, and why."""
+
+    path: Path
+    reason: str
+
+
+@dataclass
+class Latencies:
+    """Times after the end of speech, of one command [s]."""
+
+    decision: list[float] = field(default_factory=list)
+    action: list[float] = field(default_factory=list)
+
+
+class Pool:
+    """Sums over sessions; the order in which they are added does not matter."""
+
+    def __init__(self, config: ReportConfig) -> None:
+        self.config = config
+        self.members: list[Member] = []
+        self.unread: list[Unread] = []
+        self.confusions: Counter[tuple[str, str]] = Counter()  # intended, taken
+        self.refusals: Counter[tuple[str, str]] = Counter()  # command, reason
+        self.outcomes: Counter[str] = Counter()
+        self.commits: Counter[str] = Counter()  # of the software that was recorded
+        self.early = self.ignored = self.rcm_above = self.rcm_joints_above = 0
+        self.knows_intent = False  # whether any session knows what was meant to be said
+        self.duration = 0.0  # [s]
+        self.rcm = self.rcm_joints = self.tension_error = Moments()
+        self.tension = -math.inf  # [N]
+        self._latencies: dict[str, Latencies] = {}
+        self._phrases: dict[str, None] = {}
+
+    def add(self, path: Path, page: Path | None, summary: SessionSummary) -> None:
+        """Add one session."""
+        self.members.append(_member(path, page, summary))
+        self.knows_intent |= summary.knows_intent
+        self._phrases |= dict.fromkeys(summary.phrases)
+        self.confusions.update((t.intended, t.taken) for t in summary.trials)
+        self.commits[summary.commit or "unknown"] += 1
+        self.ignored += summary.ignored
+        self.duration += summary.duration
+        for given in summary.given:
+            self._add_given(given)
+        self.rcm += summary.rcm
+        self.rcm_joints += summary.rcm_joints
+        self.rcm_above += summary.rcm_above
+        self.rcm_joints_above += summary.rcm_joints_above
+        self.tension_error += summary.tension_error
+        if math.isfinite(summary.tension):
+            self.tension = max(self.tension, summary.tension)
+
+    @property
+    def commands(self) -> list[str]:
+        """Every command: the paper's first, then those compared, meant, taken or given."""
+        known = dict.fromkeys(entry.command for entry in self.config.paper.latency)
+        seen = {w for pair in self.confusions for w in pair} | set(self._latencies)
+        seen -= {NO_COMMAND, NOT_SAID, NOTHING, OTHER}
+        return list(known | self._phrases | dict.fromkeys(sorted(seen)))
+
+    def latencies(self, command: str = "") -> Latencies:
+        """Times of one command, or of all; sorted."""
+        chosen = [v for k, v in self._latencies.items() if command in ("", k)]
+        decision = sorted(x for times in chosen for x in times.decision)
+        return Latencies(decision, sorted(x for times in chosen for x in times.action))
+
+    def accuracy(self, intended: str = "") -> tuple[int, int, Bounded]:
+        """Phrases taken as they were meant, phrases meant, and their share.
+
+        Args:
+            intended: A command or NO_COMMAND; empty for all commands together.
+        """
+        words = [intended] if intended else self.commands
+        counts = {pair: n for pair, n in self.confusions.items() if pair[0] in words}
+        hits = sum(n for (meant, taken), n in counts.items() if _is_right(meant, taken))
+        total = sum(counts.values())
+        return hits, total, proportion(hits, total)
+
+    def sorted_members(self) -> list[Member]:
+        """Members by the time of their recording."""
+        return sorted(self.members, key=lambda m: (m.started, str(m.path)))
+
+    def _add_given(self, given: Given) -> None:
+        self.outcomes[given.outcome] += 1
+        if given.outcome == "refused":
+            self.refusals[given.command, reason_of(given.message)] += 1
+        if given.is_spoken:
+            self.early += given.is_early
+            times = self._latencies.setdefault(given.command, Latencies())
+            times.decision.append(given.decision_latency)
+            if math.isfinite(given.action_latency):
+                times.action.append(given.action_latency)
+
+
+def reason_of(message: str) -> str:
+    """The kind of a refusal: its words up to the first value or explanation."""
+    words = re.split(r"[;:(]", message, maxsplit=1)[0].strip()
+    return _NUMBER.sub("…", words) or "no reason given"
+
+
+def _member(path: Path, page: Path | None, summary: SessionSummary) -> Member:
+    actions = [g.action_latency for g in summary.given if math.isfinite(g.action_latency)]
+    said = [trial for trial in summary.trials if trial.intended != NOT_SAID]
+    return Member(
+        path=path,
+        page=page,
+        name=summary.name,
+        started=summary.started,
+        duration=summary.duration,
+        is_complete=summary.is_complete,
+        right=sum(1 for trial in said if trial.is_correct),
+        said=len(said),
+        commands=len(summary.given),
+        refused=sum(1 for given in summary.given if given.outcome == "refused"),
+        action=median(actions) if actions else math.nan,
+        rcm=_largest(summary.rcm),
+        rcm_joints=_largest(summary.rcm_joints),
+        tension=summary.tension,
+        margin=summary.margin,
+        late=sum(loop.late for loop in summary.loops),
+        cycles=sum(loop.cycles for loop in summary.loops),
+    )
+
+
+def _largest(values: Moments) -> float:
+    return values.largest if values.count else math.nan
+
+
+def _is_right(meant: str, taken: str) -> bool:
+    return Trial(0.0, meant, taken, "").is_correct

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The tables that one session and many have in common: recognition, latency, refusals, motion."""
+
+from __future__ import annotations
+
+import math
+
+from session_log.report.bounds import quantile
+from session_log.report.pool import Pool
+from session_log.report.text_table import (
+    NONE,
+    TextTable,
+    bounded,
+    length,
+    newtons,
+    percent,
+    seconds,
+)
+from session_log.report.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER
+
+
+def accuracy_table(pool: Pool) -> TextTable:
+    """Share of phrases that were taken as they were meant, by command."""
+    columns = ("meant", "said", "right", "share", "95 % confidence")
+    commands = [c for c in pool.commands if pool.accuracy(c)[1]]
+    entries = [(c, pool.accuracy(c)) for c in commands]
+    entries.append(("all commands", pool.accuracy()))
+    if pool.accuracy(NO_COMMAND)[1]:
+        entries.append((NO_COMMAND, pool.accuracy(NO_COMMAND)))
+    rows = [
+        (
+            name,
+            str(total),
+            str(hits),
+            percent(share.value),
+            f"{share.low * 100:.1f} to {share.high * 100:.1f}\u00a0%" if total else NONE,
+        )
+        for name, (hits, total, share) in entries
+    ]
+    marks = tuple("total" if name == "all commands" else "" for name, _ in entries)
+    return TextTable(columns, rows, marks, numbers=(1, 2, 3, 4), is_compact=True)
+
+
+def confusion_counts(pool: Pool) -> tuple[list[str], list[str], list[list[int]]]:
+    """What was meant (rows), what it was taken for (columns), and how often."""
+    meant = {pair[0] for pair in pool.confusions}
+    taken = {pair[1] for pair in pool.confusions}
+    commands = [c for c in pool.commands if c in meant | taken]
+    rows = [c for c in [*commands, NO_COMMAND, NOT_SAID] if c in meant]
+    columns = [*commands, OTHER, NOTHING]
+    counts = [[pool.confusions[row, column] for column in columns] for row in rows]
+    return rows, columns, counts
+
+
+def confusion_table(pool: Pool) -> TextTable:
+    """What was meant against what it was taken for."""
+    rows, columns, counts = confusion_counts(pool)
+    cells = [
+        (row, *(str(n) if n else NONE for n in numbers))
+        for row, numbers in zip(rows, counts, strict=True)
+    ]
+    return TextTable(("meant", *columns), cells, numbers=tuple(range(1, len(columns) + 1)))
+
+
+def latency_table(pool: Pool) -> TextTable:
+    """Set our latency beside the paper's table 1, by command."""
+    paper = {entry.command: entry.latency for entry in pool.config.paper.latency}
+    columns = (
+        "command",
+        "n",
+        "decision, median [s]",
+        "action, mean [s]",
+        "action, median [s]",
+        "action, 95th percentile [s]",
+        "paper, mean [s]",
+    )
+    rows = [_latency_row(pool, c, paper.get(c, math.nan)) for c in pool.commands]
+    mean = sum(paper.values()) / len(paper) if paper else math.nan
+    rows = [row for row in rows if row[1] != "0" or row[0] in paper]
+    rows.append(_latency_row(pool, "", mean))
+    marks = ("",) * (len(rows) - 1) + ("total",)
+    return TextTable(columns, rows, marks, numbers=tuple(range(1, 7)))
+
+
+def refusals_table(pool: Pool) -> TextTable:
+    """How often which command was refused, and why."""
+    counted = sorted(pool.refusals.items(), key=lambda item: (-item[1], item[0]))
+    rows = [(command, reason, str(count)) for (command, reason), count in counted]
+    return TextTable(("command", "why", "times"), rows, numbers=(2,))
+
+
+def motion_table(pool: Pool) -> TextTable:
+    """RCM error, tension and what they are held against."""
+    limit = pool.config.rcm_limit
+    rows = []
+    for source, error, above in (
+        ("by the controller", pool.rcm, pool.rcm_above),
+        ("from joint states", pool.rcm_joints, pool.rcm_joints_above),
+    ):
+        if error.count:
+            name = f"RCM error while moving, {source}"
+            largest = length(error.largest)
+            beyond = f"{above} of {error.count} samples above {length(limit)}"
+            rows.append((name, length(error.rms), largest, beyond))
+    if math.isfinite(pool.tension):
+        rows.append(("tension with a target set", NONE, newtons(pool.tension), NONE))
+    if pool.tension_error.count:
+        error = pool.tension_error
+        samples = f"{error.count} samples"
+        row = ("distance of the tension from its target at rest", newtons(error.rms))
+        rows.append((*row, newtons(error.largest), samples))
+    return TextTable(("measure", "RMS", "largest", "of"), rows, numbers=(1, 2))
+
+
+def _latency_row(pool: Pool, command: str, paper: float) -> tuple[str, ...]:
+    times = pool.latencies(command)
+    decision, action = quantile(times.decision, 0.5), times.action
+    mean = sum(action) / len(action) if action else math.nan
+    return (
+        command or "all",
+        str(len(action)),
+        _plain(decision.value),
+        _plain(mean),
+        bounded(quantile(action, 0.5)),
+        bounded(quantile(action, 0.95)),
+        _plain(paper),
+    )
+
+
+def _plain(value: float) -> str:
+    return seconds(value).removesuffix("\u00a0s")

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A session reduced to what a table over many sessions needs; a few kB, whatever its length."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from session_log.analysis import CommandRow, loop_timing
+from session_log.config import ReportConfig
+from session_log.report.margins import joint_margins
+from session_log.report.shaft import JointRcm
+from session_log.report.trials import Trial, trials
+from session_log.session_data import SessionData, Track
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Of a set of numbers, in their unit; those of two sets can be joined exactly."""
+
+    count: int = 0
+    total: float = 0.0
+    squares: float = 0.0
+    largest: float = -math.inf
+
+    @property
+    def mean(self) -> float:
+        """Mean; nan of none."""
+        return self.total / self.count if self.count else math.nan
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean square; nan of none."""
+        return math.sqrt(self.squares / self.count) if self.count else math.nan
+
+    def __add__(self, other: Moments) -> Moments:
+        return Moments(
+            self.count + other.count,
+            self.total + other.total,
+            self.squares + other.squares,
+            max(self.largest, other.largest),
+        )
+
+
+@dataclass(frozen=True)
+class Given:
+    """One command that was taken or given by hand."""
+
+    command: str
+    is_spoken: bool
+    decision_latency: float  # [s] after the end of speech; nan if not spoken
+    action_latency: float  # [s] after the end of speech; nan if there was no action
+    outcome: str  # accepted, refused or "no answer"
+    message: str
+    is_early: bool
+
+
+@dataclass(frozen=True)
+class LoopSummary:
+    """How evenly a fast topic was published."""
+
+    topic: str
+    cycles: int
+    late: int
+
+
+@dataclass(frozen=True)
+class SessionSummary:
+    """One session in numbers."""
+
+    name: str
+    started: float  # [s] since 1970; zero if nothing was recorded
+    duration: float  # [s]
+    is_complete: bool  # closed, undamaged, nothing missing
+    commit: str
+    phrases: tuple[str, ...]
+    knows_intent: bool  # whether it was recorded what was meant to be said
+    trials: tuple[Trial, ...]
+    given: tuple[Given, ...]
+    ignored: int  # utterances that were no command
+    rcm: Moments  # [m] by the controller, while moving
+    rcm_joints: Moments  # [m] from joint states, while moving
+    rcm_above: int  # samples of `rcm` above the limit
+    rcm_joints_above: int
+    tension: float  # [N] largest with a target set; nan if there was none
+    tension_error: Moments  # [N] from the target at rest
+    margin: float  # [rad] smallest to a joint limit; nan if unknown
+    margin_joint: str
+    loops: tuple[LoopSummary, ...]
+
+
+def summarise(
+    name: str, data: SessionData, rows: Iterable[CommandRow], rcm: JointRcm, config: ReportConfig
+) -> SessionSummary:
+    """Reduce a session."""
+    survey, table = data.survey, data.controller
+    condition = survey.condition
+    moving = table["rcm_error"][table["moving"] > 0]
+    has_target = table["target"] > 0
+    pulled = table["tension"][has_target]
+    at_rest = has_target & (table["moving"] == 0)
+    margins = joint_margins(data)
+    nearest = min(margins, key=lambda joint: margins[joint]) if margins else ""
+    return SessionSummary(
+        name=name,
+        started=survey.start * 1e-9,
+        duration=survey.duration,
+        is_complete=condition.is_closed and not condition.damage and not survey.missing,
+        commit=condition.latest("code").get("commit", ""),
+        phrases=data.phrases,
+        knows_intent=bool(data.intended),
+        trials=tuple(trials(data, config)),
+        given=tuple(map(_given, rows)),
+        ignored=sum(1 for heard in data.heard if not heard.command),
+        rcm=moments(moving),
+        rcm_joints=moments(rcm.while_moving),
+        rcm_above=int(np.count_nonzero(moving > config.rcm_limit)),
+        rcm_joints_above=int(np.count_nonzero(rcm.while_moving > config.rcm_limit)),
+        tension=float(pulled.max()) if len(pulled) else math.nan,
+        tension_error=moments(np.abs(table["tension"] - table["target"])[at_rest]),
+        margin=margins.get(nearest, math.nan),
+        margin_joint=nearest,
+        loops=_loops(data, config),
+    )
+
+
+def moments(values: Track) -> Moments:
+    """Count, sum, sum of squares and largest of the finite numbers, shape (n,)."""
+    x = values[np.isfinite(values)]
+    if not len(x):
+        return Moments()
+    return Moments(len(x), float(x.sum()), float(x @ x), float(x.max()))
+
+
+def from_json(values: dict[str, Any]) -> SessionSummary:
+    """Read back what `dataclasses.asdict` made of a summary.
+
+    Raises:
+        TypeError, KeyError: It is something else.
+    """
+    return SessionSummary(
+        **{
+            **values,
+            "phrases": tuple(values["phrases"]),
+            "trials": tuple(Trial(**trial) for trial in values["trials"]),
+            "given": tuple(Given(**given) for given in values["given"]),
+            "loops": tuple(LoopSummary(**loop) for loop in values["loops"]),
+            **{k: Moments(**values[k]) for k in ("rcm", "rcm_joints", "tension_error")},
+        }
+    )
+
+
+def _given(row: CommandRow) -> Given:
+    return Given(
+        command=row.command,
+        is_spoken=row.heard is not None,
+        decision_latency=row.decision_latency,
+        action_latency=row.action_latency,
+        outcome=row.outcome,
+        message=row.message,
+        is_early=row.heard is not None and row.heard.is_early,
+    )
+
+
+def _loops(data: SessionData, config: ReportConfig) -> tuple[LoopSummary, ...]:
+    found = []
+    for loop in data.loops:
+        timing = loop_timing(loop, config.late_factor)
+        found.append(LoopSummary(loop.topic, timing.period.count, timing.late))
+    return tuple(found)

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sets what was meant to be said beside what it was taken for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from session_log.config import ReportConfig
+from session_log.session_data import Heard, Intended, SessionData
+
+NO_COMMAND = "no command"  # meant: words that are none
+NOT_SAID = "not said"  # nothing was meant to be said, or what was said is accounted for
+NOTHING = "nothing heard"  # taken: no utterance came of it
+OTHER = "another phrase"  # taken: an utterance that was no command
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One phrase that was played or prompted, and what became of it."""
+
+    time: float  # [s] when it began to sound
+    intended: str  # a command, NO_COMMAND or NOT_SAID
+    taken: str  # a command, NOTHING or OTHER
+    transcript: str
+
+    @property
+    def is_command(self) -> bool:
+        """Whether a command was meant."""
+        return self.intended not in (NO_COMMAND, NOT_SAID)
+
+    @property
+    def is_correct(self) -> bool:
+        """Whether the command meant was taken, or none where none was meant."""
+        if self.is_command:
+            return self.taken == self.intended
+        return self.taken in (NOTHING, OTHER)
+
+
+def trials(data: SessionData, config: ReportConfig) -> list[Trial]:
+    """Judge every intended phrase of a session; empty if it does not know what was meant.
+
+    An utterance belongs to the phrase that last began to sound before it, within
+    `intended_window`. The first command taken counts, because the robot acts on it. A command
+    that belongs to no phrase, or a different one that follows for the same phrase, is a trial
+    of its own, `NOT_SAID`.
+    """
+    if not data.intended:
+        return []
+    intended = sorted(data.intended, key=lambda i: i.time)
+    known = {*data.phrases, *(entry.command for entry in config.paper.latency)}
+    mine: list[list[Heard]] = [[] for _ in intended]
+    found = []
+    for heard in sorted(data.heard, key=lambda h: h.decision):
+        owner = _owner(heard, intended, config)
+        if owner is not None:
+            mine[owner].append(heard)
+        elif heard.command:
+            found.append(Trial(heard.speech_start, NOT_SAID, heard.command, heard.transcript))
+    for phrase, said in zip(intended, mine, strict=True):
+        found += _judge(phrase, phrase.phrase if phrase.phrase in known else NO_COMMAND, said)
+    return sorted(found, key=lambda trial: trial.time)
+
+
+def _owner(heard: Heard, intended: Sequence[Intended], config: ReportConfig) -> int | None:
+    began = [
+        i for i, p in enumerate(intended) if p.time <= heard.speech_start + config.intended_slack
+    ]
+    if not began or heard.speech_start - intended[began[-1]].time > config.intended_window:
+        return None
+    return began[-1]
+
+
+def _judge(phrase: Intended, meant: str, said: Sequence[Heard]) -> list[Trial]:
+    words = " / ".join(h.transcript for h in said if h.transcript)
+    taken = [h for h in said if h.command]
+    if not taken:
+        return [Trial(phrase.time, meant, OTHER if words else NOTHING, words)]
+    first = taken[0].command
+    extra = [h for h in taken[1:] if h.command not in (first, meant)]
+    return [
+        Trial(phrase.time, meant, first, words),
+        *(Trial(h.speech_start, NOT_SAID, h.command, h.transcript) for h in extra),
+    ]

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From evidence in nats to the probability of being right."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from typed_config import number
+
+_FARTHEST = 700.0  # [nat] beyond it exp overflows
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibration:
+    """A logistic curve, as Platt fits it to claims and whether they were right (1999)."""
+
+    slope: float = number(0.001, 1000.0, "1/nat")
+    offset: float = number(-100.0, 100.0, "")
+
+    def __call__(self, evidence: float) -> float:
+        """Probability of being right, [0, 1]; rises with the evidence.
+
+        Args:
+            evidence: For the claim rather than against it [nat]; may be infinite.
+        """
+        return logistic(self.slope * evidence + self.offset)
+
+
+def logistic(x: float) -> float:
+    """Probability of log-odds."""
+    return 1.0 / (1.0 + math.exp(-min(max(x, -_FARTHEST), _FARTHEST)))
+
+
+def log_odds(probability: float) -> float:
+    """Inverse of logistic; finite, as the probabilities 0 and 1 are met by rounding only."""
+    inside = min(max(probability, 1e-12), 1.0 - 1e-12)
+    return math.log(inside / (1.0 - inside))

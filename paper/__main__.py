@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`make paper`: the paper's experiment in synthetic voices, then the triangulation demonstration.
+
+Each session is a process of its own, since one process can join only one ROS master.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import rospy
+from rich.console import Console
+
+from bench.figures import RESULTS, ROOT
+from paper import session, triangulation
+from paper.config import (
+    ExperimentConfig,
+    VoiceConfig,
+    chosen_voices,
+    load_experiment,
+)
+from paper.demonstration import shown
+from paper.folders import finish, is_finished, set_aside, settings_of
+from paper.outcomes import Outcome, judge, kept
+from paper.recording import read_recording
+from paper.results import Told, figures
+from paper.show import show, show_tissue, write
+from paper.speaker import installed_voices
+from paper.trials import read
+from session_log.cli import CONFIG as REPORT
+from session_log.config import ReportConfig
+from session_log.errors import SessionLogError
+from typed_config import ConfigError, load_config, load_yaml
+
+VOICES = "4"
+INTERRUPTED = 130  # exit status of a session that Ctrl-C ended
+END_TIME = 60.0  # [s] for a session to end after Ctrl-C
+RESULT = "paper.json"
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the experiment; returns the exit status: 0 when every session came to its end."""
+    options = _parse(words)
+    console = Console()
+    try:
+        config = load_experiment()
+        repetitions = options.repetitions or config.repetitions
+        out = (options.out or ROOT / "sessions" / f"paper_{repetitions}").resolve()
+        voices = chosen_voices(config, options.voices, installed_voices(config))
+    except ConfigError as error:
+        console.print(f"[red]{error}[/red]", highlight=False)
+        return 2
+    if options.session:
+        return _play(options.session, voices[0], config, repetitions, out, console)
+    status = _play_all(voices, config, repetitions, out, console)
+    is_full = repetitions >= config.repetitions and len(voices) >= int(VOICES)
+    _conclude(voices, config, out, is_full and status == 0, console)
+    return status
+
+
+def _parse(words: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="make paper", description=__doc__)
+    parser.add_argument("--repetitions", type=_count, help="of each command and voice")
+    parser.add_argument("--voices", default=VOICES, help="how many, or names with commas between")
+    parser.add_argument("--out", type=Path, help="folder of all sessions (sessions/paper_<n>)")
+    parser.add_argument("--session", help=argparse.SUPPRESS)  # play this one alone, in here
+    return parser.parse_args(words)
+
+
+def _count(word: str) -> int:
+    if not (word.isdigit() and int(word) > 0):
+        raise argparse.ArgumentTypeError(f"{word!r} is no whole number above 0")
+    return int(word)
+
+
+def _play_all(
+    voices: Sequence[VoiceConfig],
+    config: ExperimentConfig,
+    repetitions: int,
+    out: Path,
+    console: Console,
+) -> int:
+    """Play every session that is not there yet."""
+    console.print(f"All voices are synthetic. Sessions, figures and report: {out}")
+    status = 0
+    sessions = [*((v.name, v) for v in voices), (triangulation.NAME, voices[0])]
+    for i, (name, voice) in enumerate(sessions, 1):
+        console.rule(f"{i} of {len(sessions)}: {name} ({voice.accent})")
+        if is_finished(out / name, settings_of(config, voice, repetitions)):
+            console.print("  finished before, kept")
+            continue
+        if aside := set_aside(out / name):
+            console.print(f"  begun before and not finished, or otherwise; now in {aside}")
+        code = _child(name, voice, repetitions, out)
+        if code == INTERRUPTED:
+            console.print("Interrupted: the same command goes on with this voice.")
+            return code
+        status = status or code
+    return status
+
+
+def _child(name: str, voice: VoiceConfig, repetitions: int, out: Path) -> int:
+    command = [sys.executable, "-m", "paper", "--session", name, "--voices", voice.name]
+    command += ["--repetitions", str(repetitions), "--out", str(out)]
+    process = subprocess.Popen(command, cwd=ROOT)
+    try:
+        return process.wait()
+    except KeyboardInterrupt:  # the child has had it, too
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(END_TIME)
+        if process.poll() is None:
+            process.kill()
+        return INTERRUPTED
+
+
+def _play(
+    name: str,
+    voice: VoiceConfig,
+    config: ExperimentConfig,
+    repetitions: int,
+    out: Path,
+    console: Console,
+) -> int:
+    """Play one session and judge it."""
+    folder = out / name
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        if name == triangulation.NAME:
+            triangulation.run(voice, config, folder, console)
+        else:
+            session.run(voice, config, repetitions, folder, console)
+        judge(folder, config)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except (OSError, RuntimeError, SessionLogError, rospy.ROSException) as error:
+        console.print(f"The session could not be played: {error}", style="red", markup=False)
+        console.print(f"What the nodes said is in {folder / 'launch.log'}")
+        return 1
+    finish(folder, settings_of(config, voice, repetitions))
+    return 0
+
+
+def _conclude(
+    voices: Sequence[VoiceConfig],
+    config: ExperimentConfig,
+    out: Path,
+    is_full: bool,
+    console: Console,
+) -> None:
+    """Show and write what there is."""
+    found = [Told(v, tuple(_outcomes(out / v.name, config))) for v in voices]
+    told = [t for t in found if t.repetitions]
+    if not told:
+        console.print("No phrase was played: there is nothing to show.")
+        return
+    theirs = load_config(ReportConfig, load_yaml(REPORT), REPORT.name).paper
+    paper = {entry.command: entry.latency for entry in theirs.latency}
+    console.rule()
+    show(told, paper, console)
+    demonstration = out / triangulation.NAME
+    trials = read(demonstration)
+    if trials:
+        show_tissue(shown(trials, read_recording(demonstration, trials)), console)
+    listed = figures(told, paper, theirs.hardware)
+    for path in [out / RESULT, *([RESULTS / RESULT] if is_full else [])]:
+        write(listed, told, path)
+        console.print(f"Figures: {path}")
+    _report(out, console)
+
+
+def _outcomes(folder: Path, config: ExperimentConfig) -> list[Outcome]:
+    """What came of a session, also of one that was interrupted."""
+    outcomes = kept(folder)
+    if outcomes or not read(folder):
+        return outcomes
+    try:
+        return judge(folder, config)
+    except (OSError, SessionLogError):
+        return []
+
+
+def _report(out: Path, console: Console) -> None:
+    """Make the report over all sessions, and a page of each, by the command that a user has."""
+    command = [sys.executable, "-m", "session_log.cli", "report", str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        words = done.stderr.strip() or done.stdout.strip()
+        console.print(f"No report: {words}", style="red", highlight=False, markup=False)
+    else:
+        console.print(done.stdout.strip(), highlight=False, markup=False)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

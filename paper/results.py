@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From the outcomes to figures beside the paper's."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.figures import Figure
+from bench.voice_bounds import at_least, at_most
+from paper.config import VoiceConfig
+from paper.outcomes import Outcome
+from paper.plan import COMMANDS, MOTIONS, STOP
+
+SYNTHETIC = "synthetic voices"
+ACTION = {STOP: "braking", **dict.fromkeys(MOTIONS, "first motion")}  # others: answer
+
+
+@dataclass(frozen=True)
+class Told:
+    """All phrases of one voice."""
+
+    voice: VoiceConfig
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def repetitions(self) -> list[Outcome]:
+        """Those that count: said by the voice itself, and heard whole at the microphone."""
+        return [o for o in self.outcomes if o.is_counted and o.is_whole]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One command over some voices."""
+
+    command: str
+    said: int
+    correct: int
+    others: Counter[str]  # what else was taken, and "nothing"
+    refused: int  # by the controller, of those that were taken
+    decided: tuple[float, ...]  # [s] from the end of the sound
+    acted: tuple[float, ...]  # [s]
+    rested: tuple[float, ...]  # [s]
+
+
+def row(command: str, told: Iterable[Told]) -> Row:
+    """Sum up one command over voices."""
+    some = [o for t in told for o in t.repetitions if o.command == command]
+    others: Counter[str] = Counter()
+    for o in some:
+        others.update(() if o.is_correct else [" and ".join(o.taken) or "nothing"])
+    return Row(
+        command=command,
+        said=len(some),
+        correct=sum(o.is_correct for o in some),
+        others=others,
+        refused=sum(bool(o.refusal) for o in some),
+        decided=_finite(o.decided for o in some),
+        acted=_finite(o.acted for o in some),
+        rested=_finite(o.rested for o in some),
+    )
+
+
+def figures(told: Sequence[Told], paper: Mapping[str, float], hardware: str) -> list[Figure]:
+    """All figures of the experiment.
+
+    Args:
+        told: What every voice said and what came of it.
+        paper: Mean time to the robot's action by command, as the paper has it [s].
+        hardware: That the paper used.
+    """
+    rows = [row(command, told) for command in COMMANDS]
+    found: list[Figure] = []
+    for r in rows:
+        found += _of_command(r, paper, hardware)
+    found += _mean_action(rows, paper, hardware)
+    found += _shares(told)
+    found += _talk(told)
+    torn = sum(not o.is_whole for t in told for o in t.outcomes)
+    helped = sum(not o.is_counted for t in told for o in t.outcomes)
+    refused = sum(r.refused for r in rows)
+    found.append(Figure("commands heard and refused by the robot", refused, "commands"))
+    found.append(Figure("phrases left out: sound torn by the player", torn, "phrases"))
+    found.append(Figure("phrases left out: said by the prompter", helped, "phrases"))
+    return found
+
+
+def _of_command(r: Row, paper: Mapping[str, float], hardware: str) -> list[Figure]:
+    if not r.said:
+        return []
+    wrong = ", ".join(f"{n} x {what}" for what, n in r.others.most_common())
+    found = [_share(f"{r.command}: recognised", r.correct, r.said, wrong)]
+    n = len(r.decided)
+    if n:
+        name = f"{r.command}: end of sound to decision"
+        found.append(Figure(f"{name}, median", float(np.median(r.decided)), "s", note=f"(n={n})"))
+        found.append(Figure(f"{name}, p95", float(np.percentile(r.decided, 95)), "s"))
+    if r.acted:
+        kind = ACTION.get(r.command, "answer")
+        name = f"{r.command}: end of sound to the robot's {kind}"
+        theirs = paper.get(r.command)
+        note = f"(n={len(r.acted)}, {SYNTHETIC}; paper: people, {hardware})"
+        found.append(Figure(f"{name}, mean", float(np.mean(r.acted)), "s", theirs, note=note))
+        found.append(Figure(f"{name}, p95", float(np.percentile(r.acted, 95)), "s"))
+    if r.rested:
+        rest = float(np.mean(r.rested))
+        found.append(Figure(f"{r.command}: end of sound to the robot's rest, mean", rest, "s"))
+    return found
+
+
+def _mean_action(rows: Sequence[Row], paper: Mapping[str, float], hardware: str) -> list[Figure]:
+    """Mean over commands of their means, as the paper's 1.7 s is."""
+    seen = [r for r in rows if r.acted and r.command in paper]
+    if not seen:
+        return []
+    ours = float(np.mean([np.mean(r.acted) for r in seen]))
+    theirs = float(np.mean([paper[r.command] for r in seen]))
+    note = f"({len(seen)} commands, {SYNTHETIC}; paper: people, {hardware})"
+    name = "mean over commands: end of sound to the robot's action"
+    return [Figure(name, ours, "s", theirs, note=note)]
+
+
+def _shares(told: Sequence[Told]) -> list[Figure]:
+    groups = {
+        "all voices": list(told),
+        "native voices": [t for t in told if t.voice.is_native],
+        "non-native voices": [t for t in told if not t.voice.is_native],
+        **{f"{t.voice.name} ({t.voice.accent})": [t] for t in told},
+    }
+    found = []
+    for name, some in groups.items():
+        said = [o for t in some for o in t.repetitions if o.command]
+        if said:
+            correct = sum(o.is_correct for o in said)
+            found.append(_share(f"{name}: commands recognised", correct, len(said)))
+    return found
+
+
+def _talk(told: Sequence[Told]) -> list[Figure]:
+    talk = [o for t in told for o in t.repetitions if not o.command]
+    if not talk:
+        return []
+    found = []
+    for name, kinds in (("a motion", MOTIONS), ("any command", COMMANDS)):
+        wrong = [o for o in talk if set(kinds) & set(o.taken)]
+        words = "".join(f", {o.words!r} for {' and '.join(o.taken)}" for o in wrong)
+        bound = at_most(len(wrong), len(talk))
+        note = (
+            f"({len(wrong)} of {len(talk)}, at most {bound:.3f} with 95 %{words and ': '}{words})"
+        )
+        share = len(wrong) / len(talk)
+        found.append(Figure(f"talk taken for {name}", share, "of all", 0.0, note=note))
+    return found
+
+
+def _share(name: str, count: int, said: int, wrong: str = "") -> Figure:
+    bound = 100.0 * at_least(count, said)
+    note = f"({count} of {said}, at least {bound:.1f} % with 95 %{wrong and '; taken: '}{wrong})"
+    return Figure(name, 100.0 * count / said, "%", note=note)
+
+
+def _finite(values: Iterable[float]) -> tuple[float, ...]:
+    return tuple(v for v in values if math.isfinite(v))

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Phrases in a synthetic voice, each repetition with a rate and a pitch of its own."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections import deque
+from dataclasses import dataclass
+from random import Random
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from demo.sound import LEVEL
+from paper.config import ExperimentConfig, VoiceConfig
+from voice_assist.training import voices
+from voice_assist.types import RATE
+
+PROGRAMS = {
+    **{"espeak": "espeak-ng", "phonemes": "espeak-ng", "mbrola": "mbrola", "flite": "flite"},
+    **{"festival": "festival", "rhvoice": "RHVoice-test", "pico": "pico2wave"},
+}
+PROBE = "hey robot"
+AHEAD = 8  # phrases that are synthesised at once
+LOUD = 0.02  # of full scale; quieter samples do not count for the level
+FRAME = RATE // 100  # samples of 10 ms
+AUDIBLE = 10 ** (-30.0 / 20.0)  # of the loudest frame; noise at 15 dB below speech covers the rest
+
+
+@dataclass(frozen=True, eq=False)
+class Spoken:
+    """One phrase as it is played."""
+
+    words: str
+    samples: NDArray[np.float32]  # (n,), 16 kHz mono in [-1, 1]
+    rate: float  # relative speed
+    pitch: float  # [0, 1]
+
+
+class Speaker:
+    """Speaks phrases; no two alike."""
+
+    def __init__(self, voice: VoiceConfig, config: ExperimentConfig, seed: int) -> None:
+        self.voice = voice
+        self._config, self._rng = config, Random(f"{seed} {voice.name}")
+        self._ready: dict[str, deque[Spoken]] = {}
+
+    def prepare(self, words: str, count: int) -> None:
+        """Synthesise a phrase so many times ahead.
+
+        Raises:
+            RuntimeError: The voice gave no sound.
+        """
+        styles = [
+            (self._rng.uniform(*self._config.rate), self._rng.uniform(*self._config.pitch))
+            for _ in range(count)
+        ]
+        engine = cast(voices.Engine, self.voice.engine)
+        prompts = [voices.Prompt(words, engine, self.voice.voice, *style) for style in styles]
+        spoken = [
+            Spoken(words, levelled(sound), *style)
+            for sound, style in zip(voices.speak(prompts), styles, strict=True)
+            if sound is not None
+        ]
+        if not spoken:
+            raise RuntimeError(f"the voice {self.voice.name} gave no sound for {words!r}")
+        self._ready.setdefault(words, deque()).extend(spoken)
+
+    def say(self, words: str) -> Spoken:
+        """Return the next repetition of a phrase."""
+        if not self._ready.get(words):
+            self.prepare(words, AHEAD)
+        return self._ready[words].popleft()
+
+
+def levelled(samples: NDArray[np.int16]) -> NDArray[np.float32]:
+    """Bring speech to the level of the demo.
+
+    Args:
+        samples: int16. Shape (n,).
+
+    Returns:
+        In [-1, 1], with RMS `LEVEL` over its loud parts. Shape (n,).
+    """
+    sound = samples.astype(np.float32) / 32768.0
+    loud = sound[np.abs(sound) > LOUD]
+    scale = LEVEL / np.sqrt(np.mean(loud**2)) if len(loud) else 1.0
+    return np.clip(sound * scale, -1.0, 1.0).astype(np.float32)
+
+
+def sound_end(samples: NDArray[np.float32]) -> float:
+    """When a phrase has been said: the end of its last audible 10 ms.
+
+    Args:
+        samples: 16 kHz mono. Shape (n,).
+
+    Returns:
+        [s] from the first sample. What follows is 30 dB and more below the loudest 10 ms.
+    """
+    count = len(samples) // FRAME
+    if count == 0:
+        return len(samples) / RATE
+    power = np.mean(samples[: count * FRAME].reshape(count, FRAME) ** 2, axis=1)
+    audible = np.flatnonzero(power >= AUDIBLE**2 * power.max())
+    return float((audible[-1] + 1) * FRAME / RATE)
+
+
+def installed_voices(config: ExperimentConfig) -> frozenset[str]:
+    """Names of the voices that can speak on this machine."""
+    return frozenset(voice.name for voice in config.voices if _speaks(voice))
+
+
+def _speaks(voice: VoiceConfig) -> bool:
+    if shutil.which(PROGRAMS[voice.engine]) is None:
+        return False
+    engine = cast(voices.Engine, voice.engine)
+    try:
+        sounds = voices.speak([voices.Prompt(PROBE, engine, voice.voice, 1.0, 0.5)])
+    except (OSError, ValueError, subprocess.CalledProcessError):
+        return False
+    return sounds[0] is not None

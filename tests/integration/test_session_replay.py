@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The real voice node is recorded by the real recorder, and the recording is heard again.
+
+The controller is a stub that answers, so that nothing but the sound moves the session on.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+import soundfile
+import yaml
+
+from demo.script import load_script
+from demo.sound import RATE, render
+from demo.system import free_port
+from session_log.decoder import Decoder
+from session_log.reader import SessionReader
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).parent
+PACKAGES = ROOT / "catkin_ws" / "src"
+SCRIPT = ROOT / "tests" / "data" / "replay_session.yaml"
+START = 90.0  # [s] allowed for a process to be ready
+END = 90.0  # [s] allowed for the last utterance
+LAST = "terminate"
+UTTERANCE, CIRCUMSTANCES = "/voice_assist/utterance", "/voice_assist/circumstances"
+
+
+def settings(folder, **changes):
+    """Parameters of both nodes."""
+    names = ("audio", "recognizer", "spotter", "commands")
+    read = {
+        n: yaml.safe_load((PACKAGES / "voice_assist/config" / f"{n}.yaml").read_text())
+        for n in names
+    }
+    read["audio"]["source"] = "wav"
+    read["audio"]["wav"]["path"] = str(folder / "said.wav")
+    for path, value in changes.items():
+        *parents, key = path.split("__")
+        branch = read
+        for parent in parents:
+            branch = branch[parent]
+        branch[key] = value
+    recorder = yaml.safe_load((PACKAGES / "session_log/config/recorder.yaml").read_text())
+    return {"voice_assist": read, "recorder": {**recorder, "folder": str(folder), "name": "s"}}
+
+
+@contextmanager
+def running(words, environment):
+    process = subprocess.Popen(words, env=environment)
+    try:
+        yield process
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(40.0)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def wait_until(is_done, seconds, what):
+    deadline = time.monotonic() + seconds
+    while not is_done():
+        assert time.monotonic() < deadline, f"{what} did not come within {seconds:g} s"
+        time.sleep(0.2)
+
+
+def contents(path, topic):
+    decoder = Decoder()
+    return [decoder.decode(m) for m in SessionReader(path).messages({topic})]
+
+
+def has_heard(path, words):
+    return any(m.transcript == words for m in contents(path, UTTERANCE))
+
+
+def record(folder, **changes):
+    """One session: what the script says, heard by the node and recorded."""
+    soundfile.write(folder / "said.wav", render(load_script(SCRIPT), 1.0), RATE, subtype="PCM_16")
+    environment = {
+        **os.environ,
+        "ROS_IP": "127.0.0.1",
+        "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}",
+        "ROS_LOG_DIR": str(folder / "log"),
+        "PYTHONPATH": f"{ROOT}:{os.environ.get('PYTHONPATH', '')}",
+    }
+    port = environment["ROS_MASTER_URI"].rsplit(":", 1)[1]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    path = folder / "s" / "session.mcap"
+    with running(["roscore", "-p", port], environment):
+        wait_until(
+            lambda: not subprocess.run(["rosnode", "list"], env=environment, **quiet).returncode,
+            START,
+            "roscore",
+        )
+        given = yaml.safe_dump(settings(folder, **changes))
+        words = ["rosparam", "load", "-", "/"]
+        subprocess.run(words, env=environment, input=given, text=True, check=True)
+        recorder = [
+            sys.executable,
+            str(PACKAGES / "session_log/scripts/recorder"),
+            "__name:=recorder",
+        ]
+        voice = [
+            sys.executable,
+            str(PACKAGES / "voice_assist/scripts/voice"),
+            "__name:=voice_assist",
+        ]
+        stub = [sys.executable, str(HERE / "controller_stub.py"), str(folder / "stub_ready")]
+        with running(recorder, environment):
+            wait_until(path.exists, START, "the recording")
+            with running(stub, environment):
+                wait_until((folder / "stub_ready").exists, START, "the controller's stub")
+                with running(voice, environment):
+                    wait_until(lambda: has_heard(path, LAST), START + END, f"{LAST!r}")
+                    time.sleep(1.5)
+    return path
+
+
+def run_replay(path, out):
+    words = [sys.executable, "-m", "session_log.cli", "replay", str(path), "--json", str(out)]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout + done.stderr, json.loads(out.read_text())
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    return record(tmp_path_factory.mktemp("kept_up"))
+
+
+def test_a_recorded_session_is_heard_again_without_a_difference(recording, tmp_path):
+    code, shown, result = run_replay(recording, tmp_path / "r.json")
+    (session,) = result["sessions"]
+    commands = [m.command for m in contents(recording, UTTERANCE)]
+    assert {"hey robot", "tense", "stop", "terminate"} <= set(commands) and "" in commands, shown
+    assert (code, session["differences"], session["losses"], session["warnings"]) == (0, [], [], [])
+    assert session["recorded"] == session["heard"] == len(commands)
+
+
+def test_a_refusal_of_the_controller_is_on_record(recording):
+    notes = [json.loads(m.data) for m in contents(recording, CIRCUMSTANCES)]
+    answers = {n["command"]: n["is_accepted"] for n in notes if n["kind"] == "answered"}
+    assert answers["hey robot"] is True and answers["tense"] is False
+
+
+def test_a_node_that_could_not_keep_up_is_heard_again_without_a_difference(tmp_path):
+    """Sound comes three times too fast: looks are skipped, and frames may be dropped."""
+    changes = {"audio__wav__speed": 3.0, "recognizer__early__max_backlog": 0.0}
+    path = record(tmp_path, **changes)
+    kinds = {json.loads(m.data)["kind"] for m in contents(path, CIRCUMSTANCES)}
+    assert "behind" in kinds, "the node kept up, so nothing is shown"
+    code, shown, result = run_replay(path, tmp_path / "r.json")
+    assert code == 0 and result["sessions"][0]["recorded"] > 3, shown
+    assert result["sessions"][0]["differences"] == []

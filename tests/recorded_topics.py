@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The topics that viewers of a recording ask for, with their types."""
+
+from __future__ import annotations
+
+TYPES = {
+    "/voice_assist/utterance": "voice_assist/Utterance",
+    "/voice_assist/mode": "voice_assist/Mode",
+    "/rst_control/event": "rst_control/Event",
+    "/rst_control/state": "rst_control/ControllerState",
+    "/joint_states": "sensor_msgs/JointState",
+    "/rst_control/trocar": "geometry_msgs/PointStamped",
+    "/rst_control/markers": "visualization_msgs/MarkerArray",
+    "/robot/tissue_markers": "visualization_msgs/MarkerArray",
+    "/robot/tension": "geometry_msgs/WrenchStamped",
+    "/robot/scene/compressed": "sensor_msgs/CompressedImage",
+    "/robot_description": "std_msgs/String",
+    "/diagnostics": "diagnostic_msgs/DiagnosticArray",
+    "/tf": "tf2_msgs/TFMessage",
+    "/tf_static": "tf2_msgs/TFMessage",
+}
+
+ON_REQUEST = {"/robot/scene/compressed"}  # recorded where someone asked the simulator for a picture

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Counting of trials: verdicts, groups, bounds, latencies, homophones, what fired."""
+
+import pytest
+from scipy.stats import binom, poisson
+
+from bench import voice_armed, voice_near, voice_unarmed
+from bench.voice_chunks import Record
+from bench.voice_count import by, engine, is_opposite, latencies, motions, others, tally, verdict
+from bench.voice_soak import Answer, Soaked, Told, answers_to, drift
+from bench.voice_soak import figures as soak_figures
+from bench.voice_stream import Heard, Said
+
+MOTIONS = ("tense", "release", "pull more", "pull less")
+
+
+def said(command, at=1.0, is_taken=True, confidence=0.9, origin="recognizer"):
+    return Said(at, command, is_taken, confidence, origin, command, "" if is_taken else "unsure")
+
+
+def record(text, *decisions, engine="espeak", voice="en-gb-x-gbcwmd+f2", seconds=1.0, **more):
+    label = {"text": text, "engine": engine, "voice": voice, "path": "a.wav", "end": 0.9}
+    heard = Heard(tuple(decisions), seconds + 2.0, 0.1, seconds + 2.0)
+    return Record({**label, "seconds": seconds, **more}, heard)
+
+
+# --- verdicts
+
+
+def test_a_pull_the_other_way_is_opposite():
+    assert verdict("pull more", ["pull less"]) == "opposite"
+    assert verdict("pull less", ["pull more"]) == "opposite"
+    assert verdict("tense", ["release"]) == "opposite"
+    assert verdict("release", ["tense"]) == "opposite"
+    assert verdict("pull less", ["tense"]) == "opposite"
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("end", ["stop", "terminate"])
+def test_any_motion_in_place_of_an_end_is_opposite(end, motion):
+    assert verdict(end, [motion]) == "opposite"
+
+
+@pytest.mark.parametrize(("text", "taken"), [("tense", "pull more"), ("release", "pull less")])
+def test_a_motion_of_the_same_sense_is_wrong_but_not_opposite(text, taken):
+    assert verdict(text, [taken]) == "wrong"
+
+
+@pytest.mark.parametrize("text", MOTIONS)
+def test_a_stop_in_place_of_a_motion_is_wrong_but_never_opposite(text):
+    assert verdict(text, ["stop"]) == "wrong"
+    assert not is_opposite(text, "terminate")
+
+
+def test_the_wake_word_has_no_sense_to_be_against():
+    assert verdict("hey robot", ["tense"]) == "wrong"
+
+
+def test_right_needs_the_command_and_no_other():
+    assert verdict("stop", ["stop"]) == "right"
+    assert verdict("stop", ["stop", "stop"]) == "right"
+    assert verdict("stop", ["stop", "hey robot"]) == "wrong"
+    assert verdict("stop", []) == "nothing"
+    assert verdict("pull more", ["pull more", "pull less"]) == "opposite"
+
+
+def test_all_motions_of_the_settings_have_a_sense():
+    from bench.voice_count import SENSE
+
+    assert {command for command, sense in SENSE.items() if sense} == motions() == set(MOTIONS)
+
+
+# --- tallies
+
+
+def test_tally_counts_opposites_among_the_wrong_and_bounds_exactly():
+    records = [record("pull more", said("pull more"))] * 7
+    records += [record("pull more", said("pull less")), record("pull more", said("stop"))]
+    records += [record("pull more", said("pull more", is_taken=False))]
+    found = tally(records)
+    assert (found.n, found.right, found.nothing, found.wrong, found.opposite) == (10, 7, 1, 2, 1)
+    data = found.to_json()
+    assert binom.sf(6, 10, data["right_at_least"]) == pytest.approx(0.05)
+    assert binom.cdf(2, 10, data["wrong_at_most"]) == pytest.approx(0.05)
+    assert binom.cdf(1, 10, data["opposite_at_most"]) == pytest.approx(0.05)
+
+
+def test_groups_keep_engines_apart():
+    records = [record("stop", said("stop"), engine="pico"), record("stop", engine="mbrola")]
+    found = by(records, engine)
+    assert (found["pico"].right, found["mbrola"].right) == (1, 0)
+    assert list(found) == ["mbrola", "pico"]
+
+
+def test_one_opposite_misses_its_target_and_none_meets_it():
+    wrong, opposite = others("x", tally([record("tense", said("release"))]), targets=True)
+    assert (wrong.is_met, opposite.is_met) == (False, False)
+    wrong, opposite = others("x", tally([record("tense", said("tense"))]), targets=True)
+    assert (wrong.is_met, opposite.is_met) == (True, True)
+
+
+def test_latency_is_of_the_first_command_taken_in_right_trials_alone():
+    records = [
+        record("stop", said("stop", 0.5, is_taken=False), said("stop", 1.0), said("stop", 2.0)),
+        record("stop", said("tense", 1.0)),
+        record("stop"),
+    ]
+    assert latencies(records) == {"stop": [pytest.approx(100.0)]}
+
+
+# --- false commands
+
+
+def test_false_commands_are_counted_by_hours_of_sound_with_exact_bounds():
+    records = [record("", said("stop"), seconds=1800.0), record("", seconds=1800.0)]
+    records += [record("", said("tense", is_taken=False), seconds=3600.0)]
+    found = {f.name: f for f in voice_armed.of_commands("talk", records, 0.0, 0.5)}
+    assert found["talk: false motions"].value == 0
+    assert found["talk: false motions"].is_met
+    assert found["talk: false stops"].value == pytest.approx(0.5)
+    assert found["talk: false stops"].is_met
+    bound = float(found["talk: false stops"].note.split("at most ")[1].split("/h")[0])
+    assert poisson.cdf(1, bound * 2.0) == pytest.approx(0.05, abs=2e-3)
+
+
+def test_a_false_motion_misses_its_target_and_is_listed_with_who_said_what():
+    records = [record("archie", said("tense", confidence=0.7), voice="v"), record("joke")]
+    found = voice_armed.of_commands("talk", records, 0.0)
+    assert found[0].is_met is False
+    assert "tense: 1" in found[0].note
+    (fired,) = voice_armed.fired(records)
+    assert (fired["taken"], fired["text"], fired["voice"]) == ("tense", "archie", "v")
+
+
+def test_what_fires_in_talk_is_listed_with_the_utterance_begun_last():
+    spans = [(0.5, "suction please", "v", "a"), (3.0, "where is the trocar", "w", "b")]
+    talk = record("", said("hey robot", 4.2), spans=spans, who="synthetic", seed=3)
+    (fired,) = voice_unarmed.fired(talk)
+    assert (fired["said"], fired["voice"]) == ("where is the trocar", "w")
+
+
+# --- near misses
+
+
+def caribbean(text, *decisions):
+    return record(text, *decisions, voice="en-029+m1")
+
+
+def test_what_sounds_the_same_in_its_voice_is_counted_apart():
+    records = [
+        caribbean("pull moor", said("pull more")),
+        caribbean("tents"),
+        record("illuminate"),
+        record("don't stop"),
+    ]
+    assert [voice_near.is_same(r) for r in records] == [True, False, False, False]
+    found = {f.name: f for f in voice_near.figures(records)}
+    assert found["near misses: taken as motion"].value == 0.0
+    assert found["near misses: taken as motion"].is_met
+    assert found["same sounds as a command: taken as motion"].value == 1.0
+    together = "near misses, those that sound the same too: taken as motion"
+    assert found[together].value == pytest.approx(0.25)
+
+
+def test_a_stop_taken_from_a_denied_stop_is_no_motion():
+    records = [record("don't stop", said("stop")), record("tents"), record("illuminate")]
+    found = {f.name: f for f in voice_near.figures(records)}
+    assert found["near misses: taken as motion"].value == 0.0
+    assert found["denied: taken as motion"].is_met
+    assert found["denied: taken as stop"].value == 1.0
+    assert "in a sentence: taken as stop" not in found
+
+
+def test_a_denied_command_that_moves_misses_its_target():
+    records = [record("don't pull more", said("pull more")), record("tents")]
+    found = {f.name: f for f in voice_near.figures(records)}
+    assert found["denied: taken as motion"].is_met is False
+    assert '"don\'t pull more"' in found["denied: taken as motion"].note
+
+
+def test_phrases_taken_are_listed_motions_first_with_voice_and_confidence():
+    records = [record("shop", said("stop")), record("tents", said("tense", confidence=0.62))]
+    first, second = voice_near.taken(records)
+    assert (first["said"], first["taken"], first["confidence"]) == ("tents", "tense", 0.62)
+    assert first["voice"] == "espeak:en-gb-x-gbcwmd+f2"
+    assert (first["is_motion"], second["is_motion"]) == (True, False)
+
+
+# --- soak
+
+
+def test_drift_is_found_where_there_is_one_and_not_where_there_is_none():
+    at = [i / 100 for i in range(100)]
+    wobble = [(-1) ** i * 3.0 for i in range(100)]
+    slope, width = drift(at, [100.0 + w + 40.0 * t for t, w in zip(at, wobble, strict=True)])
+    assert abs(slope - 40.0) < width < 10.0
+    slope, width = drift(at, [100.0 + w for w in wobble])
+    assert abs(slope) < width
+
+
+def test_an_answer_belongs_to_the_command_said_just_before_it():
+    told = [Told("tense", 10.0), Told("stop", 12.5), Told("tense", 60.0)]
+    found = answers_to(told, [(10.2, "tense"), (12.4, "stop"), (30.0, "tense")])
+    assert [(a.text, round(a.latency, 3)) for a in found] == [("tense", 0.2), ("stop", -0.1)]
+
+
+def test_commands_that_differ_in_latency_are_no_drift():
+    answers = [Answer("stop", 60.0 * i, 0.1) for i in range(1, 30)]
+    answers += [Answer("tense", 60.0 * i, 0.2) for i in range(30, 60)]
+    memory = [(60.0 * i, 4e8) for i in range(1, 61)]
+    found = {f.name: f for f in soak_figures(Soaked(3600, 60, answers, memory, 0, 0, 0.1, 9))}
+    assert found["soak: drift of latency"].value == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_soak_that_grows_or_loses_sound_misses_its_targets():
+    answers = [Answer("stop", 60.0 * i, 0.2) for i in range(1, 60)]
+    steady = [(60.0 * i, 4e8) for i in range(1, 61)]
+    growing = [(60.0 * i, 4e8 + 1e6 * i) for i in range(1, 61)]
+    met = {f.name: f.is_met for f in soak_figures(Soaked(3600, 60, answers, steady, 0, 0, 0.1, 9))}
+    assert met["soak: memory grown"]
+    assert met["soak: lost samples"]
+    met = {f.name: f.is_met for f in soak_figures(Soaked(3600, 60, answers, growing, 5, 0, 0.1, 9))}
+    assert not met["soak: memory grown"]
+    assert not met["soak: lost samples"]
