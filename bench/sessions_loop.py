@@ -16,7 +16,7 @@ from bench import sessions_watch
 from bench.figures import ROOT, Figure
 from bench.sessions_node import Ros, end, roscore
 
-TURNS = 6  # of both, so that a change of the machine's load shows in both
+TURNS = 4  # of both, so that a change of the machine's load shows in both
 SECONDS = 12.0  # [s] of each
 SETTLE = 3.0  # [s] before each, for the recorder to start or end
 

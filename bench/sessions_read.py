@@ -27,7 +27,7 @@ from typed_config import load_config, load_yaml
 
 TURNS = 6  # of the story in one recording
 COMMIT = 10  # messages in one, as the recorder's at 500 Hz
-SESSIONS = 16  # in the folder
+SESSIONS = 12  # in the folder
 JOBS = 2
 READ = """
 import resource, sys
