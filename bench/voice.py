@@ -24,6 +24,7 @@ from bench import (
     voice_soak,
     voice_speed,
     voice_stop,
+    voice_thresholds,
     voice_trials,
     voice_unarmed,
 )
@@ -37,6 +38,7 @@ _MEASURES: dict[str, Callable[[], list[Figure]]] = {
     "near": voice_near.measure,
     "armed": voice_armed.measure,
     "calibration": voice_calibration.measure,
+    "thresholds": voice_thresholds.measure,
     "denoise": voice_denoise.measure,
     "speed": voice_speed.measure,
     "idle": voice_idle.measure,

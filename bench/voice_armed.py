@@ -22,12 +22,12 @@ WORDS, WAKE_WORDS, SENTENCES = "single words", "other devices' words", "talk wit
 
 def measure() -> list[Figure]:
     """Motions, of which there shall be none, and stops per hour; by kind of clip."""
-    clips = [clip for clip in recorded(TALK, DEV) if clip.text not in STOP]
+    clips = _clips()
     if not clips:
         print("no human speech in ../shared/speech: false commands left out")
         return []
     kinds = dict(zip((c.path for c in clips), _kinds(clips), strict=True))
-    records = voice_chunks.measured("armed", {"": chunks(trials_of(clips))})[""]
+    records = measured()
     hours = _hours(records)
     figures = [voice_kept.measured(hours, "h", _length(clips))]
     figures += of_commands("human speech, armed", records, 0.0, 0.5)
@@ -38,6 +38,11 @@ def measure() -> list[Figure]:
     data = {"fired": fired(records), "clips": Counter(kinds.values())}
     voice_kept.write_details("armed_fired", hours, data)
     return figures
+
+
+def measured() -> list[Record]:
+    """All clips in which nobody says "stop", armed; none where there are no recordings."""
+    return voice_chunks.measured("armed", {"": chunks(trials_of(_clips()))})[""]
 
 
 def of_commands(
@@ -83,6 +88,10 @@ def fired(records: Sequence[Record]) -> list[dict[str, Any]]:
         for one in record.heard.said
         if one.is_taken
     ]
+
+
+def _clips() -> list[Spoken]:
+    return [clip for clip in recorded(TALK, DEV) if clip.text not in STOP]
 
 
 def _kinds(clips: Sequence[Spoken]) -> list[str]:

@@ -30,12 +30,12 @@ PHRASES, OWN = "phrases", "named"
 
 def near() -> Evaluated:
     """The phrases through the pipeline, armed, as the calibration wants them."""
-    return Evaluated("near_misses", {}, tuple(map(_row, _measured()[PHRASES])))
+    return Evaluated("near_misses", {}, tuple(map(_row, measured()[PHRASES])))
 
 
 def measure() -> list[Figure]:
     """Share of them taken as a motion; stops apart, since they are safe."""
-    found = _measured()
+    found = measured()
     done, full = sum(map(len, found.values())), sum(map(len, _trials().values()))
     voice_kept.write_details("near_taken", done, {k: taken(r) for k, r in found.items()})
     return [
@@ -108,7 +108,8 @@ def taken(records: Iterable[Record]) -> list[dict[str, Any]]:
     return sorted(found, key=lambda one: (not one["is_motion"], one["said"]))
 
 
-def _measured() -> dict[str, list[Record]]:
+def measured() -> dict[str, list[Record]]:
+    """Phrases and the requirement's own list through the pipeline, armed."""
     plans = {name: chunks(trials) for name, trials in _trials().items()}
     return voice_chunks.measured("near", plans)
 

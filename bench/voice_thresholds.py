@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fit what a confidence means, and choose the least one of each command by risk.
+
+Every decision is a claim: these words were said. The evidence for it (nats) becomes a probability
+by a logistic curve (`confidence` of recognizer.yaml), fitted here to claims of one half of the
+voices and judged on the other half. A claim is worth taking where the harm that it may do is
+outweighed: p * miss > (1 - p) * false, so the least confidence of a command is
+false / (false + miss). The costs below are the only judgement in it. Prints the curves for
+recognizer.yaml; the limits are for commands.yaml.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from bench import voice_armed, voice_chunks, voice_near, voice_trials
+from bench.figures import Figure
+from bench.voice_calibration import reliability
+from bench.voice_chunks import Record
+from bench.voice_clips import chunks
+from bench.voice_count import motions
+from bench.voice_run import THIN
+from voice_assist.calibration import Calibration, log_odds
+from voice_assist.config import load_voice_config
+
+# Harm of a command that nobody gave, in refusals of one that somebody gave. A motion can tear; a
+# wrong "terminate" ends what "hey robot" begins again; a wrong "hey robot" moves nothing by itself.
+FALSE = {"motion": 4.0, "terminate": 1.0, "hey robot": 0.5}
+SOURCES = ("transcript", "scores", "spotter")  # of evidence, as in recognizer.yaml
+LIMIT = 0.9999  # beyond it a confidence was rounded, and says only that the evidence was strong
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A decision whose words were a command's."""
+
+    command: str
+    source: str  # one of SOURCES
+    evidence: float  # [nat]
+    confidence: float  # by the curves in force
+    is_right: bool
+    voice: str
+
+
+def measure() -> list[Figure]:
+    """Error of the confidence in voices that the curves were not fitted to, before and after."""
+    claims = claims_of(_records())
+    fitted, judged = halves(claims)
+    figures = [Figure("claims", len(claims), "", at_most=False)]
+    curves = {}
+    for source in SOURCES:
+        some = [c for c in fitted if c.source == source]
+        if len({c.is_right for c in some}) < 2:
+            continue
+        curves[source] = fit(some)
+        print(f"  {source}: slope {curves[source].slope:.3f}, offset {curves[source].offset:.2f}")
+    after = [curves[c.source](c.evidence) for c in judged if c.source in curves]
+    right = [c.is_right for c in judged if c.source in curves]
+    before = [c.confidence for c in judged if c.source in curves]
+    figures.append(Figure("calibration error, as configured", _error(before, right), ""))
+    figures.append(Figure("calibration error, as fitted", _error(after, right), "", 0.03))
+    for command in sorted({c.command for c in claims}):
+        figures += _of_command(command, [c for c in claims if c.command == command], curves)
+    return figures
+
+
+def claims_of(records: Iterable[Record]) -> list[Claim]:
+    """All claims of scenes; right where the scene says the command."""
+    worth = load_voice_config().recognizer.confidence
+    halts = {c.phrase for c in load_voice_config().commands.commands if c.is_halt}
+    found = []
+    for record in records:
+        voice = f"{record.label['engine']}:{record.label['voice']}"
+        for one in record.heard.said:
+            if not one.command:
+                continue
+            source = "spotter" if one.origin == "spotter" else "scores"
+            source = "transcript" if one.command in halts and source == "scores" else source
+            sure = min(max(one.confidence, 1.0 - LIMIT), LIMIT)
+            curve: Calibration = getattr(worth, source)
+            evidence = (log_odds(sure) - curve.offset) / curve.slope
+            is_right = one.command == record.label["text"]
+            found.append(Claim(one.command, source, evidence, one.confidence, is_right, voice))
+    return found
+
+
+def halves(claims: Sequence[Claim]) -> tuple[list[Claim], list[Claim]]:
+    """Claims of one half of the voices, chosen by a digest of their names, and of the other."""
+    first = {v for v in {c.voice for c in claims} if hashlib.sha256(v.encode()).digest()[0] % 2}
+    return [c for c in claims if c.voice in first], [c for c in claims if c.voice not in first]
+
+
+def fit(claims: Sequence[Claim]) -> Calibration:
+    """The logistic curve of greatest likelihood, with the softened targets of Platt (1999, eq. 12).
+
+    Args:
+        claims: Some right and some wrong.
+    """
+    evidence = np.array([c.evidence for c in claims])
+    right = np.array([c.is_right for c in claims])
+    wanted = np.where(right, (right.sum() + 1) / (right.sum() + 2), 1 / ((~right).sum() + 2))
+
+    def loss(curve: NDArray[np.float64]) -> float:
+        odds = np.exp(curve[0]) * evidence + curve[1]
+        return float(np.sum(np.logaddexp(0.0, odds) - wanted * odds))
+
+    found = minimize(loss, np.array([0.0, 0.0]), method="Nelder-Mead").x
+    return Calibration(slope=float(np.exp(found[0])), offset=float(found[1]))
+
+
+def least(command: str) -> float:
+    """Confidence from which a command is worth taking."""
+    harm = FALSE["motion"] if command in motions() else FALSE.get(command, 1.0)
+    return harm / (1.0 + harm)
+
+
+def _of_command(
+    command: str, claims: Sequence[Claim], curves: Mapping[str, Calibration]
+) -> list[Figure]:
+    """What a threshold by risk keeps of right and of wrong claims; of halts nothing is chosen."""
+    if load_voice_config().commands.get(command).is_halt:
+        return []
+    limit, some = least(command), [c for c in claims if c.source in curves]
+    kept = [c for c in some if curves[c.source](c.evidence) >= limit]
+    right, wrong = (sum(c.is_right is side for c in some) for side in (True, False))
+    right_kept, wrong_kept = (sum(c.is_right is side for c in kept) for side in (True, False))
+    note = f"(keeps {right_kept} of {right} right claims and {wrong_kept} of {wrong} wrong ones)"
+    return [Figure(f"{command}: least confidence by risk", limit, "", note=note)]
+
+
+def _error(confidence: Sequence[float], right: Sequence[bool]) -> float:
+    return reliability(confidence, right).error
+
+
+def _records() -> list[Record]:
+    found: list[Record] = []
+    trials = {name: chunks(some) for name, some in voice_trials.conditions(THIN).items() if some}
+    for records in voice_chunks.measured("trials", trials).values():
+        found += records
+    for records in voice_near.measured().values():
+        found += [r for r in records if not voice_near.is_same(r)]
+    return found + voice_armed.measured()

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Curves fitted to claims, and thresholds by risk."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bench.voice_chunks import Record
+from bench.voice_stream import Heard, Said
+from bench.voice_thresholds import Claim, claims_of, fit, halves, least
+from voice_assist.calibration import log_odds, logistic
+from voice_assist.config import load_voice_config
+
+
+def _claims(slope: float, offset: float, count: int = 4000) -> list[Claim]:
+    rng = np.random.default_rng(2)
+    found = []
+    for evidence in rng.normal(0.0, 4.0, count):
+        is_right = bool(rng.random() < logistic(slope * evidence + offset))
+        found.append(Claim("tense", "scores", float(evidence), 0.5, is_right, "espeak:a"))
+    return found
+
+
+@pytest.mark.parametrize(("slope", "offset"), [(0.25, 0.0), (0.8, 1.5), (1.5, -2.0)])
+def test_a_curve_is_found_again_from_what_it_drew(slope: float, offset: float) -> None:
+    found = fit(_claims(slope, offset))
+    assert found.slope == pytest.approx(slope, rel=0.12)
+    assert found.offset == pytest.approx(offset, abs=0.2)
+
+
+def test_a_dangerous_command_needs_more_than_one_that_moves_nothing() -> None:
+    assert least("hey robot") < least("terminate") < least("pull more") == least("release") < 1.0
+
+
+def _record(text: str, *said: Said) -> Record:
+    label = {"text": text, "engine": "espeak", "voice": "en-gb"}
+    return Record(label, Heard(said, 2.0, 0.1, 2.0))
+
+
+def _said(command: str, confidence: float, origin: str = "recognizer", taken: bool = True) -> Said:
+    return Said(1.0, command, taken, confidence, origin, command, "" if taken else "unsure")
+
+
+def test_claims_are_right_where_the_words_were_said_and_keep_what_was_refused() -> None:
+    worth = load_voice_config().recognizer.confidence
+    found = claims_of(
+        [
+            _record("tense", _said("tense", 0.8)),
+            _record("tents", _said("tense", 0.3, taken=False), _said("", 0.9)),
+            _record("stop", _said("stop", 0.9), _said("stop", 0.7, "spotter")),
+        ]
+    )
+    assert [(c.command, c.source, c.is_right) for c in found] == [
+        ("tense", "scores", True),
+        ("tense", "scores", False),
+        ("stop", "transcript", True),
+        ("stop", "spotter", True),
+    ]
+    curve = worth.scores
+    assert found[0].evidence == pytest.approx((log_odds(0.8) - curve.offset) / curve.slope)
+
+
+def test_halves_share_no_voice() -> None:
+    claims = [Claim("stop", "scores", 1.0, 0.5, True, f"espeak:{i}") for i in range(40)] * 2
+    first, second = halves(claims)
+    assert first and second and len(first) + len(second) == len(claims)
+    assert not {c.voice for c in first} & {c.voice for c in second}
