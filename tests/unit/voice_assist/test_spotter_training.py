@@ -53,6 +53,22 @@ def test_a_word_is_where_its_stream_says():
         assert np.std(inside) > 20 * np.std(before)
 
 
+def test_a_voice_under_the_words_is_there_without_pause_and_as_loud_as_asked():
+    tone = (8000 * np.sin(np.arange(8000) * 0.3)).astype(np.int16)
+    talker = (5000 * np.sin(np.arange(40000) * 0.05)).astype(np.int16)
+    around = Surroundings((), build_rooms((), np.random.default_rng(0), count=3), (talker,))
+    clips = [Clip(tone, "stop", "word", "x")] * 6
+    alone = Style(speed=(1.0, 1.0), room=0.0, noise=0.0, gap=(0.3, 0.5))
+    over = Style(speed=(1.0, 1.0), room=0.0, noise=0.0, gap=(0.3, 0.5), talker=1.0, over=(0.0, 0.0))
+    (quiet,) = streams(clips, around, alone, np.random.default_rng(1))
+    (busy,) = streams(clips, around, over, np.random.default_rng(1))
+    gap = slice(int((busy.words[0][1] + 0.05) * RATE), int((busy.words[1][0] - 0.05) * RATE))
+    word = slice(*(int(t * RATE) for t in busy.words[0]))
+    assert np.std(quiet.sound[gap]) < 0.1 * np.std(quiet.sound[word])
+    assert np.std(busy.sound[gap]) > 0.4 * np.std(busy.sound[word])
+    assert len(busy.words) == len(clips)
+
+
 def test_noise_has_no_word_and_stays_in_range():
     made = list(noise_streams(surroundings(), 6, np.random.default_rng(2)))
     assert len(made) == 6

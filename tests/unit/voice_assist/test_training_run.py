@@ -40,8 +40,8 @@ def test_training_without_recordings_leaves_a_checkpoint_and_goes_on(tiny_corpus
 
 
 def test_a_checkpoint_is_trained_further_in_a_run_of_its_own(tiny_corpus, tmp_path):
-    (tmp_path / "run").mkdir()
-    (tmp_path / "run" / "progress.pt").write_bytes(b"of a run from nothing")
+    (tmp_path / "run_first").mkdir()
+    (tmp_path / "run_first" / "progress.pt").write_bytes(b"of a run from nothing")
     run = fit.Run(options(tmp_path, 1, "--from", "embedded"), tiny_corpus)
     assert run.progress.step == 0
     run.train()

@@ -52,7 +52,7 @@ class Run:
             self.model.parameters(), betas=(0.9, 0.98), weight_decay=0.02, fused=True
         )
         self.average = Average(self.model)
-        self.folder: Path = options.cache / ("continued" if start.is_continued else "run")
+        self.folder: Path = options.cache / f"run_{options.out.stem}"  # each run of its own
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / "progress.pt"
         self.progress = load_progress(path, self.model, self.optimiser, self.average)

@@ -26,7 +26,8 @@ from voice_assist.types import RATE
 
 LOG = logging.getLogger("spotter")
 NEGATIVE, IGNORED = -1, -2
-_FLUENT = Style(speed=(0.9, 1.1), noise=0.5)
+_WORDS = Style(again=0.1, talker=0.2)
+_FLUENT = Style(speed=(0.9, 1.1), noise=0.5, talker=0.1)
 _EARLY, _LATE, _AFTER = 0.04, 0.36, 0.9  # [s] around the end of a word
 
 # Said like the word by the synthetic voices, and not it.
@@ -56,8 +57,8 @@ class Amounts:
     """How much of each kind to embed."""
 
     rounds: int = 20  # copies of every human WORD
-    synthetic: int = 1500  # prompts of WORD
-    near: int = 3000  # prompts of NEAR and other texts
+    synthetic: int = 2500  # prompts of WORD
+    near: int = 4500  # prompts of NEAR and other texts
     noise: int = 90  # streams
     thin: int = 2  # of the sentences, one in so many
 
@@ -154,20 +155,18 @@ def _read(path: Path) -> Steps:
 
 def _human(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:
     """Every WORD many times among single words of people, and those often."""
-    style = Style(again=0.1)
     for _ in range(amounts.rounds):
         clips = [*material.stops]
         picked = rng.choice(len(material.words), 2 * len(clips), replace=False)
         clips += [material.words[i] for i in picked]
         order = rng.permutation(len(clips))
-        yield from streams([clips[i] for i in order], material.around, style, rng)
+        yield from streams([clips[i] for i in order], material.around, _WORDS, rng)
 
 
 def _synthetic(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:
     clips = material.synthetic + material.near
     order = rng.permutation(len(clips))
-    style = Style(again=0.1)
-    yield from streams([clips[i] for i in order], material.around, style, rng)
+    yield from streams([clips[i] for i in order], material.around, _WORDS, rng)
 
 
 def _sentences(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:

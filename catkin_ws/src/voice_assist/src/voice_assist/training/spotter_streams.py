@@ -43,6 +43,8 @@ class Style:
     room: float = 0.35  # probability
     noise: float = 0.6  # probability that a stream's background is loud
     snr: tuple[float, float] = (-3.0, 25.0)  # [dB] of that
+    talker: float = 0.0  # probability that somebody else talks on all through the stream
+    over: tuple[float, float] = (-2.0, 15.0)  # [dB] of the clips over that voice
     again: float = 0.0  # probability that a WORD is said twice
     gap: tuple[float, float] = _GAP
 
@@ -98,7 +100,7 @@ def _stream(clips: Sequence[Clip], around: Surroundings, style: Style, rng: Gene
             sound = _colour(plain, around, style, rng)
             parts += [_at_level(sound, level * 10 ** (rng.uniform(-4, 4) / 20)), _gap(style, rng)]
             at += len(parts[-2]) + len(parts[-1])
-    sound = np.concatenate(parts)
+    sound = _with_talker(np.concatenate(parts), level, around, style, rng)
     return Stream(_with_background(sound, level, around, style, rng), tuple(words))
 
 
@@ -126,6 +128,23 @@ def _at_level(sound: Float, level: float) -> Float:
     power = float(np.sqrt(np.mean(loud**2))) if len(loud) else 0.0
     scaled = sound * (level / power) if power > 0.0 else sound
     return np.clip(scaled, -1.0, 1.0).astype(np.float32)
+
+
+def _with_talker(
+    sound: Float, level: float, around: Surroundings, style: Style, rng: Generator
+) -> Float:
+    """One more voice without a pause, as of a robot that replies or of somebody near."""
+    if not around.talkers or rng.random() >= style.talker:
+        return sound
+    said: list[Float] = []
+    length = 0
+    while length < len(sound):
+        voice = around.talkers[int(rng.integers(len(around.talkers)))].astype(np.float32)
+        said.append(_at_level(voice, 0.1))
+        length += len(voice)
+    depth = level * 10 ** (-rng.uniform(*style.over) / 20) / 0.1
+    under = np.concatenate(said)[: len(sound)]
+    return np.asarray(sound + np.float32(depth) * under, np.float32)
 
 
 def _with_background(
