@@ -10,7 +10,7 @@ RUN := unset PYTHONPATH PYTHONHOME; . catkin_ws/devel/setup.sh; export ROS_IP=12
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
 
-.PHONY: help setup demo test bench evaluate train paper lint report clean
+.PHONY: help setup demo test bench fuzz evaluate train paper lint report clean
 
 help: ## list the verbs
 	@echo "Voice interface for surgical robot assistants. Say one of:"
@@ -42,6 +42,9 @@ test: setup ## all tests: unit, property, integration and rostest
 
 bench: .setup/bench ## measure speed and accuracy of motion, voice and recording; writes bench/results/
 	@$(RUN) python -m bench $(ONLY)
+
+fuzz: .setup/bench ## [SECONDS=60 TARGET=desk] coverage-guided fuzzing of all that is read from others; keeps what breaks it as a test
+	@$(RUN) python -m tests.fuzz --seconds '$(or $(SECONDS),60)' $(TARGET)
 
 evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=active|standby] [JOBS=n] [MODEL=name]
 	@test -n "$(MANIFEST)" || { echo "make evaluate needs MANIFEST=file.csv (columns path, transcript) and OUT=file.json"; exit 2; }

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from bench.figures import Figure, run
 
-SETS = ("motion", "voice", "sessions", "system")
+SETS = ("motion", "voice", "sessions", "safety", "system")
 
 
 def main(argv: Sequence[str]) -> int:

@@ -47,7 +47,7 @@ class ExperimentConfig:
     decide_within: float = number(0.1, 10.0, "s")
     answer_within: float = number(0.1, 10.0, "s")
     rest_within: float = number(1.0, 120.0, "s")
-    motion: float = number(1e-6, 0.1, "rad")
+    motion: float = number(1e-6, 0.02, "rad")
     braking: float = number(0.1, 0.99, "")
     voices: tuple[VoiceConfig, ...] = items(1, 50)
     prompter: VoiceConfig

@@ -12,6 +12,7 @@ TYPES = {
     "/rst_control/trocar": "geometry_msgs/PointStamped",
     "/rst_control/markers": "visualization_msgs/MarkerArray",
     "/robot/tissue_markers": "visualization_msgs/MarkerArray",
+    "/voice_assist/alarm_marker": "visualization_msgs/Marker",
     "/robot/tension": "geometry_msgs/WrenchStamped",
     "/robot/scene/compressed": "sensor_msgs/CompressedImage",
     "/robot_description": "std_msgs/String",

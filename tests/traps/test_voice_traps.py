@@ -132,6 +132,7 @@ def openai_recognizer(folder):
     dims = whisper.model.ModelDimensions(80, 1500, 64, 2, 1, 51864, 448, 64, 2, 1)
     path = folder / "small.pt"
     state = whisper.model.Whisper(dims).state_dict()
+    torch.nn.init.normal_(state["decoder.positional_embedding"])  # Whisper leaves it unset
     torch.save({"dims": vars(dims), "model_state_dict": state}, path)
     return load_recognizer(str(path))
 

@@ -48,6 +48,11 @@ class Rig:
         self.desk = CommandDesk(self.executor, self.site.verify, lambda: self.now)
         self.sent = []  # every set-point, None where nothing was sent
 
+    def believing(self):
+        """Any measurement is believed, so that what it leads to besides can be seen."""
+        self.executor._watchdogs.look = lambda *_: None
+        return self
+
     def tick(self):
         self.now += PERIOD
         setpoint = self.executor.tick(self.now, self.robot.measured_js())

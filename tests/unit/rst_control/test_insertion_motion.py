@@ -133,7 +133,8 @@ def test_jaws_that_catch_tissue_end_the_withdrawal_before_it_begins(gate):
 
 
 def test_a_tool_pushed_below_the_surface_beside_the_trocar_brakes(away):
-    rig = during(Rig(start=away, config=with_watchdogs(following_error=1.0)), "approach", "insert")
+    rig = Rig(start=away, config=with_watchdogs(following_error=1.0)).believing()
+    during(rig, "approach", "insert")
     lowest = rig.view.placement.height
     below = rig.joints.copy()
     while rig.site.placement(below).is_outside:
@@ -148,7 +149,7 @@ def test_a_tool_pushed_below_the_surface_beside_the_trocar_brakes(away):
 
 
 def test_a_shaft_pushed_aside_part_way_in_brakes(away):
-    rig = during(Rig(start=away), "insert", "insert")
+    rig = during(Rig(start=away).believing(), "insert", "insert")
     rig.until(lambda: rig.view.insertion > 0.0)
     rig.robot.push(np.eye(10)[3] * 0.005)
     rig.robot.servo_jp = lambda setpoint: None

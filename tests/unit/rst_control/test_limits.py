@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.errors import JointLimitExceeded, UnknownLimitLayerError
+from rst_control.errors import JointLimitExceeded
 from rst_control.limits import make_limits
+from typed_config import ConfigError
 
 
 def test_limits_lie_inside_the_robots_by_the_margin(motion_config):
@@ -30,7 +31,7 @@ def test_the_layer_in_force_sets_velocity_and_acceleration(motion_config):
 
 
 def test_an_unknown_layer_is_refused_and_the_known_ones_named(motion_config):
-    with pytest.raises(UnknownLimitLayerError, match="'softer', allowed: hard, driver_soft"):
+    with pytest.raises(ConfigError, match="layer is 'softer', allowed: one of hard, driver_soft"):
         make_limits(replace(motion_config.limits, layer="softer"), 0.0)
 
 

@@ -162,7 +162,7 @@ def test_a_fault_of_the_robot_or_a_latch_by_a_watchdog_refuses_it():
 
 
 def test_a_refusal_by_the_shaft_is_judged_by_the_measured_joints_not_the_set_point():
-    here = setting(Rig(config=with_watchdogs(following_error=0.5)).awake())
+    here = setting(Rig(config=with_watchdogs(following_error=0.5)).believing().awake())
     place = here.place()
     here.rig.robot.push(np.array([0.0] * 3 + [0.01] + [0.0] * 6))
     here.rig.robot.servo_jp = lambda setpoint: None

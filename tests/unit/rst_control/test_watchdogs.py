@@ -7,10 +7,15 @@ from executor_rig import Rig, shared, with_watchdogs
 
 from rst_control.lifecycle import State
 from rst_control.patient import NOWHERE, Placement
+from rst_control.sensors import SensorWatch, greatest_speed
 from rst_control.types import Measurement, Reason
 from rst_control.watchdogs import WatchdogLimits, Watchdogs, Watched
 
-WATCHDOGS = Watchdogs(WatchdogLimits(shared()[0].controller.watchdogs, rcm_error=1e-3, tension=2.4))
+SETTINGS = shared()[0].controller
+WATCHDOGS = Watchdogs(
+    WatchdogLimits(SETTINGS.watchdogs, rcm_error=1e-3, tension=2.4),
+    SensorWatch(SETTINGS, greatest_speed(shared()[0].limits)),
+)
 INSIDE = Placement(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
 FAR = Placement(error=0.2, insertion=-0.3, wrist=-0.3, height=0.3, is_outside=True)
 GOOD = Watched(
@@ -30,6 +35,7 @@ def measured(**changes):
 
 def test_nothing_is_wrong_with_a_robot_where_it_was_sent():
     assert WATCHDOGS.motion(0.001, measured(), GOOD) == ""
+    assert WATCHDOGS.motion(0.019, measured(), GOOD) == ""
 
 
 def off(**changes):
@@ -42,6 +48,7 @@ def off(**changes):
         (0.0, None, GOOD, "not connected"),
         (0.0, measured(connected=False), GOOD, "not connected"),
         (0.021, measured(), GOOD, "stale, 21 ms old, allowed 20 ms"),
+        (0.021, measured(fault="3 refused"), GOOD, "allowed 20 ms: 3 refused"),
         (0.0, measured(fault="brakes on"), GOOD, "brakes on"),
         (0.0, measured(position=np.eye(10)[3] * 0.06), GOOD, "joint_4 0.060 rad off"),
         (0.0, measured(), replace(GOOD, setpoint=np.full(10, np.nan)), "off its set-point"),
@@ -87,9 +94,16 @@ def _freeze(rig):
     rig.robot.freeze()
 
 
-def _push(rig):
-    rig.robot.servo_jp = lambda setpoint: None
-    rig.robot.push(np.full(10, 0.06))
+def _drift(rig):
+    """The jaws open at 1 rad/s each, and say so."""
+    measured_js, start, jaws = rig.robot.measured_js, rig.now, np.repeat([0.0, 1.0], [8, 2])
+
+    def drifting():
+        true = measured_js()
+        position = true.position + jaws * (true.stamp - start)
+        return replace(true, position=position, velocity=true.velocity + jaws)
+
+    rig.robot.measured_js = drifting
 
 
 def _disconnect(rig):
@@ -114,7 +128,7 @@ def _crash(rig):
 
 FAULTS = {
     _freeze: "stale",
-    _push: "off its set-point",
+    _drift: "off its set-point",
     _disconnect: "not connected",
     _fault: "brakes on",
     _stiffen: "tension",
@@ -280,3 +294,13 @@ def test_pull_less_eases_a_tension_over_its_limit(amounts):
     assert rig.view.tension > limit
     rig.say("hey robot")
     assert rig.finish("pull less", **amounts).tension < limit
+
+
+def test_the_diary_tells_when_a_stop_came_not_when_it_was_taken_up():
+    rig = Rig().awake()
+    came = rig.now + 0.0007
+    rig.executor.stop("test", came)
+    rig.tick()
+    told = next(entry for entry in rig.executor.diary if entry.kind == "stop_received")
+    assert told.stamp == came < rig.now
+    assert rig.state is State.HALTED

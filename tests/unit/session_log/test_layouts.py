@@ -39,9 +39,12 @@ def test_every_plotted_field_exists_in_its_message(layout):
 def test_every_topic_of_rviz_is_one_that_is_recorded():
     config = yaml.safe_load((ROOT / "urdf/rviz/session.rviz").read_text(encoding="utf-8"))
     displays = config["Visualization Manager"]["Displays"]
-    topics = {d["Marker Topic"] for d in displays if "Marker Topic" in d}
-    assert topics == {"/rst_control/markers", "/robot/tissue_markers"}
-    assert all(TYPES[topic] == "visualization_msgs/MarkerArray" for topic in topics)
+    topics = {d["Marker Topic"]: d["Class"] for d in displays if "Marker Topic" in d}
+    assert set(topics) == {
+        *("/rst_control/markers", "/robot/tissue_markers", "/voice_assist/alarm_marker")
+    }
+    for topic, kind in topics.items():
+        assert TYPES[topic] == kind.replace("rviz", "visualization_msgs")
 
 
 def test_rviz_takes_robot_and_frames_from_what_is_recorded():

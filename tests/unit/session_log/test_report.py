@@ -20,6 +20,7 @@ FIGURES |= {"accuracy", "confusion"}
 SECTIONS = [
     "Timeline",
     "Commands",
+    "What stopped the robot, and why",
     "What was refused, and why",
     "Recognition accuracy",
     "What was taken for what",

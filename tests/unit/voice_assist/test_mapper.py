@@ -105,10 +105,13 @@ def test_a_tie_is_no_match_and_names_both():
     config = load_voice_config()
     entries = [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
     for entry in entries:
-        entry["threshold"] = 0.9
-    outcome = Mapper(load_voice_config(commands__commands=entries).commands)("pull")
+        if entry["phrase"] in ("pull more", "pull less"):
+            longer = {"pull more": "now pull more here", "pull less": "now pull less there"}
+            entry.update(phrase=longer[entry["phrase"]], threshold=0.45)
+    outcome = Mapper(load_voice_config(commands__commands=entries).commands)("now pull more there")
     assert isinstance(outcome, NoMatch)
-    assert outcome.reason == "it fits 'pull more' and 'pull less' equally well"
+    words = "it fits 'now pull more here' and 'now pull less there' equally well"
+    assert outcome.reason == words
 
 
 def test_the_nearest_command_and_its_error_are_named():
@@ -126,9 +129,11 @@ def test_the_lowest_error_below_its_own_threshold_wins():
     config = load_voice_config()
     entries = [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
     for entry in entries:
-        entry["threshold"] = 0.9 if entry["phrase"] == "pull less" else 0.1
-    outcome = Mapper(load_voice_config(commands__commands=entries).commands)("pull mess")
-    assert isinstance(outcome, Match) and outcome.command == "pull less"
+        entry["threshold"] = 0.5 if entry["phrase"] == "pull less" else 0.3
+        if entry["phrase"] == "pull less":
+            entry["phrase"] = "please pull less"
+    outcome = Mapper(load_voice_config(commands__commands=entries).commands)("please pull mess")
+    assert isinstance(outcome, Match) and outcome.command == "please pull less"
 
 
 def test_no_shipped_command_can_grow_into_another_but_a_halt():

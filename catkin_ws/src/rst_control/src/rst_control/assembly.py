@@ -10,6 +10,7 @@ from rst_control.executor import Executor
 from rst_control.motion import MotionMaker
 from rst_control.mover import Mover
 from rst_control.robot_model import RobotModel
+from rst_control.sensors import SensorWatch, greatest_speed
 from rst_control.site import PresentSite, Site
 from rst_control.watchdogs import WatchdogLimits, Watchdogs
 
@@ -28,8 +29,9 @@ def make_executor(
     limits = WatchdogLimits(
         settings.watchdogs, config.rcm.measured_tolerance, settings.tension.limit
     )
-    mover = Mover(MotionMaker(settings))
-    return Executor(Watchdogs(limits), site.placement, mover, clear_fault, 1.0 / settings.rate)
+    period, mover = 1.0 / settings.rate, Mover(MotionMaker(settings))
+    watchdogs = Watchdogs(limits, SensorWatch(settings, greatest_speed(config.limits)))
+    return Executor(watchdogs, site.placement, mover, clear_fault, period)
 
 
 def make_site(config: MotionConfig, model: RobotModel) -> Site:

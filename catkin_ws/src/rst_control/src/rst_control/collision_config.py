@@ -16,8 +16,8 @@ class BodyConfig:
 
     name: str = text()
     link: str = text()
-    start: Point = number(-1.0, 1.0, "m")
-    end: Point = number(-1.0, 1.0, "m")
+    start: Point = number(-0.9, 0.9, "m")
+    end: Point = number(-0.9, 0.9, "m")
     radius: float = number(1e-4, 0.5, "m")
 
 

@@ -7,20 +7,51 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
+from rst_control.callers_config import CallersConfig
 from rst_control.collision_config import CollisionConfig
 from rst_control.recording_config import RecordingConfig
-from rst_control.types import PLAN_COUNT
+from rst_control.scene_config import SceneConfig, TissueConfig, TriangulationConfig
+from rst_control.sensor_config import SensorConfig
+from rst_control.simulator_config import CameraConfig, ServoConfig, SimulatorConfig
 from typed_config import (
-    ConfigError,
     choice,
-    flag,
     integer,
     items,
     load_config,
     load_yaml,
     number,
+    require,
+    require_rising,
     text,
 )
+
+__all__ = [
+    "CONFIG_FOLDER",
+    "PACKAGE",
+    "URDF_FILE",
+    "CameraConfig",
+    "CollisionConfig",
+    "ControllerConfig",
+    "JawsConfig",
+    "LimitLayer",
+    "LimitsConfig",
+    "MotionConfig",
+    "RcmConfig",
+    "RecordingConfig",
+    "RegistrationConfig",
+    "SceneConfig",
+    "ServoConfig",
+    "SimulationConfig",
+    "SimulatorConfig",
+    "SolverConfig",
+    "SpeedConfig",
+    "TensionConfig",
+    "TissueConfig",
+    "TriangulationConfig",
+    "WatchdogConfig",
+    "load_motion_config",
+    "load_simulation_config",
+]
 
 PACKAGE = Path(__file__).resolve().parents[2]
 CONFIG_FOLDER = PACKAGE / "config"
@@ -28,7 +59,6 @@ URDF_FILE = PACKAGE / "urdf" / "gen3_openrst.urdf"
 
 T = TypeVar("T")
 Arm = tuple[float, float, float, float, float, float, float]
-Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,12 +87,22 @@ class LimitsConfig:
     finger: float = number(0.1, 1.65, "rad")
     least_manipulability: float = number(0.0, 1e-5, "(m/rad)^8")
 
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        names = [layer.name for layer in self.layers]
+        require(len(set(names)) == len(names), "layers", names, "names that differ")
+        require(self.layer in names, "layer", self.layer, f"one of {', '.join(names)}")
+        for joint, (low, high) in enumerate(zip(self.arm_lower, self.arm_upper, strict=True)):
+            room = high - low - 2.0 * self.position_margin
+            allowed = f"below the range of joint_{joint + 1}, {low:g} to {high:g} rad, by half"
+            require(room > 0.0, "position_margin", self.position_margin, allowed)
+
 
 @dataclass(frozen=True, kw_only=True)
 class SolverConfig:
     """Numbers of the inverse kinematics."""
 
-    tolerance: float = number(1e-12, 1e-4, "m")
+    tolerance: float = number(1e-12, 1e-8, "m")
     damping: float = number(0.0, 1.0, "")
     max_iterations: int = integer(1, 1000)
     max_step: float = number(0.01, 3.2, "rad")
@@ -82,7 +122,7 @@ class RegistrationConfig:
 class RcmConfig:
     """rcm.yaml: the remote centre of motion and how it is kept."""
 
-    planned_tolerance: float = number(1e-9, 1e-3, "m")
+    planned_tolerance: float = number(1e-9, 1e-4, "m")
     measured_tolerance: float = number(1e-6, 1e-2, "m")
     insertion: tuple[float, float] = number(0.0, 0.28, "m")
     knot_spacing: float = number(1e-4, 2e-3, "m")
@@ -91,68 +131,16 @@ class RcmConfig:
     registration: RegistrationConfig
 
     def __post_init__(self) -> None:
-        tolerance, most = self.registration.tolerance, self.measured_tolerance
-        if tolerance > most:  # a trocar could be set that every motion would refuse
-            words = f"up to rcm.measured_tolerance, {most}"
-            raise ConfigError("rcm.registration.tolerance", tolerance, words)
-
-
-@dataclass(frozen=True, kw_only=True)
-class TissueConfig:
-    """A sheet fixed at its rim."""
-
-    centre: Point = number(-2.0, 2.0, "m")
-    along: Point = number(-1.0, 1.0, "")
-    across: Point = number(-1.0, 1.0, "")
-    size: tuple[float, float] = number(0.01, 0.5, "m")
-    nodes: tuple[int, int] = integer(3, 101)
-    rim: tuple[str, ...] = choice("start", "end", "left", "right")
-    stiffness: float = number(20.0, 1000.0, "N/m")
-    reference_point: Point = number(-2.0, 2.0, "m")
-    reference_pull: Point = number(-0.1, 0.1, "m")
-    density: float = number(0.1, 20.0, "kg/m^2")
-    damping_ratio: float = number(0.0, 5.0, "")
-    bed_stiffness: float = number(0.0, 10_000.0, "N/m")
-    grasp_radius: float = number(1e-4, 0.02, "m")
-
-
-@dataclass(frozen=True, kw_only=True)
-class TriangulationConfig:
-    """What a triangulated sheet keeps."""
-
-    grasp_error: float = number(1e-5, 0.01, "m")
-    least_angle: float = number(0.0, 1.0, "rad")
-    out_of_plane: float = number(1e-5, 0.02, "m")
-    tension: tuple[float, float] = number(0.0, 2.4, "N")
-    strain: float = number(0.01, 5.0, "")
-
-
-@dataclass(frozen=True, kw_only=True)
-class SceneConfig:
-    """scene.yaml: where trocar, robot and tissue are; read by controller and simulator."""
-
-    trocar: Point = number(-2.0, 2.0, "m")
-    home: tuple[float, ...] = number(-6.3, 6.3, "rad")
-    home_opening: float = number(0.0, 1.5, "rad")
-    workspace_centre: Point = number(-2.0, 2.0, "m")
-    workspace_radius: float = number(0.005, 0.3, "m")
-    grasp_point: Point = number(-2.0, 2.0, "m")
-    approach_axis: tuple[float, ...] = number(-1.0, 1.0, "")
-    jaw_axis: tuple[float, ...] = number(-1.0, 1.0, "")
-    clearance: float = number(0.001, 0.05, "m")
-    pull_direction: tuple[float, ...] = number(-1.0, 1.0, "")
-    max_displacement: float = number(0.001, 0.1, "m")
-    outward: Point = number(-1.0, 1.0, "")
-    surface_margin: float = number(0.001, 0.1, "m")
-    standoff: float = number(0.005, 0.3, "m")
-    tissue: TissueConfig
-    triangulation: TriangulationConfig
-
-    def __post_init__(self) -> None:
-        for name in ("approach_axis", "jaw_axis", "pull_direction"):
-            way = getattr(self, name)
-            if len(way) not in (0, 3) or (way and not any(way)):
-                raise ConfigError(f"scene.{name}", list(way), "[] or three numbers, not all 0")
+        """Check what no key shows alone."""
+        require_rising("insertion", self.insertion)
+        planned, most = self.planned_tolerance, self.measured_tolerance
+        allowed = f"up to measured_tolerance, {most}"
+        require(planned <= most, "planned_tolerance", planned, allowed)
+        tolerance = self.registration.tolerance  # else a trocar could be set that motion refuses
+        require(tolerance <= most, "registration.tolerance", tolerance, allowed)
+        allowed = f"up to planned_tolerance, {planned}"
+        solved = self.solver.tolerance
+        require(solved <= planned, "solver.tolerance", solved, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,11 +186,13 @@ class TensionConfig:
     settle_time: float = number(0.0, 2.0, "s")
 
     def __post_init__(self) -> None:
-        if self.maximum >= self.limit:  # a pull to it would stop just below, and never arrive
-            raise ConfigError("controller.tension.maximum", self.maximum, f"below {self.limit}")
-        if not self.minimum <= self.initial <= self.maximum:
-            words = f"{self.minimum} to {self.maximum}, minimum to maximum"
-            raise ConfigError("controller.tension.initial", self.initial, words)
+        """Check what no key shows alone."""
+        allowed = f"below {self.limit}"  # a pull to it would stop just below, and never arrive
+        require(self.maximum < self.limit, "maximum", self.maximum, allowed)
+        allowed = f"{self.minimum} to {self.maximum}, minimum to maximum"
+        is_between = self.minimum <= self.initial <= self.maximum
+        require(is_between, "initial", self.initial, allowed)
+        require_rising("stiffness_range", self.stiffness_range)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,6 +204,7 @@ class WatchdogConfig:
     voice_heartbeat_age: float = number(0.05, 10.0, "s")
     at_rest_speed: float = number(1e-5, 0.1, "rad/s")
     phase_timeout: float = number(1.0, 600.0, "s")
+    sensors: SensorConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,63 +220,12 @@ class ControllerConfig:
     watchdogs: WatchdogConfig
     recording: RecordingConfig
 
-
-@dataclass(frozen=True, kw_only=True)
-class ServoConfig:
-    """How the simulated robot follows set-points, and stops when they stop coming."""
-
-    period: float = number(0.0005, 0.1, "s")
-    playout_delay: float = number(0.0, 0.1, "s")
-    stale_after: float = number(0.002, 1.0, "s")
-    lead: float = number(0.0, 10.0, "s")
-    buffer: int = integer(4, 10_000)
-    start_tolerance: float = number(1e-6, 0.5, "rad")
-    rest_speed: float = number(1e-6, 0.1, "rad/s")
-    following_error: float = number(1e-4, 1.0, "rad")
-    brake_deceleration: tuple[float, ...] = number(0.1, 100.0, "rad/s^2")
-
-
-@dataclass(frozen=True, kw_only=True)
-class CameraConfig:
-    """Where a picture of the scene is taken from."""
-
-    size: tuple[int, int] = integer(64, 4096, "pixels")
-    target: Point = number(-2.0, 2.0, "m")
-    distance: float = number(0.01, 5.0, "m")
-    yaw: float = number(-6.3, 6.3, "rad")
-    pitch: float = number(-1.6, 1.6, "rad")
-    field_of_view: float = number(0.1, 2.0, "rad")
-    reach: float = number(0.05, 100.0, "m")
-    sky_top: Point = number(0.0, 1.0, "")
-    sky_bottom: Point = number(0.0, 1.0, "")
-
-
-@dataclass(frozen=True, kw_only=True)
-class SimulatorConfig:
-    """simulator.yaml: the simulated robot."""
-
-    physics_rate: float = number(100.0, 10_000.0, "Hz")
-    publish_rate: float = number(10.0, 1000.0, "Hz")
-    real_time_factor: float = number(0.0, 100.0, "")
-    catch_up: float = number(0.001, 10.0, "s")
-    gui: bool = flag()
-    closed_opening: float = number(0.0, 0.5, "rad")
-    held_opening: float = number(0.0, 0.5, "rad")
-    tool_load: float = number(0.0, 20.0, "N")
-    tool_joint_error: Point = number(-0.5, 0.5, "rad")
-    start_position: tuple[float, ...] = number(-6.3, 6.3, "rad")
-    servo: ServoConfig
-    overview: CameraConfig
-    endoscope: CameraConfig
-
     def __post_init__(self) -> None:
-        if len(self.start_position) not in (0, PLAN_COUNT):
-            allowed = f"a list of {PLAN_COUNT} angles [rad], or [] for the scene's home"
-            raise ConfigError("start_position", list(self.start_position), allowed)
-        steps = self.physics_rate / self.publish_rate
-        if steps < 1.0 or not steps.is_integer():  # else it would publish at some other rate
-            allowed = f"a whole multiple of publish_rate, {self.publish_rate:g} Hz"
-            raise ConfigError("physics_rate", self.physics_rate, allowed)
+        """Check what no key shows alone."""
+        allowed = f"up to rate, {self.rate:g} Hz"
+        require(self.state_rate <= self.rate, "state_rate", self.state_rate, allowed)
+
+    callers: CallersConfig
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import queue
+import re
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass, field
@@ -22,8 +23,10 @@ Verify = Callable[[Request, Situation], Accepted | Rejected]
 COMMANDS = {command.value: command for command in Command}
 WAITING = 16  # commands that may wait to be verified; more are refused at once
 ATTEMPTS = 5  # to verify a command while the situation keeps changing
-READ = 200  # characters of a command that are looked at; the longest command has 9
+LONGEST = 200  # characters that a command may have with its spaces; the longest one has 9
 ECHOED = 80  # characters of an unknown command that a refusal repeats
+_SPACES = re.compile(r"[ \t\r\n]+")
+_WORD = re.compile(r"\w+")
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +55,12 @@ class CommandDesk:
         self._waiting: queue.Queue[Ticket] = queue.Queue(WAITING)
 
     def take(
-        self, request: Request, caller: str, is_spoken: bool = False, is_by_hand: bool = True
+        self,
+        request: Request,
+        caller: str,
+        is_spoken: bool = False,
+        is_by_hand: bool = True,
+        objection: str = "",
     ) -> Ticket:
         """Take a command; returns at once, with the answer to come in the ticket.
 
@@ -61,15 +69,18 @@ class CommandDesk:
             caller: Who gives it, for the diary.
             is_spoken: It came by voice: that node's heartbeat must go on while it is carried out.
             is_by_hand: It came from elsewhere than the voice node, alive or not.
+            objection: Why nothing but a stop is taken from this caller; empty: anything is.
         """
         ticket = Ticket(request, caller, is_spoken)
         command = read_command(request.words)
-        if command is None:
-            self._refuse(ticket, unknown(request.words))
-        elif command is Command.STOP:
-            self._executor.stop(f'"stop" from {caller}')
+        if command is Command.STOP:
+            self._executor.stop(f'"stop" from {caller}', self._clock())
             ticket.reply.set_result(Reply(True, 'stops and holds; say "hey robot" to go on'))
             ticket.ended.set_result(Outcome("succeeded", ""))
+        elif objection:
+            self._refuse(ticket, objection)
+        elif command is None:
+            self._refuse(ticket, unknown(request.words))
         elif command in (Command.HEY_ROBOT, Command.TERMINATE):
             self._post(ticket, Plan(command, _WORDS[command]), serial=-1)
         elif command in BY_HAND and (is_spoken or not is_by_hand):
@@ -132,7 +143,7 @@ class CommandDesk:
         self._executor.post(order)
 
     def _refuse(self, ticket: Ticket, words: str) -> None:
-        self._executor.note_refusal(_shown(ticket.request.words), words, self._clock())
+        self._executor.note_refusal(shown(ticket.request.words), words, self._clock())
         ticket.reply.set_result(Reply(False, words))
         ticket.ended.set_result(Outcome("refused", words))
 
@@ -141,17 +152,53 @@ _WORDS = {Command.HEY_ROBOT: "ready", Command.TERMINATE: "finishes braking, hold
 
 
 def read_command(words: str) -> Command | None:
-    """Command that the words are, apart from case and spaces; None where they are none."""
-    return COMMANDS.get(" ".join(words[:READ].lower().split()))
+    """Command that the words are; None where they are none.
+
+    Case and spaces do not matter. A text that is longer than LONGEST, or holds anything but ASCII,
+    is no command, whatever it looks like: only a stop is read more kindly.
+    """
+    if is_stop(words):
+        return Command.STOP
+    if len(words) > LONGEST or not words.isascii():
+        return None
+    return COMMANDS.get(_SPACES.sub(" ", words.lower()).strip(" "))
 
 
-def unknown(words: str) -> str:
-    """Reason for refusing words that are no command, with the list of those that are."""
-    return f"unknown command {_shown(words)!r}; say one of: {', '.join(COMMANDS)}"
+def is_stop(words: str) -> bool:
+    """Whether the words say "stop" and nothing else, once or more, with whatever marks around.
+
+    Of a text too long to be a command the beginning decides: what begins as a stop stops.
+    """
+    said = _WORD.findall(words[:LONGEST].lower())
+    if len(words) > LONGEST and len(said) > 1:
+        said.pop()  # it may be cut
+    return bool(said) and set(said) == {Command.STOP.value}
 
 
-def _shown(words: str) -> str:
-    return "".join(c if c.isprintable() else "?" for c in words[:ECHOED])
+def unknown(words: str, length: int = 0) -> str:
+    """Reason for refusing words that are no command, with the list of those that are.
+
+    Args:
+        words: What was said, or its beginning.
+        length: Of all that was said [bytes], where `words` is only its beginning.
+    """
+    oddity = f" of {length} bytes, allowed: {LONGEST}" if length else _oddity(words)
+    return f"unknown command {shown(words)!r}{oddity}; say one of: {', '.join(COMMANDS)}"
+
+
+def _oddity(words: str) -> str:
+    """What keeps words from being a command, beside what they say; empty: nothing does."""
+    if len(words) > LONGEST:
+        return f" of {len(words)} characters, allowed: {LONGEST}"
+    if words.isascii():
+        return ""
+    first = next(c for c in words if not c.isascii())
+    return f" with U+{ord(first):04X}, which no command has"
+
+
+def shown(words: str, longest: int = ECHOED) -> str:
+    """Beginning of a text of others, on one line, as it may be repeated to people."""
+    return "".join(c if c.isprintable() else "?" for c in words[:longest])
 
 
 def _is_amount(value: float) -> bool:

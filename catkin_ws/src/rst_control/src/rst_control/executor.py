@@ -20,6 +20,7 @@ from rst_control.motion import Motion
 from rst_control.mover import STILL, Mover
 from rst_control.orders import Change, DiaryEntry, DiaryKind, Order, Outcome, OutcomeKind, View
 from rst_control.patient import NOWHERE, Placement
+from rst_control.seen import view_of
 from rst_control.types import Command, Measurement, Reason, Rejected, Setpoint, Vector
 from rst_control.watchdogs import Watchdogs, Watched
 
@@ -57,10 +58,10 @@ class Executor:
         self._life, self._life_changes = Life(), 0
         self._ledger = Ledger()
         self._waking: tuple[Order, float] | None = None  # "hey robot" until the fault is clear
-        self._health = ""
-        self._heartbeat = -np.inf
+        self._health, self._heartbeat = "", -np.inf
         self._orders: deque[Order] = deque()
-        self._stops: deque[str] = deque()
+        self._stops: deque[tuple[str, float | None]] = deque()
+        self._older = 0  # orders still waiting that came before the last stop
         self._changes: deque[Change] = deque()
         self._changed = 0  # how often what verification relies on was changed from outside
         self.view = View.at_start()
@@ -71,9 +72,9 @@ class Executor:
         """Hand over a verified command; the next tick answers it."""
         self._orders.append(order)
 
-    def stop(self, reason: str) -> None:
-        """Brake along the path, hold and latch, beginning with the next tick."""
-        self._stops.append(reason)
+    def stop(self, reason: str, received: float | None = None) -> None:
+        """Brake, hold and latch from the next tick on; `received` [s] is told by the diary."""
+        self._stops.append((reason, received))
 
     def change(self, change: Change) -> None:
         """Let something that verification relies on be changed, within the next tick."""
@@ -124,26 +125,28 @@ class Executor:
             log.error(reason, exc_info=error)
         if self._mover.motion is not None and self._life.then is not State.FAULTED:
             self._fault(reason)
-            return
-        self._mover.lose()
-        self._change(lifecycle.at_rest(lifecycle.faulted(self._life, reason)))
-        self._end_order("failed", reason)
+        else:
+            self._mover.lose()
+            self._latch(lifecycle.at_rest(lifecycle.faulted(self._life, reason)))
+            self._end_order("failed", reason)
+        self.view = self._seen()  # the tick did not come to it
 
     def _look(self, measured: Measurement | None) -> None:
+        if measured is not None and measured is not self._measured:
+            self._measured = measured
+            self._watchdogs.look(measured, self._mover.held, self._mover.pulled)
+            self._placement = self._locate(measured.position)
+            if self._mover.motion is not None:
+                self._max_rcm_error = max(self._max_rcm_error, self._placement.rcm_error)
         lost = self._watchdogs.robot(self._now, measured)
         self._health = lost.words if lost else ""
-        if measured is None or measured is self._measured:
-            return
-        self._measured = measured
-        self._placement = self._locate(measured.position)
-        if self._mover.motion is not None:
-            self._max_rcm_error = max(self._max_rcm_error, self._placement.rcm_error)
 
     def _take_stops(self) -> None:
         while self._stops:
-            reason = self._stops.popleft()
-            self._note("stop_received", Command.STOP.value, reason)
+            reason, received = self._stops.popleft()
+            self._ledger.note(received or self._now, "stop_received", Command.STOP.value, reason)
             self._drop_waking("stopped")
+            self._older = len(self._orders)
             self._latch(lifecycle.stopped(self._life, reason))
 
     def _take_change(self) -> None:
@@ -159,7 +162,8 @@ class Executor:
     def _take_orders(self) -> None:
         for _ in range(min(ORDERS_PER_TICK, len(self._orders))):
             order = self._orders.popleft()
-            refusal = lifecycle.refusal(self._life, order.command)
+            outrun = self._outrun(order)
+            refusal = lifecycle.refusal(self._life, order.command) or outrun
             if refusal is not None:
                 self._refuse(order, refusal)
             elif order.serial != self._serial and order.stale is not None:
@@ -170,6 +174,13 @@ class Executor:
                 self._terminate(order)
             else:
                 self._start(order)
+
+    def _outrun(self, order: Order) -> Rejected | None:
+        """A stop is not cleared by a "hey robot" that came before it."""
+        is_older, self._older = self._older > 0, max(0, self._older - 1)
+        if not is_older or order.command is not Command.HEY_ROBOT:
+            return None
+        return Rejected(Reason.HALTED, "stopped meanwhile; say it again")
 
     def _start(self, order: Order) -> None:
         if self._health:
@@ -220,13 +231,7 @@ class Executor:
             self._refuse(order, Rejected(Reason.FAULTED, words))
 
     def _cannot_wake(self) -> Rejected | None:
-        measured = self._measured
-        lost = self._watchdogs.robot(self._now, measured)
-        if lost is not None or measured is None or self._mover.motion is not None:
-            return lost
-        if not self._watchdogs.is_at_rest(measured):
-            return Rejected(Reason.NOT_AT_REST, "robot not at rest yet; say it again")
-        return None
+        return self._watchdogs.waking(self._now, self._measured, self._mover.motion is not None)
 
     def _resume(self, order: Order) -> None:
         was, measured, held = self._life, self._measured, self._mover.held
@@ -254,14 +259,8 @@ class Executor:
     def _watch(self, motion: Motion) -> None:
         if self._life.state is State.STOPPING and self._life.then is State.FAULTED:
             return
-        watched = Watched(
-            setpoint=STILL if self._mover.held is None else self._mover.held,
-            placement=self._placement,
-            raises_tension=motion.raises_tension,
-            needs_grip=motion.needs_grip,
-            overtime=motion.overtime(self._now),
-            heartbeat_age=self._now - self._heartbeat if self._ledger.is_spoken else None,
-        )
+        silent = self._now - self._heartbeat if self._ledger.is_spoken else None
+        watched = Watched.of(motion, self._mover.held, self._placement, self._now, silent)
         self._fault(self._watchdogs.motion(self._now, self._measured, watched))
 
     def _finish(self, motion: Motion) -> None:
@@ -313,9 +312,10 @@ class Executor:
 
     def _latch(self, life: Life) -> None:
         """Take a state in which nothing moves; brake where something does."""
-        was_latched = self._life.is_latched
+        was = self._life
+        is_told = was.state in lifecycle.LATCHED and was.reason == life.reason
         self._change(life)
-        if not self._mover.brake() and not was_latched:
+        if not self._mover.brake() and not is_told:
             self._note_latch()
 
     def _fault(self, reason: str) -> None:
@@ -338,22 +338,13 @@ class Executor:
             self._note("halted", self._ledger.command, self._life.reason)
 
     def _seen(self) -> View:
-        motion, measured = self._mover.motion, self._measured
-        holds = measured is not None and measured.gripped
-        place = self._mover.place
-        return View(
-            stamp=self._now,
-            life=self._life,
-            serial=self._serial,
-            motion=None if motion is None else motion.glimpse,
-            plan=None if motion is None else motion.plan,
-            path=place.path if place else None,
-            path_position=place.state.s if place else 0.0,
-            command=self._ledger.command,
-            placement=self._placement,
-            measurement=measured,
-            setpoint=self._mover.held,
-            grasp=self._mover.grasp if holds else None,
-            last_refusal=self._ledger.last_refusal,
-            health=self._health,
+        return view_of(
+            self._now,
+            self._life,
+            self._serial,
+            self._mover,
+            self._ledger,
+            self._placement,
+            self._measured,
+            self._health,
         )

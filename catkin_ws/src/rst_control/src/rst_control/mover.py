@@ -34,6 +34,14 @@ class Mover:
         """Where the tip is, or last was, if on a path."""
         return self.motion.place if self.motion else self._place
 
+    @property
+    def pulled(self) -> float | None:
+        """Place on the pull's path while tissue is pulled harder [m]; None: it is not."""
+        motion = self.motion
+        if motion is None or not (motion.needs_grip and motion.raises_tension):
+            return None
+        return motion.place.state.s if motion.place else None
+
     def start(self, plan: Plan, now: float) -> Rejected | None:
         """Set off with a plan, or let it take over from the pull under way."""
         if self.held is None:

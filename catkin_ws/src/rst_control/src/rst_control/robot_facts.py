@@ -9,26 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from rst_control.config import CONFIG_FOLDER
-from typed_config import load_yaml
+from rst_control.robot_config import BodyFact, JointFact, LinkSettings, RobotSettings, Triple
+from typed_config import load_config, load_yaml
+
+__all__ = ["JointFact", "LinkFact", "RobotFacts", "body_inertia", "load_facts"]
 
 FACTS_FILE = CONFIG_FOLDER / "gen3_openrst.yaml"
-Triple = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class JointFact:
-    """One joint; its axis is the child's z axis."""
-
-    name: str
-    type: str
-    parent: str
-    child: str
-    xyz: Triple  # [m]
-    quarter_turns: tuple[int, int, int]  # about x, y, z of the parent
-    lower: float  # [rad]
-    upper: float  # [rad]
-    effort: float  # [N m]
-    velocity: float  # [rad/s]
 
 
 @dataclass(frozen=True)
@@ -56,27 +42,27 @@ def load_facts(path: Path = FACTS_FILE) -> RobotFacts:
     """Read the robot's numbers.
 
     Raises:
-        typed_config.ConfigError: The file cannot be read.
-        KeyError: A number is missing.
+        typed_config.ConfigError: A key is unknown, missing or not allowed; names it and the file.
     """
     data = load_yaml(path)
+    settings = load_config(RobotSettings, data, path.name)
     return RobotFacts(
-        name=data["name"],
-        joints=tuple(_joint(entry) for entry in data["joints"]),
-        links=tuple(_link(entry) for entry in data["links"]),
-        colours=data["colours"],
+        name=settings.name,
+        joints=settings.joints,
+        links=tuple(_link(link) for link in settings.links),
+        colours=settings.colours,
         visuals=tuple(data["visuals"]),
     )
 
 
-def _joint(entry: Mapping[str, Any]) -> JointFact:
-    tuples = {key: tuple(entry[key]) for key in ("xyz", "quarter_turns")}
-    return JointFact(**{**entry, **tuples})
+def _link(link: LinkSettings) -> LinkFact:
+    inertia = link.inertia or body_inertia(link.mass, _shape(link.body))
+    return LinkFact(link.name, link.mass, link.com, inertia)
 
 
-def _link(entry: Mapping[str, Any]) -> LinkFact:
-    inertia = entry.get("inertia") or body_inertia(entry["mass"], entry["body"])
-    return LinkFact(entry["name"], entry["mass"], tuple(entry["com"]), tuple(inertia))
+def _shape(body: BodyFact | None) -> Mapping[str, Any]:
+    """The one shape that a body has, by its name."""
+    return {key: value for key, value in vars(body).items() if value is not None}
 
 
 def body_inertia(mass: float, body: Mapping[str, Any]) -> tuple[float, ...]:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from rst_control.config import URDF_FILE
 from rst_control.errors import RobotModelError
-from rst_control.types import ARM_JOINTS
+from rst_control.types import ARM_JOINTS, JOINTS
+from rst_control.urdf_checks import read_joints
 
 Array = NDArray[np.float64]
 MOVING = (
@@ -77,7 +78,11 @@ def load_robot(path: Path = URDF_FILE) -> RobotModel:
         RobotModelError: It is not this robot's.
         OSError: The file cannot be read.
     """
-    return parse_robot(path.read_text(encoding="utf-8"))
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise RobotModelError(f"URDF {path.name} is not UTF-8: {error}, allowed: text") from error
+    return parse_robot(text)
 
 
 def parse_robot(text: str) -> RobotModel:
@@ -86,11 +91,7 @@ def parse_robot(text: str) -> RobotModel:
     Raises:
         RobotModelError: It is not this robot's.
     """
-    try:
-        joints = Xml.fromstring(text).iter("joint")
-        links = dict(_read_link(joint) for joint in joints)
-    except (Xml.ParseError, AttributeError, KeyError, ValueError) as error:
-        raise RobotModelError(f"URDF cannot be read: {error}") from error
+    links = dict(_read_link(joint) for joint in read_joints(text))
     model = RobotModel(links, np.zeros((12, 3, 4)))
     model.chain[:] = _compile(model)
     model.chain.flags.writeable = False
@@ -130,29 +131,19 @@ def rotation(rpy: Sequence[float]) -> Array:
 
 
 def _read_link(joint: Xml.Element) -> tuple[str, Link]:
-    origin, limit, axis = joint.find("origin"), joint.find("limit"), joint.find("axis")
-    _require_z_axis(axis)
-    bounds = {} if limit is None else limit.attrib
+    """Name of the child, and how it hangs on its parent; the joint was checked."""
+    parts = {part.tag: part.attrib for part in joint}
+    bounds = parts.get("limit", {})
     link = Link(
         joint=joint.attrib["name"],
         type=joint.attrib["type"],
-        parent=joint.find("parent").attrib["link"],  # type: ignore[union-attr]
-        xyz=_triple(origin.attrib["xyz"]),  # type: ignore[union-attr]
-        rpy=_triple(origin.attrib["rpy"]),  # type: ignore[union-attr]
+        parent=parts["parent"]["link"],
+        xyz=_triple(parts["origin"]["xyz"]),
+        rpy=_triple(parts["origin"]["rpy"]),
         lower=float(bounds.get("lower", "-inf")),
         upper=float(bounds.get("upper", "inf")),
     )
-    return joint.find("child").attrib["link"], link  # type: ignore[union-attr]
-
-
-def _require_z_axis(axis: Xml.Element | None) -> None:
-    """Refuse a joint that does not turn about its own z axis.
-
-    Raises:
-        RobotModelError: It does not.
-    """
-    if axis is not None and _triple(axis.attrib["xyz"]) != (0.0, 0.0, 1.0):
-        raise RobotModelError(f"joint axis {axis.attrib['xyz']}, allowed: 0 0 1")
+    return parts["child"]["link"], link
 
 
 def _triple(text: str) -> tuple[float, float, float]:
@@ -162,7 +153,7 @@ def _triple(text: str) -> tuple[float, float, float]:
 
 def _compile(model: RobotModel) -> Array:
     by_joint = {link.joint: name for name, link in model.links.items()}
-    missing = [name for name in MOVING if name not in by_joint]
+    missing = [name for name in JOINTS if name not in by_joint]
     missing += [name for name in FRAMES if name not in model.links]
     if missing:
         raise RobotModelError(f"URDF without {', '.join(missing)}")

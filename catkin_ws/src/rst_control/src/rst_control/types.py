@@ -45,11 +45,12 @@ class Measurement:
     position: Vector  # (10,), [rad], order of JOINTS
     velocity: Vector  # (10,), [rad/s]
     effort: Vector  # (10,), [N m]
-    stamp: float  # [s]
+    stamp: float  # [s] steady clock, when it arrived
     force: Vector = field(default_factory=lambda: np.zeros(3))  # (3,), [N], of tissue on jaws, base
     gripped: bool = False  # tissue lies between the closed jaws
     connected: bool = True
     fault: str = ""  # empty: healthy
+    sent: float | None = None  # [s] sender's clock, which may be set at any time; None: not told
 
     def __post_init__(self) -> None:
         for name in ("position", "velocity", "effort"):

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from rst_control.config import WatchdogConfig
+from rst_control.motion import Motion
 from rst_control.patient import Placement
-from rst_control.types import JOINTS, Measurement, Reason, Rejected, Vector
+from rst_control.sensors import SensorWatch
+from rst_control.types import JOINT_COUNT, JOINTS, Measurement, Reason, Rejected, Vector
 
 
 @dataclass(frozen=True)
@@ -32,13 +34,41 @@ class Watched:
     overtime: float  # [s] that the phase takes longer than its way at its speed
     heartbeat_age: float | None  # [s] of the voice node; None: the command was not spoken
 
+    @classmethod
+    def of(
+        cls,
+        motion: Motion,
+        setpoint: Vector | None,
+        placement: Placement,
+        now: float,
+        silent: float | None,
+    ) -> Watched:
+        """What a motion shows at a time [s]; `silent` is the age of the heartbeat [s]."""
+        return cls(
+            setpoint=np.zeros(JOINT_COUNT) if setpoint is None else setpoint,
+            placement=placement,
+            raises_tension=motion.raises_tension,
+            needs_grip=motion.needs_grip,
+            overtime=motion.overtime(now),
+            heartbeat_age=silent,
+        )
+
 
 class Watchdogs:
-    """Names the first thing that is wrong; an empty string means that nothing is."""
+    """Names the first thing that is wrong; an empty string means that nothing is.
 
-    def __init__(self, limits: WatchdogLimits) -> None:
-        self._limits = limits
+    Args:
+        limits: Settings.
+        sensors: Whether measurements can be true.
+    """
+
+    def __init__(self, limits: WatchdogLimits, sensors: SensorWatch) -> None:
+        self._limits, self._sensors = limits, sensors
         self._settings = limits.settings
+
+    def look(self, measured: Measurement, setpoint: Vector | None, pulled: float | None) -> None:
+        """Take in a new measurement; see `SensorWatch.look`."""
+        self._sensors.look(measured, setpoint, pulled)
 
     def robot(self, now: float, measured: Measurement | None) -> Rejected | None:
         """Whether the robot is there and speaks, at rest as in motion."""
@@ -47,9 +77,11 @@ class Watchdogs:
         age, allowed = now - measured.stamp, self._settings.joint_state_age
         if age > allowed:
             words = f"joint states stale, {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
-            return Rejected(Reason.STALE, words)
+            return Rejected(Reason.STALE, f"{words}: {measured.fault}" if measured.fault else words)
         if measured.fault:
             return Rejected(Reason.FAULTED, f"robot fault: {measured.fault}")
+        if self._sensors.objection:
+            return Rejected(Reason.FAULTED, f"sensor fault: {self._sensors.objection}")
         return None
 
     def following(self, measured: Measurement, setpoint: Vector) -> str:
@@ -66,6 +98,13 @@ class Watchdogs:
     def is_at_rest(self, measured: Measurement) -> bool:
         """Whether every joint is measured at rest."""
         return bool(np.abs(measured.velocity).max() <= self._settings.at_rest_speed)
+
+    def waking(self, now: float, measured: Measurement | None, is_led: bool) -> Rejected | None:
+        """Why the robot is not fit for "hey robot"; while it is led in a motion it may move."""
+        lost = self.robot(now, measured)
+        if lost is not None or measured is None or is_led or self.is_at_rest(measured):
+            return lost
+        return Rejected(Reason.NOT_AT_REST, "robot not at rest yet; say it again")
 
     def motion(self, now: float, measured: Measurement | None, watched: Watched) -> str:
         """Whether a motion may go on."""

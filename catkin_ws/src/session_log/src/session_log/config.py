@@ -3,9 +3,13 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
-from typed_config import flag, integer, items, number, text
+from typed_config import ConfigError, flag, integer, items, number, require, text
+
+TOPIC = re.compile(r"(/[A-Za-z]\w*)+", re.ASCII)
+LEAST_SPACE = 10_000_000  # [B] below it no recording goes on
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,7 +24,7 @@ class RecorderConfig:
     wait_timeout: float = number(0.0, 3600.0, "s")
     discovery_period: float = number(0.05, 10.0, "s")
     flush_period: float = number(0.0005, 1.0, "s")
-    sync_period: float = number(0.0, 3600.0, "s")
+    sync_period: float = number(0.0, 600.0, "s")
     retry_period: float = number(0.05, 60.0, "s")
     stall_time: float = number(0.1, 600.0, "s")
     queue_messages: int = integer(100, 10_000_000, "messages")
@@ -29,6 +33,22 @@ class RecorderConfig:
     acknowledge_rate: float = number(0.1, 100.0, "Hz")
     parameters_period: float = number(0.5, 3600.0, "s")
     seed: int = integer(0, 2**31 - 1)
+
+    def __post_init__(self) -> None:
+        """Check what no key's range can show."""
+        for index, pattern in enumerate(self.exclude):
+            try:
+                re.compile(pattern)
+            except re.error as error:
+                allowed = f"a regular expression; this one is none: {error}"
+                raise ConfigError(f"exclude[{index}]", pattern, allowed) from error
+        for key in ("subscribe_early", "wait_for"):
+            for index, topic in enumerate(getattr(self, key)):
+                is_topic = TOPIC.fullmatch(topic) is not None
+                require(is_topic, f"{key}[{index}]", topic, "the whole name of a topic: /name")
+        is_space = self.low_space == 0 or self.low_space >= LEAST_SPACE
+        allowed = f"0, which warns never, or from {LEAST_SPACE} B on"
+        require(is_space, "low_space", self.low_space, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +67,10 @@ class ReportTopics:
     diagnostics: str = text()
     trocar: str = text()
     intended: str = text()
+
+    def __post_init__(self) -> None:
+        """Check what no key's range can show."""
+        require_topics(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,15 +105,25 @@ class ReportConfig:
     """What the report reads and the lines it draws."""
 
     topics: ReportTopics
-    rcm_limit: float = number(0.0, 1.0, "m")
+    rcm_limit: float = number(1e-9, 0.01, "m")
     shaft: ShaftLinks
     match_window: float = number(0.0, 60.0, "s")
     intended_window: float = number(0.0, 600.0, "s")
     intended_slack: float = number(0.0, 5.0, "s")
     motion_window: float = number(0.0, 600.0, "s")
-    sample_period: float = number(0.0, 10.0, "s")
+    sample_period: float = number(0.001, 10.0, "s")
     late_factor: float = number(1.0, 100.0, "")
     pictures: int = integer(0, 64)
     paper: Paper
     resolution: int = integer(50, 600, "dpi")
     vector: bool = flag()
+
+
+def require_topics(topics: object) -> None:
+    """Refuse what is no topic among the values of a settings dataclass of topics.
+
+    Raises:
+        ConfigError: It is none.
+    """
+    for key, topic in vars(topics).items():
+        require(TOPIC.fullmatch(topic) is not None, key, topic, "the whole name of a topic: /name")

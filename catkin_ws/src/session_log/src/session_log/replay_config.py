@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from typed_config import number, text
+from session_log.config import require_topics
+from typed_config import number, require, text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,6 +18,10 @@ class ReplayTopics:
     mode: str = text()
     circumstances: str = text()
 
+    def __post_init__(self) -> None:
+        """Check what no key's range can show."""
+        require_topics(self)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayConfig:
@@ -26,9 +31,16 @@ class ReplayConfig:
     topics: ReplayTopics
     settings: str = text()
     facts: str = text()
-    confidence_tolerance: float = number(0.0, 1.0, "")
-    wer_tolerance: float = number(0.0, 1.0, "WER")
-    time_tolerance: float = number(0.0, 10.0, "s")
+    confidence_tolerance: float = number(0.0, 0.05, "")
+    wer_tolerance: float = number(0.0, 1e-5, "WER")
+    time_tolerance: float = number(0.0, 1.0, "s")
     match_window: float = number(0.0, 60.0, "s")
     settling: float = number(0.0, 60.0, "s")
     tail: float = number(0.0, 60.0, "s")
+
+    def __post_init__(self) -> None:
+        """Check what no key's range can show."""
+        module, _, function = self.hearer.partition(":")
+        is_path = all(word.isidentifier() for word in (*module.split("."), function))
+        words = "module:function; this is no module and function"
+        require(is_path, "hearer", self.hearer, words)

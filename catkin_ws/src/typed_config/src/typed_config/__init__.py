@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Settings that fail at start: YAML into frozen dataclasses, each key with its range and unit."""
 
+from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
-from typed_config.loader import ConfigError, load_config, load_yaml
+from typed_config.loader import load_config
+from typed_config.rules import require, require_rising, require_way
+from typed_config.strict_yaml import load_yaml
 
 __all__ = [
     "ConfigError",
@@ -13,5 +16,8 @@ __all__ = [
     "load_config",
     "load_yaml",
     "number",
+    "require",
+    "require_rising",
+    "require_way",
     "text",
 ]

@@ -5,49 +5,24 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from types import NoneType, UnionType
 from typing import Any, TypeVar, cast, get_args, get_origin, get_type_hints
 
-import yaml
-
+from typed_config.errors import ConfigError, Missing, join
 from typed_config.fields import RULE, Rule
 
 T = TypeVar("T")
-
-
-class ConfigError(ValueError):
-    """A settings key is unknown, missing or holds what it may not."""
-
-    def __init__(self, key: str, value: object, allowed: str) -> None:
-        super().__init__(f"{key} is {_shown(value)}, allowed: {allowed}")
-        self.key, self.value, self.allowed = key, value, allowed
-
-
-class _Missing:
-    def __repr__(self) -> str:
-        return "missing"
-
-
-def load_yaml(path: str | Path) -> Mapping[str, Any]:
-    """Read one YAML file that holds a mapping.
-
-    Raises:
-        ConfigError: The file cannot be read, is not YAML or holds something else.
-    """
-    try:
-        data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ConfigError(str(path), error.strerror, "a readable file") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ConfigError(str(path), " ".join(str(error).split()), "valid YAML in UTF-8") from error
-    if not isinstance(data, dict):
-        raise ConfigError(str(path), data, "a mapping of keys to values")
-    return data
+MISSING = Missing()
 
 
 def load_config(kind: type[T], data: object, where: str = "") -> T:
     """Build the dataclass `kind` from a mapping.
+
+    A key that is a word of Python has an underscore behind it in the dataclass: `from_`. What a
+    dataclass finds wrong in its `__post_init__` is named from `where` on too.
 
     Args:
         kind: Frozen dataclass whose fields were declared with `typed_config.fields`.
@@ -59,34 +34,79 @@ def load_config(kind: type[T], data: object, where: str = "") -> T:
     """
     if not isinstance(data, Mapping):
         raise ConfigError(where or kind.__name__, data, "a mapping of keys to values")
-    fields = {f.name: f for f in dataclasses.fields(kind)}  # type: ignore[arg-type]
+    fields = _fields(cast("Hashable", kind))
     for key in data:
         if key not in fields:
             close = difflib.get_close_matches(str(key), fields, n=1)
             hint = f"did you mean {close[0]}?" if close else "one of " + ", ".join(fields)
-            raise ConfigError(_join(where, str(key)), data[key], f"no such key; {hint}")
-    hints = get_type_hints(kind)
+            raise ConfigError(join(where, str(key)), data[key], f"no such key; {hint}")
     values = {}
-    for name, field in fields.items():
-        if name not in data and field.default is not dataclasses.MISSING:
+    for key, field in fields.items():
+        if field.may_be_left_out and key not in data:
             continue
-        values[name] = _value(hints[name], field, data.get(name, _Missing()), _join(where, name))
-    return kind(**values)
+        found = data.get(key, MISSING)
+        values[field.name] = _value(field.hint, field.rule, found, join(where, key))
+    try:
+        return kind(**values)
+    except ConfigError as error:
+        raise error.under(where) from error
 
 
-def _value(hint: Any, field: dataclasses.Field[Any], value: object, key: str) -> object:
-    rule: Rule | None = field.metadata.get(RULE)
+@dataclass(frozen=True)
+class _Field:
+    """One key of a settings dataclass."""
+
+    name: str
+    hint: Any  # without the None of those that may be left out
+    rule: Rule | None
+    may_be_left_out: bool
+
+
+@lru_cache(maxsize=256)
+def _fields(kind: type[Any]) -> dict[str, _Field]:
+    """Fields by key; to find them out takes longer than to load them."""
+    hints = get_type_hints(kind)
+    return {
+        f.name.rstrip("_"): _Field(
+            f.name,
+            _without_none(hints[f.name]),
+            f.metadata.get(RULE),
+            f.default is not dataclasses.MISSING,
+        )
+        for f in dataclasses.fields(kind)
+    }
+
+
+def _without_none(hint: Any) -> Any:
+    if get_origin(hint) is UnionType:
+        (hint,) = (part for part in get_args(hint) if part is not NoneType)
+    return hint
+
+
+def _value(hint: Any, rule: Rule | None, value: object, key: str) -> object:
     if dataclasses.is_dataclass(hint):
-        if isinstance(value, _Missing):
+        if isinstance(value, Missing):
             raise ConfigError(key, value, "a mapping of keys to values")
         return load_config(hint, value, key)  # type: ignore[arg-type]
     if rule is None:
         raise TypeError(f"{key}: declare the field with typed_config.fields")
     if get_origin(hint) is tuple:
         return _sequence(get_args(hint), rule, value, key)
+    if get_origin(hint) is Mapping:
+        return _named(get_args(hint)[1], rule, value, key)
     if not rule.accepts(value):
         raise ConfigError(key, value, rule.allowed)
     return rule.convert(value)
+
+
+def _named(hint: Any, rule: Rule, value: object, key: str) -> dict[str, object]:
+    """Values by names that the file chooses."""
+    if not isinstance(value, Mapping):
+        raise ConfigError(key, value, f"a mapping of names, each to {rule.allowed}")
+    for name in value:
+        if not isinstance(name, str):
+            raise ConfigError(join(key, str(name)), value[name], "a word as name")
+    return {name: _value(hint, rule, entry, join(key, name)) for name, entry in value.items()}
 
 
 def _sequence(args: tuple[Any, ...], rule: Rule, value: object, key: str) -> tuple[object, ...]:
@@ -104,12 +124,3 @@ def _sequence(args: tuple[Any, ...], rule: Rule, value: object, key: str) -> tup
         if not rule.accepts(entry):
             raise ConfigError(f"{key}[{i}]", entry, rule.allowed)
     return tuple(rule.convert(entry) for entry in value)
-
-
-def _join(where: str, key: str) -> str:
-    return f"{where}: {key}" if where.endswith((".yaml", ".yml")) else f"{where}.{key}".lstrip(".")
-
-
-def _shown(value: object) -> str:
-    words = repr(value)
-    return words if len(words) <= 80 else words[:77] + "..."

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The `voice_assist` command: listen, phrases, devices, evaluate."""
+"""The `voice_assist` command: listen, phrases, devices, alarms, evaluate."""
 
 from __future__ import annotations
 
@@ -73,6 +73,12 @@ def _devices(options: argparse.Namespace) -> None:
         print(f"{device.name}  {device.rate} Hz{default}")
 
 
+def _alarms(options: argparse.Namespace) -> None:
+    from voice_assist.alarms.command import show_alarms
+
+    show_alarms(options.config, options.play, options.write_wav, is_markdown=options.markdown)
+
+
 def _evaluate(options: argparse.Namespace) -> None:
     from voice_assist.evaluate import Job, evaluate
 
@@ -90,15 +96,14 @@ def _evaluate(options: argparse.Namespace) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voice_assist", description="Hear spoken commands.")
-    parser.add_argument(
-        "--config", type=Path, default=CONFIG_DIR, help="folder of the three YAML files"
-    )
+    parser.add_argument("--config", type=Path, default=CONFIG_DIR, help="folder of the YAML files")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
     _add_listen(verbs)
     phrases = verbs.add_parser("phrases", help="print every phrase that is taken for a command")
     phrases.set_defaults(run=_phrases)
     devices = verbs.add_parser("devices", help="list the microphones")
     devices.set_defaults(run=_devices)
+    _add_alarms(verbs)
     _add_evaluate(verbs)
     return parser
 
@@ -112,6 +117,18 @@ def _add_listen(verbs: Any) -> None:
     parser.add_argument("--mode", choices=("standby", "active"), default="standby")
     parser.add_argument("--model", help="embedded, a name or a file of a Whisper model")
     parser.set_defaults(run=_listen)
+
+
+def _add_alarms(verbs: Any) -> None:
+    from voice_assist.alarms.command import ALL, names
+
+    parser = verbs.add_parser("alarms", help="show, play or write every alarm")
+    parser.add_argument("--play", nargs="?", const=ALL, choices=names(), help="one; default: all")
+    parser.add_argument("--write-wav", type=Path, metavar="FOLDER", help="write the sounds there")
+    parser.add_argument(
+        "--markdown", action="store_true", help="print the tables of docs/alarms.md"
+    )
+    parser.set_defaults(run=_alarms)
 
 
 def _add_evaluate(verbs: Any) -> None:

@@ -8,12 +8,33 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from typed_config import choice, flag, integer, items, load_config, load_yaml, number, text
+from typed_config import choice, flag, integer, load_config, load_yaml, number, require, text
 from voice_assist.calibration import Calibration
+from voice_assist.commands_config import CommandConfig, CommandsConfig
 from voice_assist.errors import CommandsError
-from voice_assist.normalize import is_negated, normalize
+
+__all__ = [
+    "CONFIG_DIR",
+    "SECTIONS",
+    "AudioConfig",
+    "CommandConfig",
+    "CommandsConfig",
+    "ConfidenceConfig",
+    "DenoiseConfig",
+    "EarlyConfig",
+    "MicrophoneConfig",
+    "RecognizerConfig",
+    "SpotterConfig",
+    "TopicConfig",
+    "VadConfig",
+    "VoiceConfig",
+    "WavConfig",
+    "load_voice_config",
+    "voice_config",
+]
 
 CONFIG_DIR = Path(__file__).resolve().parents[2] / "config"
+LOWEST_PITCH = 10.0  # [Hz] below it there is no sound to remove
 SECTIONS = ("audio", "recognizer", "spotter", "commands")  # each is a file and a key
 
 
@@ -54,6 +75,12 @@ class DenoiseConfig:
     margin_db: float = number(0.0, 30.0, "dB")
     noise_rise: float = number(0.1, 60.0, "dB/s")
 
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        is_pitch = self.high_pass == 0.0 or self.high_pass >= LOWEST_PITCH
+        allowed = f"0, which is no filter, or from {LOWEST_PITCH:g} Hz on"
+        require(is_pitch, "high_pass", self.high_pass, allowed)
+
 
 @dataclass(frozen=True, kw_only=True)
 class VadConfig:
@@ -68,6 +95,10 @@ class VadConfig:
     max_utterance: float = number(1.0, 28.0, "s")
     energy_margin_db: float = number(3.0, 40.0, "dB")
 
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        require(self.stop <= self.start, "stop", self.stop, f"up to start, {self.start:g}")
+
 
 @dataclass(frozen=True, kw_only=True)
 class AudioConfig:
@@ -81,6 +112,11 @@ class AudioConfig:
     topic: TopicConfig
     denoise: DenoiseConfig
     vad: VadConfig
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        is_named = self.source != "wav" or bool(self.wav.path.strip())
+        require(is_named, "wav.path", self.wav.path, "a sound file, as source is wav")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,6 +136,13 @@ class EarlyConfig:
     window: float = number(1.0, 28.0, "s")
     noise_after: float = number(0.5, 28.0, "s")
     max_backlog: float = number(0.0, 10.0, "s")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        require(self.settle < self.pause, "settle", self.settle, f"below pause, {self.pause:g} s")
+        allowed = f"from vote_confidence on, {self.vote_confidence:g}"
+        alone = self.stop_confidence
+        require(alone >= self.vote_confidence, "stop_confidence", alone, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,56 +183,9 @@ class SpotterConfig:
     deny: float = number(-1000.0, 1000.0, "nat")
     rearm_after: float = number(0.1, 60.0, "s")
 
-
-@dataclass(frozen=True, kw_only=True)
-class CommandConfig:
-    """One spoken command."""
-
-    phrase: str = text()
-    spellings: tuple[str, ...] = text()
-    threshold: float = number(0.0, 1.0, "WER")
-    modes: tuple[str, ...] = choice("standby", "active")
-    then: str = choice("same", "standby", "active")
-    call: str = text(may_be_empty=True)
-    is_motion: bool = flag()
-    is_halt: bool = flag()
-    least_confidence: float = number(0.0, 1.0, "")
-    fire_above: float = number(-1000.0, 1000.0, "nat")
-
-
-@dataclass(frozen=True, kw_only=True)
-class CommandsConfig:
-    """All spoken commands."""
-
-    answer_within: float = number(0.05, 30.0, "s")
-    commands: tuple[CommandConfig, ...] = items(1, 200)
-
     def __post_init__(self) -> None:
-        """Check what no single key can show.
-
-        Raises:
-            CommandsError: A phrase is said twice, has no word, or a motion's phrase denies.
-        """
-        owners: dict[tuple[str, ...], str] = {}
-        for command in self.commands:
-            for spelling in (command.phrase, *command.spellings):
-                _check_spelling(command, spelling, owners)
-
-    @property
-    def phrases(self) -> tuple[str, ...]:
-        """Names of all commands, in their order."""
-        return tuple(command.phrase for command in self.commands)
-
-    def get(self, phrase: str) -> CommandConfig:
-        """The command of that phrase.
-
-        Raises:
-            KeyError: There is none.
-        """
-        for command in self.commands:
-            if command.phrase == phrase:
-                return command
-        raise KeyError(f"{phrase!r}, allowed: {', '.join(self.phrases)}")
+        """Check what no key shows alone."""
+        require(self.deny <= self.agree, "deny", self.deny, f"up to agree, {self.agree:g} nat")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,7 +206,7 @@ class VoiceConfig:
         halts = [c.phrase for c in self.commands.commands if c.is_halt]
         if self.spotter.is_enabled and self.spotter.phrase not in halts:
             allowed = ", ".join(halts) or "none"
-            raise CommandsError(f"spotter.phrase is {self.spotter.phrase!r}, allowed: {allowed}")
+            raise CommandsError("spotter.phrase", self.spotter.phrase, allowed)
 
 
 def load_voice_config(folder: str | Path = CONFIG_DIR, **changes: Any) -> VoiceConfig:
@@ -242,15 +238,3 @@ def voice_config(data: Mapping[str, Any]) -> VoiceConfig:
 
 def _load_one(folder: Path, name: str) -> dict[str, Any]:
     return dict(load_yaml(folder / f"{name}.yaml"))
-
-
-def _check_spelling(
-    command: CommandConfig, spelling: str, owners: dict[tuple[str, ...], str]
-) -> None:
-    words = normalize(spelling)
-    if not words:
-        raise CommandsError(f"{command.phrase!r}: spelling {spelling!r} has no word")
-    if command.is_motion and is_negated(words):
-        raise CommandsError(f"{command.phrase!r}: {spelling!r} denies, and a motion may not")
-    if owners.setdefault(words, command.phrase) != command.phrase:
-        raise CommandsError(f"{spelling!r} belongs to {owners[words]!r} and {command.phrase!r}")

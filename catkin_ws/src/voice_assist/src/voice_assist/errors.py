@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from typed_config import ConfigError
+
 
 class VoiceError(Exception):
     """Base of every error that this package raises."""
@@ -35,8 +37,8 @@ class ModelError(VoiceError):
     """A recogniser's checkpoint is missing or damaged."""
 
 
-class CommandsError(VoiceError):
-    """The commands in commands.yaml contradict each other."""
+class CommandsError(VoiceError, ConfigError):
+    """The commands in commands.yaml contradict each other; names key, value, what was allowed."""
 
 
 class ManifestError(VoiceError):

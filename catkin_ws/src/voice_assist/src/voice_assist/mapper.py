@@ -4,7 +4,14 @@
 from __future__ import annotations
 
 from voice_assist.config import CommandsConfig
-from voice_assist.normalize import Words, is_negated, normalize
+from voice_assist.normalize import (
+    LONGEST,
+    Words,
+    foreign,
+    is_negated,
+    is_too_long,
+    normalize,
+)
 from voice_assist.types import Match, NoMatch
 from voice_assist.wer import wer
 
@@ -26,17 +33,26 @@ class Mapper:
     def __call__(self, transcript: str) -> Match | NoMatch:
         """The command with the lowest WER below its own threshold.
 
+        Only a halt is taken from a text with letters that English has not, and nothing from a text
+        longer than LONGEST, whose errors are those of its beginning.
+
         Args:
             transcript: As recognised; may have punctuation, contractions and capitals.
         """
         words = normalize(transcript)
         errors = self._errors(words)
+        if is_too_long(transcript):
+            reason = f"{len(transcript)} characters, allowed: {LONGEST}"
+            return NoMatch(reason, "", errors)
         if not words:
             return NoMatch(SILENCE, "", errors)
         nearest = min(errors, key=errors.__getitem__)
         near = {p: error for p, error in errors.items() if error < self._thresholds[p]}
         best = [phrase for phrase, error in near.items() if error == min(near.values())]
         if len(best) == 1 and (near[best[0]] == 0.0 or not is_negated(words)):
+            odd = foreign(transcript)
+            if odd and best[0] not in self._halts:
+                return NoMatch(f"U+{ord(odd):04X} in it, which no command has", best[0], errors)
             return Match(best[0], errors)
         return NoMatch(self._reason(words, nearest, errors, best), nearest, errors)
 

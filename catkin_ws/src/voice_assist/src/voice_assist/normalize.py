@@ -10,6 +10,8 @@ Words = tuple[str, ...]
 
 NEGATIONS = frozenset({"not", "no", "never", "dont", "nor", "neither", "without", "cannot"})
 
+LONGEST = 2000  # characters that are read: a minute of fast talk; an utterance lasts 8 s at most
+
 _APOSTROPHES = str.maketrans(dict.fromkeys("\u2019\u2018\u02bc\u00b4`\u02b9\uff07", "'"))
 _IRREGULAR = {
     "won't": "will not",
@@ -72,15 +74,32 @@ def normalize(text: str) -> Words:
     """Words of a text in lower case, without punctuation, contractions, accents or digits.
 
     Args:
-        text: Any text, such as a transcript with punctuation.
+        text: Any text, such as a transcript with punctuation. Its first LONGEST characters are
+            read, since the time to take accents off may grow with the square of their number.
 
     Returns:
         Words of letters only; empty for text without a word.
     """
-    folded = unicodedata.normalize("NFKD", text.translate(_APOSTROPHES)).casefold()
+    read = text[:LONGEST].translate(_APOSTROPHES)
+    folded = unicodedata.normalize("NFKD", read).casefold()
     bare = (c for c in folded if not unicodedata.combining(c))
     plain = "".join(c if c.isalpha() or c.isdecimal() or c == "'" else " " for c in bare)
     return tuple(word for token in _TOKEN.findall(plain) for word in _expand(token))
+
+
+def is_too_long(text: str) -> bool:
+    """Whether a text is longer than what `normalize` reads of it."""
+    return len(text) > LONGEST
+
+
+def foreign(text: str) -> str:
+    """The first character that no English sentence has; empty: there is none.
+
+    Such are letters of other scripts, of which some look like ours, letters with accents, marks
+    that combine with the one before, and those that cannot be seen. Dashes, quotation marks and
+    spaces are none.
+    """
+    return next((c for c in text if not c.isascii() and unicodedata.category(c)[0] not in "PZ"), "")
 
 
 def is_negated(words: Words) -> bool:

@@ -6,15 +6,52 @@ from __future__ import annotations
 import time
 from concurrent.futures import TimeoutError as NoReply
 
+import genpy
 import rospy
 from std_msgs.msg import Empty, Time
 
-from rst_control.desk import CommandDesk
+from rst_control.callers import Doorkeeper
+from rst_control.desk import LONGEST, CommandDesk, is_stop, unknown
 from rst_control.executor import Executor
+from rst_control.intake import announced
+from rst_control.ros.messages import caller_of
 from rst_control.srv import Command, CommandRequest, CommandResponse
 from rst_control.types import Request
 
 REPLY_TIME = 2.0  # [s] within which every command is answered, or the caller told that it was not
+_HEAD = 4  # bytes of the length before the words
+
+
+class WordsRequest(CommandRequest):
+    """A request of which no more was kept than a command may be long."""
+
+    length = 0  # [bytes] of all that was said; 0: the words are whole
+
+    def deserialize(self, buff: bytes) -> WordsRequest:
+        """Read a request that is as long as it says: the generated class takes what there is.
+
+        Raises:
+            genpy.DeserializationError: It is not, and no stop either.
+        """
+        super().deserialize(buff)
+        said = _HEAD + announced(buff)
+        if len(buff) != said and not is_stop(self.command):
+            raise genpy.DeserializationError(f"{said} bytes were announced")
+        return self
+
+    @classmethod
+    def cut(cls, beginning: bytes, size: int) -> WordsRequest:
+        """The beginning of a request too long to be read; `size` [bytes] is that of all of it."""
+        request = cls()
+        request.command = beginning[_HEAD : _HEAD + 2 * LONGEST].decode("utf-8", "replace")
+        request.length = size - _HEAD
+        return request
+
+
+class WordsCommand(Command):
+    """rst_control/Command, taken in without its tail where that is too long."""
+
+    _request_class = WordsRequest
 
 
 class CommandService:
@@ -23,33 +60,53 @@ class CommandService:
     Args:
         desk: Takes the commands.
         executor: Takes stops and heartbeats.
+        door: Knows who may command, and how often.
         spoken_by: Name of the node whose commands count as spoken.
         heartbeat_age: Age of the last heartbeat up to which that node counts as alive [s].
     """
 
     def __init__(
-        self, desk: CommandDesk, executor: Executor, spoken_by: str, heartbeat_age: float
+        self,
+        desk: CommandDesk,
+        executor: Executor,
+        door: Doorkeeper,
+        spoken_by: str,
+        heartbeat_age: float,
     ) -> None:
-        self._desk, self._executor = desk, executor
+        self._desk, self._executor, self._door = desk, executor, door
         self._spoken_by, self._heartbeat_age = spoken_by, heartbeat_age
         self._last_heartbeat = float("-inf")
         self.last_command = float("-inf")  # [s] when the last command came, steady clock
+        # Of what piles up on one connection the newest counts; a flood is not queued.
+        newest = {"tcp_nodelay": True, "queue_size": 1}
         self._subscribers = [
-            rospy.Subscriber("rst_control/stop", Empty, self._on_stop, tcp_nodelay=True),
-            rospy.Subscriber("rst_control/heartbeat", Time, self._on_heartbeat, tcp_nodelay=True),
+            rospy.Subscriber("rst_control/stop", Empty, self._on_stop, **newest),
+            rospy.Subscriber("rst_control/heartbeat", Time, self._on_heartbeat, **newest),
         ]
         self._service: rospy.Service | None = None
 
     def start(self) -> None:
         """Begin to take commands."""
-        self._service = rospy.Service("rst_control/command", Command, self._on_command)
+        self._service = rospy.Service("rst_control/command", WordsCommand, self._on_command)
 
-    def _on_command(self, request: CommandRequest) -> CommandResponse:
+    def _on_command(self, request: WordsRequest) -> CommandResponse:
         self.last_command = time.monotonic()
-        caller = request._connection_header.get("callerid", "an unnamed node")
+        caller = caller_of(request)
+        admission = self._door.admit(caller, is_stop(request.command))
+        objection = admission.objection
+        if objection and not admission.is_news:
+            response = CommandResponse(False, objection)
+        else:
+            if request.length and not objection:
+                objection = unknown(request.command, request.length)
+            response = self._ask(request.command, caller, objection)
+        time.sleep(admission.pause)  # after a stop, too: it has been carried out
+        return response
+
+    def _ask(self, words: str, caller: str, objection: str) -> CommandResponse:
         is_by_hand = caller != self._spoken_by
         ticket = self._desk.take(
-            Request(request.command), caller, self._is_spoken(caller), is_by_hand
+            Request(words), caller, self._is_spoken(caller), is_by_hand, objection
         )
         try:
             reply = ticket.reply.result(REPLY_TIME)
@@ -64,8 +121,7 @@ class CommandService:
         return is_alive and caller == self._spoken_by
 
     def _on_stop(self, message: Empty) -> None:
-        caller = message._connection_header.get("callerid", "an unnamed node")
-        self._executor.stop(f"stop topic, from {caller}")
+        self._executor.stop(f"stop topic, from {caller_of(message)}", time.monotonic())
 
     def _on_heartbeat(self, _: Time) -> None:
         self._last_heartbeat = time.monotonic()

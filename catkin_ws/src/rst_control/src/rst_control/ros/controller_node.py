@@ -11,6 +11,7 @@ from contextlib import ExitStack
 import rospy
 
 from rst_control.assembly import make_executor, make_site
+from rst_control.callers import Doorkeeper
 from rst_control.config import MotionConfig
 from rst_control.desk import CommandDesk
 from rst_control.errors import RstError
@@ -23,7 +24,9 @@ from rst_control.ros.command_service import CommandService
 from rst_control.ros.control_loop import ControlLoop
 from rst_control.ros.controller_markers import ControllerMarkers
 from rst_control.ros.diagnostics import Diagnostics
+from rst_control.ros.intake import guard_intake
 from rst_control.ros.messages import RosClock, event_message, state_message
+from rst_control.ros.network import warn_of_listeners
 from rst_control.ros.priority import ask_for_priority
 from rst_control.ros.recording_link import RecordingLink
 from rst_control.ros.robot_link import RobotLink
@@ -50,7 +53,7 @@ class ControllerNode:
     def __init__(self, config: MotionConfig, model: RobotModel) -> None:
         settings = config.controller
         self._clock = RosClock()
-        self._link = RobotLink(self._clock)
+        self._link = RobotLink(self._clock, settings.watchdogs)
         self._site = PresentSite(make_site(config, model))
         self._executor = make_executor(config, self._site, self._link.clear_fault)
         watch = RecordingWatch(settings.recording, time.monotonic)
@@ -60,13 +63,15 @@ class ControllerNode:
         self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
-        self._trocar = TrocarService(self._site, self._executor)
+        door = Doorkeeper(settings.callers, time.monotonic)
+        self._trocar = TrocarService(self._site, self._executor, door)
         self._markers = ControllerMarkers(config, self._site, self._look, self._clock)
         self._diagnostics = Diagnostics()
-        self._actions = AssistServer(self._desk, self._executor)
+        self._actions = AssistServer(self._desk, self._executor, door)
         self._service = CommandService(
             self._desk,
             self._executor,
+            door,
             settings.spoken_by,
             settings.watchdogs.voice_heartbeat_age,
         )
@@ -99,6 +104,7 @@ class ControllerNode:
         end = time.monotonic() + BRAKING_TIME
         while self._executor.view.is_moving and time.monotonic() < end:
             time.sleep(0.005)
+        time.sleep(3 * self._state_period)  # the last entries of the diary are still to be sent
         self._stack.close()
 
     def _tick(self, due: float) -> None:
@@ -149,6 +155,7 @@ class ControllerNode:
 
 def main() -> None:
     """Run the controller node."""
+    guard_intake()
     rospy.init_node("controller")
     try:
         config = load_config(MotionConfig, rospy.get_param("~", {}), "controller parameters")
@@ -161,5 +168,6 @@ def main() -> None:
         sys.exit(2)
     with node:
         rospy.on_shutdown(node.close)
+        warn_of_listeners()
         rospy.loginfo("controller ready; it waits for the robot and for commands")
         rospy.spin()

@@ -3,29 +3,29 @@
 
 from __future__ import annotations
 
-import time
-
+import genpy
 import rospy
 from geometry_msgs.msg import PointStamped
 
+from rst_control.callers import caller_name
 from rst_control.lifecycle import LATCHED
 from rst_control.msg import AssistFeedback, AssistResult, ControllerState, Event
 from rst_control.orders import DiaryEntry, Outcome, View
+from rst_control.ros.wall_clock import CLOCK_JUMP, wall_offset
 from rst_control.types import Vector
 
 BASE = "base_link"
-CLOCK_JUMP = 1e-3  # [s] change of the wall clock against the steady one that is taken over
 
 
 class RosClock:
     """Translates the steady clock, which everything inside uses, into stamps of ROS."""
 
     def __init__(self) -> None:
-        self._offset = time.time() - time.monotonic()
+        self._offset = wall_offset()
 
     def stamp(self, steady: float) -> rospy.Time:
         """Stamp of a moment given by time.monotonic() [s]."""
-        offset = time.time() - time.monotonic()
+        offset = wall_offset()
         if abs(offset - self._offset) > CLOCK_JUMP:
             self._offset = offset
         return rospy.Time.from_sec(max(0.0, steady + self._offset))
@@ -90,3 +90,9 @@ def trocar_message(trocar: Vector) -> PointStamped:
     message.header.stamp = rospy.Time.now()
     message.point.x, message.point.y, message.point.z = trocar.tolist()
     return message
+
+
+def caller_of(message: genpy.Message) -> str:
+    """Name that the sender of a message or request gave itself when it connected."""
+    header = getattr(message, "_connection_header", None) or {}
+    return caller_name(header.get("callerid"))

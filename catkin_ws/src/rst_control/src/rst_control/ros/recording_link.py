@@ -9,12 +9,16 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
+from rst_control.desk import shown
 from rst_control.executor import Executor
 from rst_control.lifecycle import State
 from rst_control.orders import View
 from rst_control.recording import RecordingNews, RecordingWatch
 from rst_control.ros.diagnostics import make_status
+from rst_control.ros.messages import caller_of
 
+LONGEST_PROBLEM = 200  # characters of what a recorder says is wrong with it
+MOST_RECORDERS = 16  # that are told apart
 GRACE = 15.0  # [s] after the start, within which a recorder that is not there yet is no news
 
 
@@ -28,9 +32,10 @@ class RecordingLink:
 
     def __init__(self, watch: RecordingWatch, executor: Executor) -> None:
         self._watch, self._executor = watch, executor
+        self._senders: set[str] = set()
         self._news = RecordingNews(watch, GRACE, time.monotonic)
         self._subscriber = rospy.Subscriber(
-            "session_log/recording", String, self._on_beat, tcp_nodelay=True
+            "session_log/recording", String, self._on_beat, tcp_nodelay=True, queue_size=1
         )
 
     def look(self, view: View) -> None:
@@ -57,5 +62,8 @@ class RecordingLink:
         return make_status("recording", level, words, {"on loss": self._watch.consequence})
 
     def _on_beat(self, message: String) -> None:
-        sender = message._connection_header.get("callerid", "an unnamed recorder")
-        self._watch.heard(sender, message.data)
+        sender = caller_of(message)
+        if len(self._senders) >= MOST_RECORDERS and sender not in self._senders:
+            sender = "another recorder"
+        self._senders.add(sender)
+        self._watch.heard(sender, shown(message.data, LONGEST_PROBLEM))

@@ -1,29 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The robot as the controller reaches it: set-points out; joint states, tension, grip, faults in.
 
-Callbacks only keep the newest bytes; the loop reads them when it needs them. All times are those
-of the steady clock at arrival, so that a jump of the wall clock is no fault.
+Callbacks only keep the newest bytes; the loop reads them when it needs them. `reception.py` says
+which of them are believed.
 """
 
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 from io import BytesIO
 
-import numpy as np
 import rospy
 from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 
+from rst_control.config import WatchdogConfig
+from rst_control.desk import shown
 from rst_control.ros.messages import RosClock
-from rst_control.ros.wire import BadMessage, JointStateReader, read_force, write_joint_state
-from rst_control.types import JOINTS, Measurement, Setpoint, Vector
+from rst_control.ros.reception import Reception
+from rst_control.ros.wire import write_joint_state
+from rst_control.types import JOINTS, Measurement, Setpoint
 
-LOST_AFTER = 0.25  # [s] without joint states: the robot counts as not connected
-TENSION_AGE = 0.1  # [s] by which the newest tension may be older than the newest joint states
-NO_EFFORT = np.zeros(len(JOINTS))
+LONGEST_FAULT = 200  # characters of what the robot says is wrong with it
 
 
 class _Raw:
@@ -66,41 +65,35 @@ class SetpointMessage(JointState):
 
 
 class RobotLink:
-    """A RobotBackend that speaks ROS; reads and sends are for the loop's thread alone."""
+    """A RobotBackend that speaks ROS; reads and sends are for the loop's thread alone.
 
-    def __init__(self, clock: RosClock) -> None:
-        self._clock = clock
-        self._read = JointStateReader(JOINTS)
-        self._joints: RawJointState | None = None
-        self._seen: RawJointState | None = None
-        self._wrench: RawWrench | None = None
-        self._gripped, self._fault, self._objection = False, "", ""
-        self._measured: Measurement | None = None
+    Args:
+        clock: Makes stamps.
+        watchdogs: How old messages may be.
+    """
+
+    def __init__(self, clock: RosClock, watchdogs: WatchdogConfig) -> None:
+        self._clock, self._reception = clock, Reception(watchdogs, time.monotonic)
         self._sent = 0
         self._servo = rospy.Publisher("robot/servo_jp", JointState, queue_size=1, tcp_nodelay=True)
         self._hold = rospy.Publisher("robot/hold", Empty, queue_size=1, tcp_nodelay=True)
         self._clear = rospy.Publisher("robot/clear_fault", Empty, queue_size=1, tcp_nodelay=True)
+        newest = {"tcp_nodelay": True, "queue_size": 1}  # of what piles up on one connection
         self._subscribers = [
-            rospy.Subscriber("joint_states", RawJointState, self._on_joints, tcp_nodelay=True),
-            rospy.Subscriber("robot/tension", RawWrench, self._on_wrench, tcp_nodelay=True),
-            rospy.Subscriber("robot/gripped", Bool, self._on_gripped, tcp_nodelay=True),
-            rospy.Subscriber("robot/fault", String, self._on_fault, tcp_nodelay=True),
+            rospy.Subscriber("joint_states", RawJointState, self._on_joints, **newest),
+            rospy.Subscriber("robot/tension", RawWrench, self._on_wrench, **newest),
+            rospy.Subscriber("robot/gripped", Bool, self._on_gripped, **newest),
+            rospy.Subscriber("robot/fault", String, self._on_fault, **newest),
         ]
 
     def measured_js(self) -> Measurement | None:
         """Newest joint states with the force on the jaws; None while the robot never spoke."""
-        joints = self._joints
-        if joints is not None and joints is not self._seen:
-            self._seen = joints
-            self._take(joints)
-        else:
-            self._keep()
-        return self._measured
+        return self._reception.measured()
 
     @property
     def objection(self) -> str:
-        """What is wrong with the robot's newest messages; empty: nothing."""
-        return self._objection
+        """What is wrong with the robot's messages; empty: nothing."""
+        return self._reception.objection
 
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Send one set-point."""
@@ -119,57 +112,14 @@ class RobotLink:
         """Ask the robot to take set-points again."""
         self._clear.publish(Empty())
 
-    def _take(self, joints: RawJointState) -> None:
-        try:
-            sample = self._read(joints.raw)
-        except BadMessage as error:
-            self._objection = str(error)
-            self._keep()
-            return
-        self._objection = ""
-        force = self._force(joints.arrived)
-        self._measured = Measurement(
-            position=sample.position,
-            velocity=sample.velocity,
-            effort=NO_EFFORT,
-            stamp=joints.arrived,
-            force=force,
-            gripped=self._gripped,
-            fault=self._fault or self._objection,
-        )
-
-    def _keep(self) -> None:
-        """No new joint states: note what else has changed."""
-        measured = self._measured
-        if measured is None:
-            return
-        is_connected = time.monotonic() - measured.stamp < LOST_AFTER
-        if not is_connected:
-            self._read.reset()  # a robot that comes back may have another clock
-        fault = self._fault or self._objection
-        if (is_connected, fault) != (measured.connected, measured.fault):
-            self._measured = replace(measured, connected=is_connected, fault=fault)
-
-    def _force(self, arrived: float) -> Vector:
-        """Newest force on the jaws; where there is none, the last one, with an objection."""
-        wrench = self._wrench
-        if wrench is None or arrived - wrench.arrived > TENSION_AGE:
-            self._objection = "tension is not measured"
-        else:
-            try:
-                return read_force(wrench.raw)
-            except BadMessage as error:
-                self._objection = str(error)
-        return self._measured.force if self._measured is not None else np.zeros(3)
-
     def _on_joints(self, message: RawJointState) -> None:
-        self._joints = message
+        self._reception.joints = message
 
     def _on_wrench(self, message: RawWrench) -> None:
-        self._wrench = message
+        self._reception.wrench = message
 
     def _on_gripped(self, message: Bool) -> None:
-        self._gripped = message.data
+        self._reception.gripped = message.data
 
     def _on_fault(self, message: String) -> None:
-        self._fault = message.data
+        self._reception.fault = shown(message.data, LONGEST_FAULT)

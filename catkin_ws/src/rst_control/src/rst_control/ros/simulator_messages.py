@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import struct
-import time
 from io import BytesIO
 
 import numpy as np
@@ -13,10 +12,10 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from rst_control.backends.physics import JointReading
+from rst_control.ros.wall_clock import CLOCK_JUMP, wall_offset
 from rst_control.types import JOINTS
 
 BASE = "base_link"
-CLOCK_JUMP = 1e-3  # [s] change of the wall clock against the steady one that is taken over
 _HEADER = struct.Struct("<3I")  # sequence number, seconds, nanoseconds
 _COUNT = struct.Struct("<I")
 
@@ -68,7 +67,7 @@ class Stamper:
     def follow_wall_clock(self) -> None:
         """Take over a jump of the wall clock, if there was one."""
         if self._is_real_time:
-            offset = time.time() - time.monotonic()
+            offset = wall_offset()
             if abs(offset - self._offset) > CLOCK_JUMP:
                 self._offset = offset
 

@@ -25,6 +25,8 @@ from rst_control.backends.scene_worker import SceneLostError
 from rst_control.backends.servo import ServoState
 from rst_control.backends.trail import Trail
 from rst_control.config import SimulationConfig
+from rst_control.errors import RstError
+from rst_control.ros.intake import guard_intake
 from rst_control.ros.priority import ask_for_priority
 from rst_control.ros.simulator_diagnostics import SimulatorDiagnostics, broadcast_places
 from rst_control.ros.simulator_markers import SimulatorMarkers
@@ -41,6 +43,7 @@ SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interp
 JOB_LIMIT = 5.0  # [s] for the loop to take up what a service asks for
 FINE_RATE = 1000.0  # [Hz] of the physics, from which the figures of motion are measured
 COARSE = "physics at %g Hz, below %g Hz: the shaft leaves the trocar further than a robot's would"
+MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed, and the servo holds
 NO_STAMP = 0.0  # set-points sent by hand carry no stamp
 
 
@@ -106,9 +109,9 @@ class SimulatorNode:
         self._clock = None if self._is_real_time else rospy.Publisher("/clock", Clock, queue_size=1)
         self._subscribers = [
             rospy.Subscriber("robot/servo_jp", RawJointState, self._on_setpoint, tcp_nodelay=True),
-            rospy.Subscriber("robot/hold", Empty, lambda _: self._jobs.append(self.robot.hold)),
+            rospy.Subscriber("robot/hold", Empty, self._on(self.robot.hold), queue_size=1),
             rospy.Subscriber(
-                "robot/clear_fault", Empty, lambda _: self._jobs.append(self.robot.clear_fault)
+                "robot/clear_fault", Empty, self._on(self.robot.clear_fault), queue_size=1
             ),
         ]
         self._service = rospy.Service("robot/reset_tissue", Trigger, self._on_reset)
@@ -141,8 +144,12 @@ class SimulatorNode:
         self.pace.give_up(behind)
         log.warning("gave up %.2f s: the simulation could not keep up", behind)
 
+    def _on(self, job: Callable[[], None]) -> Callable[[Empty], None]:
+        return lambda _: self._jobs.append(job)
+
     def _on_setpoint(self, message: RawJointState) -> None:
-        self._jobs.append(lambda: self._take(message.raw))
+        if len(self._jobs) < MOST_JOBS:
+            self._jobs.append(lambda: self._take(message.raw))
 
     def _take(self, raw: bytes) -> None:
         self._reader.reset()  # the servo itself judges the order of stamps
@@ -195,11 +202,12 @@ class SimulatorNode:
 
 def main() -> None:
     """Run the simulator node."""
+    guard_intake()
     rospy.init_node("robot")
     try:
         config = load_config(SimulationConfig, rospy.get_param("~", {}), "simulator parameters")
         node = SimulatorNode(config)
-    except (ConfigError, SceneLostError, FileNotFoundError) as error:
+    except (ConfigError, RstError, SceneLostError, FileNotFoundError) as error:
         rospy.logfatal(f"the simulator cannot start: {error}; launch/robot.launch starts it")
         sys.exit(2)
     sys.setswitchinterval(SWITCH_INTERVAL)

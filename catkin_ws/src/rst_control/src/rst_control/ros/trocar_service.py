@@ -7,14 +7,16 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import TimeoutError as NoReply
 
+import genpy
 import rospy
 from geometry_msgs.msg import Point, PointStamped
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from rst_control.callers import Doorkeeper
 from rst_control.executor import Executor
 from rst_control.orders import Reply
 from rst_control.pivot import PivotFit, PivotIllPosed
-from rst_control.ros.messages import trocar_message
+from rst_control.ros.messages import caller_of, trocar_message
 from rst_control.site import PresentSite
 from rst_control.srv import (
     FitTrocar,
@@ -37,10 +39,11 @@ class TrocarService:
     Args:
         present: The site in force.
         executor: Runs the control loop.
+        door: Knows who may set up, and how often.
     """
 
-    def __init__(self, present: PresentSite, executor: Executor) -> None:
-        self._present, self._executor = present, executor
+    def __init__(self, present: PresentSite, executor: Executor, door: Doorkeeper) -> None:
+        self._present, self._executor, self._door = present, executor, door
         self._registrar = TrocarRegistrar(present, executor)
         config = present.site.config
         self._poses = ShaftPoses(present.site.model, config.rcm, config.controller.watchdogs)
@@ -62,17 +65,19 @@ class TrocarService:
 
     def _on_set(self, request: SetTrocarRequest) -> SetTrocarResponse:
         p = request.position
-        reply = self._set((p.x, p.y, p.z), _caller(request))
+        reply = self._turn_away(request) or self._set((p.x, p.y, p.z), caller_of(request))
         return SetTrocarResponse(reply.accepted, reply.message)
 
     def _on_fit(self, request: FitTrocarRequest) -> FitTrocarResponse:
+        if refusal := self._turn_away(request):
+            return FitTrocarResponse(accepted=False, message=refusal.message)
         try:
             fit = self._poses.fit()
         except PivotIllPosed as error:
             return FitTrocarResponse(accepted=False, message=str(error))
         reply = Reply(True, fit_words(fit))
         if request.apply:
-            reply = self._set_fitted(fit, reply.message, _caller(request))
+            reply = self._set_fitted(fit, reply.message, caller_of(request))
         return _fit_response(reply, fit)
 
     def _set_fitted(self, fit: PivotFit, words: str, caller: str) -> Reply:
@@ -100,17 +105,20 @@ class TrocarService:
     def _record(self) -> Reply:
         return self._poses.record(self._executor.view, time.monotonic())
 
-    @staticmethod
-    def _on(act: Callable[[], Reply]) -> Callable[[TriggerRequest], TriggerResponse]:
-        def answer(_: TriggerRequest) -> TriggerResponse:
-            reply = act()
+    def _turn_away(self, request: genpy.Message) -> Reply | None:
+        """Refuse a call of somebody who may not call, or calls too often; None: take it."""
+        admission = self._door.admit(caller_of(request))
+        if admission.is_news:
+            rospy.logwarn("refused: %s", admission.objection)
+        time.sleep(admission.pause)
+        return Reply(False, admission.objection) if admission.objection else None
+
+    def _on(self, act: Callable[[], Reply]) -> Callable[[TriggerRequest], TriggerResponse]:
+        def answer(request: TriggerRequest) -> TriggerResponse:
+            reply = self._turn_away(request) or act()
             return TriggerResponse(reply.accepted, reply.message)
 
         return answer
-
-
-def _caller(request: SetTrocarRequest | FitTrocarRequest) -> str:
-    return str(request._connection_header.get("callerid", "an unnamed node"))
 
 
 def _fit_response(reply: Reply, fit: PivotFit) -> FitTrocarResponse:

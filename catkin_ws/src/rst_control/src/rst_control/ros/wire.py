@@ -24,6 +24,10 @@ class BadMessage(ValueError):
     """A message from the robot cannot be used; the text says why."""
 
 
+class OutOfOrder(BadMessage):
+    """A stamp that does not advance: a message overtaken, sent twice, or a clock set back."""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class JointSample:
     """Joints as one message gave them, in the order that was asked for."""
@@ -76,7 +80,8 @@ class JointStateReader:
         if not np.isfinite(position.sum() + velocity.sum()):
             raise BadMessage("joint states hold a value that is not a number")
         if stamp <= self._last_stamp:
-            raise BadMessage("joint states out of order")
+            back = self._last_stamp - stamp
+            raise OutOfOrder(f"joint states out of order, stamped {back:.3f} s before the last")
         self._last_stamp = stamp
         if self._order is not None:
             position, velocity = position[self._order], velocity[self._order]

@@ -19,6 +19,7 @@ from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, Material, 
 from session_log.report.latex import write_latex
 from session_log.report.pool import Pool
 from session_log.report.shaft import rcm_from_joints
+from session_log.report.stops import stops, stops_table
 from session_log.report.summary import SessionSummary, summarise
 from session_log.report.text_table import length, newtons, percent, seconds, size_words
 
@@ -153,10 +154,16 @@ def _tables_below(name: str, material: Material, pool: Pool) -> list[str]:
         refused = page.paragraph("Nothing was refused.", "quiet")
         if pool.refusals:
             refused = page.table(tables.refused_table(material))
+        found = stops(material.data.events, material.data.states)
+        stopped = page.paragraph("Nothing stopped the robot.", "quiet")
+        if found:
+            stopped = page.table(stops_table(found))
         return [
             page.heading("Commands"),
             page.paragraph(COMMANDS_NOTE, "quiet"),
             page.table(tables.commands_table(material)),
+            page.heading("What stopped the robot, and why"),
+            stopped,
             page.heading("What was refused, and why"),
             refused,
         ]

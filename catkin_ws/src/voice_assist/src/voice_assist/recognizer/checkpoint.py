@@ -3,22 +3,23 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
-import pickle
-import zipfile
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import torch
 import whisper
 from torch import Tensor
 from whisper.model import ModelDimensions
 
 from voice_assist.errors import ModelError
+from voice_assist.plain_weights import check_weights, read_weights
+from voice_assist.recognizer.recognizer import LONGEST
+from voice_assist.recognizer.vocabulary import BLANK
+from voice_assist.recognizer.whisper_shapes import read_dims, whisper_shapes
 
+STATE, CTC = "model_state_dict", "ctc_state_dict"
+NEEDED = {"dims", STATE}
+FEWEST_POSITIONS = round(LONGEST * 50)  # of the encoder: one for 20 ms
 EMBEDDED = "embedded"
 EMBEDDED_PATH = Path(__file__).resolve().parents[3] / "models" / "embedded.pt"
 
@@ -52,44 +53,26 @@ def find_checkpoint(model: str) -> Path:
 
 
 def read_checkpoint(path: Path) -> Checkpoint:
-    """Read a checkpoint by weights only.
+    """Read a checkpoint by weights only; sizes are compared before anything is built of them.
 
     Raises:
-        ModelError: The file is damaged, or is no Whisper checkpoint.
+        ModelError: The file is damaged, is no Whisper checkpoint, or holds what is no number.
     """
-    try:
-        _check_sums(path)
-        content = torch.load(path, map_location="cpu", weights_only=True)
-    except (RuntimeError, EOFError, OSError, ValueError, zlib.error, zipfile.BadZipFile) as error:
-        raise ModelError(f"{path} is damaged: {error}") from error
-    except pickle.UnpicklingError as error:
-        raise ModelError(f"{path} holds no plain weights: {error}") from error
-    if not isinstance(content, dict) or not {"dims", "model_state_dict"} <= set(content):
-        raise ModelError(f"{path} lacks 'dims' or 'model_state_dict', a checkpoint's keys")
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    dims = _dimensions(path, content["dims"])
-    state = content["model_state_dict"]
-    return Checkpoint(dims, state, content.get("ctc_state_dict"), digest)
-
-
-def _check_sums(path: Path) -> None:
-    """Compare every record with its check sum, which torch does not.
-
-    Raises:
-        zipfile.BadZipFile: A record is damaged.
-    """
-    if zipfile.is_zipfile(path):
-        with zipfile.ZipFile(path) as archive:
-            damaged = archive.testzip()
-        if damaged is not None:
-            raise zipfile.BadZipFile(f"record {damaged} does not match its check sum")
-
-
-def _dimensions(path: Path, dims: Any) -> ModelDimensions:
-    try:
-        return ModelDimensions(**dims)
-    except TypeError as error:
-        raise ModelError(f"{path}: its dims are not Whisper's: {error}") from error
+    content, digest = read_weights(path)
+    if not isinstance(content, dict) or content.keys() not in (NEEDED, NEEDED | {CTC}):
+        given = ", ".join(map(str, content)) if isinstance(content, dict) else "no mapping"
+        allowed = "'dims' and 'model_state_dict', and 'ctc_state_dict' of this project's models"
+        raise ModelError(f"{path} holds {given or 'nothing'}, allowed: {allowed}")
+    dims = read_dims(str(path), content["dims"])
+    if CTC in content and dims.n_audio_ctx < FEWEST_POSITIONS:
+        allowed = f"at least {FEWEST_POSITIONS}, which {LONGEST:g} s of sound need"
+        raise ModelError(f"{path}: dims.n_audio_ctx is {dims.n_audio_ctx}, allowed: {allowed}")
+    what = f"{path}: weights do not fit its dims: "
+    state = check_weights(f"{what}model_state_dict", content[STATE], whisper_shapes(dims))
+    if CTC not in content:
+        return Checkpoint(dims, state, None, digest)
+    shapes = {"weight": (BLANK + 1, dims.n_audio_state), "bias": (BLANK + 1,)}
+    return Checkpoint(dims, state, check_weights(f"{what}{CTC}", content[CTC], shapes), digest)
 
 
 def _fetch(name: str) -> Path:

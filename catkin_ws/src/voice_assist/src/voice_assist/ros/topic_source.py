@@ -18,6 +18,10 @@ from voice_assist.ros.messages import pcm
 from voice_assist.types import RATE, Frame
 
 _QUEUE = 1000  # chunks
+_LONGEST = 0.5  # [s] of sound in one chunk
+_RATES = range(8_000, 192_001)  # [Hz]
+_EARLIEST, _LATEST = 1.0, 4e9  # [s] of a stamp; what is reckoned from it must be a stamp, too
+_LONGEST_GAP = 3600.0  # [s] of lost sound between two chunks; more is a stream that began anew
 
 
 class TopicSource:
@@ -31,7 +35,7 @@ class TopicSource:
             report: Told what is wrong; an empty text when all is well again.
         """
         self._config, self._report = config, report
-        self._queue: Queue[AudioChunk] = Queue(_QUEUE)
+        self._queue: Queue[AudioChunk | str] = Queue(_QUEUE)  # a text: why a chunk is not heard
         self._subscriber: rospy.Subscriber | None = None
 
     def __enter__(self) -> TopicSource:
@@ -50,8 +54,11 @@ class TopicSource:
             self._subscriber.unregister()
 
     def _enqueue(self, chunk: AudioChunk) -> None:
+        if chunk.header.stamp.is_zero():  # left out: the time at which it came is near enough
+            chunk.header.stamp = rospy.Time.now()
+        chunk.samples = pcm(chunk)  # 2 bytes each while it waits, not 36
         with suppress(Full):  # the jump of first_sample tells the reader
-            self._queue.put_nowait(chunk)
+            self._queue.put_nowait(_trouble(chunk) or chunk)
 
     def __iter__(self) -> Iterator[Frame]:
         """Frames as they come; a jump of first_sample is kept as a gap."""
@@ -63,8 +70,8 @@ class TopicSource:
             if chunk.rate != rate:
                 resample, rate = Resampler(chunk.rate), chunk.rate
             if expected is not None and chunk.first_sample != expected:
-                lost = chunk.first_sample - expected
-                framer.skip(max(round(lost * RATE / rate), RATE // 10))
+                lost = min((chunk.first_sample - expected) / rate, _LONGEST_GAP)
+                framer.skip(max(round(lost * RATE), RATE // 10))
             expected = chunk.first_sample + len(chunk.samples)
             yield from framer.push(resample(pcm(chunk)), chunk.header.stamp.to_sec())
 
@@ -75,5 +82,23 @@ class TopicSource:
             name = rospy.resolve_name(self._config.name)
             self._report(f"no sound on {name} for {self._config.lost_after:.1f} s")
             return None
+        if isinstance(chunk, str):
+            self._report(chunk)
+            return None
         self._report("")
         return chunk
+
+
+def _trouble(chunk: AudioChunk) -> str:
+    """Why a chunk is no sound that can be heard; empty: it is."""
+    if chunk.rate not in _RATES:
+        allowed = f"{_RATES.start} to {_RATES.stop - 1} Hz"
+        return f"sound at {chunk.rate} Hz, allowed: {allowed}; it is not heard"
+    if len(chunk.samples) > _LONGEST * chunk.rate:
+        seconds = len(chunk.samples) / chunk.rate
+        return f"{seconds:.1f} s of sound in one message, allowed: {_LONGEST:g} s; it is not heard"
+    stamp = chunk.header.stamp.to_sec()
+    if not _EARLIEST <= stamp <= _LATEST:
+        allowed = f"{_EARLIEST:g} to {_LATEST:g} s"
+        return f"sound stamped with {stamp:.0f} s, allowed: {allowed}; it is not heard"
+    return ""

@@ -3,9 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import pickle
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,6 +10,7 @@ import torch
 from torch import Tensor, nn
 
 from voice_assist.errors import ModelError
+from voice_assist.plain_weights import check_weights, read_weights
 from voice_assist.spotter.features import WIDTH, Embeddings
 
 PATH = Path(__file__).resolve().parents[3] / "models" / "spotter.pt"
@@ -66,16 +64,16 @@ def read_head(path: Path = PATH) -> tuple[Head, str]:
     """Head of a file, by weights only, and the SHA-256 of the file.
 
     Raises:
-        ModelError: The file is missing, damaged, or holds something else.
+        ModelError: The file is missing, damaged, or holds something else, such as NaN.
     """
     head = Head()
-    try:
-        head.load_state_dict(torch.load(path, map_location="cpu", weights_only=True))
-        digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    except (OSError, EOFError, ValueError, RuntimeError, zipfile.BadZipFile) as error:
-        raise ModelError(f"spotter model {path} cannot be read: {error}") from error
-    except pickle.UnpicklingError as error:
-        raise ModelError(f"spotter model {path} holds no plain weights: {error}") from error
+    content, digest = read_weights(path)
+    shapes = {name: tuple(tensor.shape) for name, tensor in head.state_dict().items()}
+    state = check_weights(f"spotter model {path}", content, shapes)
+    least = float(state["spread"].min())
+    if least <= 0.0:
+        raise ModelError(f"spotter model {path}: spread has {least:g}, allowed: above 0")
+    head.load_state_dict(state)
     return head.eval(), digest
 
 

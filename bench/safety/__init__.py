@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Figures of safety, part by part; `make bench ONLY=safety.soak` measures one part.
+
+A part is a module of this package with a function `measure`; its name in `NAMES` is all it takes.
+It is imported when it is measured, so that no part needs what only another one does.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from functools import partial
+
+from bench.figures import Figure
+
+__all__ = ["PARTS", "measure"]
+
+NAMES = (
+    "flood",  # a minute of 10,000 calls a second
+    "soak",  # a day of commands, talk and faults, in process
+    "stops",  # 10,000 stops at random moments of every state, in process
+    "stops_system",  # the same in the running system, by service, topic and cancel, 50 clients
+)
+
+
+def _measure(name: str) -> list[Figure]:
+    module = importlib.import_module(f"bench.safety.{name}")
+    measure: Callable[[], list[Figure]] = module.measure
+    return measure()
+
+
+PARTS: dict[str, Callable[[], list[Figure]]] = {name: partial(_measure, name) for name in NAMES}
+
+
+def measure() -> list[Figure]:
+    """Measure all parts."""
+    return [figure for part in PARTS.values() for figure in part()]

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A minute of 10,000 calls a second from 50 callers at once: does the controller take any notice?
+
+The callers send without waiting for answers. Meanwhile another one, who calls as people do, gives
+a command every second; the robot rests in standby, so that nothing may move. A minute by default;
+`BENCH_SECONDS=10 make bench ONLY=safety.flood` for a short look.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import rospy
+
+from bench.figures import ROOT, Figure, percentiles
+from bench.system import Loop, Observer
+from demo.system import System
+from rst_control.srv import Command
+from tests.rostest.raw_peer import Flood, controller_process, resident_memory
+
+SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
+CALLERS, RATE = 50, 10_000.0  # [1/s], of all together
+CALLS = ("dance", "tense", "t\u0435nse", "", "x" * 150, "pull more")
+READY_TIME = 90.0  # [s] allowed for the nodes to start
+SETTLE = 5.0  # [s] after the start, and after the flood, before memory is looked at
+PERIOD = 1.0  # [s] between calls of the one who calls as people do
+
+
+def measure(seconds: float = SECONDS) -> list[Figure]:
+    """Flood a controller with a simulated robot.
+
+    Args:
+        seconds: How long [s].
+
+    Raises:
+        RuntimeError: The system did not start.
+    """
+    with tempfile.TemporaryDirectory() as name, System(Path(name) / "launch.log", {}) as system:
+        rospy.init_node("bench", anonymous=True, disable_signals=True)
+        observer = Observer()
+        system.launch(
+            ROOT / "launch" / "system.launch", voice=False, record=False, sessions=Path(name)
+        )
+        if not observer.controller_ready.wait(READY_TIME):
+            raise RuntimeError("the system did not start")
+        time.sleep(SETTLE)
+        _flood(SETTLE)  # what is held once is held
+        return _observe(observer, seconds)
+
+
+def _observe(observer: Observer, seconds: float) -> list[Figure]:
+    process = controller_process()
+    held, quiet = resident_memory(process), _late(observer, SETTLE)
+    states: set[str] = set()
+    first = _loop(observer)
+    offered, waits = _flood(seconds, lambda: states.add(_state(observer)))
+    last = _loop(observer)
+    time.sleep(SETTLE)
+    grown = resident_memory(process) - held
+    late = _percent(first, last)
+    note = f"({CALLERS} callers, {offered / seconds:.0f} calls/s sent for {seconds:.0f} s)"
+    return [
+        Figure("flood: late ticks", late, "%", 0.1, note=f"{note}; without it {quiet:.3f} %"),
+        Figure("flood: lateness p99", last.lateness, "us", note="(last 10 s)"),
+        Figure("flood: memory held more afterwards", grown, "MB", 20.0),
+        Figure("flood: states other than standby", float(len(states - {"standby"})), "", 0.0),
+        *percentiles("flood: answer to another caller", waits, "ms", {99: 250.0}),
+    ]
+
+
+def _flood(seconds: float, look: Callable[[], None] = lambda: None) -> tuple[int, list[float]]:
+    """Flood for a time [s]; calls sent, and how long another caller waited for answers [ms]."""
+    command = rospy.ServiceProxy("rst_control/command", Command)
+    waits: list[float] = []
+    with Flood(CALLS, CALLERS, RATE) as flood:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            begun = time.monotonic()
+            command("terminate")
+            waits.append(1e3 * (time.monotonic() - begun))
+            look()
+            time.sleep(PERIOD)
+    return flood.offered, waits
+
+
+def _late(observer: Observer, seconds: float) -> float:
+    first = _loop(observer)
+    time.sleep(seconds)
+    return _percent(first, _loop(observer))
+
+
+def _percent(first: Loop, last: Loop) -> float:
+    return float(100.0 * (last.late - first.late) / np.maximum(1, last.ticks - first.ticks))
+
+
+def _loop(observer: Observer) -> Loop:
+    if observer.loop is None:
+        raise RuntimeError("the controller publishes no diagnostics")
+    return observer.loop
+
+
+def _state(observer: Observer) -> str:
+    return observer.state.state if observer.state is not None else ""

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How far the wall clock, which stamps messages, is ahead of the steady one, which controls."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+CLOCK_JUMP = 1e-3  # [s] change of the wall clock against the steady one that is taken over
+READINGS = 3  # of which the one that took least time counts
+
+Clock = Callable[[], float]
+
+
+def wall_offset(wall: Clock = time.time, steady: Clock = time.monotonic) -> float:
+    """Wall clock less steady clock [s].
+
+    A thread that is put aside between two readings would see a jump that is none; so the wall clock
+    is read between two readings of the steady one, several times, and the quickest counts.
+    """
+    found = []
+    for _ in range(READINGS):
+        before = steady()
+        now = wall()
+        after = steady()
+        found.append((after - before, now - (before + after) / 2))
+    return min(found)[1]

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Everything that stopped the robot, with its cause, from the controller's diary."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from session_log.report.text_table import NONE, TextTable, seconds
+from session_log.session_data import Event, Span
+
+KINDS = ("stop_received", "at_rest", "halted")  # of the diary, that tell of a stop
+LATCHED = ("halted", "faulted")  # states of the controller
+BRAKING = "stopping"
+UNTOLD = "no cause in the recording"
+_SLACK = 0.2  # [s] between an entry of the diary and the state that belongs to it
+
+
+@dataclass(frozen=True)
+class Stop:
+    """One thing that braked the robot, or latched it at rest."""
+
+    time: float  # [s] when it began to brake, or when it was told
+    cause: str
+    command: str  # in execution; empty: none
+    at_rest: float  # [s] after `time`; nan: it moved nothing, or the recording ends before
+    is_latched: bool
+
+
+def stops(events: Sequence[Event], states: Sequence[Span]) -> list[Stop]:
+    """Join the entries of each stop, in order of time.
+
+    Args:
+        events: The controller's diary.
+        states: Of the controller, over time.
+    """
+    found: list[Stop] = []
+    for event in sorted((e for e in events if e.kind in KINDS), key=lambda e: e.time):
+        last = found[-1] if found else None
+        if last is not None and _belongs(last, event):
+            found[-1] = _joined(last, event)
+        else:
+            found.append(_first(event, states))
+    told = [stop.time for stop in found]
+    found += [Stop(s.start, UNTOLD, "", math.nan, True) for s in _untold(states, told)]
+    return sorted(found, key=lambda stop: stop.time)
+
+
+def stops_table(found: Sequence[Stop]) -> TextTable:
+    """A row for each stop."""
+    rows = [
+        (
+            f"{stop.time:.1f}\u00a0s",
+            stop.cause or UNTOLD,
+            stop.command or NONE,
+            seconds(stop.at_rest),
+            "until “hey robot”" if stop.is_latched else "no",
+        )
+        for stop in found
+    ]
+    marks = tuple("bad" if stop.cause in ("", UNTOLD) else "" for stop in found)
+    return TextTable(("time", "cause", "in execution", "at rest after", "latched"), rows, marks)
+
+
+def _belongs(last: Stop, event: Event) -> bool:
+    """Whether an entry goes on with the stop before it: each is told once as it ends."""
+    if event.message != last.cause:
+        return False
+    if event.kind == "stop_received":
+        return False  # somebody stopped once more
+    return not last.is_latched
+
+
+def _first(event: Event, states: Sequence[Span]) -> Stop:
+    is_rest, is_latch = event.kind == "at_rest", event.kind == "halted"
+    begin = _braking_since(event.time, states) if is_rest else event.time
+    at_rest = event.time - begin if is_rest else math.nan
+    command = "" if event.kind == "stop_received" else event.command
+    return Stop(begin, event.message, command, at_rest, is_latch)
+
+
+def _joined(last: Stop, event: Event) -> Stop:
+    if event.kind == "at_rest":
+        return replace(last, command=event.command, at_rest=event.time - last.time)
+    return replace(last, command=last.command or event.command, is_latched=True)
+
+
+def _braking_since(time: float, states: Sequence[Span]) -> float:
+    """When the braking began that ended at a time [s]; that time where it is not known."""
+    spans = [s for s in states if s.word == BRAKING and s.start <= time <= s.end + _SLACK]
+    return spans[-1].start if spans else time
+
+
+def _untold(states: Sequence[Span], told: Sequence[float]) -> list[Span]:
+    """Latches before which the diary tells of no stop since the robot was last free."""
+    missing: list[Span] = []
+    free = -math.inf
+    for span in states:
+        if span.word not in (*LATCHED, BRAKING):
+            free = span.end
+        elif span.word in LATCHED and not any(free - _SLACK <= t <= span.end for t in told):
+            missing.append(span)
+    return missing

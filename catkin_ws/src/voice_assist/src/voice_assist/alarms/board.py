@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What stands at this moment: alarms appear, grow in priority, are acknowledged and go.
+
+Nothing here reads a clock or waits. The owner hands in what came, with its time, and looks at
+`standing` after.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from voice_assist.alarms.config import BoardConfig
+from voice_assist.alarms.presenter import (
+    HEY_ROBOT,
+    event_alarm,
+    latch_alarm,
+    part_alarm,
+    unheard_alarm,
+)
+from voice_assist.alarms.types import Alarm, DiaryEvent, Kind, PartHealth, RobotState, Utterance
+
+_LATCH, _GIVE_UP, _REFUSAL, _NOTICE = "latch", "give-up", "refusal", "notice"
+_PART_OF = {  # name of a status in diagnostics, without the node's name space, to the part
+    "voice_assist: voice": "voice",
+    "rst_control: recording": "recording",
+    "rst_control: control loop": "control loop",
+    "rst_control: motion": "motion",
+}
+
+
+@dataclass(frozen=True)
+class Standing:
+    """An alarm that stands."""
+
+    key: str  # of one key only one stands
+    alarm: Alarm
+    since: float  # [s]
+    until: float | None = None  # [s] when it goes by itself; None: with its cause
+    is_acknowledged: bool = False
+    times: int = 1  # how often it was given: each asks to be heard
+
+
+class Board:
+    """Keeps what stands.
+
+    Args:
+        config: How long things are shown, and when silence is a fault.
+    """
+
+    def __init__(self, config: BoardConfig) -> None:
+        self._config = config
+        self._all: dict[str, Standing] = {}
+        self._robot = RobotState(0.0, "")
+        self._seen: dict[str, float] = {}  # [s] last word of the parts whose silence is a fault
+        self._errors: dict[str, str] = {}  # what the parts complain of
+        self._begun: float | None = None  # [s] of the first thing taken in
+
+    @property
+    def standing(self) -> tuple[Standing, ...]:
+        """All that stands, what comes first in front: by priority, then the newest."""
+        order = sorted(self._all.values(), key=lambda s: (s.alarm.priority, s.since), reverse=True)
+        return tuple(order)
+
+    def see_state(self, state: RobotState, now: float) -> None:
+        """Take in the controller's state at a time [s]."""
+        if state.stamp != self._robot.stamp:
+            self._seen["controller"] = now  # a state that stands still is no word
+        before, self._robot = self._robot, state
+        if state.halt_reason:
+            is_new = state.halt_reason != before.halt_reason
+            is_loaded = state.is_loaded or (is_new and before.is_loaded)
+            self._raise(_LATCH, latch_alarm(state.halt_reason, is_loaded), now)
+        else:
+            self._all.pop(_LATCH, None)
+        self._look_at_parts(now)
+
+    def see_event(self, event: DiaryEvent, now: float) -> None:
+        """Take in an entry of the controller's diary."""
+        if event.command == HEY_ROBOT and event.kind in ("accepted", "refused"):
+            self._acknowledge()
+        if event.kind == "accepted":
+            self._all.pop(_GIVE_UP, None)
+        if event.kind == "stop_received" and _LATCH in self._all:
+            self._again(_LATCH)  # who says "stop" must hear that it was heard
+        alarm = event_alarm(event, self._robot.is_tissue_held)
+        if alarm is None:
+            return
+        if alarm.kind is Kind.FAULT:
+            self._raise(_GIVE_UP, alarm, now)
+        else:
+            self._flash(_REFUSAL if alarm.kind is Kind.REFUSAL else _NOTICE, alarm, now)
+
+    def see_utterance(self, utterance: Utterance, now: float) -> None:
+        """Take in what the recogniser decided."""
+        if utterance.command == HEY_ROBOT:
+            self._acknowledge()
+        alarm = unheard_alarm(utterance)
+        if alarm is not None:
+            self._flash(_REFUSAL, alarm, now)
+
+    def see_health(self, health: PartHealth, now: float) -> None:
+        """Take in one status of `/diagnostics`."""
+        part = _PART_OF.get(health.name.lstrip("/").rsplit("/", 1)[-1])
+        if part is None:
+            return
+        if part == "voice":
+            self._seen[part] = now
+        if health.is_error:
+            self._errors[part] = health.message
+        else:
+            self._errors.pop(part, None)
+        self._look_at_parts(now)
+
+    def tick(self, now: float) -> None:
+        """Let go what has been shown long enough, and notice silence."""
+        over = [k for k, s in self._all.items() if s.until is not None and now >= s.until]
+        for key in over:
+            del self._all[key]
+        self._look_at_parts(now)
+
+    def _look_at_parts(self, now: float) -> None:
+        """Raise or drop the alarms of the parts, in the situation of this moment."""
+        errors = self._complaints(now)
+        for key in [k for k in self._all if k.startswith("part ") and k[5:] not in errors]:
+            del self._all[key]
+        for part, message in errors.items():
+            self._raise(f"part {part}", part_alarm(part, message, self._robot.is_loaded), now)
+
+    def _complaints(self, now: float) -> dict[str, str]:
+        """What each part complains of, its silence included."""
+        self._begun = now if self._begun is None else self._begun
+        if now - self._begun < self._config.starting_for and not self._robot.is_active:
+            return {}
+        errors = dict(self._errors)
+        config = self._config
+        limits = {"voice": config.voice_silent_after, "controller": config.controller_silent_after}
+        for part, seen in self._seen.items():
+            limit = limits[part]
+            if now - seen > limit:
+                errors[part] = f"no word for more than {limit:.1f} s"
+        if _LATCH in self._all or "controller" in errors:
+            errors.pop("motion", None)  # told already, by its consequence or its cause
+        return errors
+
+    def _raise(self, key: str, alarm: Alarm, now: float) -> None:
+        """Let an alarm stand until its cause goes; while the cause stays, it never gets milder."""
+        known = self._all.get(key)
+        if known is None or not _is_same(key, known.alarm, alarm):
+            self._all[key] = Standing(key, alarm, now)
+        elif alarm.priority > known.alarm.priority:
+            worse = replace(known, alarm=alarm, is_acknowledged=False, times=known.times + 1)
+            self._all[key] = worse
+
+    def _flash(self, key: str, alarm: Alarm, now: float) -> None:
+        """Show an alarm for a while; one that comes again counts."""
+        known = self._all.get(key)
+        times = known.times + 1 if known else 1
+        self._all[key] = Standing(key, alarm, now, now + self._config.shown_for, times=times)
+
+    def _again(self, key: str) -> None:
+        known = self._all[key]
+        self._all[key] = replace(known, is_acknowledged=False, times=known.times + 1)
+
+    def _acknowledge(self) -> None:
+        for key, known in self._all.items():
+            self._all[key] = replace(known, is_acknowledged=True)
+
+
+def _is_same(key: str, first: Alarm, second: Alarm) -> bool:
+    """Whether two alarms tell of one cause; in what a part complains of, numbers may change."""
+    if key == _LATCH:
+        return first.cause == second.cause
+    return (first.kind, first.next_step) == (second.kind, second.next_step)

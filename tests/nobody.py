@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An executor that carries nothing out, and notes what reaches it."""
+
+from __future__ import annotations
+
+
+class Nobody:
+    """Stands behind a desk, in place of the executor."""
+
+    def __init__(self) -> None:
+        self.stops: list[str] = []
+        self.orders: list[object] = []
+        self.refusals: list[tuple[str, str]] = []
+
+    def stop(self, reason: str, received: float | None = None) -> None:
+        """Note a stop."""
+        self.stops.append(reason)
+
+    def post(self, order: object) -> None:
+        """Note an order that would be carried out."""
+        self.orders.append(order)
+
+    def note_refusal(self, command: str, words: str, now: float) -> None:
+        """Note a refusal."""
+        self.refusals.append((command, words))

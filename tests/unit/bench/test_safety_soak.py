@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The soak's checker: each invariant fires on a made violation, and on nothing else."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.safety import soak
+from bench.safety.soak_check import SETTLED, Bounds, Checker, Moment
+from bench.safety.soak_events import FAULTS, TALK, Chance, Standing
+from bench.safety.soak_session import Stretch, carried_out, make_bounds
+from rst_control.backends.servo import ServoLimits
+from rst_control.lifecycle import Life, State
+from rst_control.orders import View
+from rst_control.patient import Placement
+from rst_control.types import JOINTS, Command, Measurement, Phase, PhaseKind, Plan, Setpoint
+
+ZERO, ONES = np.zeros(10), np.ones(10)
+LIMITS = ServoLimits(JOINTS, -ONES, ONES, ONES)
+BOUNDS = Bounds(
+    joints=LIMITS,
+    acceleration=10.0 * ONES,
+    rcm=1e-3,
+    tension=2.4,
+    stop=0.4,
+    waking=0.3,
+    period=0.002,
+    most_periods=5,
+)
+ACTIVE, MOVING = Life(State.ACTIVE, True), Life(State.MOVING, True)
+HALTED = Life(State.HALTED, True, reason="stop")
+BRAKING = Life(State.STOPPING, True, State.HALTED, "stop")
+OFF = Setpoint(1.5e-3 * np.eye(10)[1], ZERO, 10.002)
+TENSE = Plan(Command.TENSE, "pulls", (Phase(PhaseKind.REACH),))
+
+
+def placement(position):
+    """Off the trocar by what the second joint says."""
+    return Placement(abs(float(position[1])), 0.1, 0.1, -0.1, is_outside=False)
+
+
+def view(life=ACTIVE, plan=None, position=ZERO):
+    measured = Measurement(position, ZERO, ZERO, 0.0)
+    return replace(View.at_start(), life=life, plan=plan, measurement=measured)
+
+
+def moment(n=0, **changes):
+    now = 10.0 + 0.002 * n
+    well = Moment(
+        now=now,
+        before=view(),
+        after=view(),
+        setpoint=Setpoint(ZERO, ZERO, now),
+        position=ZERO,
+        velocity=ZERO,
+        tension=0.0,
+        is_servo_braking=False,
+        was_stopped=False,
+        said=(),
+        is_recorded=True,
+    )
+    return replace(well, **changes)
+
+
+def moving(n, at, speed=0.0, **changes):
+    """A tick in motion with the first joint at a place [rad] and a speed [rad/s]."""
+    first = np.eye(10)[0]
+    setpoint = Setpoint(at * first, speed * first, 10.0 + 0.002 * n)
+    states = {"before": view(MOVING, TENSE), "after": view(MOVING, TENSE)}
+    return moment(n, setpoint=setpoint, **{**states, **changes})
+
+
+def checked(*moments):
+    check = Checker(BOUNDS, placement)
+    for one in moments:
+        check(one)
+    return dict(check.counts)
+
+
+def ways(was, now, **changes):
+    return moment(1, before=view(was), after=view(now), **changes)
+
+
+def test_nothing_is_found_where_all_is_well():
+    path = [moving(n, 1e-3 * n * n * 0.002, 0.002 * n) for n in range(1, 20)]
+    assert checked(moment(), *path) == {}
+
+
+def test_what_is_taken_anew_is_no_motion():
+    there = 0.3 * ONES * np.eye(10)[0]
+    anew = moment(1, setpoint=Setpoint(there, ZERO, 10.002), after=view(position=there))
+    assert checked(moment(), anew) == {}
+
+
+@pytest.mark.parametrize(
+    ("kind", "moments"),
+    [
+        ("mode: motion from elsewhere than active", [ways(HALTED, MOVING)]),
+        ("mode: motion from elsewhere than active", [ways(BRAKING, MOVING, said=("hey robot",))]),
+        ("mode: motion while not activated", [ways(MOVING, Life(State.MOVING))]),
+        ("mode: motion goes on after a stop", [ways(MOVING, MOVING, was_stopped=True)]),
+        ('mode: latch lifted without "hey robot"', [ways(HALTED, ACTIVE)]),
+        ("mode: braking led elsewhere than it should", [ways(BRAKING, ACTIVE)]),
+        ("recording: it advances unrecorded", [moving(1, 0.0, is_recorded=False)]),
+        (
+            "mode: set-point changes at rest",
+            [moment(), moment(1, setpoint=Setpoint(1e-6 * ONES, ZERO, 10.002))],
+        ),
+        (
+            "joint limits: set-point beyond them",
+            [moment(setpoint=Setpoint(1.01 * ONES, ZERO, 10.0), after=view(position=1.01 * ONES))],
+        ),
+        ("joint speed: set-point", [moving(0, 0.0), moving(1, 0.0021)]),
+        ("joint acceleration: set-point", [moving(0, 0.0), moving(1, 0.0, 0.021)]),
+        ("RCM: set-point", [moving(0, 0.0), replace(moving(1, 0.0), setpoint=OFF)]),
+        ("RCM: true shaft", [moment(position=2e-3 * np.eye(10)[1])]),
+        ("RCM: true shaft", [moment(position=np.nan * np.eye(10)[1])]),
+        ("tension: true", [moment(tension=2.41)]),
+        ("tension: true", [moment(tension=float("nan"))]),
+        ("joint speed: true", [moment(velocity=1.1 * ONES, is_servo_braking=True)]),
+    ],
+)
+def test_each_invariant_fires_on_a_made_violation(kind, moments):
+    assert checked(*moments)[kind] == 1
+
+
+def test_joints_that_move_while_the_controller_rests_are_found_once_what_was_sent_is_played():
+    quick = [moment(n, velocity=0.02 * ONES) for n in range(60)]
+    found = checked(moment(is_servo_braking=True), *quick)
+    expected = 60 - SETTLED / BOUNDS.period
+    assert abs(found["mode: joints move at rest"] - expected) <= 1
+
+
+def test_a_stop_that_does_not_come_to_rest_is_found():
+    stop = ways(MOVING, BRAKING, was_stopped=True)
+    on = [ways(BRAKING, BRAKING) for _ in range(250)]
+    assert checked(stop, *on)["stop: it takes too long"] == 1
+    assert checked(stop, *on[:100], ways(BRAKING, HALTED)) == {}
+
+
+def test_hey_robot_may_wait_for_the_robot_but_not_across_a_stop():
+    asked = moment(0, before=view(HALTED), after=view(HALTED), said=("hey robot",))
+    stop = moment(1, before=view(HALTED), after=view(HALTED), was_stopped=True)
+    woken = moment(100, before=view(HALTED), after=view(ACTIVE))
+    kind = 'mode: latch lifted without "hey robot"'
+    assert checked(asked, woken) == {}
+    assert checked(asked, stop, woken) == {kind: 1}
+    assert checked(asked, replace(woken, now=11.0)) == {kind: 1}
+
+
+def test_the_bounds_are_those_of_the_settings(motion_config):
+    bounds = make_bounds(motion_config)
+    assert bounds.tension == motion_config.controller.tension.limit
+    assert bounds.rcm == motion_config.rcm.measured_tolerance
+    assert bounds.acceleration.shape == bounds.joints.speed.shape == (10,)
+
+
+def test_chance_draws_everything_and_the_same_with_the_same_seed():
+    standing = Standing(True, False, True, False)
+    first, again = (Chance(np.random.default_rng(3)) for _ in range(2))
+    events = [first.event(standing) for _ in range(2000)]
+    assert [e.words for e in events] == [again.event(standing).words for _ in range(2000)]
+    assert {e.words for e in events if e.kind == "fault"} == set(FAULTS)
+    assert {e.words for e in events if e.kind == "talk"} == set(TALK)
+    said = {e.words.strip(" .!,").lower() for e in events if e.kind == "say"}
+    assert {"hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate"} <= said
+
+
+def test_a_short_stretch_breaks_nothing_and_is_the_same_again():
+    first, again = (carried_out(Stretch(2, 6.0)) for _ in range(2))
+    assert first["counts"] == again["counts"] and first["extremes"] == again["extremes"]
+    assert first["ticks"] > 2500 and first["violations"] == {}
+    json.dumps(first)
+
+
+def test_pieces_that_are_there_are_read_and_those_that_are_missing_are_done(tmp_path, monkeypatch):
+    done = []
+    monkeypatch.setattr(soak, "_do", lambda jobs: done.extend(one.seed for one, _ in jobs))
+    (tmp_path / "1_5.json").write_text('{"ticks": 7}')
+    found = soak.carried([Stretch(n, 5.0) for n in range(3)], tmp_path)
+    assert done == [0, 2] and found == [{"ticks": 7}]
+
+
+def test_the_summary_counts_every_violation_and_the_growth_of_later_pieces():
+    def report(later, after, violations):
+        extremes = dict.fromkeys(("planned_rcm", "speed", "acceleration", "stop"), 0.5)
+        extremes |= {"rcm": 2e-4, "tension": 1.0}
+        return {
+            **{"seconds": 1800.0, "cpu": 90.0, "ticks": 5, "counts": {"say:": 2}},
+            **{"rss_before": 100.0, "rss_after": after, "is_later": later},
+            **{"violations": violations, "extremes": extremes},
+        }
+
+    reports = [report(False, 180.0, {}), report(True, 101.0, {"RCM: true shaft": 2, "x": 1})]
+    found = {figure.name: figure for figure in soak.summary(reports)}
+    assert found["violations of any invariant"].value == 3
+    assert found["violations: RCM"].value == 2 and found["violations: others"].value == 1
+    assert found["memory growth, mean"].value == pytest.approx(2.0)
+    assert found["session time over processor time"].value == pytest.approx(20.0)
+    assert found["violations: RCM"].is_met is False and found["violations: mode"].is_met is True

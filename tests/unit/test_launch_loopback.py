@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the launch files start stays on loopback, unless the environment says otherwise."""
+
+from pathlib import Path
+
+import pytest
+from roslaunch.config import load_config_default
+
+LAUNCH = Path(__file__).resolve().parents[2] / "launch"
+FILES = sorted(LAUNCH.glob("*.launch"))
+
+
+def nodes(file):
+    return load_config_default([str(file)], None, verbose=False).nodes
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_every_node_binds_to_loopback_by_itself(file, monkeypatch):
+    for name in ("ROS_IP", "ROS_HOSTNAME"):
+        monkeypatch.delenv(name, raising=False)
+    found = nodes(file)
+    assert found
+    for node in found:
+        assert dict(node.env_args)["ROS_IP"] == "127.0.0.1", node.name
+
+
+def test_who_sets_an_address_gets_it(monkeypatch):
+    monkeypatch.setenv("ROS_IP", "10.7.0.2")
+    for node in nodes(LAUNCH / "system.launch"):
+        assert dict(node.env_args)["ROS_IP"] == "10.7.0.2", node.name
