@@ -7,6 +7,7 @@ import queue
 import threading
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rich.console import Console
 from rich.live import Live
 from rich.text import Text
@@ -17,6 +18,7 @@ from rst_control.msg import ControllerState, Event
 from voice_assist.msg import AudioChunk, Mode, Utterance
 
 SILENT = 3  # of 32767
+MOTION = "rst_control: motion"  # the controller's status of the robot
 COLOURS = {
     "accepted": "green",
     "refused": "yellow",
@@ -86,6 +88,7 @@ class Timeline:
             rospy.Subscriber("voice_assist/mode", Mode, self._on_mode),
             rospy.Subscriber("rst_control/state", ControllerState, self._on_state),
             rospy.Subscriber("rst_control/event", Event, self._on_event),
+            rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics),
             rospy.Subscriber("session_log/file", String, self._on_file),
         ]
         return self
@@ -140,10 +143,14 @@ class Timeline:
         self._mode = message.mode
         self.voice_ready.set()
 
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        """The controller is ready once it sees a healthy robot; a first start takes a while."""
+        for status in message.status:
+            if status.name == MOTION and status.level < DiagnosticStatus.ERROR:
+                self.controller_ready.set()
+
     def _on_state(self, message: ControllerState) -> None:
         self._state = message
-        if message.state != "faulted":
-            self.controller_ready.set()
         state = State(
             time=message.header.stamp.to_sec() - self._zero,
             state=message.state,

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The judge of lost parts: what it must call late, resumed, unseen or well, by made traces."""
+
+import json
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+
+from bench.safety.losses_judge import (
+    GAP,
+    STILL,
+    Loss,
+    Rule,
+    Trace,
+    blindness,
+    drift,
+    figures,
+    last_joint,
+    last_movement,
+    left,
+    objections,
+    speed,
+)
+
+PERIOD = 0.002
+CRUISE = 0.05  # [rad/s]
+HOLDS = Rule("held", 0.1)
+GOES_ON = Rule("goes on", None)
+
+
+def trace(rest_at=1.04, end=3.0, resumes_at=None, way=1e-3):
+    """Joint 3 cruises, and rests from a time on; joint 7 may go a way later on."""
+    times = np.arange(0.0, end, PERIOD)
+    positions = np.zeros((len(times), 10))
+    positions[:, 3] = CRUISE * np.minimum(times, rest_at)
+    if resumes_at is not None:
+        positions[:, 7] = way * np.clip((times - resumes_at) / 0.1, 0.0, 1.0)
+    return Trace(times, positions)
+
+
+def loss(**changes):
+    fields = {
+        "victim": "controller",
+        "way": "SIGKILL",
+        "motion": "tense",
+        "speed": 0.05,
+        "joint": "joint_4",
+        "alone": 0.04,
+        "stopped": None,
+        "by": "",
+        "drift": 0.0,
+        "back": 4.0,
+        "found": True,
+        "objections": (),
+    }
+    return Loss(**{**fields, **changes})
+
+
+def by_name(losses, rules, planned=None):
+    return {f.name: f for f in figures(losses, rules, planned or len(losses))}
+
+
+def test_each_way_is_taken_as_often_and_what_is_kept_is_not_taken_again():
+    assert left("robot", [], 2) == ["SIGKILL"] * 2 + ["SIGSTOP"] * 2
+    assert left("robot", [loss()], 2) == ["SIGSTOP"] * 2 + ["SIGKILL"]
+    assert left("robot", [loss(), loss(way="SIGSTOP")], 1) == []
+    assert left("recogniser", [loss(way="hang")], 1) == ["crash"]
+
+
+@pytest.mark.parametrize("rest", [0.004, 0.04, 0.0999, 0.1, 0.35])
+def test_the_last_movement_is_found_to_a_sample_and_never_early(rest):
+    found = last_movement(trace(rest_at=1.0 + rest), 1.0, 2.0)
+    assert rest - STILL / CRUISE - 1e-9 <= found <= rest + PERIOD + 1e-9
+
+
+def test_a_robot_that_rested_before_has_not_moved():
+    assert last_movement(trace(rest_at=0.9), 1.0, 2.0) == 0.0
+
+
+def test_what_goes_on_until_the_end_of_the_watch_has_no_last_movement():
+    assert last_movement(trace(rest_at=9.0), 1.0, 2.0) == float("inf")
+    assert last_movement(trace(rest_at=1.95), 1.0, 2.0) == float("inf")  # hardly at rest
+
+
+def test_motion_that_pauses_and_goes_on_ends_where_it_ends_at_last():
+    found = last_movement(trace(rest_at=1.03, resumes_at=1.4), 1.0, 2.0)
+    assert found == pytest.approx(0.5, abs=2 * PERIOD)
+
+
+def test_the_joint_that_moved_last_is_named():
+    assert last_joint(trace(), 1.0, 2.0) == 3
+    assert last_joint(trace(resumes_at=1.4), 1.0, 2.0) == 7
+    assert last_joint(trace(), 1.5, 2.0) is None
+
+
+def test_slow_motion_counts_as_motion():
+    times = np.arange(0.0, 3.0, PERIOD)
+    slow = np.outer(np.minimum(times, 1.5), np.full(10, 5e-4))  # 0.5 mrad/s
+    assert last_movement(Trace(times, slow), 1.0, 2.0) == pytest.approx(0.46, abs=0.01)
+
+
+def test_set_points_that_end_at_once_moved_nothing_after_it():
+    whole = trace(rest_at=9.0)
+    ended = Trace(whole.times[whole.times < 1.0], whole.positions[whole.times < 1.0])
+    assert last_movement(ended, 1.0, 2.0) == 0.0
+
+
+def test_a_trace_with_a_hole_says_nothing():
+    whole = trace()
+    seen = (whole.times < 1.1) | (whole.times > 1.1 + 1.5 * GAP)
+    holed = Trace(whole.times[seen], whole.positions[seen])
+    assert blindness(whole, 1.0, 2.0) == ""
+    assert blindness(holed, 1.0, 2.0).startswith("nothing was seen for 9")
+    late = Trace(whole.times[whole.times < 1.5], whole.positions[whole.times < 1.5])
+    assert blindness(late, 1.0, 2.0).startswith("nothing was seen for 50")
+
+
+def test_an_empty_trace_is_blind_and_not_at_rest_for_sure():
+    empty = Trace(np.empty(0), np.empty((0, 10)))
+    assert last_movement(empty, 1.0, 2.0) == 0.0
+    assert blindness(empty, 1.0, 2.0) == "nothing was seen for 1000 ms"
+    assert drift(empty, 1.0, 2.0) == speed(empty, 1.0) == 0.0
+
+
+def test_motion_that_resumes_is_seen_even_where_it_comes_back():
+    assert drift(trace(resumes_at=1.5), 1.2, 2.5) == pytest.approx(1e-3)
+    times = np.arange(0.0, 3.0, PERIOD)
+    there_and_back = np.zeros((len(times), 10))
+    there_and_back[:, 2] = 1e-3 * np.exp(-(((times - 2.0) / 0.05) ** 2))
+    assert drift(Trace(times, there_and_back), 1.2, 2.9) == pytest.approx(1e-3)
+    assert drift(trace(), 1.2, 2.5) == 0.0
+
+
+def test_speed_is_that_of_the_fastest_joint_before_the_moment():
+    assert speed(trace(), 1.0) == pytest.approx(CRUISE)
+    assert speed(trace(), 2.0) == 0.0
+
+
+def test_a_loss_as_documented_raises_nothing():
+    assert objections(loss(), HOLDS) == []
+    on = loss(victim="client", alone=float("inf"), stopped=0.05, by="topic")
+    assert objections(on, GOES_ON) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "rule", "words"),
+    [
+        ({"alone": 0.15}, HOLDS, "moved for 150 ms, documented 100 ms"),
+        ({"alone": float("inf")}, HOLDS, "moved for inf ms, documented 100 ms"),
+        ({"drift": 1e-3}, HOLDS, 'moved by 1.000 mrad without "hey robot"'),
+        ({"back": None}, HOLDS, "the next command did not move it"),
+        ({"objections": ('"tense" was accepted',)}, HOLDS, '"tense" was accepted'),
+        ({"stopped": 0.2, "by": "topic"}, GOES_ON, "moved for 200 ms after a stop by topic"),
+        ({"alone": float("inf")}, GOES_ON, "moved on, and no stop was tried"),
+    ],
+)
+def test_each_fault_is_named(changes, rule, words):
+    assert objections(loss(**changes), rule) == [words]
+
+
+def test_a_loss_that_is_as_documented_may_still_miss_the_demand():
+    slow = loss(victim="voice", alone=0.55)
+    rules = {"voice": Rule("0.5 s after the heartbeat", 0.6)}
+    found = by_name([slow, loss(victim="voice", alone=0.51)], rules)
+    assert found["voice, SIGKILL: not as documented"].is_met
+    assert found["voice, SIGKILL: loss to last movement max"].is_met is False
+    assert found["at rest in time by the loss alone"].value == 0
+    assert found["at rest in time by the loss alone"].is_met is False
+
+
+def test_a_part_of_which_less_is_demanded_is_judged_by_that():
+    rules = {"recogniser": Rule("stopped by the voice node", 0.5, demanded=0.5)}
+    found = by_name([loss(victim="recogniser", way="hang", alone=0.45)], rules)
+    assert found["recogniser, hang: loss to last movement max"].is_met
+    assert found["at rest in time by the loss alone"].is_met
+    late = by_name([loss(victim="recogniser", way="hang", alone=0.51)], rules)
+    assert late["recogniser, hang: loss to last movement max"].is_met is False
+    assert late["at rest in time by the loss alone"].is_met is False
+
+
+def test_what_moves_on_is_counted_and_misses_its_target():
+    rules = {"client": GOES_ON}
+    on = loss(victim="client", alone=float("inf"), stopped=0.05, by="service")
+    found = by_name([on, loss(victim="client", alone=0.05, stopped=0.0, by="topic")], rules)
+    assert found["client, SIGKILL: moved on by itself"].value == 1
+    assert found["client, SIGKILL: moved on by itself"].is_met is False
+    assert found["client, SIGKILL: a stop given meanwhile to last movement max"].is_met
+    assert found["at rest in time by the loss alone"].value == 1
+
+
+def test_a_loss_at_rest_shows_nothing_and_is_told():
+    found = by_name([loss(speed=1e-4, alone=0.0)], {"controller": HOLDS})
+    assert found["controller, SIGKILL: in motion when lost"].is_met is False
+
+
+def test_fewer_losses_than_planned_miss_their_target():
+    rules = {"controller": HOLDS}
+    assert by_name([loss()], rules, 2)["losses"].is_met is False
+    good = by_name([loss(), loss(way="SIGSTOP")], rules)
+    assert all(f.is_met is not False for f in good.values())
+    assert good["at rest in time by the loss alone"].value == 2
+
+
+def test_a_controller_that_nobody_finds_is_told():
+    found = by_name([loss(victim="roscore", found=False)], {"roscore": HOLDS})
+    assert found["roscore, SIGKILL: new clients do not find the controller"].is_met is False
+
+
+def test_what_is_kept_is_read_again_infinity_included(tmp_path):
+    kept = loss(alone=float("inf"), objections=("one", "two"))
+    fields = json.loads(json.dumps(asdict(kept)))
+    assert Loss(**{**fields, "objections": tuple(fields["objections"])}) == kept
