@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from rst_control.ros.wall_clock import READINGS, wall_offset
+from rst_control.ros.wall_clock import CLOCK_JUMP, READINGS, followed, wall_offset
 
 AHEAD = 1.7e9  # [s] that the wall clock is ahead
 
@@ -42,3 +42,10 @@ def test_a_jump_of_the_wall_clock_is_seen() -> None:
 def test_put_aside_every_time_it_is_wrong_by_no_more_than_half_of_that() -> None:
     wall, steady = clocks([0.0, 0.004] * READINGS)
     assert abs(wall_offset(wall, steady) - AHEAD) <= 0.0021
+
+
+def test_only_a_change_beyond_the_limit_is_followed() -> None:
+    for change, is_followed in ((0.5 * CLOCK_JUMP, False), (2.0 * CLOCK_JUMP, True)):
+        wall, steady = clocks([])
+        found = followed(AHEAD - change, wall, steady)
+        assert found == pytest.approx(AHEAD if is_followed else AHEAD - change, abs=1e-5)

@@ -11,7 +11,7 @@ from rst_control.callers import caller_name
 from rst_control.lifecycle import LATCHED
 from rst_control.msg import AssistFeedback, AssistResult, ControllerState, Event
 from rst_control.orders import DiaryEntry, Outcome, View
-from rst_control.ros.wall_clock import CLOCK_JUMP, wall_offset
+from rst_control.ros.wall_clock import followed, wall_offset
 from rst_control.types import Vector
 
 BASE = "base_link"
@@ -25,9 +25,7 @@ class RosClock:
 
     def stamp(self, steady: float) -> rospy.Time:
         """Stamp of a moment given by time.monotonic() [s]."""
-        offset = wall_offset()
-        if abs(offset - self._offset) > CLOCK_JUMP:
-            self._offset = offset
+        self._offset = followed(self._offset)
         return rospy.Time.from_sec(max(0.0, steady + self._offset))
 
 

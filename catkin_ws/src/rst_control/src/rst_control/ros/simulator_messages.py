@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from rst_control.backends.physics import JointReading
-from rst_control.ros.wall_clock import CLOCK_JUMP, wall_offset
+from rst_control.ros.wall_clock import followed
 from rst_control.types import JOINTS
 
 BASE = "base_link"
@@ -67,9 +67,7 @@ class Stamper:
     def follow_wall_clock(self) -> None:
         """Take over a jump of the wall clock, if there was one."""
         if self._is_real_time:
-            offset = wall_offset()
-            if abs(offset - self._offset) > CLOCK_JUMP:
-                self._offset = offset
+            self._offset = followed(self._offset)
 
     def split(self, now: float) -> tuple[int, int]:
         """Seconds and nanoseconds of the simulator's time."""

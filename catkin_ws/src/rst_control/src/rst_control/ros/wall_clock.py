@@ -25,3 +25,9 @@ def wall_offset(wall: Clock = time.time, steady: Clock = time.monotonic) -> floa
         after = steady()
         found.append((after - before, now - (before + after) / 2))
     return min(found)[1]
+
+
+def followed(offset: float, wall: Clock = time.time, steady: Clock = time.monotonic) -> float:
+    """The offset in use [s], or the present one once a clock has jumped by more than CLOCK_JUMP."""
+    present = wall_offset(wall, steady)
+    return present if abs(present - offset) > CLOCK_JUMP else offset
