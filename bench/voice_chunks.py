@@ -16,9 +16,8 @@ import multiprocessing
 import os
 import signal
 import threading
-import time
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -26,6 +25,7 @@ from types import ModuleType
 from typing import Any, Protocol, TypeVar
 
 from bench import voice_sets
+from bench.pieces import do_pieces
 from bench.voice_stream import Heard, Listener, Scene
 from voice_assist import pipeline
 from voice_assist.assembly import make_recognizer, make_spotter
@@ -153,23 +153,8 @@ def _is_text(value: ast.expr) -> bool:
 
 def _do(part: str, missing: Sequence[tuple[Chunk, Path]], model: str) -> None:
     """In processes of their own, which load their networks once; each writes what it finishes."""
-    began = time.monotonic()
-    waiting = iter(missing)
     with _pool(model, min(JOBS, len(missing))) as pool:
-        running: set[Future[None]] = {
-            pool.submit(_one, *job) for _, job in zip(range(JOBS), waiting, strict=False)
-        }
-        done = 0
-        while running:
-            finished, running = wait(running, return_when=FIRST_COMPLETED)
-            for one in finished:
-                one.result()
-            done += len(finished)
-            spent = time.monotonic() - began
-            print(f"{part}: {done} of {len(missing)} after {spent:.0f} s", flush=True)
-            if spent < 60.0 * MINUTES:
-                turns = zip(finished, waiting, strict=False)  # a new piece for each finished one
-                running |= {pool.submit(_one, *job) for _, job in turns}
+        do_pieces(part, missing, _one, pool, JOBS, MINUTES)
 
 
 def _pool(model: str, jobs: int) -> Executor:

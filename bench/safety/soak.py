@@ -13,10 +13,9 @@ import json
 import logging
 import multiprocessing
 import os
-import time
 from collections import Counter
 from collections.abc import Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ import rst_control
 import voice_assist
 from bench import figures, voice_kept
 from bench.figures import ROOT, Figure
+from bench.pieces import do_pieces
 from bench.safety import soak_session
 from bench.safety.soak_session import Stretch, carried_out
 from bench.voice_chunks import code, digest
@@ -74,22 +74,9 @@ def carried(stretches: Sequence[Stretch], folder: Path) -> list[Report]:
 
 
 def _do(missing: Sequence[tuple[Stretch, Path]]) -> None:
-    began, waiting, done = time.monotonic(), iter(missing), 0
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(JOBS, len(missing)), context, _quieten) as pool:
-        running: set[Future[None]] = {
-            pool.submit(_one, *job) for _, job in zip(range(JOBS), waiting, strict=False)
-        }
-        while running:
-            finished, running = wait(running, return_when=FIRST_COMPLETED)
-            for one in finished:
-                one.result()
-            done += len(finished)
-            spent = time.monotonic() - began
-            print(f"soak: {done} of {len(missing)} after {spent:.0f} s", flush=True)
-            if spent < 60.0 * MINUTES:
-                turns = zip(finished, waiting, strict=False)
-                running |= {pool.submit(_one, *job) for _, job in turns}
+        do_pieces("soak", missing, _one, pool, JOBS, MINUTES)
 
 
 def _quieten() -> None:
