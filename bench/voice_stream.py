@@ -16,7 +16,16 @@ from voice_assist.config import VoiceConfig, load_voice_config
 from voice_assist.evaluation import StreamClock
 from voice_assist.pipeline import Pipeline
 from voice_assist.recognizer.recognizer import Recognizer
-from voice_assist.types import RATE, Decision, Hypothesis, Match, Mode, Samples
+from voice_assist.types import (
+    RATE,
+    Decision,
+    Hypothesis,
+    Loses,
+    Match,
+    Mode,
+    Samples,
+    never,
+)
 
 Way = Literal["both", "recogniser", "spotter"]  # what listens for a stop
 WAYS: tuple[Way, ...] = ("both", "recogniser", "spotter")
@@ -75,7 +84,7 @@ class Deaf:
 
     name, model_hash = "deaf", ""
 
-    def transcribe(self, samples: Samples) -> Hypothesis:
+    def transcribe(self, samples: Samples, loses: Loses = never) -> Hypothesis:
         """Nothing."""
         return Hypothesis("", 0.0, 1.0)
 

@@ -63,3 +63,17 @@ def test_no_text_whatever_raises_or_moves_by_chance(text):
     command = taken(text)
     if command:
         assert set(normalize(text)) & set(WORDS.split())
+
+
+@given(SENTENCES, SENTENCES, st.integers(0, 5))
+def test_what_cannot_become_a_command_never_does(beginning, rest, letters):
+    said = " ".join(beginning) + " "
+    if MAPPER.cannot_become(said + "stop"[:letters]):
+        assert not taken(said + "stop"[:letters] + " ".join(rest))
+
+
+@given(SENTENCES.filter(bool), st.integers(1, 30))
+def test_beginnings_of_what_is_taken_can_become_it(words, length):
+    text = " ".join(words)
+    if taken(text):
+        assert not MAPPER.cannot_become(text[:length])

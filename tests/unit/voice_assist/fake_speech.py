@@ -4,7 +4,7 @@
 import numpy as np
 
 from voice_assist.audio.source import FRAME, Framer
-from voice_assist.types import RATE, Hypothesis, frozen_samples
+from voice_assist.types import RATE, Hypothesis, frozen_samples, never
 from voice_assist.vad.detector import EnergyDetector
 
 WORDS = (
@@ -59,7 +59,7 @@ class FakeRecognizer:
         self.confidence = confidence
         self.heard = []  # lengths of what was transcribed [s]
 
-    def transcribe(self, samples):
+    def transcribe(self, samples, loses=never):
         self.heard.append(len(samples) / RATE)
         text = " ".join(self._words(np.asarray(samples)))
         return Hypothesis(text, float(np.log(self.confidence)), 0.0 if text else 1.0)

@@ -138,3 +138,15 @@ def test_without_early_decisions_only_the_end_is_looked_at():
     assert rig.looks == 0 and not any(turns)
     assert rig.feed(False, is_complete=True)
     assert rig.recognizer.heard == [pytest.approx(29 * FRAME, abs=1e-3)]
+
+
+def test_each_look_may_ask_what_loses():
+    rig = Rig()
+    asked = []
+    rig.recognizer.transcribe = lambda samples, loses: asked.append(loses("the patient "))
+    rig.hearing = Hearing(
+        rig.recognizer, EARLY, lambda: rig.now, loses=lambda text: text.startswith("the ")
+    )
+    for _ in range(8):
+        rig.feed(True)
+    assert asked and all(asked)

@@ -148,3 +148,21 @@ def test_all_accepted_phrases_are_listed():
     assert set(accepted) == set(TAKEN)
     assert accepted["pull more"] == ("pull more",)
     assert "stop stop" in accepted["stop"]
+
+
+@pytest.mark.parametrize(
+    ("beginning", "is_lost"),
+    [
+        ("", False),
+        ("pull", False),
+        ("hey robo", False),
+        ("the", False),  # may be part of a word
+        ("stop stop stop it", False),  # one more "stop" makes it a stop with one word wrong
+        ("the ", False),  # "the stop stop stop stop" is one too
+        ("the patient ", True),
+        ("pull them more ", True),
+        ("what he said is st", True),
+    ],
+)
+def test_beginnings_that_no_command_has(beginning, is_lost):
+    assert MAPPER.cannot_become(beginning) is is_lost

@@ -352,7 +352,7 @@ def test_no_first_consonant_is_lost():
     recognizer = FakeRecognizer()
     heard = []
     transcribe = recognizer.transcribe
-    recognizer.transcribe = lambda samples: heard.append(samples) or transcribe(samples)
+    recognizer.transcribe = lambda samples, *_: heard.append(samples) or transcribe(samples)
     sound = say("tense")
     hear("tense", recognizer=recognizer)
     quiet = np.flatnonzero(np.abs(heard[-1]) > 0.01)[0] / RATE

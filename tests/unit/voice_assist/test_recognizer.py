@@ -72,6 +72,35 @@ def test_read_only_samples_are_not_changed(embedded):
     np.testing.assert_array_equal(sound, before)
 
 
+@pytest.mark.skipif(shutil.which("espeak-ng") is None, reason="needs espeak-ng")
+def test_a_text_that_loses_keeps_its_true_beginning(embedded):
+    sound = say("the surgeon and the nurse had seen it yesterday")
+    whole, asked = embedded.transcribe(sound).text, []
+
+    def loses(beginning):
+        asked.append(beginning)
+        return len(beginning) > 6
+
+    rough = embedded.transcribe(sound, loses)
+    assert len(asked[-1]) > 6
+    assert all(whole.startswith(beginning.strip()) for beginning in asked)
+    assert rough.text.startswith(asked[-1].strip())
+    assert 0.0 < rough.confidence <= 1.0
+
+
+@pytest.mark.skipif(shutil.which("espeak-ng") is None, reason="needs espeak-ng")
+def test_scores_of_the_sound_just_heard_are_those_of_any_other(embedded):
+    sound = say("pull less")
+    fresh = embedded.score(sound, COMMANDS)
+    sound.flags.writeable = False
+    embedded.transcribe(sound)
+    assert embedded.score(sound, COMMANDS) == fresh
+    other = say("tense")
+    embedded.transcribe(other)
+    other[:] = sound[: len(other)] if len(sound) >= len(other) else np.resize(sound, len(other))
+    assert embedded.score(other, COMMANDS)["tense"] < 0.0  # changed since: heard anew
+
+
 def test_the_whisper_library_loads_the_shipped_file():
     model = whisper.load_model(str(EMBEDDED_PATH), device="cpu")
     assert model.dims.n_vocab == 51864

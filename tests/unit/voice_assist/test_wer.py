@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from voice_assist.wer import Pair, align, distance, wer
+from voice_assist.wer import Pair, align, distance, least_distance, wer
 
 SENTENCES = st.lists(st.sampled_from(["pull", "more", "less", "stop"]), max_size=6)
 
@@ -57,3 +57,11 @@ def test_alignment_can_be_read():
     )
     assert align(["stop"], []) == (Pair("delete", "stop", ""),)
     assert align([], ["stop"]) == (Pair("insert", "", "stop"),)
+
+
+def test_no_continuation_is_nearer_than_the_least_distance():
+    spoken = ["pull", "less"]
+    for beginning in ([], ["pull"], ["the"], ["less"], ["pull", "the", "less"]):
+        least = least_distance(spoken, beginning)
+        rests = [[], ["less"], ["pull", "less"], ["pull"], ["more", "less"]]
+        assert least == min(distance(spoken, [*beginning, *rest]) for rest in rests)

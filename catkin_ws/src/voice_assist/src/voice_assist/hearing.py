@@ -10,7 +10,7 @@ import numpy as np
 
 from voice_assist.circumstances import Circumstance, Kind, Witness, ignore
 from voice_assist.config import EarlyConfig
-from voice_assist.types import RATE, Frame, Hypothesis, Samples, frozen_samples
+from voice_assist.types import RATE, Frame, Hypothesis, Loses, Samples, frozen_samples, never
 from voice_assist.vad.cutter import Growth, last
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ class Hearing:
         config: EarlyConfig,
         clock: Callable[[], float],
         witness: Witness = ignore,
+        loses: Loses = never,
     ) -> None:
         """Start with a new utterance.
 
@@ -42,9 +43,10 @@ class Hearing:
             config: When to look.
             clock: The one that stamps the frames [s].
             witness: Told of looks that are skipped because the sound comes too late.
+            loses: Of the beginning of a text: whatever follows is not worth the time.
         """
         self._recognizer, self._config, self._clock = recognizer, config, clock
-        self._witness = witness
+        self._witness, self._loses = witness, loses
         self.reset()
 
     def reset(self) -> None:
@@ -90,6 +92,11 @@ class Hearing:
         """Whether the newest transcript stands until there is speech again."""
         return growth.quiet >= self._config.settle - _SLACK
 
+    @property
+    def sound(self) -> Samples:
+        """What the newest look was at, shape (n,); empty before the first."""
+        return frozen_samples(np.zeros(0)) if self._sound is None else self._sound
+
     def scores(self, phrases: Sequence[str]) -> dict[str, float]:
         """The recogniser's scores of phrases in the sound of the newest look, computed once."""
         if self._sound is not None and not set(phrases) <= set(self._scores):
@@ -119,6 +126,6 @@ class Hearing:
         if is_final:  # the recogniser is surer of a last word that it hears end
             silence = np.zeros(round(self._config.silence_added * RATE), np.float32)
             self._sound = frozen_samples(np.concatenate([self._sound, silence]))
-        self.heard = self._recognizer.transcribe(self._sound)
+        self.heard = self._recognizer.transcribe(self._sound, self._loses)
         self._looked_at, self._scores = time, {}
         self._has_news = not is_final

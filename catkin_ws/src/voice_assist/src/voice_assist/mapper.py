@@ -13,7 +13,7 @@ from voice_assist.normalize import (
     normalize,
 )
 from voice_assist.types import Match, NoMatch
-from voice_assist.wer import wer
+from voice_assist.wer import least_distance, wer
 
 SILENCE = "nothing was said"
 
@@ -68,6 +68,22 @@ class Mapper:
             len(spelling) > len(words) and spelling[: len(words)] == words
             for phrase, spellings in self._spellings.items()
             if phrase != own and phrase not in self._halts
+            for spelling in spellings
+        )
+
+    def cannot_become(self, beginning: str) -> bool:
+        """Whether no text that begins so can be taken for a command, whatever follows.
+
+        What follows the last space may be part of a word, and counts for nothing. Of the rest, the
+        distance to the best beginning of a spelling stays in every longer text.
+
+        Args:
+            beginning: Of a transcript, without contractions that go on after a space.
+        """
+        words = normalize(beginning.rpartition(" ")[0])
+        return bool(words) and all(
+            least_distance(spelling, words) / len(spelling) >= self._thresholds[phrase]
+            for phrase, spellings in self._spellings.items()
             for spelling in spellings
         )
 

@@ -83,9 +83,9 @@ class Pipeline:
         self._denoise = Denoiser(config.audio.denoise)
         self._analyze = Analyzer(config.audio.vad)
         self._cut = Cutter(config.audio.vad)
-        self._hear = Hearing(recognizer, config.recognizer.early, clock, witness)
         self._mapper = Mapper(config.commands)
-        early = config.recognizer.early
+        early, loses = config.recognizer.early, self._mapper.cannot_become
+        self._hear = Hearing(recognizer, early, clock, witness, loses)
         self._judge = Judge(self._mapper, config.commands, early, self._second)
         self._halted = float("-inf")  # [s] clock time up to which sound has led to a halt
         self._state = AT_START

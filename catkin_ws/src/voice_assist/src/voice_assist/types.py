@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -13,6 +14,12 @@ RATE = 16_000  # [Hz] of all sound inside the package
 FULL_SCALE = 32767  # of 16-bit sound
 
 Samples = NDArray[np.float32]
+Loses = Callable[[str], bool]  # whether no text with this beginning is worth writing to its end
+
+
+def never(beginning: str) -> bool:
+    """Every text is worth writing to its end."""
+    return False
 
 
 def frozen_samples(samples: NDArray[np.generic]) -> Samples:

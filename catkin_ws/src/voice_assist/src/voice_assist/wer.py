@@ -38,6 +38,11 @@ def distance(reference: Sequence[str], heard: Sequence[str]) -> int:
     return _table(reference, heard)[-1][-1]
 
 
+def least_distance(reference: Sequence[str], beginning: Sequence[str]) -> int:
+    """Least distance of the reference to any text that begins so; each has at least that."""
+    return min(row[-1] for row in _table(reference, beginning))
+
+
 def align(reference: Sequence[str], heard: Sequence[str]) -> tuple[Pair, ...]:
     """One best alignment, first word first; substitutions are preferred."""
     table = _table(reference, heard)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -27,11 +28,21 @@ from voice_assist.recognizer.vocabulary import (
     decode,
     encode,
 )
-from voice_assist.types import RATE, Hypothesis, Samples
+from voice_assist.types import RATE, Hypothesis, Loses, Samples, never
 
 EMBEDDING = "decoder.token_embedding.weight"
 FEWEST_FRAMES = 40  # of the spectrogram; shorter sound gets quiet appended
 MOST_ROUNDS = 16  # readings of a draft; each makes at least one more letter greedy
+
+
+@dataclass(frozen=True, eq=False)
+class _Listened:
+    """A sound, and what the encoder made of it."""
+
+    sound: Samples
+    states: Tensor  # (1, time, d)
+    ctc: Tensor  # log-probabilities, (time, classes)
+    draft: str
 
 
 class EmbeddedRecognizer:
@@ -42,7 +53,8 @@ class EmbeddedRecognizer:
     exactly that of greedy decoding, mostly for the price of one step. Only garbled
     talk needs more than MOST_ROUNDS readings: the rest of the draft then stands, so
     that no sound takes long. Every text shorter than MOST_ROUNDS letters, as all
-    commands are, is exact.
+    commands are, is exact. It stops earlier where the caller says that a text with
+    such a beginning cannot matter to him.
     """
 
     def __init__(self, name: str, checkpoint: Checkpoint, device: str = "cpu") -> None:
@@ -56,38 +68,43 @@ class EmbeddedRecognizer:
         self.name, self.model_hash = name, checkpoint.sha256
         self.model = restore(checkpoint).to(device).eval()
         self._device = device
+        self._newest: _Listened | None = None
 
-    def transcribe(self, samples: Samples) -> Hypothesis:
+    def transcribe(self, samples: Samples, loses: Loses = never) -> Hypothesis:
         """Text of the sound; see Recognizer."""
         if not is_audible(samples):
             return Hypothesis("", 0.0, 1.0)
         with torch.inference_mode():
-            states, ctc = self._listen(samples)
-            return self._decode(states, greedy_text(ctc.cpu().numpy()))
+            heard = self._listen(samples)
+            return self._decode(heard.states, heard.draft, loses)
 
     def score(self, samples: Samples, phrases: Sequence[str]) -> dict[str, float]:
         """Mean of the decoder's and the CTC head's opinion; see Recognizer."""
         if not is_audible(samples):
             return dict.fromkeys(phrases, float("-inf"))
         with torch.inference_mode():
-            states, ctc = self._listen(samples)
-            heard = greedy_text(ctc.cpu().numpy())
-            rivals = ["", heard.strip(), self._decode(states, heard).text]
-            texts = list(dict.fromkeys([*phrases, *rivals]))
-            both = decoder_likelihoods(self.model, states, texts).cpu()
-            both = (both + ctc_likelihoods(ctc.cpu(), texts)) / 2
+            heard = self._listen(samples)
+            written = self._decode(heard.states, heard.draft, never).text
+            texts = list(dict.fromkeys([*phrases, "", heard.draft.strip(), written]))
+            both = decoder_likelihoods(self.model, heard.states, texts).cpu()
+            both = (both + ctc_likelihoods(heard.ctc.cpu(), texts)) / 2
         return ratios(dict(zip(texts, both.tolist(), strict=True)), phrases)
 
-    def _listen(self, samples: Samples) -> tuple[Tensor, Tensor]:
-        """Encoder states (1, time, d) and CTC log-probabilities (time, classes)."""
+    def _listen(self, samples: Samples) -> _Listened:
+        """Encode a sound; the one that was just heard is not encoded again for its scores."""
+        newest = self._newest
+        if newest is not None and newest.sound is samples and not samples.flags.writeable:
+            return newest
         heard = np.array(samples[-int(LONGEST * RATE) :], dtype=np.float32)
         missing = FEWEST_FRAMES * 160 - len(heard)
         heard = np.pad(heard, (0, max(missing, 0)))
         mel = log_mel(torch.from_numpy(heard)[None].to(self._device))
         states = self.model.encode(mel)
-        return states, self.model.ctc_logprobs(states)[0]
+        ctc = self.model.ctc_logprobs(states)[0]
+        self._newest = _Listened(samples, states, ctc, greedy_text(ctc.cpu().numpy()))
+        return self._newest
 
-    def _decode(self, states: Tensor, draft: str) -> Hypothesis:
+    def _decode(self, states: Tensor, draft: str, loses: Loses) -> Hypothesis:
         most = self.model.dims.n_text_ctx - len(PROMPT) - 1
         memory = self.model.remember(states)
         ids = encode(draft)[:most]
@@ -100,9 +117,14 @@ class EmbeddedRecognizer:
             if wanted[agreed] == END or agreed == most:
                 ids = ids[:agreed]
                 break
-            if round_ < MOST_ROUNDS:
-                ids = [*ids[:agreed], wanted[agreed], *_rest(ids, agreed, wanted[agreed])][:most]
-        chosen = written[range(len(ids) + 1), [*ids, END]]
+            if round_ == MOST_ROUNDS:
+                break
+            ids = [*ids[:agreed], wanted[agreed], *_rest(ids, agreed, wanted[agreed])][:most]
+            if loses(decode(ids[: agreed + 1])):
+                written = written[: agreed + 1]  # how sure it is of the letters that stand
+                break
+        read = [*ids, END][: len(written)]
+        chosen = written[range(len(read)), read]
         no_speech = float(logprobs[0, NO_SPEECH].exp())
         return believed(decode(ids).strip(), float(chosen.mean()), no_speech)
 
