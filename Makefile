@@ -10,7 +10,7 @@ RUN := unset PYTHONPATH PYTHONHOME; . catkin_ws/devel/setup.sh; export ROS_IP=12
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
 
-.PHONY: help setup demo test bench fuzz evaluate train paper lint report clean
+.PHONY: FORCE help setup demo test bench fuzz evaluate train paper lint report clean
 
 help: ## list the verbs
 	@echo "Voice interface for surgical robot assistants. Say one of:"
@@ -24,11 +24,13 @@ help: ## list the verbs
 	@docker/setup.sh python
 	@touch $@
 
-.setup/workspace: .setup/python $(INTERFACES)
+.setup/workspace: .setup/python $(INTERFACES) $(if $(UNDERLAY),FORCE)
 	@docker/setup.sh workspace
 	@touch $@
 
-setup: .setup/workspace ## install and build all that the other verbs need
+FORCE:
+
+setup: .setup/workspace ## install and build all that the other verbs need; UNDERLAY=devel[:devel] builds upon other workspaces
 
 demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you
 	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(OUT),--out '$(OUT)')

@@ -11,7 +11,18 @@ from rich.console import Console
 
 from bench.figures import Figure, run
 
-SETS = ("motion", "voice", "sessions", "safety", "system")
+SETS = (
+    "motion",
+    "torque_tension",
+    "voice",
+    "enrolment",
+    "speaker",
+    "languages",
+    "sessions",
+    "safety",
+    "kinova",
+    "system",
+)
 
 
 def main(argv: Sequence[str]) -> int:

@@ -35,7 +35,13 @@ MODEL = os.environ.get("MODEL", "embedded")
 JOBS = int(os.environ.get("JOBS") or os.cpu_count() or 1)
 MINUTES = float(os.environ.get("MINUTES", "inf"))
 SHARE = float(os.environ.get("SHARE", "1"))
-BESIDE_HEARING = ("training", "ros")  # parts of the package that change nothing that is heard
+BESIDE_HEARING = (
+    "training",
+    "ros",
+    "enrolment",
+    "speaker",
+    "alarms",
+)  # parts of the package that change nothing that is heard
 BESIDE_FILES = ("cli", "listen", "evaluate", "scores", "microphone", "portaudio", "pulse", "worker")
 
 _T = TypeVar("_T")

@@ -50,23 +50,58 @@ python_packages() {
     say "Python packages of requirements.txt"
     rest=$(mktemp)
     trap 'rm -f "$rest"' EXIT
-    grep -Ev '^(openai-whisper|openwakeword)==' requirements.txt >"$rest"
+    grep -Ev '^(openai-whisper|openwakeword|resemblyzer)==' requirements.txt >"$rest"
     .venv/bin/python -m pip install --progress-bar on -r "$rest"
     # openai-whisper asks for triton (only CUDA uses it) and any torch; what it really needs is pinned above it.
-    # Of openwakeword only two network files are used, so nothing that its code asks for.
-    for package in openai-whisper openwakeword; do
+    # Of openwakeword and resemblyzer only network files are used, so nothing that their code asks for.
+    for package in openai-whisper openwakeword resemblyzer; do
         .venv/bin/python -m pip install --no-deps "$(sed -n "s/^\($package==[^ ]*\).*/\1/p" requirements.txt)"
     done
 }
 
+# Packages of ours that stand in for other people's messages: what is found elsewhere is neither built nor found here.
+STAND_INS="control_msgs kortex_driver openrst_control"
+
+# UNDERLAY: devel or install spaces of other catkin workspaces, separated by colons, to build upon; remembered.
+underlay() {
+    [ -n "${UNDERLAY+given}" ] || UNDERLAY=$(cat .setup/underlay 2>/dev/null || true)
+    printf '%s' "$UNDERLAY"
+}
+
+# Prints, separated by semicolons, the stand-ins that Debian or the underlay already have.
+found_elsewhere() {
+    found=
+    for package in $STAND_INS; do
+        for root in $(underlay | tr ':' ' ') /usr; do
+            [ ! -e "$root/share/$package/cmake/${package}Config.cmake" ] || found="$found;$package"
+        done
+    done
+    printf '%s\n' "${found#;}" | tr ';' '\n' | awk '!seen[$0]++' | paste -s -d ';'
+}
+
 workspace() {
     say "catkin workspace"
+    mkdir -p .setup
+    under=$(underlay)
+    for root in $(printf '%s' "$under" | tr ':' ' '); do
+        [ -e "$root/.catkin" ] || fail "UNDERLAY names $root, which is no devel or install space of catkin: it has no .catkin"
+    done
+    elsewhere=$(found_elsewhere)
+    [ -z "$elsewhere" ] || say "not built, since they are found elsewhere: $elsewhere"
+    for package in $STAND_INS; do
+        rm -f "catkin_ws/src/$package/CATKIN_IGNORE"
+        case ";$elsewhere;" in *";$package;"*) touch "catkin_ws/src/$package/CATKIN_IGNORE" ;; esac
+    done
     cache=catkin_ws/build/CMakeCache.txt
-    if [ -f "$cache" ] && ! grep -qx "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD/catkin_ws/src" "$cache"; then
-        rm -rf catkin_ws/build catkin_ws/devel # the checkout has moved
+    upon="$under|$elsewhere"
+    if [ -f "$cache" ] && ! { grep -qx "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD/catkin_ws/src" "$cache" &&
+        [ "$(cat .setup/upon 2>/dev/null || echo '|')" = "$upon" ]; }; then
+        rm -rf catkin_ws/build catkin_ws/devel # the checkout has moved, or is built upon something else
     fi
-    # Debian's ROS lives under /usr: nothing else may be chained in, and cmake must find Debian's tools first
-    (cd catkin_ws && env -u CMAKE_PREFIX_PATH -u ROS_PACKAGE_PATH PATH="/usr/bin:/bin:$PATH" \
+    printf '%s\n' "$under" >.setup/underlay
+    printf '%s\n' "$upon" >.setup/upon
+    # Debian's ROS lives under /usr: only the underlay may be chained in, and cmake must find Debian's tools first
+    (cd catkin_ws && env -u ROS_PACKAGE_PATH CMAKE_PREFIX_PATH="$under" PATH="/usr/bin:/bin:$PATH" \
         catkin_make -DPYTHON_EXECUTABLE="$PWD/../.venv/bin/python" -DCATKIN_ENABLE_TESTING=OFF)
     say "Compiling the kinematics (once)"
     set +u # of catkin's script
@@ -82,5 +117,6 @@ case "${1:-}" in
 system) system_packages ;;
 python) python_packages ;;
 workspace) workspace ;;
-*) fail "usage: docker/setup.sh system | python | workspace" ;;
+elsewhere) found_elsewhere ;;
+*) fail "usage: docker/setup.sh system | python | workspace | elsewhere" ;;
 esac

@@ -2,7 +2,8 @@
 """Figures of safety, part by part; `make bench ONLY=safety.soak` measures one part.
 
 A part is a module of this package with a function `measure`; its name in `NAMES` is all it takes.
-It is imported when it is measured, so that no part needs what only another one does.
+It is imported when it is measured, so that no part needs what only another one does. Parts take
+from minutes to a day, so `make bench ONLY=safety` measures none: it gathers what was measured last.
 """
 
 from __future__ import annotations
@@ -11,11 +12,13 @@ import importlib
 from collections.abc import Callable
 from functools import partial
 
-from bench.figures import Figure
+from bench.figures import RESULTS, Figure
+from bench.safety.summary import gather
 
 __all__ = ["PARTS", "measure"]
 
 NAMES = (
+    "hang",  # a recogniser that hangs, and a machine that is busy
     "flood",  # a minute of 10,000 calls a second
     "network",  # voice on one host, controller on another, and a bad network between them
     "losses",  # each part of the running system killed or stopped in mid-motion
@@ -35,5 +38,5 @@ PARTS: dict[str, Callable[[], list[Figure]]] = {name: partial(_measure, name) fo
 
 
 def measure() -> list[Figure]:
-    """Measure all parts."""
-    return [figure for part in PARTS.values() for figure in part()]
+    """What was last measured of all parts, each with its date, code and load."""
+    return gather(RESULTS / "safety", NAMES)

@@ -4,14 +4,14 @@
 Controller, simulated robot, voice node, recorder and master are launches of their own, an action
 client is a process. In each motion one of them gets SIGKILL or SIGSTOP at a random moment. Judged
 is what the joints do, as the robot reports them (where the robot is lost: the set-points that the
-controller sends), by time.monotonic() at their arrival here. Then the part is started anew, or goes
+controller sends), by the stamps that they carry. Then the part is started anew, or goes
 on; nothing may move before "hey robot", and after it the next command must. The recogniser within
 the voice node hangs for ever, or raises an error; then a "stop" must still be spotted.
 
 Where the loss stops nothing by design, a stop is given 0.15 to 0.3 s after it, by topic or service.
-Results are kept under .cache/bench/safety/losses/<key>/, where the key is made of code and
-settings, so that a second go continues the first. In the environment: LOSSES in all (60), VICTIMS
-to take (all), MINUTES after which none is begun.
+Results are kept under .cache/bench/safety/losses/<key>/, where the key is made of the code that
+decides on a loss, so that a second go continues the first. In the environment: LOSSES in all (60),
+VICTIMS to take (all), MINUTES after which none is begun.
 """
 
 from __future__ import annotations
@@ -34,11 +34,23 @@ LOSSES = int(os.environ.get("LOSSES", "60"))
 MINUTES = float(os.environ.get("MINUTES", "inf"))
 VICTIMS = tuple(os.environ.get("VICTIMS", " ".join(RULES)).split())
 PATIENCE = 3  # goes in a row from which nothing comes
+CORE = "executor heartbeat keep lifecycle motion mover phase_runs presence processes profile waking"
+EDGE = (
+    "action_server command_service controller_node peers presence_watch recording_link "
+    "registrar_node"
+)
+CONCERNED = (  # what decides how soon the robot rests, and how it comes back
+    *(f"rst_control/src/rst_control/{name}.py" for name in CORE.split()),
+    *(f"rst_control/src/rst_control/ros/{name}.py" for name in EDGE.split()),
+    "rst_control/src/rst_control/watchdogs.py",
+    "rst_control/src/rst_control/backends/servo.py",
+    *(f"voice_assist/src/voice_assist/ros/{name}.py" for name in ("node", "publishers")),
+)
 FOLDER = ROOT / ".cache" / "bench" / "safety" / "losses"
 
 
 def measure() -> list[Figure]:
-    """Lose parts until each was lost often enough, with the losses of earlier goes.
+    """Lose parts until each was lost often enough; figures are of all losses, earlier ones too.
 
     Raises:
         RuntimeError: The system did not start, or came to no loss.
@@ -47,7 +59,6 @@ def measure() -> list[Figure]:
     folder.mkdir(parents=True, exist_ok=True)
     end = time.monotonic() + 60.0 * MINUTES
     each = -(-LOSSES // sum(len(ways_of(victim)) for victim in RULES))
-    losses: list[Loss] = []
     for victim in VICTIMS:
         kept = folder / f"{victim}.jsonl"
         fruitless = 0
@@ -57,17 +68,16 @@ def measure() -> list[Figure]:
                 raise RuntimeError(
                     f"no loss of the {victim} in {PATIENCE} goes; see {kept.stem}.log"
                 )
-        losses += read(kept)
-    planned = each * sum(len(ways_of(victim)) for victim in VICTIMS)
+    losses = [loss for victim in RULES for loss in read(folder / f"{victim}.jsonl")]
+    planned = each * sum(len(ways_of(victim)) for victim in RULES)
     return judge.figures(losses, RULES, planned)
 
 
 def key() -> str:
     """Names the code and the settings that the losses depend on."""
     packages = ROOT / "catkin_ws" / "src"
-    files = [*(ROOT / "launch").glob("*.launch"), *Path(__file__).parent.glob("losses*.py")]
-    for part in ("rst_control", "voice_assist", "session_log"):
-        files += [*packages.glob(f"{part}/config/*.yaml"), *packages.glob(f"{part}/src/**/*.py")]
+    files = [*Path(__file__).parent.glob("losses_*.py")]
+    files += [file for pattern in CONCERNED for file in packages.glob(pattern)]
     digest = hashlib.sha256()
     for file in sorted(files):
         digest.update(file.name.encode() + file.read_bytes())

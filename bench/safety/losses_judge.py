@@ -23,7 +23,7 @@ DEMANDED = 0.1  # [s] from a loss, or from a stop, to the last movement
 class Trace:
     """What was seen of joints, or of set-points, in order."""
 
-    times: Array  # (n,), [s] of time.monotonic() at arrival
+    times: Array  # (n,), [s] of time.monotonic(), as the sender stamped them
     positions: Array  # (n, k), [rad]
 
     def between(self, since: float, until: float) -> Trace:
@@ -38,10 +38,15 @@ class Rule:
     """What the documentation says of the loss of a part."""
 
     words: str
-    limit: float | None  # [s] to rest by itself; None: what moves goes on, and a stop must work
+    limit: float  # [s] to rest by itself
+    spares: tuple[str, ...] = ()  # motions that go on instead; a stop must then work
     finishes: float = 0.0  # [s] after SIGCONT in which a frozen part may finish its braking
     may_end: bool = False  # what is watched may fall silent
     demanded: float = DEMANDED  # [s] that is aimed at, whatever is documented
+
+    def limit_of(self, motion: str) -> float | None:
+        """Time to rest by itself [s]; None: the motion goes on."""
+        return None if motion.split(",")[0] in self.spares else self.limit
 
 
 @dataclass(frozen=True)
@@ -54,12 +59,14 @@ class Loss:
     speed: float  # [rad/s] of the fastest joint when it was lost
     joint: str  # that moved last, after the loss or the stop; empty: none moved
     alone: float  # [s] from the loss to the last movement without any stop; inf: it went on
+    arm: float  # [s] the same of all joints but the jaws
     stopped: float | None  # [s] from a stop given then to the last movement; None: none was given
     by: str  # by which way that stop was given
     drift: float  # [rad] largest way of a joint from rest to the next "hey robot"
     back: float | None  # [s] from the return of the part to the next motion; None: never
     found: bool  # new clients found the controller afterwards
     objections: tuple[str, ...]  # what else was not as it must be
+    load: float  # average number of processes that wanted the machine's cores in that minute
 
 
 def ways_of(victim: str) -> tuple[str, str]:
@@ -132,11 +139,12 @@ def blindness(trace: Trace, since: float, until: float) -> str:
 def objections(loss: Loss, rule: Rule) -> list[str]:
     """What of a loss is not as documented; empty: all is."""
     found = list(loss.objections)
-    if rule.limit is not None and loss.alone > rule.limit:
-        found.append(f"moved for {loss.alone * 1e3:.0f} ms, documented {rule.limit * 1e3:.0f} ms")
+    limit = rule.limit_of(loss.motion)
+    if limit is not None and loss.alone > limit:
+        found.append(f"moved for {loss.alone * 1e3:.0f} ms, documented {limit * 1e3:.0f} ms")
     if loss.stopped is not None and loss.stopped > DEMANDED:
         found.append(f"moved for {loss.stopped * 1e3:.0f} ms after a stop by {loss.by}")
-    if rule.limit is None and loss.stopped is None and not np.isfinite(loss.alone):
+    if limit is None and loss.stopped is None and not np.isfinite(loss.alone):
         found.append("moved on, and no stop was tried")
     if loss.drift > STILL:
         found.append(f'moved by {loss.drift * 1e3:.3f} mrad without "hey robot"')
@@ -159,9 +167,17 @@ def figures(losses: Sequence[Loss], rules: dict[str, Rule], planned: int) -> lis
         for way in sorted({loss.way for loss in losses if loss.victim == victim}):
             some = [loss for loss in losses if (loss.victim, loss.way) == (victim, way)]
             found += _of_one(f"{victim}, {way}", some, rule)
-    rest = sum(loss.alone <= rules[loss.victim].demanded for loss in losses)
-    what = "at rest in time by the loss alone"
-    return [*found, Figure(what, rest, "", len(losses), at_most=False)]
+    judged = [loss for loss in losses if rules[loss.victim].limit_of(loss.motion) is not None]
+    for what, name in (("arm", "arm"), ("arm and jaws", "alone")):
+        rest = sum(getattr(loss, name) <= rules[loss.victim].demanded for loss in judged)
+        words = f"{what} at rest in time by the loss alone"
+        found.append(Figure(words, rest, "", len(judged), at_most=False))
+    if losses:
+        loads = [loss.load for loss in losses]
+        note = "(other work on the same cores; what is late here need not be on a quiet machine)"
+        found.append(Figure("load average, median", float(np.median(loads)), "", note=note))
+        found.append(Figure("load average, max", max(loads), ""))
+    return found
 
 
 def _of_one(name: str, losses: Sequence[Loss], rule: Rule) -> list[Figure]:
@@ -171,8 +187,10 @@ def _of_one(name: str, losses: Sequence[Loss], rule: Rule) -> list[Figure]:
     if wrong:
         first, words = wrong[0]
         note = f"(the first, {first.motion}, {first.joint} last: {'; '.join(words)})"
-    ended = [loss.alone * 1e3 for loss in losses if np.isfinite(loss.alone)]
-    went_on = len(losses) - len(ended)
+    judged_only = [loss for loss in losses if rule.limit_of(loss.motion) is not None]
+    went_on = sum(not np.isfinite(loss.alone) for loss in judged_only)
+    ended = [loss.alone * 1e3 for loss in judged_only if np.isfinite(loss.alone)]
+    arm = [loss.arm * 1e3 for loss in judged_only if np.isfinite(loss.arm)]
     stopped = [loss.stopped * 1e3 for loss in losses if loss.stopped is not None]
     back = [loss.back for loss in losses if loss.back is not None]
     moving = sum(loss.speed > MOVING for loss in losses)
@@ -184,6 +202,9 @@ def _of_one(name: str, losses: Sequence[Loss], rule: Rule) -> list[Figure]:
     if ended:
         what = f"{name}: loss to last movement"
         found += percentiles(what, ended, "ms", {100: rule.demanded * 1e3})
+    if arm:
+        what = f"{name}: loss to last movement of the arm"
+        found += percentiles(what, arm, "ms", {100: rule.demanded * 1e3})
     if stopped:
         what = f"{name}: a stop given meanwhile to last movement"
         found += percentiles(what, stopped, "ms", {100: DEMANDED * 1e3})

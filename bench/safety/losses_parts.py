@@ -17,6 +17,7 @@ import rosgraph
 
 from bench.figures import ROOT
 from demo.system import STOP_TIME, free_port
+from rst_control.keep import PAUSE
 
 START_TIME = 60.0  # [s] for a part to come up
 SIGNALS = {  # by which a part is lost; the last two mean something to losses_voice.py alone
@@ -33,6 +34,7 @@ class Plan:
 
     node: str  # its name; empty for the master
     command: tuple[str, ...]
+    is_kept: bool = False  # it is started anew by itself where it crashes
 
 
 class Part:
@@ -47,6 +49,7 @@ class Part:
         self._plan, self._log = plan, log
         self._launch: subprocess.Popen[bytes] | None = None
         self.pid = 0  # of the process that does the work
+        self._lost = 0.0  # [s] when
 
     def start(self) -> None:
         """Start it and wait until its process is known.
@@ -67,15 +70,22 @@ class Part:
 
     def lose(self, way: str) -> float:
         """Send the signal of a way; gives when [s], time.monotonic()."""
-        moment = time.monotonic()
+        moment = self._lost = time.monotonic()
         os.kill(self.pid, SIGNALS[way])
         return moment
 
     def give_back(self, way: str) -> float:
-        """Let it go on, or start it anew; gives when it began to [s]."""
+        """Let it go on, or be started anew; gives the earliest moment of that [s]."""
         if way == "SIGSTOP":
             moment = time.monotonic()
             os.kill(self.pid, signal.SIGCONT)
+            return moment
+        if self._plan.is_kept:
+            if way == "hang":
+                self._lost = time.monotonic()
+                os.kill(self.pid, signal.SIGKILL)
+            before, moment = self.pid, self._lost + PAUSE
+            wait_for(lambda: self._find(before) and self.pid != before, "kept", START_TIME)
             return moment
         self.end()  # what its launch has beside it goes, too
         moment = time.monotonic()
@@ -156,11 +166,15 @@ class Parts:
     def launch(self, name: str, node: str, file: str, **arguments: str | Path) -> None:
         """Start a part by one launch file with its arguments."""
         words = [f"{key}:={value}" for key, value in arguments.items()]
-        self.run(name, node, ("roslaunch", "--wait", str(ROOT / "launch" / file), *words))
+        command = ("roslaunch", "--wait", str(ROOT / "launch" / file), *words)
+        self._start(name, Plan(node, command, is_kept=name != "recorder"))
 
     def run(self, name: str, node: str, command: tuple[str, ...]) -> None:
-        """Start a part by a command."""
-        self._parts[name] = self._part(Plan(node, command))
+        """Start a part by a command, as the launch files do."""
+        self._start(name, Plan(node, ("rosrun", "rst_control", "keep", *command), is_kept=True))
+
+    def _start(self, name: str, plan: Plan) -> None:
+        self._parts[name] = self._part(plan)
         self._parts[name].start()
 
     def _part(self, plan: Plan) -> Part:

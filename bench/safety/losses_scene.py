@@ -17,6 +17,7 @@ from bench.safety.losses_client import ActionClient, Room
 from bench.safety.losses_judge import Trace
 from bench.safety.losses_parts import wait_for
 from rst_control.msg import ControllerState
+from rst_control.ros.wall_clock import wall_offset
 from rst_control.srv import Command, CommandResponse
 from rst_control.types import JOINTS
 
@@ -32,7 +33,7 @@ FRESH = 0.3  # [s] that a state of the controller, or a heartbeat, is true for
 
 
 class Watcher:
-    """Keeps what the controller and the robot send, by the time of its arrival."""
+    """Keeps what the controller and the robot send, by their stamps: nobody here may be late."""
 
     def __init__(self) -> None:
         self._joints: deque[tuple[float, tuple[float, ...]]] = deque(maxlen=KEPT)
@@ -97,14 +98,14 @@ class Watcher:
         self.stops += 1
 
     def _on_failed(self, moment: Float64) -> None:
-        self.recorded_at = float("-inf")  # [s] last heartbeat of the recorder
         self.failed_at = float(moment.data)
 
     @staticmethod
     def _stream(name: str, kept: deque[tuple[float, tuple[float, ...]]]) -> rospy.Subscriber:
         def keep(message: JointState) -> None:
             by_name = dict(zip(message.name, message.position, strict=True))
-            kept.append((time.monotonic(), tuple(by_name[joint] for joint in JOINTS)))
+            moment = message.header.stamp.to_sec() - wall_offset()
+            kept.append((moment, tuple(by_name[joint] for joint in JOINTS)))
 
         return rospy.Subscriber(name, JointState, keep, tcp_nodelay=True)
 

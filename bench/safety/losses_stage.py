@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
 import time
@@ -22,6 +23,7 @@ from rst_control.config import load_motion_config
 from rst_control.types import JOINTS
 
 WATCHED = 0.8  # [s] after a loss, and after a stop
+FOUND = 10.0  # [s] for new clients to find the controller
 RETURNED = 0.5  # [s] after its return that is watched before "hey robot"
 FROZEN = 1.0  # [s] at most that a part stays stopped beyond that
 UNTIL_STOP = (0.15, 0.3)  # [s] from a loss that stops nothing to a stop
@@ -31,17 +33,17 @@ ATTEMPTS = 8  # at a motion that lasts until its loss
 SPOKEN = ("voice", "recogniser")  # their loss concerns motion that was spoken
 TALK = "they will release the beds before the morning"  # that the recogniser looks at, and fails
 
+EASING = ("release", "pull less")
 _CONFIG = load_motion_config().controller
-_SILENT = _CONFIG.watchdogs.voice_heartbeat_age
 _UNRECORDED = _CONFIG.recording.heartbeat_age
 RULES = {
     "controller": Rule("held by the robot side", 0.1),
     "robot": Rule("joint states stale: brakes", 0.1, finishes=0.1, may_end=True),
-    "voice": Rule(f"a spoken motion brakes {_SILENT:g} s after the heartbeat", _SILENT + 0.1),
+    "voice": Rule("a spoken motion brakes", 0.1),
     "recogniser": Rule("the voice node stops the robot", 0.5, demanded=0.5),
-    "recorder": Rule("what moves is finished, new motion is refused", None),
-    "roscore": Rule("connections go on, as ROS 1 has it", None),
-    "client": Rule("a goal goes on without who sent it, as actionlib has it", None),
+    "recorder": Rule("with on_loss: stop, what advances brakes", 0.1, spares=EASING),
+    "roscore": Rule("all motion brakes", 0.1),
+    "client": Rule("its goal brakes", 0.1),
 }
 
 
@@ -60,7 +62,7 @@ def stage_for(victim: str, seed: int, log: Path) -> Iterator[Stage]:
         rospy.init_node("losses", anonymous=True, disable_signals=True)
         watcher, rng = Watcher(), np.random.default_rng((6, seed))
         lead = Lead(watcher, rng)
-        on_loss = "refuse" if victim == "recorder" else "ignore"
+        on_loss = "stop" if victim == "recorder" else "ignore"
         parts.launch("robot", "/robot", "robot.launch")
         parts.launch("controller", "/controller", "controller.launch", on_recording_loss=on_loss)
         if victim == "recorder":
@@ -120,10 +122,12 @@ class Stage:
         """
         motion = self._into_motion()
         lost = self._failed(self._part.lose(way))
-        ended, stopped, by = self._watch(lost)
+        goes_on = self._rule.limit_of(motion) is None
+        ended, stopped, by = self._watch(lost, goes_on)
         rest = time.monotonic()
         trace, seen = self._trace(), lost + WATCHED  # now, for streams are not kept for ever
-        if self._rule.limit is None:
+        arm = judge.last_movement(Trace(trace.times, trace.positions[:, :-2]), lost, seen)
+        if goes_on:
             seen = lost + UNTIL_STOP[0] + WATCHED
         words = [self._unrecorded(lost)] if self._victim == "recorder" else []
         if way == "hang" and not self._lead.is_spotted():
@@ -134,6 +138,7 @@ class Stage:
         back = None
         try:
             wait_for(self.is_back, "all parts speak again", START_TIME)
+            wait_for(self._lead.is_found, "new clients find the controller", FOUND)
             time.sleep(RETURNED)
             until = time.monotonic()
             if self._victim != "recorder":  # it was awake again while the recorder was lost
@@ -154,12 +159,14 @@ class Stage:
             speed=judge.speed(trace, lost),
             joint="" if last is None else JOINTS[last],
             alone=ended,
+            arm=arm,
             stopped=stopped,
             by=by,
             drift=moved,
             back=back,
             found=self._lead.is_found(),
             objections=tuple(word for word in (*words, blind, *found) if word),
+            load=os.getloadavg()[0],
         )
 
     def _into_motion(self) -> str:
@@ -199,9 +206,9 @@ class Stage:
             self._watcher.stop()
             wait_for(lambda: not self._watcher.is_("moving", "stopping"), "at rest", 5.0)
 
-    def _watch(self, lost: float) -> tuple[float, float | None, str]:
+    def _watch(self, lost: float, goes_on: bool) -> tuple[float, float | None, str]:
         """Time to rest by itself; where that is not meant to be: by a stop, and which [s]."""
-        if self._rule.limit is not None:
+        if not goes_on:
             time.sleep(WATCHED)
             return judge.last_movement(self._trace(), lost, lost + WATCHED), None, ""
         time.sleep(self._rng.uniform(*UNTIL_STOP))

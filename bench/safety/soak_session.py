@@ -26,7 +26,7 @@ from rst_control.config import (
     load_simulation_config,
 )
 from rst_control.desk import CommandDesk, Ticket, is_stop
-from rst_control.executor import MOST_PERIODS, WAKE_TIME
+from rst_control.executor import MOST_PERIODS
 from rst_control.lifecycle import State
 from rst_control.limits import layer_in_force
 from rst_control.orders import View
@@ -34,6 +34,7 @@ from rst_control.recording import RecordedOnly, RecordingWatch
 from rst_control.robot_model import RobotModel, load_robot
 from rst_control.site import PresentSite, Site
 from rst_control.types import Request, Setpoint
+from rst_control.waking import WAKE_TIME
 from voice_assist.config import load_voice_config
 
 START = 10.0  # [s] time of the first state
@@ -41,7 +42,7 @@ BEAT = 0.1  # [s] between heartbeats of voice and recorder
 PUBLISH = 0.02  # [s] between two looks of the publisher
 STIFFNESS = (20.0, 1000.0)  # [N/m] of the tissue, drawn anew for each stretch
 NODES = (9, 9)  # of its lattice
-STOP_TIME = 0.4  # [s] the jaws alone take longest to brake: 1.2 rad/s at 5 rad/s^2 and 50 rad/s^3
+STOP_TIME = 0.4  # [s] to brake; 0.06 s are enough, but tissue that pulls may add to it
 
 LATE_TIME = 1.0  # [s] that the loop may be late by, longest; a "hey robot" waits as long
 

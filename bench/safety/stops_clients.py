@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from pkgutil import extend_path
 from types import TracebackType
 
 WAYS = ("service", "topic", "cancel")
@@ -98,6 +99,10 @@ def _client(number: int, pipe: Connection) -> None:
     from actionlib_msgs.msg import GoalID
     from std_msgs.msg import Empty
 
+    import rst_control
+
+    # A spawned process finds the sources first; the messages made of them lie elsewhere.
+    rst_control.__path__ = extend_path(rst_control.__path__, rst_control.__name__)
     from rst_control.srv import Command
 
     rospy.init_node(f"stops_client_{number}", disable_signals=True, disable_rosout=True)

@@ -24,6 +24,7 @@ from rst_control.motion import MotionMaker
 from rst_control.mover import Mover
 from rst_control.orders import DiaryEntry, Order
 from rst_control.patient import Placement
+from rst_control.presence import Presence
 from rst_control.recording import ADVANCING
 from rst_control.types import JOINT_COUNT, PathState, PhaseKind
 from rst_control.watchdogs import WatchdogLimits, Watchdogs
@@ -110,7 +111,7 @@ class Controller:
 
     def __init__(self):
         self.executor = Executor(
-            Watchdogs(limits(), _Sensors()), _place, Mover(_Maker()), _nothing, 0.002
+            Watchdogs(limits(), _Sensors(), Presence()), _place, Mover(_Maker()), _nothing, 0.002
         )
         self.now = 10.0
 
@@ -119,6 +120,8 @@ class Controller:
         twin = _twin(self)
         executor = twin.executor = _twin(self.executor)
         executor._orders, executor._stops, executor._changes = deque(), deque(), deque()
+        waking = executor._waking = _twin(executor._waking)
+        waking._objection, waking._refuse = executor._cannot_wake, executor._refuse
         executor._ledger = _twin(executor._ledger)
         executor._ledger.diary = deque()
         mover = executor._mover = _twin(executor._mover)
@@ -134,7 +137,7 @@ class Controller:
         return (
             *(life.state, life.is_active, life.then),
             *(self._moving(), _where(mover.held), mover.grasp is None),
-            *(executor._ledger.order is None, bool(life.reason), executor._waking is None),
+            *(executor._ledger.order is None, bool(life.reason), not executor._waking.is_waiting),
         )
 
     def _moving(self):

@@ -15,6 +15,7 @@ import numpy as np
 from rst_control.types import (
     BY_HAND,
     JOINT_COUNT,
+    LOOKS,
     Command,
     Grasp,
     Measurement,
@@ -26,7 +27,9 @@ from rst_control.types import (
 ZERO = np.zeros(JOINT_COUNT)
 WAY, PULL = object(), object()  # stand for paths
 AT_ONCE = (Command.HEY_ROBOT, Command.TERMINATE)
-MOTIONS = tuple(c for c in Command if c not in (*AT_ONCE, Command.STOP))
+# Of the ways to look one stands for all: they differ in their paths alone, which are left out here.
+COMMANDS = tuple(c for c in Command if c not in LOOKS[1:])
+MOTIONS = tuple(c for c in COMMANDS if c not in (*AT_ONCE, Command.STOP))
 PHASES = {
     Command.TENSE: (PhaseKind.REACH, PhaseKind.PULL),
     Command.PULL_MORE: (PhaseKind.STEP,),
@@ -34,6 +37,7 @@ PHASES = {
     Command.RELEASE: (PhaseKind.EASE,),
     Command.INSERT: (PhaseKind.INSERT,),
     Command.WITHDRAW: (PhaseKind.WITHDRAW,),
+    LOOKS[0]: (PhaseKind.LOOK,),
 }
 LATE = {"silent": 1.0, "long": 1.0, "overtime": 200.0}  # [s] that pass before such a tick
 

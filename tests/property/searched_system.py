@@ -16,6 +16,7 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from searched_controller import Graph
+from searched_inputs import COMMANDS as TRIED
 from searched_inputs import FOUND, MOTIONS, Given, one, plan_of
 from searched_rules import is_latched
 
@@ -138,7 +139,7 @@ class Search:
 
     def _steps(self, state):
         yield from self._voice(state)
-        for command in Command:
+        for command in TRIED:
             for by, is_spoken in (("service", False), ("action", False), ("voice's node", True)):
                 yield from self._given(state, command, by, is_spoken)
         for way in STOPS:

@@ -9,7 +9,7 @@ import pytest
 from rst_control import chain
 from rst_control.configuration import Configuration
 from rst_control.errors import TrocarDrift
-from rst_control.rcm import SHAFT_LENGTH, rcm_state
+from rst_control.rcm import rcm_state
 from rst_control.robot_model import rotation
 
 COUNT = 400
@@ -46,7 +46,7 @@ def assert_solved(planner, result, target):
     configuration = Configuration(planner.model, result.q)
     state = rcm_state(configuration, planner.trocar)
     assert state.error < 1e-9
-    assert 0.0 < state.insertion < SHAFT_LENGTH
+    assert 0.0 < state.insertion < planner.model.shaft_length
     np.testing.assert_allclose(configuration.T_base_tip, target, atol=2e-9)
 
 

@@ -8,10 +8,14 @@ from roslaunch.config import load_config_default
 
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
 FILES = sorted(LAUNCH.glob("*.launch"))
+LIMITS = LAUNCH.parent / "catkin_ws/src/rst_control/config/kinova_limits.yaml"
+TROCAR = ["trocar_x:=0.406", "trocar_y:=-0.024", "trocar_z:=0.415"]
+ASKED = {"kinova": [*TROCAR, f"limits:={LIMITS}", "simulate:=true"]}  # what has no default
 
 
 def nodes(file):
-    return load_config_default([str(file)], None, verbose=False).nodes
+    arguments = ASKED.get(file.stem, [])
+    return load_config_default([(str(file), arguments)], None, verbose=False).nodes
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)

@@ -26,7 +26,7 @@ from bench.safety.losses_judge import (
 PERIOD = 0.002
 CRUISE = 0.05  # [rad/s]
 HOLDS = Rule("held", 0.1)
-GOES_ON = Rule("goes on", None)
+GOES_ON = Rule("what eases goes on", 0.1, spares=("release",))
 
 
 def trace(rest_at=1.04, end=3.0, resumes_at=None, way=1e-3):
@@ -47,12 +47,14 @@ def loss(**changes):
         "speed": 0.05,
         "joint": "joint_4",
         "alone": 0.04,
+        "arm": 0.04,
         "stopped": None,
         "by": "",
         "drift": 0.0,
         "back": 4.0,
         "found": True,
         "objections": (),
+        "load": 3.0,
     }
     return Loss(**{**fields, **changes})
 
@@ -139,7 +141,7 @@ def test_speed_is_that_of_the_fastest_joint_before_the_moment():
 
 def test_a_loss_as_documented_raises_nothing():
     assert objections(loss(), HOLDS) == []
-    on = loss(victim="client", alone=float("inf"), stopped=0.05, by="topic")
+    on = loss(motion="release", alone=float("inf"), stopped=0.05, by="topic")
     assert objections(on, GOES_ON) == []
 
 
@@ -151,8 +153,17 @@ def test_a_loss_as_documented_raises_nothing():
         ({"drift": 1e-3}, HOLDS, 'moved by 1.000 mrad without "hey robot"'),
         ({"back": None}, HOLDS, "the next command did not move it"),
         ({"objections": ('"tense" was accepted',)}, HOLDS, '"tense" was accepted'),
-        ({"stopped": 0.2, "by": "topic"}, GOES_ON, "moved for 200 ms after a stop by topic"),
-        ({"alone": float("inf")}, GOES_ON, "moved on, and no stop was tried"),
+        (
+            {"motion": "release", "stopped": 0.2, "by": "topic"},
+            GOES_ON,
+            "moved for 200 ms after a stop by topic",
+        ),
+        (
+            {"motion": "release, spoken", "alone": float("inf")},
+            GOES_ON,
+            "moved on, and no stop was tried",
+        ),
+        ({"alone": float("inf")}, GOES_ON, "moved for inf ms, documented 100 ms"),
     ],
 )
 def test_each_fault_is_named(changes, rule, words):
@@ -165,28 +176,43 @@ def test_a_loss_that_is_as_documented_may_still_miss_the_demand():
     found = by_name([slow, loss(victim="voice", alone=0.51)], rules)
     assert found["voice, SIGKILL: not as documented"].is_met
     assert found["voice, SIGKILL: loss to last movement max"].is_met is False
-    assert found["at rest in time by the loss alone"].value == 0
-    assert found["at rest in time by the loss alone"].is_met is False
+    assert found["arm and jaws at rest in time by the loss alone"].value == 0
+    assert found["arm and jaws at rest in time by the loss alone"].is_met is False
 
 
 def test_a_part_of_which_less_is_demanded_is_judged_by_that():
     rules = {"recogniser": Rule("stopped by the voice node", 0.5, demanded=0.5)}
     found = by_name([loss(victim="recogniser", way="hang", alone=0.45)], rules)
     assert found["recogniser, hang: loss to last movement max"].is_met
-    assert found["at rest in time by the loss alone"].is_met
+    assert found["arm and jaws at rest in time by the loss alone"].is_met
     late = by_name([loss(victim="recogniser", way="hang", alone=0.51)], rules)
     assert late["recogniser, hang: loss to last movement max"].is_met is False
-    assert late["at rest in time by the loss alone"].is_met is False
+    assert late["arm and jaws at rest in time by the loss alone"].is_met is False
 
 
 def test_what_moves_on_is_counted_and_misses_its_target():
-    rules = {"client": GOES_ON}
-    on = loss(victim="client", alone=float("inf"), stopped=0.05, by="service")
-    found = by_name([on, loss(victim="client", alone=0.05, stopped=0.0, by="topic")], rules)
-    assert found["client, SIGKILL: moved on by itself"].value == 1
-    assert found["client, SIGKILL: moved on by itself"].is_met is False
-    assert found["client, SIGKILL: a stop given meanwhile to last movement max"].is_met
-    assert found["at rest in time by the loss alone"].value == 1
+    rules = {"recorder": GOES_ON}
+    on = loss(victim="recorder", alone=float("inf"))
+    found = by_name([on, loss(victim="recorder", alone=0.05)], rules)
+    assert found["recorder, SIGKILL: moved on by itself"].value == 1
+    assert found["recorder, SIGKILL: moved on by itself"].is_met is False
+    assert found["arm and jaws at rest in time by the loss alone"].value == 1
+
+
+def test_what_is_spared_is_judged_by_its_stop_alone():
+    rules = {"recorder": GOES_ON}
+    on = {"victim": "recorder", "motion": "release", "alone": float("inf"), "arm": float("inf")}
+    found = by_name([loss(**on, stopped=0.05, by="service")], rules)
+    assert found["recorder, SIGKILL: moved on by itself"].value == 0
+    assert found["recorder, SIGKILL: a stop given meanwhile to last movement max"].is_met
+    assert found["arm and jaws at rest in time by the loss alone"].target == 0
+
+
+def test_arm_and_jaws_are_told_apart():
+    found = by_name([loss(alone=0.15, arm=0.06)], {"controller": HOLDS})
+    assert found["arm at rest in time by the loss alone"].is_met
+    assert found["arm and jaws at rest in time by the loss alone"].is_met is False
+    assert found["controller, SIGKILL: loss to last movement of the arm max"].is_met
 
 
 def test_a_loss_at_rest_shows_nothing_and_is_told():
@@ -199,7 +225,7 @@ def test_fewer_losses_than_planned_miss_their_target():
     assert by_name([loss()], rules, 2)["losses"].is_met is False
     good = by_name([loss(), loss(way="SIGSTOP")], rules)
     assert all(f.is_met is not False for f in good.values())
-    assert good["at rest in time by the loss alone"].value == 2
+    assert good["arm and jaws at rest in time by the loss alone"].value == 2
 
 
 def test_a_controller_that_nobody_finds_is_told():

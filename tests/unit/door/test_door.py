@@ -20,6 +20,7 @@ from rst_control import callers
 from rst_control.callers import Doorkeeper
 from rst_control.callers_config import CallersConfig
 from rst_control.desk import CommandDesk
+from rst_control.heartbeat import Heartbeat
 from rst_control.intake import LONGEST_MESSAGE
 from rst_control.msg import AssistActionGoal, AssistGoal, AssistResult
 from rst_control.ros import action_server, command_service, intake
@@ -175,8 +176,7 @@ def served():
     service._door = Doorkeeper(
         CallersConfig(allowed=("/panel", "/long"), rate=1.0, burst=5), lambda: 0.0
     )
-    service._spoken_by, service._heartbeat_age = "/voice_assist", 0.5
-    service._last_heartbeat = float("-inf")
+    service._spoken_by, service._heartbeat = "/voice_assist", Heartbeat(0.5)
     nobody.call = service._on_command
     return nobody
 
@@ -221,6 +221,8 @@ class Actions(GuardedServer):
         self.ActionResultType = AssistResult
         self.goal_callback = lambda handle: self.taken.append(handle.get_goal().command)
         self.cancel_callback = lambda handle: None
+        self.all_cancelled = []
+        self._on_cancel_all = self.all_cancelled.append
 
     def publish_result(self, status, result):
         self.refused.append((status.goal_id.id, status.status, result.outcome))
@@ -283,3 +285,12 @@ def test_a_cancel_from_the_future_does_not_cancel_all_goals_to_come(stamp):
     assert server.taken == ["tense"]
     for status in server.status_list:
         status.status.serialize(BytesIO())
+
+
+def test_a_cancel_that_names_no_goal_stops_whatever_is_under_way():
+    server = Actions(Doorkeeper(CallersConfig(allowed=(), rate=1.0, burst=5), lambda: 0.0))
+    for _ in range(3):
+        server.internal_cancel_callback(GoalID())
+    assert len(server.all_cancelled) == 3
+    server.internal_cancel_callback(GoalID(id="one that ended long ago"))
+    assert len(server.all_cancelled) == 3

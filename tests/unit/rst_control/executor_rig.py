@@ -14,6 +14,7 @@ from rst_control.config import load_motion_config
 from rst_control.configuration import Configuration, planning_joints, robot_joints
 from rst_control.desk import CommandDesk
 from rst_control.lifecycle import State
+from rst_control.presence import Presence
 from rst_control.robot_model import load_robot
 from rst_control.site import PresentSite
 from rst_control.types import Request
@@ -44,7 +45,8 @@ class Rig:
         self.robot = FakeRobot(begin, lambda: self.now, tissue=LinearSpring(tip_of, stiffness))
         self.site = PresentSite(site)
         self.rcm = lambda joints: self.site.placement(joints).error
-        self.executor = make_executor(self.config, self.site, self.robot.clear_fault)
+        self.presence = Presence()  # of other nodes
+        self.executor = make_executor(self.config, self.site, self.robot.clear_fault, self.presence)
         self.desk = CommandDesk(self.executor, self.site.verify, lambda: self.now)
         self.sent = []  # every set-point, None where nothing was sent
 
@@ -73,9 +75,9 @@ class Rig:
             self.tick()
         raise AssertionError(f"not within {limit} s; {self.executor.view}")
 
-    def give(self, words, spoken=False, **amounts):
+    def give(self, words, spoken=False, owner="", **amounts):
         """Give a command and tick until it is answered."""
-        ticket = self.desk.take(Request(words, **amounts), "test", spoken)
+        ticket = self.desk.take(Request(words, **amounts), "test", spoken, owner=owner)
         if words == "stop":  # answered before anybody ticks
             self.tick()
         while not ticket.reply.done():

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rst_control.lifecycle import State
-from rst_control.types import Command
+from rst_control.types import LOOKS, Command
 
 SITUATIONS = {
     "standby": lambda: Rig().run(0.01),
@@ -24,7 +24,7 @@ ALWAYS = {"hey robot", "stop"}
 PULLS = {"pull more", "pull less"}
 ALLOWED = {
     "standby": ALWAYS,
-    "active": ALWAYS | {"tense", "withdraw", "terminate"},
+    "active": ALWAYS | {"tense", "withdraw", "terminate", *(look.value for look in LOOKS)},
     "holding": ALWAYS | PULLS | {"release", "terminate"},
     "reaching": ALWAYS | {"terminate"},
     "pulling": ALWAYS | PULLS | {"terminate"},

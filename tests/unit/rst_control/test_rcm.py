@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from rst_control.configuration import Configuration
-from rst_control.rcm import SHAFT_LENGTH, rcm_error, rcm_state
+from rst_control.rcm import rcm_error, rcm_state
 
 
 def test_a_trocar_beside_a_vertical_shaft_is_its_horizontal_distance_away():
@@ -17,7 +17,7 @@ def test_a_trocar_on_the_shaft_gives_no_error_and_its_depth(robot, home):
     T = Configuration(robot, home).T_base_shaft
     state = rcm_state(Configuration(robot, home), T[:3, 3] + 0.18 * T[:3, 2])
     assert state.error < 1e-15
-    assert state.insertion == pytest.approx(SHAFT_LENGTH - 0.18)
+    assert state.insertion == pytest.approx(robot.shaft_length - 0.18)
 
 
 def test_moving_the_trocar_sideways_shows_as_that_error(robot, home):

@@ -44,6 +44,18 @@ def clock():
     return Clock()
 
 
+def test_a_recorder_that_is_lost_is_named_at_once_and_its_own_last_words_are_kept():
+    watch = RecordingWatch(RecordingConfig(on_loss="stop", heartbeat_age=2.0), lambda: 10.0)
+    watch.heard("/recorder", "")
+    watch.lost("/recorder", "was stopped")
+    assert watch.problem == "/recorder: recorder was stopped"
+    watch.heard("/recorder", "the recorder was shut down")
+    watch.lost("/recorder", "ended")
+    assert watch.problem == "/recorder: the recorder was shut down"
+    watch.heard("/recorder", "")
+    assert watch.problem == ""
+
+
 def test_every_motion_either_advances_or_eases():
     assert sorted(c.value for c in (*ADVANCING, *EASING)) == sorted(c.value for c in MOTIONS)
     assert set(BY_HAND) <= {*ADVANCING, *EASING}

@@ -117,6 +117,17 @@ def test_a_frozen_joint_is_forgiven_once_its_reading_changes_and_not_before():
     assert sensors.objection == ""
 
 
+def test_a_robot_with_a_fault_of_its_own_stands_and_is_not_frozen():
+    sensors, kept = watch(), None
+    for k, (measured, setpoint) in enumerate(measurements(ramp(0.05), 1.0)):
+        kept = measured if k <= 100 else kept
+        stands = replace(kept, stamp=measured.stamp, sent=measured.sent, velocity=np.zeros(10))
+        if k > 100:
+            measured = replace(stands, fault="set-points stopped coming while moving, 31 ms ago")
+        sensors.look(measured, setpoint, None)
+        assert sensors.objection == ""
+
+
 # Jumping
 
 

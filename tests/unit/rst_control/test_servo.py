@@ -208,3 +208,66 @@ def test_whatever_comes_the_course_never_leaves_position_or_speed_limits(events)
             assert (np.abs(position - last) <= LIMITS.speed * 1.5e-3 + 1e-12).all()
             assert (np.abs(position) <= 2.0 + 1e-9).all()
             last = position
+
+
+AWAY = np.array([0.009, -0.009, 0.004, 0.0, 0.001, 0.009, -0.002, 0.009, 0.0, -0.009])  # [rad]
+
+
+def set_off(robot: Servo, away: np.ndarray, count: int = 250) -> np.ndarray:
+    """Course at 1 kHz while set-points stand still, away from where the robot holds."""
+    course = [robot.course(0.999)[0]]
+    for k in range(2 * count):
+        now = 1.0 + k * 1e-3
+        if k % 2 == 0:
+            robot.accept(Setpoint(HOME + away, STILL, now), now)
+        course.append(robot.course(now)[0])
+    return np.array(course)
+
+
+def test_a_first_setpoint_away_from_where_it_holds_is_reached_slowly():
+    robot = servo()
+    course = set_off(robot, AWAY)
+    speed = np.abs(np.diff(course, axis=0)).max(axis=0) / 1e-3
+    assert (speed <= 0.101 * LIMITS.speed).all()
+    assert np.abs(course[-1] - HOME - AWAY).max() < 1e-9
+    assert robot.fault == ""
+
+
+def test_its_velocities_are_those_of_its_positions():
+    robot, positions, velocities = servo(), [], []
+    for k in range(300):
+        now = 1.0 + k * 1e-3
+        robot.accept(Setpoint(HOME + AWAY, STILL, now), now)
+        position, velocity = robot.course(now)
+        positions.append(position)
+        velocities.append(velocity)
+    change = np.diff(positions, axis=0) / 1e-3
+    middle = 0.5 * (np.array(velocities)[1:] + np.array(velocities)[:-1])
+    assert np.abs(change - middle).max() < 2e-3
+
+
+@pytest.mark.parametrize("count", [1, 5, 20, 60])
+def test_a_course_that_ends_on_the_way_to_it_ends_there_without_a_jump(count):
+    robot = servo()
+    before = set_off(robot, AWAY, count)
+    after = play_on(robot, 1.0 + 2 * count * 1e-3, 0.5)
+    course = np.vstack([before, after])
+    assert (np.abs(np.diff(course, axis=0)).max(axis=0) / 1e-3 <= 0.101 * LIMITS.speed).all()
+    assert robot.state is ServoState.HOLDING
+    assert np.abs(course[-1] - HOME - AWAY).max() < 1e-9
+    again = play_on(robot, 2.0, 0.1)
+    assert np.array_equal(again, np.tile(course[-1], (100, 1)))
+
+
+def test_setpoints_that_move_while_the_first_distance_fades_are_followed():
+    robot, course = servo(), []
+    for k in range(1000):
+        now = 1.0 + k * 1e-3
+        if k % 2 == 0:
+            position, velocity = wave(now - 1.0)
+            robot.accept(Setpoint(position + AWAY, velocity, now), now)
+        course.append(robot.course(now)[0])
+    speed = np.abs(np.diff(course, axis=0)).max(axis=0) / 1e-3
+    assert (speed <= 0.301 * np.abs(RATES) + 0.101 * LIMITS.speed).all()
+    asked = wave(0.999 - CONFIG.playout_delay)[0] + AWAY
+    assert np.abs(course[-1] - asked).max() < 1e-6

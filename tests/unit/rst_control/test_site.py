@@ -7,7 +7,6 @@ from situations import situation
 
 from rst_control.configuration import robot_joints
 from rst_control.path import Path
-from rst_control.rcm import SHAFT_LENGTH
 from rst_control.site import PresentSite, Site, TrocarOutOfReach
 from rst_control.types import Accepted, Reason, Request
 
@@ -24,11 +23,11 @@ def at_home(home):
     return robot_joints(home, 0.0)
 
 
-def test_the_trocar_is_that_of_the_settings_and_home_is_in_it(site, motion_config, at_home):
+def test_the_trocar_is_that_of_the_settings_and_home_is_in_it(site, robot, motion_config, at_home):
     np.testing.assert_array_equal(site.trocar, motion_config.scene.trocar)
     shaft = site.shaft(at_home)
     assert shaft.error < 1e-9
-    assert 0.05 < shaft.insertion < SHAFT_LENGTH
+    assert 0.05 < shaft.insertion < robot.shaft_length
 
 
 def test_another_trocar_is_another_site_and_the_first_one_stays(site, at_home):

@@ -7,6 +7,7 @@ from executor_rig import Rig, shared, with_watchdogs
 
 from rst_control.lifecycle import State
 from rst_control.patient import NOWHERE, Placement
+from rst_control.presence import Presence
 from rst_control.sensors import SensorWatch, greatest_speed
 from rst_control.types import Measurement, Reason
 from rst_control.watchdogs import WatchdogLimits, Watchdogs, Watched
@@ -15,6 +16,7 @@ SETTINGS = shared()[0].controller
 WATCHDOGS = Watchdogs(
     WatchdogLimits(SETTINGS.watchdogs, rcm_error=1e-3, tension=2.4),
     SensorWatch(SETTINGS, greatest_speed(shared()[0].limits)),
+    Presence(),
 )
 INSIDE = Placement(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
 FAR = Placement(error=0.2, insertion=-0.3, wrist=-0.3, height=0.3, is_outside=True)
@@ -223,6 +225,19 @@ def test_a_spoken_command_brakes_when_the_voice_node_falls_silent():
     assert "voice node silent" in rig.view.life.reason
 
 
+def test_a_robot_that_held_by_itself_wakes_though_set_points_went_on_while_it_stood():
+    rig = Rig().moving("close")
+    rig.run(0.1)
+    rig.robot.hold()
+    rig.robot.fault = "set-points stopped coming while moving, 21 ms ago"
+    rig.until(lambda: not rig.executor.view.is_moving)
+    rig.run(0.5)
+    assert rig.executor.view.life.reason.startswith("robot fault: set-points stopped")
+    rig.say("hey robot")
+    rig.run(0.5)
+    assert rig.executor.view.life.state is State.ACTIVE
+
+
 def test_a_command_by_hand_needs_no_voice_node():
     rig = Rig().awake()
     rig.executor.heartbeat(rig.now)
@@ -230,14 +245,14 @@ def test_a_command_by_hand_needs_no_voice_node():
 
 
 def test_a_phase_that_takes_too_long_brakes():
-    rig = Rig(config=with_watchdogs(phase_timeout=1.0)).moving("reach")
-    rig.now += 2.5  # in which the way, late for once, goes on by five periods only
+    rig = Rig(config=with_watchdogs(phase_timeout=2.0)).moving("reach")
+    rig.now += 3.5  # in which the way, late for once, goes on by five periods only
     rig.until(lambda: rig.state is State.FAULTED, limit=0.5)
-    assert "1 s longer than planned" in rig.view.life.reason
+    assert "2 s longer than planned" in rig.view.life.reason
 
 
 def test_a_long_way_may_take_its_time():
-    rig = Rig(config=with_watchdogs(phase_timeout=1.0)).awake()
+    rig = Rig(config=with_watchdogs(phase_timeout=2.0)).awake()
     start = rig.now
     rig.finish("withdraw")
     assert rig.now - start > 10.0

@@ -17,14 +17,18 @@ import yaml
 
 from demo.script import Script
 from paper.config import ExperimentConfig
-from rst_control.config import MotionConfig, SimulationConfig
+from rst_control.config import LimitsConfig, MotionConfig, SimulationConfig
+from rst_control.kinova.config import BridgeConfig
+from rst_control.kinova_driver import StandInConfig
 from rst_control.robot_config import RobotSettings
+from rst_control.torque_tension_config import TorqueTensionConfig
 from session_log.config import RecorderConfig, ReportConfig
 from session_log.replay_config import ReplayConfig
 from typed_config import load_config
 from typed_config.fields import RULE, Rule
 from voice_assist.alarms.config import AlarmsConfig
-from voice_assist.config import VoiceConfig
+from voice_assist.config import CommandsConfig, VoiceConfig
+from voice_assist.enrolment.config import EnrolmentConfig
 
 ROOT = Path(__file__).resolve().parents[3]
 SOURCE = ROOT / "catkin_ws" / "src"
@@ -33,7 +37,15 @@ FOLDERS = {
 }
 WHOLE = {  # files that one call loads, as their program does at its start
     FOLDERS["rst_control"] / "gen3_openrst.yaml": RobotSettings,
+    FOLDERS["rst_control"] / "kinova_bridge.yaml": BridgeConfig,
+    FOLDERS["rst_control"] / "kinova_driver.yaml": StandInConfig,
+    FOLDERS["rst_control"] / "kinova_limits.yaml": LimitsConfig,
+    FOLDERS["rst_control"] / "torque_tension.yaml": TorqueTensionConfig,
     FOLDERS["voice_assist"] / "alarms.yaml": AlarmsConfig,
+    FOLDERS["voice_assist"] / "enrolment.yaml": EnrolmentConfig,
+    FOLDERS["voice_assist"] / "commands_de.yaml": CommandsConfig,
+    FOLDERS["voice_assist"] / "commands_es.yaml": CommandsConfig,
+    FOLDERS["voice_assist"] / "endoscope_commands.yaml": CommandsConfig,
     FOLDERS["session_log"] / "recorder.yaml": RecorderConfig,
     FOLDERS["session_log"] / "report.yaml": ReportConfig,
     FOLDERS["session_log"] / "replay.yaml": ReplayConfig,
@@ -44,6 +56,9 @@ NODES = {  # nodes whose parameters have a section for each of several files
     "controller parameters": (MotionConfig, FOLDERS["rst_control"]),
     "simulator parameters": (SimulationConfig, FOLDERS["rst_control"]),
     "": (VoiceConfig, FOLDERS["voice_assist"]),
+}
+OVERLAYS = {  # files that change some keys of a node, loaded over its own; by the node's name
+    FOLDERS["rst_control"] / "kinova_controller.yaml": "controller parameters",
 }
 Path_ = tuple[str | int, ...]
 

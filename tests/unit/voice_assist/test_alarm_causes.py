@@ -11,6 +11,8 @@ import pytest
 from rst_control.motion import OffPath
 from rst_control.patient import Placement
 from rst_control.phase_runs import _grip_failure
+from rst_control.presence import MASTER
+from rst_control.processes import ENDED
 from rst_control.pull_answer import PullAnswer
 from rst_control.types import Measurement, PhaseKind, Reason
 from rst_control.watchdogs import Watched
@@ -32,7 +34,10 @@ from voice_assist.dialogue import Heard, State, step
 from voice_assist.types import Mode
 
 TABLES = (LATCHES, GIVE_UPS, REFUSALS, UNHEARD, PARTS)
-SAME_WORDS = {"faulted": {"halted"}}  # one text for two reasons, with one next step
+SAME_WORDS = {  # one text for two reasons with one next step, or a next step of its own
+    "faulted": {"halted"},
+    "not connected": {"no master"},
+}
 WRAPPED = ("cannot ", "measured: 0.5", "0.5;")  # round an error of planning, see below
 REJECTED = sorted(r for r in set(alarm_words.rejected()) if not r[1].startswith(WRAPPED))
 INSIDE = Placement(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
@@ -69,7 +74,16 @@ def latch_words():
         "slipped": dogs.motion(0.0, measured(), replace(GOOD, needs_grip=True)),
         "voice silent": dogs.motion(0.0, measured(), replace(GOOD, heartbeat_age=0.9)),
         "overtime": dogs.motion(0.0, measured(), replace(GOOD, overtime=1e3)),
+        "node lost": lost("/panel", replace(GOOD, owner="/panel")),
+        "no master": lost(MASTER, GOOD),
     }
+
+
+def lost(who, watched):
+    """What the watchdogs say when somebody has ended."""
+    rig = Rig()
+    rig.presence.report({who: ENDED})
+    return rig.executor._watchdogs.motion(0.0, measured(), watched)
 
 
 def test_every_watchdog_and_every_stop_has_its_own_next_step():

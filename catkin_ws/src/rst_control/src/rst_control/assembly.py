@@ -9,6 +9,7 @@ from rst_control.config import MotionConfig
 from rst_control.executor import Executor
 from rst_control.motion import MotionMaker
 from rst_control.mover import Mover
+from rst_control.presence import Presence
 from rst_control.robot_model import RobotModel
 from rst_control.sensors import SensorWatch, greatest_speed
 from rst_control.site import PresentSite, Site
@@ -16,7 +17,10 @@ from rst_control.watchdogs import WatchdogLimits, Watchdogs
 
 
 def make_executor(
-    config: MotionConfig, site: PresentSite, clear_fault: Callable[[], None]
+    config: MotionConfig,
+    site: PresentSite,
+    clear_fault: Callable[[], None],
+    presence: Presence | None = None,
 ) -> Executor:
     """Make the executor for a robot.
 
@@ -24,13 +28,18 @@ def make_executor(
         config: Settings.
         site: Measures the shaft's distance from the trocar.
         clear_fault: Asks the robot to take set-points again.
+        presence: What became of the other nodes; None: nobody watches them.
     """
     settings = config.controller
     limits = WatchdogLimits(
-        settings.watchdogs, config.rcm.measured_tolerance, settings.tension.limit
+        settings.watchdogs,
+        config.rcm.measured_tolerance,
+        settings.tension.limit,
+        settings.tension.delay,
     )
     period, mover = 1.0 / settings.rate, Mover(MotionMaker(settings))
-    watchdogs = Watchdogs(limits, SensorWatch(settings, greatest_speed(config.limits)))
+    sensors = SensorWatch(settings, greatest_speed(config.limits))
+    watchdogs = Watchdogs(limits, sensors, presence or Presence())
     return Executor(watchdogs, site.placement, mover, clear_fault, period)
 
 

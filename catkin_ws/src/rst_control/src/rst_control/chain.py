@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compiled kinematics of the arm and tool: frames and Jacobians in a microsecond.
 
-KDL is the reference that these kernels are tested against. A `Chain` holds 12 fixed transforms as
-(12, 3, 4): rows 0 to 8 place each moving joint behind the one before it, then interface_link and
-tool0 behind joint_7, and tool_tip behind the left finger. `frames` holds where they are, base
-frame, in the same order.
+KDL is the reference that these kernels are tested against. A `Chain` holds 12 fixed transforms and
+a row of locks as (13, 3, 4): rows 0 to 8 place each moving joint behind the one before it, then
+interface_link and tool0 behind joint_7, and tool_tip behind the left finger. `frames` holds where
+they are, base frame, in the same order, (12, 3, 4).
+
+An arm with fewer than seven joints has locked ones in the place of those that it lacks. A locked
+joint turns nothing, whatever its angle, and its axis is zero: so are its columns of all Jacobians,
+no solver moves it, and the direction in which joints are free is the locked joint's own.
 """
 
 from __future__ import annotations
@@ -19,6 +23,7 @@ from rst_control.kernels import kernel
 Array = NDArray[np.float64]
 
 SHAFT, TOOL0, TIP = 9, 10, 11  # rows of `frames` beside the 9 moving joints
+LOCKS = 12  # row of a chain: 1 for each joint 0 to 8 that is locked, row by row
 PITCH = 7  # row of the pitch joint: far end of the shaft
 
 
@@ -41,18 +46,29 @@ def _turn(frames: Any, k: int, angle: float) -> None:
 
 
 @kernel
+def _is_locked(chain: Any, k: int) -> bool:
+    return chain[LOCKS, k // 4, k % 4] != 0.0
+
+
+@kernel
 def forward(chain: Any, q: Any, frames: Any) -> None:
     """Write all frames at q into `frames` (12, 3, 4)."""
     for i in range(3):
         for j in range(4):
             frames[0, i, j] = chain[0, i, j]
-    _turn(frames, 0, q[0])
+    if not _is_locked(chain, 0):
+        _turn(frames, 0, q[0])
     for k in range(1, 9):
         _place(frames, k - 1, chain, k)
-        _turn(frames, k, q[k])
+        if not _is_locked(chain, k):
+            _turn(frames, k, q[k])
     _place(frames, 6, chain, SHAFT)
     _place(frames, 6, chain, TOOL0)
     _place(frames, 8, chain, TIP)
+    for k in range(9):  # last: other frames were placed behind these
+        if _is_locked(chain, k):
+            for i in range(3):
+                frames[k, i, 2] = 0.0
 
 
 @kernel

@@ -135,7 +135,8 @@ def _shapes(
 def _rows(model: RobotModel) -> dict[str, int]:
     """Row of `chain.forward`'s frames by the name of the link."""
     by_joint = {link.joint: name for name, link in model.links.items()}
-    rows = {by_joint[joint]: row for row, joint in enumerate(MOVING)}
+    turning = [n for n in range(len(MOVING)) if n not in model.locked]  # others have no axis
+    rows = {by_joint[MOVING[row]]: row for row in turning}
     fixed = {"tool0": chain.TOOL0, "interface_link": chain.SHAFT}
     return {"base_link": kernels.BASE, **rows, **fixed}
 

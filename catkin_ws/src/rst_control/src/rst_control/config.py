@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from rst_control.callers_config import CallersConfig
 from rst_control.collision_config import CollisionConfig
+from rst_control.look_config import LookConfig
 from rst_control.recording_config import RecordingConfig
 from rst_control.scene_config import SceneConfig, TissueConfig, TriangulationConfig
 from rst_control.sensor_config import SensorConfig
@@ -35,6 +36,7 @@ __all__ = [
     "JawsConfig",
     "LimitLayer",
     "LimitsConfig",
+    "LookConfig",
     "MotionConfig",
     "RcmConfig",
     "RecordingConfig",
@@ -124,7 +126,7 @@ class RcmConfig:
 
     planned_tolerance: float = number(1e-9, 1e-4, "m")
     measured_tolerance: float = number(1e-6, 1e-2, "m")
-    insertion: tuple[float, float] = number(0.0, 0.28, "m")
+    insertion: tuple[float, float] = number(0.0, 0.6, "m")
     knot_spacing: float = number(1e-4, 2e-3, "m")
     rotation_radius: float = number(1e-3, 1.0, "m")
     solver: SolverConfig
@@ -147,6 +149,7 @@ class RcmConfig:
 class SpeedConfig:
     """Speed profile along the path."""
 
+    scale: float = number(0.001, 1.0, "")
     tip_speed: float = number(1e-4, 0.1, "m/s")
     pull_speed: float = number(1e-4, 0.1, "m/s")
     insertion: float = number(1e-4, 0.1, "m/s")
@@ -164,6 +167,8 @@ class JawsConfig:
     speed: float = number(0.01, 3.0, "rad/s")
     acceleration: float = number(0.01, 20.0, "rad/s^2")
     jerk: float = number(0.1, 1000.0, "rad/s^3")
+    braking: float = number(0.01, 20.0, "rad/s^2")
+    braking_jerk: float = number(0.1, 5000.0, "rad/s^3")
     settle_time: float = number(0.0, 2.0, "s")
 
 
@@ -171,6 +176,8 @@ class JawsConfig:
 class TensionConfig:
     """Pull of the tissue on the jaws."""
 
+    source: str = choice("sensor", "joint_torque", "none")
+    blind_stiffness: float = number(20.0, 4000.0, "N/m")
     initial: float = number(0.05, 2.4, "N")
     minimum: float = number(0.0, 1.0, "N")
     maximum: float = number(0.1, 2.4, "N")
@@ -182,7 +189,7 @@ class TensionConfig:
     bandwidth: float = number(0.5, 100.0, "1/s")
     stiffness_range: tuple[float, float] = number(1.0, 20_000.0, "N/m")
     noise: float = number(1e-4, 0.1, "N")
-    delay: float = number(0.0, 0.1, "s")
+    delay: float = number(0.0, 0.3, "s")
     settle_time: float = number(0.0, 2.0, "s")
 
     def __post_init__(self) -> None:
@@ -214,9 +221,11 @@ class ControllerConfig:
     rate: float = number(50.0, 2000.0, "Hz")
     state_rate: float = number(1.0, 200.0, "Hz")
     spoken_by: str = text()
+    first_motion: str = choice("free", "confirmed")
     speed: SpeedConfig
     jaws: JawsConfig
     tension: TensionConfig
+    look: LookConfig
     watchdogs: WatchdogConfig
     recording: RecordingConfig
 

@@ -23,7 +23,7 @@ Verify = Callable[[Request, Situation], Accepted | Rejected]
 COMMANDS = {command.value: command for command in Command}
 WAITING = 16  # commands that may wait to be verified; more are refused at once
 ATTEMPTS = 5  # to verify a command while the situation keeps changing
-LONGEST = 200  # characters that a command may have with its spaces; the longest one has 9
+LONGEST = 200  # characters that a command may have with its spaces; the longest one has 15
 ECHOED = 80  # characters of an unknown command that a refusal repeats
 _SPACES = re.compile(r"[ \t\r\n]+")
 _WORD = re.compile(r"\w+")
@@ -36,6 +36,7 @@ class Ticket:
     request: Request
     caller: str
     is_spoken: bool
+    owner: str = ""
     reply: Future[Reply] = field(default_factory=Future)
     ended: Future[Outcome] = field(default_factory=Future)
     attempts: int = 0
@@ -61,6 +62,7 @@ class CommandDesk:
         is_spoken: bool = False,
         is_by_hand: bool = True,
         objection: str = "",
+        owner: str = "",
     ) -> Ticket:
         """Take a command; returns at once, with the answer to come in the ticket.
 
@@ -70,8 +72,9 @@ class CommandDesk:
             is_spoken: It came by voice: that node's heartbeat must go on while it is carried out.
             is_by_hand: It came from elsewhere than the voice node, alive or not.
             objection: Why nothing but a stop is taken from this caller; empty: anything is.
+            owner: Node that has to stay while it is carried out; empty: none has.
         """
-        ticket = Ticket(request, caller, is_spoken)
+        ticket = Ticket(request, caller, is_spoken, owner)
         command = read_command(request.words)
         if command is Command.STOP:
             self._executor.stop(f'"stop" from {caller}', self._clock())
@@ -125,6 +128,7 @@ class CommandDesk:
             ticket.request,
             ticket.caller,
             ticket.is_spoken,
+            ticket.owner,
             ticket.reply,
             ticket.ended,
             ticket.attempts + 1,
@@ -136,6 +140,7 @@ class CommandDesk:
             plan,
             serial,
             ticket.is_spoken,
+            ticket.owner,
             reply=ticket.reply.set_result,
             stale=(lambda: self._again(ticket)) if plan.phases else None,
             ended=ticket.ended.set_result,

@@ -22,12 +22,12 @@ from rst_control.orders import Change, DiaryEntry, DiaryKind, Order, Outcome, Ou
 from rst_control.patient import NOWHERE, Placement
 from rst_control.seen import view_of
 from rst_control.types import Command, Measurement, Reason, Rejected, Setpoint, Vector
+from rst_control.waking import Waking
 from rst_control.watchdogs import Watchdogs, Watched
 
 log = logging.getLogger("rosout.rst_control.executor")
 
 ORDERS_PER_TICK = 4  # however many callers there are, a tick stays short
-WAKE_TIME = 0.3  # [s] that the robot gets to clear its own fault after "hey robot"
 MOST_PERIODS = 5  # of the path that one late tick may catch up with
 
 
@@ -51,13 +51,13 @@ class Executor:
         period: float,
     ) -> None:
         self._watchdogs, self._locate = watchdogs, placement
-        self._mover, self._clear_fault, self._period = mover, clear_fault, period
+        self._mover, self._period = mover, period
         self._now = 0.0
         self._measured: Measurement | None = None
         self._placement, self._max_rcm_error = NOWHERE, 0.0
         self._life, self._life_changes = Life(), 0
         self._ledger = Ledger()
-        self._waking: tuple[Order, float] | None = None  # "hey robot" until the fault is clear
+        self._waking = Waking(self._cannot_wake, clear_fault, self._refuse)
         self._health, self._heartbeat = "", -np.inf
         self._orders: deque[Order] = deque()
         self._stops: deque[tuple[str, float | None]] = deque()
@@ -93,6 +93,12 @@ class Executor:
         """What happened, oldest first; to be emptied by whoever publishes it."""
         return self._ledger.diary
 
+    @property
+    def owner(self) -> str:
+        """Node that asked for the present motion and has to stay; empty: none has."""
+        order = self._ledger.order
+        return order.owner if order is not None else ""
+
     # From the loop's thread.
 
     def tick(self, now: float, measured: Measurement | None) -> Setpoint | None:
@@ -111,7 +117,7 @@ class Executor:
         self._take_stops()
         self._take_change()
         self._take_orders()
-        self._keep_waking()
+        self._resume(self._waking.keep(now))
         motion = self._mover.motion
         velocity = self._rest() if motion is None else self._move(motion, periods)
         self.view = self._seen()
@@ -138,14 +144,14 @@ class Executor:
             self._placement = self._locate(measured.position)
             if self._mover.motion is not None:
                 self._max_rcm_error = max(self._max_rcm_error, self._placement.rcm_error)
-        lost = self._watchdogs.robot(self._now, measured)
+        lost = self._watchdogs.lost(self._now, measured)
         self._health = lost.words if lost else ""
 
     def _take_stops(self) -> None:
         while self._stops:
             reason, received = self._stops.popleft()
             self._ledger.note(received or self._now, "stop_received", Command.STOP.value, reason)
-            self._drop_waking("stopped")
+            self._waking.drop("stopped")
             self._older = len(self._orders)
             self._latch(lifecycle.stopped(self._life, reason))
 
@@ -169,7 +175,7 @@ class Executor:
             elif order.serial != self._serial and order.stale is not None:
                 order.stale()
             elif order.command is Command.HEY_ROBOT:
-                self._wake(order)
+                self._resume(self._waking.take(order, self._now))
             elif order.command is Command.TERMINATE:
                 self._terminate(order)
             else:
@@ -183,8 +189,9 @@ class Executor:
         return Rejected(Reason.HALTED, "stopped meanwhile; say it again")
 
     def _start(self, order: Order) -> None:
-        if self._health:
-            self._refuse(order, Rejected(Reason.NOT_CONNECTED, self._health))
+        lost = self._health or self._watchdogs.owner(order.owner)
+        if lost:
+            self._refuse(order, Rejected(Reason.NOT_CONNECTED, lost))
             return
         refusal = self._mover.start(order.plan, self._now)
         if refusal is not None:
@@ -203,37 +210,12 @@ class Executor:
         order.ended(Outcome("succeeded", ""))
         self._latch(lifecycle.terminated(self._life))
 
-    def _wake(self, order: Order) -> None:
-        refusal = self._cannot_wake()
-        if refusal is None:
-            self._resume(order)
-        elif refusal.reason is Reason.FAULTED:
-            self._drop_waking("said again")
-            self._clear_fault()
-            self._waking = (order, self._now + WAKE_TIME)
-        else:
-            self._refuse(order, refusal)
-
-    def _keep_waking(self) -> None:
-        if self._waking is None:
-            return
-        order, until = self._waking
-        refusal = self._cannot_wake()
-        if refusal is None:
-            self._waking = None
-            self._resume(order)
-        elif self._now >= until:
-            self._drop_waking(refusal.words)
-
-    def _drop_waking(self, words: str) -> None:
-        if self._waking is not None:
-            order, self._waking = self._waking[0], None
-            self._refuse(order, Rejected(Reason.FAULTED, words))
-
     def _cannot_wake(self) -> Rejected | None:
         return self._watchdogs.waking(self._now, self._measured, self._mover.motion is not None)
 
-    def _resume(self, order: Order) -> None:
+    def _resume(self, order: Order | None) -> None:
+        if order is None:
+            return
         was, measured, held = self._life, self._measured, self._mover.held
         if (
             measured is not None
@@ -259,8 +241,16 @@ class Executor:
     def _watch(self, motion: Motion) -> None:
         if self._life.state is State.STOPPING and self._life.then is State.FAULTED:
             return
-        silent = self._now - self._heartbeat if self._ledger.is_spoken else None
-        watched = Watched.of(motion, self._mover.held, self._placement, self._now, silent)
+        # Braking to a latch needs no voice: its heartbeat pauses after a stop.
+        is_heard = self._ledger.is_spoken and not self._life.is_latched
+        watched = Watched.of(
+            motion,
+            self._mover.held,
+            self._placement,
+            self._now,
+            self._now - self._heartbeat if is_heard else None,
+            self.owner,
+        )
         self._fault(self._watchdogs.motion(self._now, self._measured, watched))
 
     def _finish(self, motion: Motion) -> None:
@@ -280,6 +270,7 @@ class Executor:
 
     def _rest(self) -> Vector:
         measured = self._measured
+        self._fault(self._watchdogs.master())
         lost = self._watchdogs.robot(self._now, measured)
         if lost is not None and lost.reason is not Reason.STALE:
             self._mover.lose()

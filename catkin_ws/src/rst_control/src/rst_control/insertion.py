@@ -26,7 +26,6 @@ from rst_control.errors import (
 )
 from rst_control.path import Path
 from rst_control.planner import Planner
-from rst_control.rcm import SHAFT_LENGTH
 from rst_control.types import PhaseKind, Vector
 
 Array = NDArray[np.float64]
@@ -261,7 +260,8 @@ class Insertion:
         samples = path.sample(self._planner.model.chain, self._planner.trocar)
         if (worst := float(samples.rcm_error.max())) > (allowed := self._rcm.planned_tolerance):
             raise TrocarDrift(worst, allowed)
-        deepest, most = SHAFT_LENGTH - float(samples.along.min()), self._rcm.insertion[1]
+        length = self._planner.model.shaft_length
+        deepest, most = length - float(samples.along.min()), self._rcm.insertion[1]
         if deepest > most:
             raise InsertionOutOfRange(deepest, -self._scene.standoff, most)
         if must_stay:

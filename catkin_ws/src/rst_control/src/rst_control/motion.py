@@ -11,6 +11,7 @@ import numpy as np
 from rst_control.config import ControllerConfig
 from rst_control.configuration import planning_joints
 from rst_control.errors import RstError
+from rst_control.guarded_run import GuardedRun
 from rst_control.orders import Glimpse
 from rst_control.path import Path
 from rst_control.phase_runs import JawRun, PathRun, PhaseRun, TensionRun
@@ -166,7 +167,9 @@ class MotionMaker:
         self._jerk, self._tension = config.speed.jerk, config.tension
         self._braking_jerk = config.speed.braking_jerk
         self._settle = config.jaws.settle_time
-        self._jaws = Bounds(config.jaws.speed, config.jaws.acceleration, config.jaws.jerk)
+        jaws, scale = config.jaws, config.speed.scale
+        self._jaws = Bounds(jaws.speed * scale, jaws.acceleration, jaws.jerk)
+        self._jaw_brakes = Bounds(jaws.speed, jaws.braking, jaws.braking_jerk)
 
     def make(
         self, plan: Plan, held: Vector, running: Motion | None, place: Place | None, now: float
@@ -191,7 +194,7 @@ class MotionMaker:
         path = phase.path
         if path is None:
             settle = 0.0 if phase.kind is PhaseKind.OPEN else self._settle
-            return JawRun(phase, held, self._jaws, settle)
+            return JawRun(phase, held, self._jaws, self._jaw_brakes, settle)
         state = PathState(phase.start)
         if place is not None and place.path is path:
             state = place.state
@@ -203,7 +206,8 @@ class MotionMaker:
             brakes = Bounds(phase.speed, phase.braking, self._braking_jerk)
         if phase.tension is None:
             return PathRun(phase, path, state, opening, bounds, brakes)
-        return TensionRun(phase, path, state, opening, bounds, brakes, self._tension)
+        run = GuardedRun if self._tension.source == "joint_torque" else TensionRun
+        return run(phase, path, state, opening, bounds, brakes, self._tension)
 
 
 def _require_near(phase: Phase, q: Vector, start: Vector) -> None:

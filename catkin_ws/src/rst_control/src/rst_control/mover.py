@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from rst_control.configuration import planning_joints, robot_joints
 from rst_control.motion import Motion, MotionMaker, Place
 from rst_control.types import JOINT_COUNT, Grasp, Measurement, Plan, Reason, Rejected, Vector
 
 STILL = np.zeros(JOINT_COUNT)
+CLOSED = 0.0  # [rad] opening that jaws which hold tissue are sent to
 
 
 class Mover:
@@ -82,8 +84,14 @@ class Mover:
             self.changes += 1
 
     def synchronise(self, measured: Measurement) -> None:
-        """Take the measured joints as the set-point."""
-        self.held, self._place = measured.position, None
+        """Take the measured joints as the set-point; jaws that hold tissue stay sent to close.
+
+        Tissue may keep them open: sent to where it does, they would hold it no longer.
+        """
+        held = measured.position
+        if measured.gripped:
+            held = robot_joints(planning_joints(held)[0], CLOSED)
+        self.held, self._place = held, None
         self.changes += 1
 
     def drop_grasp(self) -> None:

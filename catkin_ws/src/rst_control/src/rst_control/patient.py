@@ -18,7 +18,6 @@ from rst_control import chain as kin
 from rst_control.collision import CollisionModel, Plane
 from rst_control.config import MotionConfig
 from rst_control.kernels import kernel
-from rst_control.rcm import SHAFT_LENGTH
 from rst_control.robot_model import RobotModel
 from rst_control.types import Vector, frozen_array
 
@@ -58,7 +57,7 @@ class Patient:
     def __init__(self, model: RobotModel, config: MotionConfig) -> None:
         scene = config.scene
         normal = np.array(scene.outward) / np.linalg.norm(scene.outward)
-        self._chain = model.chain
+        self._chain, self._shaft = model.chain, model.shaft_length
         self.outward = frozen_array(normal, 3)  # base frame
         self._trocar = frozen_array(scene.trocar, 3)
         self._watched = WATCHED_SHARE * scene.surface_margin
@@ -84,7 +83,7 @@ class Patient:
         is_outside = height >= self._watched and isfinite(error + tip)
         # Outside, a tool that points elsewhere may have its tip beyond the trocar along its shaft.
         insertion = min(tip, -tip_height) if tip_height > 0.0 else tip
-        return Placement(error, insertion, SHAFT_LENGTH - along, height, is_outside)
+        return Placement(error, insertion, self._shaft - along, height, is_outside)
 
 
 @kernel

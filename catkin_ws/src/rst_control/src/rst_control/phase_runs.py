@@ -52,7 +52,7 @@ class PhaseRun(Protocol):
         ...
 
 
-class _Braking:
+class Braking:
     """Comes to rest on a path; what both kinds of motion along one share.
 
     Args:
@@ -77,7 +77,7 @@ class _Braking:
         return robot_joints(point.q, self._opening), robot_joints(point.dq * state.speed, 0.0)
 
 
-class PathRun(_Braking):
+class PathRun(Braking):
     """Goes along a path to the target of the phase.
 
     Args:
@@ -123,10 +123,10 @@ class PathRun(_Braking):
     @property
     def progress(self) -> float:
         """Share of the way that is done, from 0 to 1."""
-        return _share(self._start, self.state.s, self.phase.target)
+        return share_done(self._start, self.state.s, self.phase.target)
 
 
-class TensionRun(_Braking):
+class TensionRun(Braking):
     """Pulls or eases along a path to the tension of the phase, or to the furthest s.
 
     It fails where the tension does not rise with the pull.
@@ -174,7 +174,7 @@ class TensionRun(_Braking):
             self.is_done = self._brake.is_done
             return self._joints(state)
         state = self._control.step(self._now, dt)
-        self.failure = self._control.objection
+        self.failure = distrust_words(measured) or self._control.objection
         if self.failure or self._control.is_settled or self._control.is_at_limit:
             self._brake_from(state)
         return self._joints(state)
@@ -188,8 +188,8 @@ class TensionRun(_Braking):
         """Share of the change of tension, or of the way to the furthest s, that is done."""
         if self._first is None:
             return 0.0
-        way = _share(self._started, self.state.s, self._furthest)
-        return max(way, _share(self._first, self._now, self._goal))
+        way = share_done(self._started, self.state.s, self._furthest)
+        return max(way, share_done(self._first, self._now, self._goal))
 
 
 class JawRun:
@@ -199,16 +199,19 @@ class JawRun:
         phase: With an opening.
         held: Joints where it starts [rad]. Shape (10,).
         bounds: Of the opening.
+        brakes: The same while braking.
         settle_time: After the jaws came to rest [s].
     """
 
     is_pulling = False
 
-    def __init__(self, phase: Phase, held: Vector, bounds: Bounds, settle_time: float) -> None:
+    def __init__(
+        self, phase: Phase, held: Vector, bounds: Bounds, brakes: Bounds, settle_time: float
+    ) -> None:
         self.phase, self.is_done, self.failure = phase, False, ""
         self._q, self._start = planning_joints(held)
         self._target = self._start if phase.opening is None else phase.opening
-        self._bounds, self._left = bounds, settle_time
+        self._brakes, self._left = brakes, settle_time
         self._is_braking = False
         self._profile = Profile(PathState(self._start), bounds)
         self._profile.go_to(self._target)
@@ -233,12 +236,12 @@ class JawRun:
         """Let the jaws come to rest where they are."""
         if not self._is_braking:
             self._is_braking = True
-            self._profile = Profile(_not_pushing(self._profile.state), self._bounds)
+            self._profile = Profile(_not_pushing(self._profile.state), self._brakes)
 
     @property
     def progress(self) -> float:
         """Share of the way that is done, from 0 to 1."""
-        return _share(self._start, self._profile.state.s, self._target)
+        return share_done(self._start, self._profile.state.s, self._target)
 
 
 def _grip_failure(kind: PhaseKind, is_gripped: bool) -> str:
@@ -249,6 +252,12 @@ def _grip_failure(kind: PhaseKind, is_gripped: bool) -> str:
     return ""
 
 
+def distrust_words(measured: Measurement) -> str:
+    """Why a pull to a tension cannot go on; empty: it can."""
+    why = measured.distrust
+    return f"no trusted tension to pull to: {why}" if why else ""
+
+
 def _not_pushing(state: PathState) -> PathState:
     """The state without an acceleration that makes it faster."""
     if state.speed * state.acceleration > 0.0:
@@ -256,7 +265,8 @@ def _not_pushing(state: PathState) -> PathState:
     return state
 
 
-def _share(start: float, now: float, end: float) -> float:
+def share_done(start: float, now: float, end: float) -> float:
+    """Share of the way from start to end that is done, from 0 to 1."""
     if abs(end - start) < TINY:
         return 1.0
     return min(max((now - start) / (end - start), 0.0), 1.0)

@@ -17,6 +17,7 @@ from rst_control.errors import (
     Infeasible,
     InsertionOutOfRange,
     OutsideWorkspace,
+    RobotModelError,
     TrocarDrift,
     Unreachable,
 )
@@ -25,7 +26,7 @@ from rst_control.limits import layer_in_force, make_limits
 from rst_control.path import Path, Samples, speed_bounds
 from rst_control.patient import Patient
 from rst_control.profile import Bounds, stopping_speed
-from rst_control.rcm import SHAFT_LENGTH, rcm_state
+from rst_control.rcm import rcm_state
 from rst_control.robot_model import RobotModel
 from rst_control.solve_ik import IkSolver
 from rst_control.types import Vector, frozen_array
@@ -59,6 +60,7 @@ class Planner:
     """
 
     def __init__(self, model: RobotModel, config: MotionConfig) -> None:
+        _require_shaft(model, config)
         self.model, self.config = model, config
         self.trocar = frozen_array(config.scene.trocar, 3)
         self.centre = frozen_array(config.scene.workspace_centre, 3)
@@ -191,8 +193,9 @@ class Planner:
         return self._smooth(q, goal, q)
 
     def pace(self, path: Path, speed: float) -> Pace:
-        """How joints can follow a path, up to `speed` [m/s], and stop on it soon enough."""
+        """How joints can follow a path, up to `speed` [m/s] by its scale, and stop soon enough."""
         settings, layer = self.config.controller.speed, layer_in_force(self.config.limits)
+        speed *= settings.scale
         samples = path.sample(self.model.chain, self.trocar)
         for _ in range(2):  # slower, the path's own curvature leaves more for braking
             speed, hardest = speed_bounds(samples, self.limits, speed, MOST_BRAKING)
@@ -300,10 +303,16 @@ class Planner:
 
     def _check_insertion(self, samples: Samples) -> None:
         least, most = self.config.rcm.insertion
-        depth = SHAFT_LENGTH - samples.along
+        depth = self.model.shaft_length - samples.along
         for value in (float(depth.min()), float(depth.max())):
             if not least <= value <= most:
                 raise InsertionOutOfRange(value, least, most)
+
+
+def _require_shaft(model: RobotModel, config: MotionConfig) -> None:
+    most, allowed = config.rcm.insertion[1], model.shaft_length
+    if most > allowed:
+        raise RobotModelError(f"rcm.insertion up to {most:g} m, allowed: the shaft, {allowed:g} m")
 
 
 def _unit(direction: object) -> Vector:

@@ -12,8 +12,6 @@ from rst_control import chain
 from rst_control.configuration import Configuration
 from rst_control.types import PLAN_COUNT, Vector
 
-SHAFT_LENGTH = 0.28  # [m] from interface_link to the pitch joint, straight
-
 
 @dataclass(frozen=True)
 class RcmState:
@@ -49,7 +47,7 @@ def rcm_error(p_shaft: Vector, d_shaft: Vector, p_rcm: Vector) -> Vector:
 def rcm_state(configuration: Configuration, trocar: Vector) -> RcmState:
     """Where the trocar (3,), base frame, [m], is as seen from the shaft."""
     x, y, along = chain.rcm_offset(configuration.frames, trocar)
-    return RcmState((x, y), SHAFT_LENGTH - along)
+    return RcmState((x, y), configuration.model.shaft_length - along)
 
 
 def rcm_jacobian(configuration: Configuration, trocar: Vector) -> NDArray[np.float64]:

@@ -13,9 +13,10 @@ from typing import Final
 
 from rst_control.desk import Verify
 from rst_control.recording_config import IGNORE, REFUSE, STOP, RecordingConfig
-from rst_control.types import Accepted, Command, Plan, Reason, Rejected, Request, Situation
+from rst_control.types import LOOKS, Accepted, Command, Plan, Reason, Rejected, Request, Situation
 
-ADVANCING: Final = (Command.TENSE, Command.PULL_MORE, Command.INSERT)  # load the patient more
+# What loads the patient more, or moves the tool within.
+ADVANCING: Final = (Command.TENSE, Command.PULL_MORE, Command.INSERT, *LOOKS)
 EASING: Final = (Command.RELEASE, Command.PULL_LESS, Command.WITHDRAW)  # load the patient less
 CONSEQUENCE: Final = {
     IGNORE: "ignored, as it was set",
@@ -56,6 +57,12 @@ class RecordingWatch:
             problem: Why it records nothing; empty: it records.
         """
         self._beats[recorder] = Beat(self._clock(), problem)
+
+    def lost(self, recorder: str, words: str) -> None:
+        """Note what has become of a recorder, unless it said itself why it records nothing."""
+        beat = self._beats.get(recorder)
+        if beat is None or not beat.problem:
+            self.heard(recorder, f"recorder {words}")
 
     @property
     def was_heard(self) -> bool:

@@ -12,7 +12,7 @@ from rst_control.config import CONFIG_FOLDER
 from rst_control.robot_config import BodyFact, JointFact, LinkSettings, RobotSettings, Triple
 from typed_config import load_config, load_yaml
 
-__all__ = ["JointFact", "LinkFact", "RobotFacts", "body_inertia", "load_facts"]
+__all__ = ["FACTS_FILE", "JointFact", "LinkFact", "RobotFacts", "body_inertia", "load_facts"]
 
 FACTS_FILE = CONFIG_FOLDER / "gen3_openrst.yaml"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as Xml
@@ -13,6 +13,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 from numpy.typing import NDArray
 
+from rst_control.chain import LOCKS, PITCH, SHAFT
 from rst_control.config import URDF_FILE
 from rst_control.errors import RobotModelError
 from rst_control.types import ARM_JOINTS, JOINTS
@@ -24,6 +25,7 @@ MOVING = (
     "joint_pitch",
     "joint_finger_left",
 )  # whose values are q: the last one is yaw
+STRAIGHT = 1e-6  # [m] that the pitch joint may be beside the shaft
 FRAMES = ("interface_link", "tool0", "tool_tip")  # in the order of `chain.SHAFT` and so on
 
 
@@ -53,7 +55,18 @@ class RobotModel:
     """The robot as its URDF describes it."""
 
     links: dict[str, Link]  # by the name of the link
-    chain: Array  # (12, 3, 4), see chain.py, read-only
+    chain: Array  # (13, 3, 4), see chain.py, read-only
+
+    @cached_property
+    def locked(self) -> tuple[int, ...]:
+        """Numbers in q of the arm's joints that it does not have: fixed in the URDF."""
+        return tuple(int(k) for k in np.flatnonzero(self.chain[LOCKS].ravel()))
+
+    @cached_property
+    def shaft_length(self) -> float:
+        """Length of the straight shaft, from interface_link to the pitch joint [m]."""
+        shaft, wrist = self.chain[SHAFT], self.chain[PITCH, :, 3]
+        return float(shaft[:, 2] @ (wrist - shaft[:, 3]))
 
     def route(self, tip: str) -> tuple[str, ...]:
         """Links from the base, which is left out, to the tip.
@@ -92,7 +105,7 @@ def parse_robot(text: str) -> RobotModel:
         RobotModelError: It is not this robot's.
     """
     links = dict(_read_link(joint) for joint in read_joints(text))
-    model = RobotModel(links, np.zeros((12, 3, 4)))
+    model = RobotModel(links, np.zeros((13, 3, 4)))
     model.chain[:] = _compile(model)
     model.chain.flags.writeable = False
     return model
@@ -157,22 +170,42 @@ def _compile(model: RobotModel) -> Array:
     missing += [name for name in FRAMES if name not in model.links]
     if missing:
         raise RobotModelError(f"URDF without {', '.join(missing)}")
-    if tuple(j for j in _moving(model, "tool_tip")) != MOVING:
-        raise RobotModelError(f"joints up to tool_tip are not {', '.join(MOVING)}")
+    _check_order(model, by_joint)
     targets = [by_joint[name] for name in MOVING] + list(FRAMES)
-    return np.array([_behind_joint(model, name)[:3] for name in targets])
+    chain = np.zeros((13, 3, 4))
+    chain[:LOCKS] = [_behind_joint(model, name)[:3] for name in targets]
+    kinds = [model.links[by_joint[name]].type for name in MOVING]
+    chain[LOCKS].flat[: len(MOVING)] = [kind == "fixed" for kind in kinds]
+    _check_shaft(chain)
+    return chain
 
 
-def _moving(model: RobotModel, tip: str) -> list[str]:
-    links = [model.links[name] for name in model.route(tip)]
-    return [link.joint for link in links if link.type != "fixed"]
+def _check_order(model: RobotModel, by_joint: dict[str, str]) -> None:
+    """An arm that lacks joints says so: a fixed one, with a link of that name, is in its place."""
+    there = [
+        link.joint
+        for name, link in ((name, model.links[name]) for name in model.route("tool_tip"))
+        if link.type != "fixed" or (link.joint in ARM_JOINTS and name == f"locked_{link.joint}")
+    ]
+    if tuple(there) != MOVING:
+        raise RobotModelError(f"joints up to tool_tip are not {', '.join(MOVING)}")
+
+
+def _check_shaft(chain: Array) -> None:
+    shaft, wrist = chain[SHAFT], chain[PITCH, :, 3]
+    x, y, along = shaft[:, :3].T @ (wrist - shaft[:, 3])
+    if max(abs(x), abs(y)) > STRAIGHT or along <= 0.0:
+        raise RobotModelError(
+            f"pitch joint at {x * 1e3:.3f}, {y * 1e3:.3f}, {along * 1e3:.3f} mm of interface_link, "
+            "allowed: on its z axis, in front of it"
+        )
 
 
 def _behind_joint(model: RobotModel, name: str) -> Array:
-    """Pose of a link in the last moving link before it."""
+    """Pose of a link in the last link before it that a joint of MOVING carries."""
     link = model.links[name]
     T = link.T_parent_link
-    while link.parent != "base_link" and model.links[link.parent].type == "fixed":
+    while link.parent != "base_link" and model.links[link.parent].joint not in MOVING:
         link = model.links[link.parent]
         T = link.T_parent_link @ T
     return T

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from rst_control.config import ControllerConfig, LimitsConfig
+from rst_control.configuration import planning_joints, robot_joints
 from rst_control.frozen_joints import FrozenJoints
 from rst_control.tension_sensor import TensionSensor
 from rst_control.types import JOINT_COUNT, JOINTS, Measurement, Vector
@@ -33,7 +34,7 @@ class SensorWatch:
         self._config = settings.watchdogs.sensors
         self._period = 1.0 / settings.rate
         self._longest = settings.watchdogs.joint_state_age  # [s] by which messages may be late
-        self._gap = GAP / settings.rate
+        self._gap = max(GAP / settings.rate, self._longest)  # real robots measure less often
         after = self._config.frozen_after + self._longest + settings.tension.delay
         self._joints = FrozenJoints(self._config.frozen_way, after)
         self._tension = TensionSensor(self._config, after)
@@ -66,10 +67,14 @@ class SensorWatch:
         if measured.stamp <= last.stamp:
             return
         self._last = measured
+        if measured.fault:  # it goes nowhere, wherever it is sent
+            setpoint = pulled = None
         is_gap = measured.stamp - last.stamp > self._gap  # over it, all may have changed
         words = self._motion(last, measured, is_gap)
-        words = words or self._tension.look(last, measured, None if is_gap else pulled)
-        self._joints.look(last, measured, setpoint)
+        words = words or self._tension.look(
+            last, measured, None if is_gap or measured.distrust else pulled
+        )
+        self._joints.look(last, measured, _kept_open(measured, setpoint))
         if words:
             self._words = self._words or words
             self._until = measured.stamp + self._config.plausible_for
@@ -126,6 +131,17 @@ class SensorWatch:
             f"{JOINTS[joint]} positions went {self._drift[joint]:+.4f} rad away from its "
             f"velocities, {measured.velocity[joint]:+.3f} rad/s now, allowed {allowed[joint]:.4f}"
         )
+
+
+def _kept_open(measured: Measurement, setpoint: Vector | None) -> Vector | None:
+    """The set-point with the jaws sent no further closed than they stand.
+
+    What lies between them may keep them open; that is a grip, and no frozen reading.
+    """
+    if setpoint is None:
+        return None
+    q, sent = planning_joints(setpoint)
+    return robot_joints(q, max(sent, planning_joints(measured.position)[1]))
 
 
 def greatest_speed(config: LimitsConfig) -> Vector:

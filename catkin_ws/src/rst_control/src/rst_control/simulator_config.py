@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rst_control.types import JOINT_COUNT, PLAN_COUNT
-from typed_config import flag, integer, number, require
+from typed_config import choice, flag, integer, number, require
 
 Point = tuple[float, float, float]
 
@@ -53,6 +53,7 @@ class CameraConfig:
 class SimulatorConfig:
     """simulator.yaml: the simulated robot."""
 
+    mode: str = choice("fast", "kinova_strict")
     physics_rate: float = number(100.0, 10_000.0, "Hz")
     publish_rate: float = number(10.0, 1000.0, "Hz")
     real_time_factor: float = number(0.0, 100.0, "")

@@ -15,7 +15,7 @@ from rst_control.configuration import Configuration, planning_joints
 from rst_control.errors import RstError
 from rst_control.patient import Placement
 from rst_control.planner import Planner
-from rst_control.rcm import SHAFT_LENGTH, RcmState, rcm_state
+from rst_control.rcm import RcmState, rcm_state
 from rst_control.robot_model import RobotModel
 from rst_control.types import Accepted, Rejected, Request, Situation, Vector
 from rst_control.verification import Verifier
@@ -91,7 +91,7 @@ class PresentSite:
 
 def _require_reach(model: RobotModel, trocar: Sequence[float]) -> None:
     links = [*range(7), chain.SHAFT]
-    reach = float(np.linalg.norm(model.chain[links, :, 3], axis=1).sum()) + SHAFT_LENGTH
+    reach = model.shaft_length + float(np.linalg.norm(model.chain[links, :, 3], axis=1).sum())
     distance = math.hypot(*trocar)
     if not distance <= reach:
         raise TrocarOutOfReach(distance, reach)

@@ -105,4 +105,7 @@ class IkSolver:
         low[7:] = np.maximum(low[7:], -WRIST_SEEDS)
         high[7:] = np.minimum(high[7:], WRIST_SEEDS)
         rng = np.random.default_rng(SEED)
-        return rng.uniform(low, high, (self.config.restarts + 1, 9))
+        seeds = rng.uniform(low, high, (self.config.restarts + 1, 9))
+        locked = list(self.model.locked)
+        seeds[:, locked] = self.reference[locked]
+        return seeds

@@ -50,6 +50,7 @@ class Measurement:
     gripped: bool = False  # tissue lies between the closed jaws
     connected: bool = True
     fault: str = ""  # empty: healthy
+    distrust: str = ""  # why the force must not be relied on; empty: it may
     sent: float | None = None  # [s] sender's clock, which may be set at any time; None: not told
 
     def __post_init__(self) -> None:
@@ -98,9 +99,20 @@ class Command(Enum):
     TERMINATE = "terminate"
     INSERT = "insert"
     WITHDRAW = "withdraw"
+    LOOK_LEFT = "look left"
+    LOOK_RIGHT = "look right"
+    LOOK_UP = "look up"
+    LOOK_DOWN = "look down"
+    LOOK_UP_LEFT = "look up left"
+    LOOK_UP_RIGHT = "look up right"
+    LOOK_DOWN_LEFT = "look down left"
+    LOOK_DOWN_RIGHT = "look down right"
+    LOOK_CLOSER = "look closer"
+    LOOK_WIDER = "look wider"
 
 
 BY_HAND = (Command.INSERT, Command.WITHDRAW)  # never by voice
+LOOKS = tuple(command for command in Command if command.value.startswith("look "))
 
 
 class Reason(Enum):
@@ -124,10 +136,12 @@ class Reason(Enum):
     SINGULAR = "near singular"
     TENSION_LIMIT = "tension limit"
     DISPLACEMENT_LIMIT = "displacement limit"
+    TILT_LIMIT = "tilt limit"
     NOT_CONNECTED = "not connected"
     FAULTED = "faulted"
     STALE = "joint states stale"
     NOT_RECORDED = "not recorded"
+    NOT_CONFIRMED = "not confirmed"
 
 
 class PhaseKind(Enum):
@@ -143,6 +157,7 @@ class PhaseKind(Enum):
     ALIGN = "align"
     INSERT = "insert"
     WITHDRAW = "withdraw"
+    LOOK = "look"
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from rst_control.blind_pulls import BlindPulls
 from rst_control.conditions import Conditions, mode_refusal
 from rst_control.configuration import planning_joints
 from rst_control.errors import (
@@ -23,11 +24,13 @@ from rst_control.errors import (
 )
 from rst_control.grasp_choice import choose_grasp
 from rst_control.insertion_plans import InsertionPlans
+from rst_control.look_plans import LookPlans, TiltOutOfRange
 from rst_control.path import Path
 from rst_control.phases import along
 from rst_control.planner import Planner
 from rst_control.types import (
     BY_HAND,
+    LOOKS,
     Accepted,
     Command,
     Grasp,
@@ -43,7 +46,8 @@ from rst_control.types import (
 )
 
 COMMANDS: Final = {command.value: command for command in Command}
-MOTIONS: Final = (Command.TENSE, Command.RELEASE, Command.PULL_MORE, Command.PULL_LESS, *BY_HAND)
+PULLS: Final = (Command.PULL_MORE, Command.PULL_LESS)
+MOTIONS: Final = (Command.TENSE, Command.RELEASE, *PULLS, *BY_HAND, *LOOKS)
 LEAST_ROOM: Final = 5e-4  # [m] of pull path left, below which pulling further makes no sense
 ROUNDING: Final = 1e-9  # [m] that a path may be shorter than asked for
 NEAR: Final = 2e-3  # [rad] that joints may be away from where the grasp says they are
@@ -55,6 +59,7 @@ REASONS: Final[dict[type[Infeasible], Reason]] = {
     InsertionOutOfRange: Reason.INSERTION_DEPTH,
     Collision: Reason.COLLISION,
     NearSingular: Reason.SINGULAR,
+    TiltOutOfRange: Reason.TILT_LIMIT,
 }
 
 
@@ -68,8 +73,9 @@ class Verifier:
     def __init__(self, planner: Planner) -> None:
         self._planner, self._config = planner, planner.config
         self._tension = planner.config.controller.tension
+        self._blind = BlindPulls(self._tension)
         self._conditions = Conditions(planner)
-        self._insertion = InsertionPlans(planner)
+        self._insertion, self._look = InsertionPlans(planner), LookPlans(planner)
 
     def warm_up(self) -> None:
         """Compile or load all that verification calls."""
@@ -104,8 +110,9 @@ class Verifier:
         measured = situation.measurement
         if command not in MOTIONS or measured is None:
             return Accepted(Plan(command, _words(command)))
-        if command in BY_HAND:
-            return self._insertion(command, self._joints(situation, measured), measured)
+        if command in (*BY_HAND, *LOOKS):
+            plans = self._insertion if command in BY_HAND else self._look
+            return plans(command, self._joints(situation, measured), measured)
         if command is Command.TENSE:
             return self._tense(request, situation, measured)
         if not measured.gripped:
@@ -113,7 +120,7 @@ class Verifier:
             return Rejected(Reason.NOTHING_GRASPED, words)
         if command is Command.RELEASE:
             return Accepted(self._release(situation, measured))
-        if self._by_distance(request):
+        if self._by_distance(request) or self._blind.why(measured):
             return self._pull_distance(command, request, situation, measured)
         return self._pull_tension(command, request, situation, measured)
 
@@ -129,18 +136,24 @@ class Verifier:
             return refusal
         chosen = choose_grasp(self._planner, self._joints(situation, measured))
         pull = chosen.pull
-        furthest = request.distance or pull.length
+        why = self._blind.why(measured)
+        furthest = request.distance or (self._blind.way(target) if why else pull.length)
         if furthest > pull.length + ROUNDING:
-            return self._too_far(furthest, pull)
+            return self._too_far(furthest, pull.length)
         furthest = min(furthest, pull.length)
+        if why and furthest > (most := self._blind.way(target)) + ROUNDING:
+            return self._too_far(furthest, most)
         speed = self._config.controller.speed
         phases = [Phase(PhaseKind.OPEN, opening=self._config.controller.jaws.open)]
         phases += [self._along(PhaseKind.REACH, way, speed.tip_speed) for way in chosen.reach]
         phases.append(Phase(PhaseKind.CLOSE, opening=0.0))
         way = self._along(PhaseKind.PULL, pull, speed.pull_speed)
-        phases.append(replace(way, target=furthest, tension=target))
-        grasp = Grasp(pull, chosen.retreat, 0.0, target)
+        tension = None if why else target
+        phases.append(replace(way, target=furthest, tension=tension))
+        grasp = Grasp(pull, chosen.retreat, 0.0 if tension else furthest, tension)
         words = f"reaches, grasps and pulls to {target:.2f} N"
+        if why:
+            words = f"reaches, grasps and pulls {furthest * 1e3:.1f} mm{self._blind.words(why)}"
         return Accepted(Plan(Command.TENSE, words, tuple(phases), grasp))
 
     def _release(self, situation: Situation, measured: Measurement) -> Plan:
@@ -189,18 +202,24 @@ class Verifier:
         self, command: Command, request: Request, situation: Situation, measured: Measurement
     ) -> Accepted | Rejected:
         grasp, seats = self._held(situation, measured)
+        why, is_more = self._blind.why(measured), command is Command.PULL_MORE
         step = request.distance or self._tension.step_distance
-        target = grasp.s + step if command is Command.PULL_MORE else grasp.s - step
-        if not 0.0 <= target <= grasp.pull.length:
-            return self._too_far(target, grasp.pull)
-        if command is Command.PULL_MORE:
-            refusal = self._predicted(grasp, step, measured) or self._current(measured)
+        if why and not request.distance:
+            step = self._blind.way(request.tension or self._tension.step_tension)
+        target = grasp.s + step if is_more else grasp.s - step
+        most = min(grasp.pull.length, self._blind.most) if why else grasp.pull.length
+        if target < 0.0 or (is_more and target > most + ROUNDING):
+            return self._too_far(target, most)
+        if is_more:
+            predicted = None if why else self._predicted(grasp, step, measured)
+            refusal = predicted or self._current(measured)
             if refusal is not None:
                 return refusal
         phase = self._along(PhaseKind.STEP, grasp.pull, self._config.controller.speed.pull_speed)
-        ceiling = self._tension.maximum if command is Command.PULL_MORE else None
+        ceiling = self._tension.maximum if is_more and not why else None
         phase = replace(phase, start=grasp.s, target=target, tension=ceiling)
         words = f"pulls {_direction(command)}: {grasp.s * 1e3:.1f} mm to {target * 1e3:.1f} mm"
+        words += self._blind.words(why) if why else ""
         grasp = replace(grasp, s=target, tension=None)
         return Accepted(Plan(command, words, (*seats, phase), grasp))
 
@@ -271,10 +290,10 @@ class Verifier:
     def _room(self, grasp: Grasp) -> Rejected | None:
         if grasp.s + LEAST_ROOM <= grasp.pull.length:
             return None
-        return self._too_far(grasp.s + LEAST_ROOM, grasp.pull)
+        return self._too_far(grasp.s + LEAST_ROOM, grasp.pull.length)
 
-    def _too_far(self, target: float, pull: Path) -> Rejected:
-        words = f"pulled {target * 1e3:.1f} mm, allowed 0 to {pull.length * 1e3:.1f} mm"
+    def _too_far(self, target: float, most: float) -> Rejected:
+        words = f"pulled {target * 1e3:.1f} mm, allowed 0 to {most * 1e3:.1f} mm"
         return Rejected(Reason.DISPLACEMENT_LIMIT, words)
 
 

@@ -10,6 +10,8 @@ import numpy as np
 from rst_control.config import WatchdogConfig
 from rst_control.motion import Motion
 from rst_control.patient import Placement
+from rst_control.presence import MASTER, Presence
+from rst_control.rising_tension import RisingTension
 from rst_control.sensors import SensorWatch
 from rst_control.types import JOINT_COUNT, JOINTS, Measurement, Reason, Rejected, Vector
 
@@ -21,6 +23,7 @@ class WatchdogLimits:
     settings: WatchdogConfig
     rcm_error: float  # [m]
     tension: float  # [N]
+    tension_delay: float = 0.0  # [s] by which the measured tension is late
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -33,6 +36,7 @@ class Watched:
     needs_grip: bool  # the present phase pulls on tissue
     overtime: float  # [s] that the phase takes longer than its way at its speed
     heartbeat_age: float | None  # [s] of the voice node; None: the command was not spoken
+    owner: str = ""  # node that asked for it and has to stay; empty: none has
 
     @classmethod
     def of(
@@ -42,6 +46,7 @@ class Watched:
         placement: Placement,
         now: float,
         silent: float | None,
+        owner: str = "",
     ) -> Watched:
         """What a motion shows at a time [s]; `silent` is the age of the heartbeat [s]."""
         return cls(
@@ -51,6 +56,7 @@ class Watched:
             needs_grip=motion.needs_grip,
             overtime=motion.overtime(now),
             heartbeat_age=silent,
+            owner=owner,
         )
 
 
@@ -60,15 +66,28 @@ class Watchdogs:
     Args:
         limits: Settings.
         sensors: Whether measurements can be true.
+        presence: Whether those are there without whom nothing may move.
     """
 
-    def __init__(self, limits: WatchdogLimits, sensors: SensorWatch) -> None:
-        self._limits, self._sensors = limits, sensors
+    def __init__(self, limits: WatchdogLimits, sensors: SensorWatch, presence: Presence) -> None:
+        self._limits, self._sensors, self._presence = limits, sensors, presence
         self._settings = limits.settings
+        self._rising = RisingTension(limits.tension_delay)
 
     def look(self, measured: Measurement, setpoint: Vector | None, pulled: float | None) -> None:
         """Take in a new measurement; see `SensorWatch.look`."""
         self._sensors.look(measured, setpoint, pulled)
+        self._rising.look(measured.stamp, measured.tension)
+
+    def master(self) -> str:
+        """Whether the ROS master is there; a robot at rest keeps its set-point without it."""
+        gone = self._presence.of(MASTER)
+        return f"the ROS master {gone}: nobody new could stop the robot" if gone else ""
+
+    def lost(self, now: float, measured: Measurement | None) -> Rejected | None:
+        """Whether all are there without whom nothing may begin or go on: master and robot."""
+        gone = self.master()
+        return Rejected(Reason.NOT_CONNECTED, gone) if gone else self.robot(now, measured)
 
     def robot(self, now: float, measured: Measurement | None) -> Rejected | None:
         """Whether the robot is there and speaks, at rest as in motion."""
@@ -83,6 +102,11 @@ class Watchdogs:
         if self._sensors.objection:
             return Rejected(Reason.FAULTED, f"sensor fault: {self._sensors.objection}")
         return None
+
+    def owner(self, name: str) -> str:
+        """Whether the node that asked for a motion is still there; it need not, without a name."""
+        gone = self._presence.of(name) if name else ""
+        return f"{name} {gone}" if gone else ""
 
     def following(self, measured: Measurement, setpoint: Vector) -> str:
         """Whether every joint is where it was sent."""
@@ -101,14 +125,14 @@ class Watchdogs:
 
     def waking(self, now: float, measured: Measurement | None, is_led: bool) -> Rejected | None:
         """Why the robot is not fit for "hey robot"; while it is led in a motion it may move."""
-        lost = self.robot(now, measured)
+        lost = self.lost(now, measured)
         if lost is not None or measured is None or is_led or self.is_at_rest(measured):
             return lost
         return Rejected(Reason.NOT_AT_REST, "robot not at rest yet; say it again")
 
     def motion(self, now: float, measured: Measurement | None, watched: Watched) -> str:
         """Whether a motion may go on."""
-        lost = self.robot(now, measured)
+        lost = self.lost(now, measured)
         if lost is not None or measured is None:
             return lost.words if lost else ""
         return (
@@ -129,15 +153,18 @@ class Watchdogs:
         return f"{words} with the robot {height}" if place.height > 0.0 else words
 
     def _tension(self, measured: Measurement, watched: Watched) -> str:
-        allowed = self._limits.tension
-        if not watched.raises_tension or measured.tension <= allowed:
+        allowed, ahead = self._limits.tension, self._rising.ahead
+        if not watched.raises_tension or measured.tension + ahead <= allowed:
             return ""
-        return f"tension {measured.tension:.2f} N, allowed {allowed:.2f} N"
+        late = f" and {ahead:.2f} N more since it was measured" if ahead >= 0.01 else ""
+        return f"tension {measured.tension:.2f} N{late}, allowed {allowed:.2f} N"
 
     def _grip(self, measured: Measurement, watched: Watched) -> str:
         return "tissue slipped from the jaws" if watched.needs_grip and not measured.gripped else ""
 
     def _times(self, watched: Watched) -> str:
+        if gone := self.owner(watched.owner):
+            return f"{gone} during its motion"
         age, allowed = watched.heartbeat_age, self._settings.voice_heartbeat_age
         if age is not None and age > allowed:
             return f"voice node silent for {age:.1f} s, allowed {allowed:.1f} s"

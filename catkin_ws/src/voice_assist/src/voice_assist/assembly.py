@@ -19,6 +19,7 @@ from voice_assist.vad.detector import make_detector
 
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
+    from voice_assist.speaker.gate import Gate
     from voice_assist.spotter.spotter import Spotter, Spotting
 
 
@@ -34,15 +35,18 @@ def limit_threads(config: VoiceConfig) -> None:
 
 
 def make_recognizer(config: VoiceConfig) -> Recognizer:
-    """Load the recogniser, and limit torch to the threads of the settings.
+    """Load the recogniser, adapted to whose profile is in force, and limit torch's threads.
 
     Raises:
         ModelError: The model is missing or damaged.
+        ProfileError: The profile is missing, damaged, not active, or of another model.
     """
+    from voice_assist.enrolment.in_force import personalise
     from voice_assist.recognizer import load_recognizer
 
     limit_threads(config)
-    return load_recognizer(config.recognizer.model, config.recognizer.device)
+    base = load_recognizer(config.recognizer.model, config.recognizer.device)
+    return personalise(config.profile, base)
 
 
 def make_spotter(config: SpotterConfig) -> tuple[Spotter, str]:
@@ -65,6 +69,7 @@ def make_pipeline(
     recognizer: Recognizer | None = None,
     spotting: Spotting | None = None,
     witness: Witness = ignore,
+    voiceprint: bytes | None = None,
 ) -> Pipeline:
     """The pipeline with the real detector and, unless others are given, real networks.
 
@@ -74,12 +79,30 @@ def make_pipeline(
         recognizer: One that is loaded already.
         spotting: A spotter that runs elsewhere; None: the pipeline runs its own, if it is enabled.
         witness: Told of all that comes in besides sound.
+        voiceprint: For the speaker gate; None: that of the profile in force, if it has one.
+
+    Raises:
+        ModelError: A network is missing or damaged.
+        ProfileError: The profile in force cannot be used.
     """
+    from voice_assist.enrolment.in_force import with_profile
+
     recognizer = recognizer or make_recognizer(config)
+    config, own = with_profile(config)
+    voiceprint = voiceprint or own
     if spotting is None and config.spotter.is_enabled:
         spotting, _ = make_spotter(config.spotter)
-    second = SecondWay(config.spotter, spotting)
-    return Pipeline(config, recognizer, make_detector(config.audio.vad), clock, second, witness)
+    second, gate = SecondWay(config.spotter, spotting), _make_gate(config, voiceprint)
+    detector = make_detector(config.audio.vad)
+    return Pipeline(config, recognizer, detector, clock, second, witness, gate)
+
+
+def _make_gate(config: VoiceConfig, voiceprint: bytes | None) -> Gate | None:
+    if not config.speaker.is_on:
+        return None  # nor is its network loaded
+    from voice_assist.speaker.gate import make_gate
+
+    return make_gate(config.speaker, voiceprint)
 
 
 def make_source(config: AudioConfig, clock: Clock, pause: Pause, report: Report) -> Source:

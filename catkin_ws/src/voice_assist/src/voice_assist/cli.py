@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The `voice_assist` command: listen, phrases, devices, alarms, evaluate."""
+"""The `voice_assist` command: listen, phrases, check-commands, devices, evaluate, enroll, ..."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from typed_config import ConfigError
-from voice_assist.config import CONFIG_DIR, VoiceConfig, load_voice_config
+from typed_config import ConfigError, load_config, load_yaml
+from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
 from voice_assist.errors import VoiceError
 from voice_assist.mapper import Mapper
 
@@ -36,6 +36,7 @@ def settings(options: argparse.Namespace) -> VoiceConfig:
         "recognizer__model": getattr(options, "model", None),
         "audio__microphone__device": getattr(options, "device", None),
         "audio__wav__speed": getattr(options, "speed", None),
+        "profile__name": getattr(options, "profile", None),
     }
     if path := getattr(options, "wav", None):
         wanted |= {"audio__wav__path": path, "audio__source": "wav", "audio__wav__then": "exit"}
@@ -60,6 +61,19 @@ def _phrases(options: argparse.Namespace) -> None:
         print(f"{phrase:12} in {' and '.join(command.modes)}" + (f"; also {also}" if also else ""))
 
 
+def _check_commands(options: argparse.Namespace) -> None:
+    """Print which commands are most alike; ends with 1 where two are too alike."""
+    from voice_assist.confusability import closest_pairs, told
+
+    commands = settings(options).commands
+    if options.file is not None:
+        commands = load_config(CommandsConfig, load_yaml(options.file), options.file.name)
+    pairs = closest_pairs(commands, options.language)
+    print("\n".join(told(pairs)))
+    if any(pair.verdict == "too alike" for pair in pairs):
+        sys.exit(1)
+
+
 def _devices(options: argparse.Namespace) -> None:
     """Print the microphones by the names that settings take."""
     from voice_assist.audio.portaudio import PortAudio
@@ -77,6 +91,28 @@ def _alarms(options: argparse.Namespace) -> None:
     from voice_assist.alarms.command import show_alarms
 
     show_alarms(options.config, options.play, options.write_wav, is_markdown=options.markdown)
+
+
+def _enroll(options: argparse.Namespace) -> None:
+    """Learn one person's voice; ends with 1 where the profile is not active afterwards."""
+    from voice_assist.enrolment.command import Enrol, enroll
+
+    asked = Enrol(
+        name=options.name,
+        folder=options.profiles,
+        wavs=options.from_wavs,
+        session=options.from_session,
+        corrections=options.corrections,
+        again=options.again,
+        settings=options.config,
+    )
+    sys.exit(enroll(settings(options), asked))
+
+
+def _profiles(options: argparse.Namespace) -> None:
+    from voice_assist.enrolment.command import manage
+
+    sys.exit(manage(options.action, options.name, options.profiles, options.yes))
 
 
 def _evaluate(options: argparse.Namespace) -> None:
@@ -101,10 +137,15 @@ def _parser() -> argparse.ArgumentParser:
     _add_listen(verbs)
     phrases = verbs.add_parser("phrases", help="print every phrase that is taken for a command")
     phrases.set_defaults(run=_phrases)
+    check = verbs.add_parser("check-commands", help="show which commands sound or look alike")
+    check.add_argument("file", type=Path, nargs="?", help="like commands.yaml; default: in force")
+    check.add_argument("--language", default="en-us", help="of espeak-ng, such as de or es")
+    check.set_defaults(run=_check_commands)
     devices = verbs.add_parser("devices", help="list the microphones")
     devices.set_defaults(run=_devices)
     _add_alarms(verbs)
     _add_evaluate(verbs)
+    _add_enrolment(verbs)
     return parser
 
 
@@ -115,6 +156,7 @@ def _add_listen(verbs: Any) -> None:
     source.add_argument("--wav", help="a recording in place of a microphone")
     parser.add_argument("--speed", type=_not_negative, help="of the recording; 0: at once")
     parser.add_argument("--mode", choices=("standby", "active"), default="standby")
+    parser.add_argument("--profile", help="of the person who speaks; none: the base alone")
     parser.add_argument("--model", help="embedded, a name or a file of a Whisper model")
     parser.set_defaults(run=_listen)
 
@@ -141,7 +183,15 @@ def _add_evaluate(verbs: Any) -> None:
     parser.add_argument("--jobs", type=_positive, help="processes; default: one per core")
     parser.add_argument("--model", help="embedded, a name or a file of a Whisper model")
     parser.add_argument("--details", type=Path, help="CSV file to write with a line per clip")
+    parser.add_argument("--profile", help="of the person who speaks; none: the base alone")
     parser.set_defaults(run=_evaluate)
+
+
+def _add_enrolment(verbs: Any) -> None:
+    from voice_assist.enrolment.options import add_enroll, add_profiles
+
+    add_enroll(verbs).set_defaults(run=_enroll)
+    add_profiles(verbs).set_defaults(run=_profiles)
 
 
 def _positive(words: str) -> int:

@@ -11,7 +11,11 @@ from voice_assist.errors import CommandsError
 from voice_assist.normalize import Words, is_negated, normalize
 from voice_assist.wer import wer
 
-MOVING = ("tense", "release", "pull more", "pull less")
+LOOKING = (  # of an endoscope, or of the tool as one, under the trocar
+    *("look left", "look right", "look up", "look down", "look closer", "look wider"),
+    *("look up left", "look up right", "look down left", "look down right"),
+)
+MOVING = ("tense", "release", "pull more", "pull less", *LOOKING)
 CALLS = ("hey robot", *MOVING, "stop", "terminate")  # what rst_control/command takes from a voice
 NEVER_SURE = 0.95  # [0, 1] a recogniser is hardly ever surer of a word than this
 
@@ -22,6 +26,7 @@ class CommandConfig:
 
     phrase: str = text()
     spellings: tuple[str, ...] = text()
+    learned: tuple[str, ...] = text(default=())  # what the recogniser writes for one person's takes
     threshold: float = number(0.01, 1.0, "WER")
     modes: tuple[str, ...] = choice("standby", "active")
     then: str = choice("same", "standby", "active")
@@ -58,9 +63,10 @@ class CommandConfig:
 
     @property
     def all_spellings(self) -> Iterator[tuple[str, str]]:
-        """Key and text of the phrase and of each spelling."""
+        """Key and text of the phrase, of each spelling and of each one learned."""
         yield "phrase", self.phrase
         yield from ((f"spellings[{i}]", words) for i, words in enumerate(self.spellings))
+        yield from ((f"learned[{i}]", words) for i, words in enumerate(self.learned))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +105,19 @@ class CommandsConfig:
     def phrases(self) -> tuple[str, ...]:
         """Names of all commands, in their order."""
         return tuple(command.phrase for command in self.commands)
+
+    def scored(self, taken: str, words: Words) -> dict[str, str]:
+        """Per command the text by which the recogniser scores it: its phrase.
+
+        Args:
+            taken: The command that was taken; one whose phrase the recogniser cannot write is
+                scored by what it learned to write for it, as it was written now.
+            words: Of the transcript.
+        """
+        texts = {phrase: phrase for phrase in self.phrases}
+        if words in [normalize(text) for text in self.get(taken).learned]:
+            texts[taken] = " ".join(words)
+        return texts
 
     def get(self, phrase: str) -> CommandConfig:
         """The command of that phrase.

@@ -11,7 +11,9 @@ from typing import Any
 from typed_config import choice, flag, integer, load_config, load_yaml, number, require, text
 from voice_assist.calibration import Calibration
 from voice_assist.commands_config import CommandConfig, CommandsConfig
+from voice_assist.enrolment.profile_config import ProfileConfig
 from voice_assist.errors import CommandsError
+from voice_assist.speaker.config import SpeakerConfig
 
 __all__ = [
     "CONFIG_DIR",
@@ -23,7 +25,9 @@ __all__ = [
     "DenoiseConfig",
     "EarlyConfig",
     "MicrophoneConfig",
+    "ProfileConfig",
     "RecognizerConfig",
+    "SpeakerConfig",
     "SpotterConfig",
     "TopicConfig",
     "VadConfig",
@@ -35,7 +39,14 @@ __all__ = [
 
 CONFIG_DIR = Path(__file__).resolve().parents[2] / "config"
 LOWEST_PITCH = 10.0  # [Hz] below it there is no sound to remove
-SECTIONS = ("audio", "recognizer", "spotter", "commands")  # each is a file and a key
+SECTIONS = (
+    "audio",
+    "recognizer",
+    "spotter",
+    "speaker",
+    "profile",
+    "commands",
+)  # each a file and a key
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,6 +172,7 @@ class RecognizerConfig:
     model: str = text()
     device: str = text()
     threads: int = integer(1, 64, "threads")
+    hung_after: float = number(0.1, 30.0, "s")
     second_opinion: bool = flag()
     confidence: ConfidenceConfig
     early: EarlyConfig
@@ -195,6 +207,8 @@ class VoiceConfig:
     audio: AudioConfig
     recognizer: RecognizerConfig
     spotter: SpotterConfig
+    speaker: SpeakerConfig
+    profile: ProfileConfig
     commands: CommandsConfig
 
     def __post_init__(self) -> None:

@@ -22,6 +22,7 @@ from rich.progress import track
 
 from voice_assist.assembly import make_pipeline, make_recognizer
 from voice_assist.config import VoiceConfig
+from voice_assist.enrolment.in_force import facts_of
 from voice_assist.errors import ManifestError
 from voice_assist.evaluation import Clip, Evaluator, Outcome, read_manifest, read_noises
 from voice_assist.scores import summarize, verdict
@@ -117,6 +118,7 @@ def _context(config: VoiceConfig, job: Job, jobs: int) -> dict[str, Any]:
     return {
         "model": recognizer.name,
         "model_hash": recognizer.model_hash,
+        **facts_of(recognizer),
         "mode": job.mode,
         "noise": str(job.noise) if job.noise else None,
         "snr_db": job.snr_db,

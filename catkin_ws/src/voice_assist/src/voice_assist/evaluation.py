@@ -144,7 +144,7 @@ class Evaluator:
         self._pipeline.reset()
         for decision in self._decide(stream, began):
             heard.append(decision.hypothesis.text)
-            claims += _claim(decision)
+            claims += claims_of(decision)
             if isinstance(decision.outcome, Match):
                 latency = decision.decided - began - speech_end
                 text, sure = decision.hypothesis.text, decision.confidence
@@ -262,7 +262,8 @@ def _clip(folder: Path, row: int, name: str, transcript: str, phrases: dict[str,
     return Clip(row, path, transcript, phrases.get(" ".join(normalize(transcript)), ""))
 
 
-def _claim(decision: Decision) -> list[Claim]:
+def claims_of(decision: Decision) -> list[Claim]:
+    """The claim of a decision whose words are exactly a command's; of any other none."""
     outcome, sure = decision.outcome, decision.confidence
     if isinstance(outcome, Match):
         return [Claim(outcome.command, sure, decision.origin, True)]

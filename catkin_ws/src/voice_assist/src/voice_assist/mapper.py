@@ -24,7 +24,7 @@ class Mapper:
     def __init__(self, config: CommandsConfig) -> None:
         """Prepare the words of every command and its spellings."""
         self._spellings: dict[str, tuple[Words, ...]] = {
-            command.phrase: tuple(normalize(s) for s in (command.phrase, *command.spellings))
+            command.phrase: tuple(normalize(spelling) for _, spelling in command.all_spellings)
             for command in config.commands
         }
         self._thresholds = {command.phrase: command.threshold for command in config.commands}

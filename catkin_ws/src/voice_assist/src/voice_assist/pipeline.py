@@ -43,6 +43,7 @@ from voice_assist.vad.detector import Detector
 
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
+    from voice_assist.speaker.gate import Gate
 
 Event = Partial | Decision | Lost
 Clock = Callable[[], float]
@@ -64,6 +65,7 @@ class Pipeline:
         clock: Clock,
         second: SecondWay | None = None,
         witness: Witness = ignore,
+        gate: Gate | None = None,
     ) -> None:
         """Join the stages.
 
@@ -74,7 +76,9 @@ class Pipeline:
             clock: The one that stamps the frames [s].
             second: The spotter and the rule that joins it; without it the recogniser is alone.
             witness: Told of all that comes in besides sound, or is not heard for lack of time.
+            gate: Tells whose voice may not move the robot; None: any voice may.
         """
+        self._gate = gate
         self._second = second or SecondWay(config.spotter, None)
         self._config, self._clock, self._witness = config, clock, witness
         self._next_sample = 0  # index of the sample that follows all those heard
@@ -224,7 +228,9 @@ class Pipeline:
         if command.is_halt:
             return match, confidence
         if self._config.recognizer.second_opinion:
-            scores = self._hear.scores(self._config.commands.phrases)
+            texts = self._config.commands.scored(match.command, normalize(heard.text))
+            told = self._hear.scores(tuple(texts.values()))
+            scores = {phrase: told[text] for phrase, text in texts.items()}
             best, score = max(scores, key=scores.__getitem__), scores[match.command]
             confidence = worth.scores(score)
             if best != match.command:
@@ -233,6 +239,8 @@ class Pipeline:
         if confidence < command.least_confidence:
             reason = too_unsure(confidence, command.least_confidence)
             return NoMatch(reason, match.command, match.wer), confidence
+        if command.is_motion and self._gate and (objection := self._gate(self._hear.sound)):
+            return NoMatch(objection, match.command, match.wer), confidence
         return match, confidence
 
     def _fire(self, growth: Growth, heard: Hypothesis, spotted: float | None) -> Match | None:

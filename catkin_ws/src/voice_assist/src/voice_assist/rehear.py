@@ -7,7 +7,7 @@ The recorder's package finds `rehear` by its name in a setting; neither package 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -20,6 +20,8 @@ from voice_assist.audio.source import FRAME
 from voice_assist.circumstances import Circumstances, Kind, from_text
 from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, voice_config
 from voice_assist.dialogue import Answered
+from voice_assist.enrolment.in_force import personalise
+from voice_assist.enrolment.manifest import NOBODY
 from voice_assist.errors import VoiceError
 from voice_assist.pipeline import Event, Pipeline
 from voice_assist.spotter.recalled import RecalledSpotter
@@ -167,11 +169,12 @@ def rehear(settings: Mapping[str, Any], notes: Sequence[str], model: str | None)
         limit_threads(config)
         past = Circumstances(from_text(note) for note in notes)
         recognizer = _recognizer(config.recognizer.model, config.recognizer.device)
+        config, recognizer, missing = _with_profile(config, recognizer)
         spotter, digest = make_spotter(config.spotter) if config.spotter.is_enabled else (None, "")
     except (VoiceError, ConfigError, ValueError) as error:
         raise Unhearable(str(error)) from error
     hearing = Rehearing(config, recognizer, spotter, past)
-    hearing.spotter_hash, hearing.warnings = digest, warnings
+    hearing.spotter_hash, hearing.warnings = digest, (*warnings, *missing)
     return hearing
 
 
@@ -209,6 +212,17 @@ def _merge(
         if key not in today:
             warnings.append(f"setting {path}{key} was recorded and exists no more")
     return merged
+
+
+def _with_profile(
+    config: VoiceConfig, base: Recognizer
+) -> tuple[VoiceConfig, Recognizer, tuple[str, ...]]:
+    """The recogniser of whose profile was in force; where that is gone, the base and a warning."""
+    try:
+        return config, personalise(config.profile, base), ()
+    except (VoiceError, ConfigError) as error:
+        nobody = replace(config.profile, name=NOBODY, sha256="")
+        return replace(config, profile=nobody), base, (f"heard without a profile: {error}",)
 
 
 @lru_cache(maxsize=2)

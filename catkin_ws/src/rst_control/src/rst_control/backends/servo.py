@@ -24,6 +24,9 @@ from rst_control.types import Setpoint
 Joints = NDArray[np.float64]  # (10,), [rad] or [rad/s]
 
 
+START_SHARE = 0.1  # of the joints' greatest speeds, to reach a first set-point that lies elsewhere
+
+
 class ServoState(Enum):
     """What the servo is doing."""
 
@@ -78,6 +81,32 @@ class _Brake:
         return position, (1.0 - 3.0 * u**2 + 2.0 * u**3) * velocity
 
 
+@dataclass(frozen=True, eq=False)
+class _Fade:
+    """A distance from the course that vanishes, by the smooth step 3u^2 - 2u^3.
+
+    The first set-point may lie a little away from where the joints hold: they get there slowly.
+    """
+
+    away: Joints  # [rad] at the start
+    start: float  # [s]
+    duration: float  # [s]
+
+    @classmethod
+    def over(cls, away: Joints, start: float, speed: Joints) -> _Fade:
+        """Of a distance, so slowly that no joint passes a speed [rad/s]."""
+        return cls(away, start, float(np.max(1.5 * np.abs(away) / speed)))
+
+    def at(self, now: float) -> tuple[Joints, Joints]:
+        u = (now - self.start) / self.duration if self.duration > 0.0 else 1.0
+        u = min(max(u, 0.0), 1.0)
+        rate = 0.0 if u == 1.0 else 6.0 * u * (1.0 - u) / self.duration
+        return (1.0 - (3.0 - 2.0 * u) * u * u) * self.away, -rate * self.away
+
+    def is_over(self, now: float) -> bool:
+        return now >= self.start + self.duration
+
+
 class Servo:
     """Turns set-points into the course of the joints, within limits; a fault brakes and latches.
 
@@ -92,6 +121,7 @@ class Servo:
         self._deceleration = np.array(config.brake_deceleration)
         self._points: deque[Setpoint] = deque(maxlen=config.buffer)
         self._brake = _Brake.standing(position)
+        self._fade = _Fade(np.zeros_like(position), 0.0, 0.0)
         self._closed_until = -np.inf  # set-points stamped earlier do not count
         self.state, self.fault = ServoState.HOLDING, ""
 
@@ -116,7 +146,9 @@ class Servo:
             return
         if self.state is ServoState.HOLDING:
             rest, still = self._brake.at(now)
-            self._points.append(Setpoint(rest, still, point.stamp - self._config.period))
+            speed = START_SHARE * self._limits.speed
+            self._fade = _Fade.over(rest - point.position, now, speed)
+            self._points.append(Setpoint(point.position, still, point.stamp - self._config.period))
             self.state = ServoState.FOLLOWING
         self._points.append(point)
 
@@ -133,6 +165,11 @@ class Servo:
         """Latch a fault, slow down and stay. The first reason is the one that is kept."""
         self.fault = self.fault or reason
         self.hold(now)
+
+    def stand_at(self, position: Joints) -> None:
+        """Take over where the joints truly stand [rad], shape (10,), unless they are led."""
+        if self.state is ServoState.HOLDING:
+            self._rest(np.array(position))
 
     def clear_fault(self) -> bool:
         """Take set-points again.
@@ -163,8 +200,12 @@ class Servo:
             position, velocity = self._played(now - self._config.playout_delay)
         else:
             position, velocity = self._brake.at(now)
+        if not self._fade.is_over(now):
+            away, speed = self._fade.at(now)
+            position, velocity = position + away, velocity + speed
         position = ten_joints.clamped(position, self._limits.lower, self._limits.upper)
-        if self.state is ServoState.BRAKING and now >= self._brake.start + self._brake.duration:
+        is_braked = now >= self._brake.start + self._brake.duration and self._fade.is_over(now)
+        if self.state is ServoState.BRAKING and is_braked:
             self._rest(position)
         return position, velocity
 

@@ -16,7 +16,7 @@ import rospy
 from actionlib import ServerGoalHandle
 from actionlib_msgs.msg import GoalID, GoalStatus
 
-from rst_control.callers import Doorkeeper
+from rst_control.callers import UNNAMED, Doorkeeper
 from rst_control.desk import CommandDesk, is_stop, shown
 from rst_control.executor import Executor
 from rst_control.msg import AssistAction, AssistActionGoal
@@ -37,10 +37,17 @@ class GuardedServer(actionlib.ActionServer):
         door: Knows who may command, and how often.
         on_goal: Told every goal that is let in.
         on_cancel: Told every goal that is to be cancelled; a cancel is never turned away.
+        on_cancel_all: Told every cancel that names no goal, also where none is under way.
     """
 
-    def __init__(self, door: Doorkeeper, on_goal: OnGoal, on_cancel: OnGoal) -> None:
-        self._door = door
+    def __init__(
+        self,
+        door: Doorkeeper,
+        on_goal: OnGoal,
+        on_cancel: OnGoal,
+        on_cancel_all: Callable[[GoalID], None],
+    ) -> None:
+        self._door, self._on_cancel_all = door, on_cancel_all
         super().__init__("rst_control/execute", AssistAction, on_goal, on_cancel, auto_start=False)
 
     def internal_goal_callback(self, goal: AssistActionGoal) -> None:
@@ -59,6 +66,8 @@ class GuardedServer(actionlib.ActionServer):
 
     def internal_cancel_callback(self, goal_id: GoalID) -> None:
         """Cancel what is known; what is not known is remembered as long as there is room."""
+        if not goal_id.id:
+            self._on_cancel_all(goal_id)
         goal_id.stamp = _not_after_now(goal_id.stamp)
         with self.lock:
             is_known = any(s.status.goal_id.id == goal_id.id for s in self.status_list)
@@ -84,11 +93,12 @@ class AssistServer:
         self._news: queue.SimpleQueue[tuple[ServerGoalHandle, Reply | Outcome]] = (
             queue.SimpleQueue()
         )
-        self._server = GuardedServer(door, self._on_goal, self._on_cancel)
+        self._server = GuardedServer(door, self._on_goal, self._on_cancel, self._on_cancel_all)
 
-    def start(self) -> None:
-        """Begin to take goals."""
+    def start(self) -> rospy.Subscriber:
+        """Begin to take goals; gives the subscriber by which they come."""
         self._server.start()
+        return self._server.goal_sub
 
     def publish_feedback(self) -> None:
         """Tell every running goal how far it is."""
@@ -126,13 +136,19 @@ class AssistServer:
     def _on_goal(self, goal: ServerGoalHandle) -> None:
         wanted = goal.get_goal()
         request = Request(wanted.command, wanted.tension, wanted.distance)
-        ticket = self._desk.take(request, f"action client {caller_of(goal.goal)}")
+        caller = caller_of(goal.goal)
+        owner = "" if caller == UNNAMED else caller  # who leaves its goal alone stops it
+        ticket = self._desk.take(request, f"action client {caller}", owner=owner)
         ticket.reply.add_done_callback(lambda reply: self._news.put((goal, reply.result())))
         ticket.ended.add_done_callback(lambda ended: self._news.put((goal, ended.result())))
 
     def _on_cancel(self, goal: ServerGoalHandle) -> None:
         received, command = time.monotonic(), shown(goal.get_goal().command, 40)
         self._executor.stop(f'stop by cancelling the action "{command}"', received)
+
+    def _on_cancel_all(self, goal_id: GoalID) -> None:
+        received = time.monotonic()
+        self._executor.stop(f"stop by cancelling all actions, from {caller_of(goal_id)}", received)
 
 
 def _short(goal_id: GoalID) -> GoalID:

@@ -11,14 +11,17 @@ import rospy
 from std_msgs.msg import Empty, Time
 
 from rst_control.callers import Doorkeeper
-from rst_control.desk import LONGEST, CommandDesk, is_stop, unknown
+from rst_control.desk import LONGEST, CommandDesk, is_stop, read_command, unknown
 from rst_control.executor import Executor
+from rst_control.heartbeat import Heartbeat
 from rst_control.intake import announced
 from rst_control.ros.messages import caller_of
 from rst_control.srv import Command, CommandRequest, CommandResponse
+from rst_control.types import Command as Spoken
 from rst_control.types import Request
 
 REPLY_TIME = 2.0  # [s] within which every command is answered, or the caller told that it was not
+_UNWATCHED = (Spoken.STOP, Spoken.HEY_ROBOT, Spoken.TERMINATE)  # of the spoken: they move nothing
 _HEAD = 4  # bytes of the length before the words
 
 
@@ -74,15 +77,14 @@ class CommandService:
         heartbeat_age: float,
     ) -> None:
         self._desk, self._executor, self._door = desk, executor, door
-        self._spoken_by, self._heartbeat_age = spoken_by, heartbeat_age
-        self._last_heartbeat = float("-inf")
+        self._spoken_by, self._heartbeat = spoken_by, Heartbeat(heartbeat_age)
         self.last_command = float("-inf")  # [s] when the last command came, steady clock
         # Of what piles up on one connection the newest counts; a flood is not queued.
         newest = {"tcp_nodelay": True, "queue_size": 1}
-        self._subscribers = [
-            rospy.Subscriber("rst_control/stop", Empty, self._on_stop, **newest),
-            rospy.Subscriber("rst_control/heartbeat", Time, self._on_heartbeat, **newest),
-        ]
+        self._stop = rospy.Subscriber("rst_control/stop", Empty, self._on_stop, **newest)
+        self.heartbeats = rospy.Subscriber(
+            "rst_control/heartbeat", Time, self._on_heartbeat, **newest
+        )
         self._service: rospy.Service | None = None
 
     def start(self) -> None:
@@ -104,10 +106,12 @@ class CommandService:
         return response
 
     def _ask(self, words: str, caller: str, objection: str) -> CommandResponse:
-        is_by_hand = caller != self._spoken_by
-        ticket = self._desk.take(
-            Request(words), caller, self._is_spoken(caller), is_by_hand, objection
-        )
+        is_spoken = caller == self._spoken_by
+        if is_spoken and not objection and read_command(words) not in _UNWATCHED:
+            objection = self._heartbeat.objection(time.monotonic())
+        owner = caller if is_spoken else ""
+        request = Request(words)
+        ticket = self._desk.take(request, caller, is_spoken, not is_spoken, objection, owner)
         try:
             reply = ticket.reply.result(REPLY_TIME)
         except NoReply:
@@ -116,13 +120,9 @@ class CommandService:
             )
         return CommandResponse(reply.accepted, reply.message)
 
-    def _is_spoken(self, caller: str) -> bool:
-        is_alive = time.monotonic() - self._last_heartbeat <= self._heartbeat_age
-        return is_alive and caller == self._spoken_by
-
     def _on_stop(self, message: Empty) -> None:
         self._executor.stop(f"stop topic, from {caller_of(message)}", time.monotonic())
 
-    def _on_heartbeat(self, _: Time) -> None:
-        self._last_heartbeat = time.monotonic()
-        self._executor.heartbeat(self._last_heartbeat)
+    def _on_heartbeat(self, message: Time) -> None:
+        sent, now = message.data.to_sec(), time.monotonic()
+        self._executor.heartbeat(self._heartbeat.beat(sent, rospy.get_time(), now))

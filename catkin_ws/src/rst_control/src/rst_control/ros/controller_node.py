@@ -17,6 +17,7 @@ from rst_control.desk import CommandDesk
 from rst_control.errors import RstError
 from rst_control.msg import ControllerState, Event
 from rst_control.orders import View
+from rst_control.presence import Presence
 from rst_control.recording import RecordedOnly, RecordingWatch
 from rst_control.robot_model import RobotModel, parse_robot
 from rst_control.ros.action_server import AssistServer
@@ -24,9 +25,11 @@ from rst_control.ros.command_service import CommandService
 from rst_control.ros.control_loop import ControlLoop
 from rst_control.ros.controller_markers import ControllerMarkers
 from rst_control.ros.diagnostics import Diagnostics
+from rst_control.ros.first_motion import ConfirmedFirst
 from rst_control.ros.intake import guard_intake
 from rst_control.ros.messages import RosClock, event_message, state_message
 from rst_control.ros.network import warn_of_listeners
+from rst_control.ros.presence_watch import PresenceWatch
 from rst_control.ros.priority import ask_for_priority
 from rst_control.ros.recording_link import RecordingLink
 from rst_control.ros.robot_link import RobotLink
@@ -53,12 +56,15 @@ class ControllerNode:
     def __init__(self, config: MotionConfig, model: RobotModel) -> None:
         settings = config.controller
         self._clock = RosClock()
-        self._link = RobotLink(self._clock, settings.watchdogs)
+        self._link = RobotLink(self._clock, settings.watchdogs, settings.tension.source)
         self._site = PresentSite(make_site(config, model))
-        self._executor = make_executor(config, self._site, self._link.clear_fault)
+        self._presence = Presence()
+        self._executor = make_executor(config, self._site, self._link.clear_fault, self._presence)
         watch = RecordingWatch(settings.recording, time.monotonic)
         self._recording = RecordingLink(watch, self._executor)
         verify = RecordedOnly(self._site.verify, watch)
+        if settings.first_motion == "confirmed":
+            verify = ConfirmedFirst(verify, self._site).verify
         self._desk = CommandDesk(self._executor, verify, time.monotonic)
         self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
@@ -68,6 +74,7 @@ class ControllerNode:
         self._markers = ControllerMarkers(config, self._site, self._look, self._clock)
         self._diagnostics = Diagnostics()
         self._actions = AssistServer(self._desk, self._executor, door)
+        self._spoken_by = settings.spoken_by
         self._service = CommandService(
             self._desk,
             self._executor,
@@ -82,16 +89,21 @@ class ControllerNode:
 
     def __enter__(self) -> ControllerNode:
         self._diagnostics.priority = ask_for_priority()
+        links = (self._service.heartbeats, self._actions.start())
+        watch = PresenceWatch(
+            self._presence, self._executor, self._spoken_by, links, self._recording
+        )
         for name, step in (
             ("planning", self._plan),
             ("publishing", self._publish),
             ("markers", self._markers.step),
             ("action", lambda: self._actions.take_news(timeout=0.2)),
+            ("peers", watch.peers.step),
+            ("presence", watch.step),
         ):
             self._stack.enter_context(Worker(name, step, self._diagnostics.error))
         self._stack.enter_context(self._loop)
         self._service.start()
-        self._actions.start()
         self._trocar.start()
         return self
 

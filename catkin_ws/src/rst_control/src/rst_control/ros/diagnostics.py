@@ -65,6 +65,7 @@ class Diagnostics:
             "rcm error [um]": f"{view.rcm_error * 1e6:.1f}",
             "trocar": trocar,
             "tension [N]": f"{view.tension:.3f}",
+            "tension not trusted": view.measurement.distrust if view.measurement else "",
             "last command [s ago]": f"{command_age:.1f}",
             "last refusal": view.last_refusal,
             "messages of the robot": objection or "good",

@@ -20,7 +20,12 @@ from rst_control.ros.wire import BadMessage, JointStateReader, OutOfOrder, read_
 from rst_control.types import JOINTS, Measurement, Vector
 
 LOST_AFTER = 0.25  # [s] without joint states: the robot counts as not connected
-NO_EFFORT = np.zeros(len(JOINTS))
+NO_EFFORT, NO_FORCE = np.zeros(len(JOINTS)), np.zeros(3)
+UNTIL_TOLD = {  # why the tension is not trusted, by its source, until the robot's side says more
+    "sensor": "",
+    "joint_torque": "nothing was heard yet of the estimate from joint torques",
+    "none": "tension.source is none",
+}
 
 
 class Arrived(Protocol):
@@ -36,12 +41,17 @@ class Reception:
     Args:
         watchdogs: How old messages may be.
         clock: Steady, that of `Arrived.arrived` [s].
+        tension: Where the tension comes from, as `tension.source` says.
     """
 
-    def __init__(self, watchdogs: WatchdogConfig, clock: Callable[[], float]) -> None:
+    def __init__(
+        self, watchdogs: WatchdogConfig, clock: Callable[[], float], tension: str = "sensor"
+    ) -> None:
         self.joints: Arrived | None = None
         self.wrench: Arrived | None = None
         self.gripped, self.fault = False, ""
+        self.distrust = UNTIL_TOLD[tension]  # why the force must not be relied on
+        self._has_tension = tension != "none"
         self.out_of_order = 0  # joint states refused for their stamps since the start
         self._joint_age, self._clock = watchdogs.joint_state_age, clock
         self._tension_age = max(watchdogs.sensors.tension_age, watchdogs.joint_state_age)
@@ -89,6 +99,7 @@ class Reception:
             force=force,
             gripped=self.gripped,
             fault=self.fault or self._objection,
+            distrust=self.distrust,
             sent=sample.stamp,
         )
 
@@ -110,6 +121,8 @@ class Reception:
     def _force(self, arrived: float) -> Vector:
         """Newest force on the jaws; where there is none, the last one, with an objection."""
         wrench = self.wrench
+        if not self._has_tension:
+            return NO_FORCE
         if wrench is None or arrived - wrench.arrived > self._tension_age:
             self._objection = "tension is not measured"
         else:

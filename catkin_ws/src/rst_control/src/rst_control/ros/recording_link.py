@@ -19,6 +19,7 @@ from rst_control.ros.messages import caller_of
 
 LONGEST_PROBLEM = 200  # characters of what a recorder says is wrong with it
 MOST_RECORDERS = 16  # that are told apart
+OTHERS = "another recorder"
 GRACE = 15.0  # [s] after the start, within which a recorder that is not there yet is no news
 
 
@@ -37,6 +38,15 @@ class RecordingLink:
         self._subscriber = rospy.Subscriber(
             "session_log/recording", String, self._on_beat, tcp_nodelay=True, queue_size=1
         )
+
+    @property
+    def recorders(self) -> frozenset[str]:
+        """Names of the nodes that have said that they record."""
+        return frozenset(self._senders - {OTHERS})
+
+    def lost(self, recorder: str, words: str) -> None:
+        """Note what has become of one, before its silence tells."""
+        self._watch.lost(recorder, words)
 
     def look(self, view: View) -> None:
         """Stop what may not go on unrecorded, and tell what is new."""
@@ -64,6 +74,6 @@ class RecordingLink:
     def _on_beat(self, message: String) -> None:
         sender = caller_of(message)
         if len(self._senders) >= MOST_RECORDERS and sender not in self._senders:
-            sender = "another recorder"
+            sender = OTHERS
         self._senders.add(sender)
         self._watch.heard(sender, shown(message.data, LONGEST_PROBLEM))

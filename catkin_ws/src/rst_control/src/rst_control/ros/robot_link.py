@@ -70,10 +70,12 @@ class RobotLink:
     Args:
         clock: Makes stamps.
         watchdogs: How old messages may be.
+        tension: Where the tension comes from, as `tension.source` says.
     """
 
-    def __init__(self, clock: RosClock, watchdogs: WatchdogConfig) -> None:
-        self._clock, self._reception = clock, Reception(watchdogs, time.monotonic)
+    def __init__(self, clock: RosClock, watchdogs: WatchdogConfig, tension: str) -> None:
+        self._clock, self._has_tension = clock, tension != "none"
+        self._reception = Reception(watchdogs, time.monotonic, tension)
         self._sent = 0
         self._servo = rospy.Publisher("robot/servo_jp", JointState, queue_size=1, tcp_nodelay=True)
         self._hold = rospy.Publisher("robot/hold", Empty, queue_size=1, tcp_nodelay=True)
@@ -82,6 +84,7 @@ class RobotLink:
         self._subscribers = [
             rospy.Subscriber("joint_states", RawJointState, self._on_joints, **newest),
             rospy.Subscriber("robot/tension", RawWrench, self._on_wrench, **newest),
+            rospy.Subscriber("robot/tension_distrust", String, self._on_distrust),
             rospy.Subscriber("robot/gripped", Bool, self._on_gripped, **newest),
             rospy.Subscriber("robot/fault", String, self._on_fault, **newest),
         ]
@@ -117,6 +120,10 @@ class RobotLink:
 
     def _on_wrench(self, message: RawWrench) -> None:
         self._reception.wrench = message
+
+    def _on_distrust(self, message: String) -> None:
+        if self._has_tension:
+            self._reception.distrust = shown(message.data, LONGEST_FAULT)
 
     def _on_gripped(self, message: Bool) -> None:
         self._reception.gripped = message.data

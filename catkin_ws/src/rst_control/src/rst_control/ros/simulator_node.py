@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The simulated robot as a ROS node: set-points in; joint states, tension, grip, faults out."""
+"""The simulated robot as a ROS node; how it is commanded is up to its door, set by `mode`."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import WrenchStamped
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Empty, String
 from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.backends.pybullet_robot import PybulletRobot
@@ -26,15 +25,16 @@ from rst_control.backends.servo import ServoState
 from rst_control.backends.trail import Trail
 from rst_control.config import SimulationConfig
 from rst_control.errors import RstError
+from rst_control.kinova_driver import StandInConfig, with_tissue_between
 from rst_control.ros.intake import guard_intake
+from rst_control.ros.kinova_driver_node import KinovaDoor
 from rst_control.ros.priority import ask_for_priority
+from rst_control.ros.setpoint_door import SetpointDoor
 from rst_control.ros.simulator_diagnostics import SimulatorDiagnostics, broadcast_places
 from rst_control.ros.simulator_markers import SimulatorMarkers
-from rst_control.ros.simulator_messages import RawJointState, Stamper, StateWriter
+from rst_control.ros.simulator_messages import Stamper
 from rst_control.ros.simulator_pace import Pace
 from rst_control.ros.simulator_pictures import SimulatorPictures
-from rst_control.ros.wire import BadMessage, JointStateReader
-from rst_control.types import JOINTS, Setpoint
 from typed_config import ConfigError, load_config
 
 log = logging.getLogger("rosout.rst_control.simulator")
@@ -43,8 +43,19 @@ SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interp
 JOB_LIMIT = 5.0  # [s] for the loop to take up what a service asks for
 FINE_RATE = 1000.0  # [Hz] of the physics, from which the figures of motion are measured
 COARSE = "physics at %g Hz, below %g Hz: the shaft leaves the trocar further than a robot's would"
-MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed, and the servo holds
-NO_STAMP = 0.0  # set-points sent by hand carry no stamp
+STRICT = "kinova_strict"  # the mode that stands in for the real drivers
+
+
+class Door(Protocol):
+    """How the robot is commanded and what it tells."""
+
+    def lead(self) -> None:
+        """Do what is due before the next steps of the physics."""
+        ...
+
+    def publish(self) -> None:
+        """Tell how the robot is after them."""
+        ...
 
 
 class SimulatorNode:
@@ -52,9 +63,10 @@ class SimulatorNode:
 
     Args:
         config: Settings of the simulation.
+        stand_in: Settings of the drivers that it stands in for; None: it takes set-points.
     """
 
-    def __init__(self, config: SimulationConfig) -> None:
+    def __init__(self, config: SimulationConfig, stand_in: StandInConfig | None = None) -> None:
         simulator = config.simulator
         self._is_real_time = simulator.real_time_factor == 1.0
         self.robot = PybulletRobot(config, start=time.monotonic() if self._is_real_time else 1.0)
@@ -63,11 +75,10 @@ class SimulatorNode:
             log.warning(COARSE, simulator.physics_rate, FINE_RATE)
         self._catch_up = simulator.catch_up
         self._stamper = Stamper(self._is_real_time)
-        self._writer, self._reader = StateWriter(self._stamper), JointStateReader(JOINTS)
         self._jobs: deque[Callable[[], None]] = deque()
-        self._told_grip: bool | None = None
-        self._told_fault: str | None = None
-        self._advertise()
+        self._clock = None if self._is_real_time else rospy.Publisher("/clock", Clock, queue_size=1)
+        self._door = self._make_door(config, stand_in)
+        self._service = rospy.Service("robot/reset_tissue", Trigger, self._on_reset)
         self._trail = Trail()
         self._pictures = SimulatorPictures(config, self._copy_state)
         self._markers = SimulatorMarkers(config.scene.tissue, self._copy_state)
@@ -88,6 +99,7 @@ class SimulatorNode:
                 self._fall_behind(behind)
             while self._jobs:
                 self._jobs.popleft()()
+            self._door.lead()
             for _ in range(self._steps):
                 self.robot.step()
             self._trail.add(self.robot.tip)
@@ -99,37 +111,16 @@ class SimulatorNode:
         self._pictures.close()
         self.robot.close()
 
-    def _advertise(self) -> None:
-        self._joints = rospy.Publisher("joint_states", JointState, queue_size=5, tcp_nodelay=True)
-        self._tension = rospy.Publisher(
-            "robot/tension", WrenchStamped, queue_size=5, tcp_nodelay=True
-        )
-        self._gripped = rospy.Publisher("robot/gripped", Bool, queue_size=10, latch=True)
-        self._fault = rospy.Publisher("robot/fault", String, queue_size=10, latch=True)
-        self._clock = None if self._is_real_time else rospy.Publisher("/clock", Clock, queue_size=1)
-        self._subscribers = [
-            rospy.Subscriber("robot/servo_jp", RawJointState, self._on_setpoint, tcp_nodelay=True),
-            rospy.Subscriber("robot/hold", Empty, self._on(self.robot.hold), queue_size=1),
-            rospy.Subscriber(
-                "robot/clear_fault", Empty, self._on(self.robot.clear_fault), queue_size=1
-            ),
-        ]
-        self._service = rospy.Service("robot/reset_tissue", Trigger, self._on_reset)
+    def _make_door(self, config: SimulationConfig, stand_in: StandInConfig | None) -> Door:
+        robot, jobs, stamper = self.robot, self._jobs, self._stamper
+        if stand_in is None:
+            return SetpointDoor(robot, jobs, stamper, self._is_real_time)
+        return KinovaDoor(robot, jobs, stamper, config, stand_in)
 
     def _publish(self) -> None:
-        robot, now = self.robot, self.robot.now
-        self._joints.publish(self._writer.joints(now, robot.reading))
-        self._tension.publish(self._writer.wrench(now, robot.force))
+        self._door.publish()
         if self._clock is not None:
-            self._clock.publish(Clock(rospy.Time(*self._stamper.split(now))))
-        if robot.tissue.is_held != self._told_grip:
-            self._told_grip = robot.tissue.is_held
-            self._gripped.publish(Bool(self._told_grip))
-        if robot.fault != self._told_fault:
-            self._told_fault = robot.fault
-            self._fault.publish(String(self._told_fault))
-            if self._told_fault:
-                log.warning("fault: %s", self._told_fault)
+            self._clock.publish(Clock(rospy.Time(*self._stamper.split(self.robot.now))))
         if self._diagnostics.is_due():
             self._stamper.follow_wall_clock()
             self._diagnostics.publish()
@@ -143,24 +134,6 @@ class SimulatorNode:
             self.robot.skip(behind)
         self.pace.give_up(behind)
         log.warning("gave up %.2f s: the simulation could not keep up", behind)
-
-    def _on(self, job: Callable[[], None]) -> Callable[[Empty], None]:
-        return lambda _: self._jobs.append(job)
-
-    def _on_setpoint(self, message: RawJointState) -> None:
-        if len(self._jobs) < MOST_JOBS:
-            self._jobs.append(lambda: self._take(message.raw))
-
-    def _take(self, raw: bytes) -> None:
-        self._reader.reset()  # the servo itself judges the order of stamps
-        try:
-            sample = self._reader(raw)
-        except BadMessage as error:
-            self.robot.fail(f"bad set-point: {error}")
-            return
-        known = self._is_real_time and sample.stamp > NO_STAMP
-        stamp = self._stamper.simulated(sample.stamp) if known else self.robot.now
-        self.robot.servo_jp(Setpoint(sample.position, sample.velocity, stamp))
 
     def _on_reset(self, _: object) -> TriggerResponse:
         self._in_loop(self.robot.tissue.reset)
@@ -200,13 +173,28 @@ class SimulatorNode:
             raise TimeoutError("the simulation does not run")
 
 
+def read_parameters(given: dict[str, object]) -> tuple[SimulationConfig, StandInConfig | None]:
+    """Settings of the simulation, and of the drivers that it stands in for where it does.
+
+    Raises:
+        ConfigError: A key is unknown, missing or out of range; names it.
+    """
+    rest = {key: value for key, value in given.items() if key != "kinova"}
+    config = load_config(SimulationConfig, rest, "simulator parameters")
+    if config.simulator.mode != STRICT:
+        return config, None
+    stand_in = load_config(StandInConfig, given.get("kinova", {}), "simulator parameters: kinova")
+    simulator = with_tissue_between(config.simulator, stand_in.tool)
+    return replace(config, simulator=simulator), stand_in
+
+
 def main() -> None:
     """Run the simulator node."""
     guard_intake()
     rospy.init_node("robot")
     try:
-        config = load_config(SimulationConfig, rospy.get_param("~", {}), "simulator parameters")
-        node = SimulatorNode(config)
+        config, stand_in = read_parameters(rospy.get_param("~", {}))
+        node = SimulatorNode(config, stand_in)
     except (ConfigError, RstError, SceneLostError, FileNotFoundError) as error:
         rospy.logfatal(f"the simulator cannot start: {error}; launch/robot.launch starts it")
         sys.exit(2)

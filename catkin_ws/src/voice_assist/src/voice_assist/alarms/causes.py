@@ -49,7 +49,7 @@ LATCHES: Final = (  # of ControllerState.halt_reason: what braked and latched
     _stop("stop by command", '^"stop" from', 'Say "hey robot" when it is safe to go on.'),
     _stop(
         "stop by cancel",
-        "^stop by cancelling the action",
+        "^stop by cancelling ",
         'Say "hey robot" when it is safe to go on.',
     ),
     _stop(
@@ -62,6 +62,12 @@ LATCHES: Final = (  # of ControllerState.halt_reason: what braked and latched
         "not connected",
         "^robot not connected",
         f"Check the robot's power, cable and driver, {_ON}.",
+    ),
+    Cause("no master", "^the ROS master ", f"Start the ROS master again, {_ON}."),
+    Cause(
+        "node lost",
+        "during its motion$",
+        f"Start the node that is named again, {_ON}.",
     ),
     Cause("stale", "^joint states stale", f"Check the robot's driver and its network, {_ON}."),
     Cause(
@@ -143,6 +149,14 @@ REFUSALS: Final = (  # of the diary's refused and trocar_refused
     _refusal("withdrawn", "^(stopped|said again)$", 'Say "hey robot" when you want to go on.'),
     _refusal("not recorded", "not recorded: ", "Start the recorder, then say it again."),
     _refusal("not connected", "^robot not connected", "Check the robot's power, cable and driver."),
+    _refusal("not confirmed", "^dry run: ", "Look at the path that is shown, then confirm it."),
+    _refusal("no master", "^the ROS master ", "Start the ROS master again."),
+    _refusal("node lost", "^/.* (ended|was stopped|hung up)$", "Start the node that is named."),
+    _refusal(
+        "voice silent",
+        "^voice node (silent|without)",
+        "Check the microphone; give commands by hand meanwhile.",
+    ),
     _refusal("sensor fault", "^sensor fault: ", "Check the sensor that is named."),
     _refusal("faulted", "^robot fault: ", "Clear the fault at the robot, then say it again."),
     _refusal("joint states stale", "^joint states", "Check the robot's driver and its network."),
@@ -164,6 +178,7 @@ REFUSALS: Final = (  # of the diary's refused and trocar_refused
     _refusal("collision", "mm from .*, allowed .* mm and more", "Make room round the arm."),
     _refusal("near singular", "manipulability", "Bring the arm into another pose first."),
     _refusal("workspace", "from the workspace centre", "Choose a point nearer to the middle."),
+    _refusal("tilt limit", "from the patient's inward normal", "Look another way."),
     _refusal("insertion depth", "of shaft inserted", 'Give "insert" by hand first.'),
     _refusal("joint limit", "at .* rad, allowed", "Bring the arm into another pose first."),
     _refusal("rcm tolerance", "off the trocar", "Bring shaft and trocar together; set it anew."),
@@ -179,6 +194,11 @@ UNHEARD: Final = (  # of Utterance.reason: the words of a command were heard, an
     _refusal("unsure", "^confidence ", "Say it again, clearly."),
     _refusal("sounds like another", "^it sounds more like", "Say it again, clearly."),
     _refusal("halt unsure", "^the recogniser is not sure", 'Say "stop" again, or stop by hand.'),
+    _refusal(
+        "other voice",
+        "^not this voice|too short to tell the voice|^the speaker gate",
+        "Let the enrolled person say it, or give it by hand.",
+    ),
     _refusal("same breath", "in the same breath", "Pause, then say the command alone."),
     _refusal("wrong mode", "counts only in active mode", 'Say "hey robot" first.'),
     _refusal("other mode", "counts only in", "Wait for the other mode, then say it again."),
@@ -196,6 +216,11 @@ PARTS: Final = (  # of a part's name and what it says: health reports with an er
         "Stop by hand meanwhile; close other programs.",
     ),
     Cause(
+        "voice hangs",
+        "voice: recognition hangs",
+        "Stop by hand meanwhile; start the voice node again.",
+    ),
+    Cause(
         "voice gone", "voice: no word for", "Stop by hand meanwhile; start the voice node again."
     ),
     Cause("voice deaf", "voice: ", "Stop by hand meanwhile; check the microphone."),
@@ -208,6 +233,7 @@ PARTS: Final = (  # of a part's name and what it says: health reports with an er
     Cause(
         "controller thread", "control loop: ", "Read the log; restart the controller at a pause."
     ),
+    Cause("master gone", "motion: the ROS master", "Start the ROS master again."),
     Cause("robot unwell", "motion: ", "Check the robot's power, cable and driver."),
 )
 

@@ -21,6 +21,8 @@ class Health:
     capacity: int  # frames that fit the queue
     trouble: str = "starting"  # with the source of sound
     failure: str = ""  # a thread ended by an error
+    hang: str = ""  # recognition has been at one frame for too long
+    slowest: float = 0.0  # [s] on one frame so far
     controller: str = ""  # what is wrong with the controller
     spotter: str = "off"  # model of the second way to a stop
     spotter_failure: str = ""  # its thread ended by an error
@@ -38,11 +40,12 @@ class Health:
     def worked(self, compute: float, duration: float) -> None:
         """Note the time spent on one frame [s]."""
         self.real_time_factor += _SMOOTHING * (compute / duration - self.real_time_factor)
+        self.slowest = max(self.slowest, compute)
 
     def would_hear(self, now: float, deaf_after: float) -> bool:
         """Whether a spoken stop would be heard in time."""
         is_fresh = now - self.frame_done < deaf_after and self.behind < deaf_after
-        return is_fresh and not self.trouble and not self.failure
+        return is_fresh and not (self.trouble or self.failure or self.hang)
 
 
 class Diagnostics:
@@ -71,6 +74,7 @@ class Diagnostics:
         status.add("frames dropped", f"{health.dropped}")
         status.add("samples lost", f"{health.lost}")
         status.add("real-time factor", f"{health.real_time_factor:.3f}")
+        status.add("slowest frame [s]", f"{health.slowest:.3f}")
         status.add("behind the sound [s]", f"{health.behind:.3f}")
         status.add("last command", health.last_command or "none")
         age = now - health.commanded
@@ -83,6 +87,8 @@ def _summary(health: Health, now: float, deaf_after: float) -> tuple[int, str]:
         return DiagnosticStatus.ERROR, health.failure
     if health.trouble:
         return DiagnosticStatus.ERROR, health.trouble
+    if health.hang:
+        return DiagnosticStatus.ERROR, health.hang
     if not health.would_hear(now, deaf_after):
         return DiagnosticStatus.ERROR, "recognition does not keep up: a spoken stop is not heard"
     if health.spotter_failure:

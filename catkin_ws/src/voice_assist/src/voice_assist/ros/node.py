@@ -7,11 +7,13 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import asdict, replace
 from queue import Empty, Full, Queue
 
+import numpy as np
 import rospy
 
-from typed_config import ConfigError
+from typed_config import ConfigError, load_yaml
 from voice_assist.assembly import (
     limit_threads,
     make_pipeline,
@@ -21,9 +23,17 @@ from voice_assist.assembly import (
 )
 from voice_assist.audio.source import Source, level_db
 from voice_assist.circumstances import Circumstance, Kind
-from voice_assist.config import SECTIONS, VoiceConfig, load_voice_config, voice_config
+from voice_assist.config import (
+    CONFIG_DIR,
+    SECTIONS,
+    VoiceConfig,
+    load_voice_config,
+    voice_config,
+)
 from voice_assist.dialogue import Answered
+from voice_assist.enrolment.in_force import facts_of
 from voice_assist.errors import VoiceError
+from voice_assist.hang import HangWatch
 from voice_assist.pipeline import Event
 from voice_assist.ros.caller import CommandCaller
 from voice_assist.ros.diagnostics import Diagnostics, Health
@@ -31,10 +41,23 @@ from voice_assist.ros.publishers import Publishers
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.spotter.spotter import Spotted
 from voice_assist.spotter.worker import SpotterThread
-from voice_assist.types import Action, Call, Decision, Frame, Halt, Lost, Match, Partial, SetMode
+from voice_assist.types import (
+    RATE,
+    Action,
+    Call,
+    Decision,
+    Frame,
+    Halt,
+    Lost,
+    Match,
+    Partial,
+    Samples,
+    SetMode,
+    frozen_samples,
+)
 
-HEARTBEAT = 0.1  # [s]
-_DIAGNOSTICS_EVERY = 10  # heartbeats
+HEARTBEAT = 0.05  # [s]
+_DIAGNOSTICS_EVERY = 20  # heartbeats
 
 
 def main() -> None:
@@ -56,10 +79,17 @@ class VoiceNode:
         self._config = config
         recognizer = make_recognizer(config)
         facts = {"model": recognizer.name, "model_sha256": recognizer.model_hash}
+        if of_profile := facts_of(recognizer):  # pinned, so that a replay uses no other
+            facts |= of_profile
+            pinned = replace(config.profile, sha256=of_profile["profile_sha256"])
+            rospy.set_param("~profile", asdict(pinned))
+            rospy.loginfo("profile %(profile)s %(profile_sha256).12s", of_profile)
         self._frames: Queue[Frame | None] = Queue(config.audio.queue)
         self._answers: Queue[Answered] = Queue()
         self._over = threading.Event()
         self._stopped = float("-inf")  # [s] when the newest stop was sent
+        self._busy_since: float | None = None  # [s] steady clock, at the frame under recognition
+        self._hang_watch = HangWatch(config.recognizer.hung_after)
         self._publish = Publishers()
         self._health = Health(
             f"{recognizer.name} {recognizer.model_hash[:12]}",
@@ -87,14 +117,18 @@ class VoiceNode:
         rospy.loginfo("spotter model %s", self._health.spotter[:12])
         rospy.spin()
         self._over.set()
+        if self._health.failure:
+            sys.exit(1)  # as after a crash: `keep` starts it anew
 
     def _guard(self, target: Callable[[], None]) -> None:
-        """Top of a thread: what goes wrong ends the heartbeat, which brakes the robot."""
+        """Top of a thread: what goes wrong stops the robot, and ends the heartbeat."""
         try:
             target()
         except Exception as error:
             name = target.__name__.strip("_")
             self._health.failure = f"{name}: {error}"
+            if not rospy.is_shutdown():
+                self._hold()
             expected = isinstance(error, VoiceError)
             rospy.logfatal("%s", self._health.failure, exc_info=not expected)
             rospy.signal_shutdown(self._health.failure)
@@ -136,6 +170,7 @@ class VoiceNode:
 
     def _hear(self) -> None:
         limit_threads(self._config)
+        self._pipeline.warm_up(_noise())  # what is done only once must not look like a hang
         while not self._over.is_set():
             self._take_answers()
             try:
@@ -145,11 +180,11 @@ class VoiceNode:
             if frame is None:
                 rospy.signal_shutdown("the recording is over")
                 return
-            started = time.perf_counter()
+            self._busy_since = started = _steady()
             for event in self._pipeline(frame):
                 self._take(event)
-            health = self._health
-            health.worked(time.perf_counter() - started, frame.duration)
+            self._busy_since, health = None, self._health
+            health.worked(_steady() - started, frame.duration)
             health.queued, health.frame_done = self._frames.qsize(), _now()
             health.behind = health.frame_done - frame.stamp - frame.duration
 
@@ -176,6 +211,11 @@ class VoiceNode:
     def _stop(self) -> None:
         self._publish.stop()
         self._stopped = _now()
+        self._caller.forget()
+
+    def _hold(self) -> None:
+        """Stop as one who cannot hear any more; a stop that is spotted later is sent, too."""
+        self._publish.stop()
         self._caller.forget()
 
     def _take_answers(self) -> None:
@@ -224,22 +264,44 @@ class VoiceNode:
         diagnostics = Diagnostics(self._health, _now, self._config.audio.deaf_after)
         count = 0
         while not self._over.wait(HEARTBEAT):
+            is_news = self._watch_recognition()
             if self._health.would_hear(_now(), self._config.audio.deaf_after):
                 self._publish.heartbeat(_now())
-            if count % _DIAGNOSTICS_EVERY == 0:
+            if is_news or count % _DIAGNOSTICS_EVERY == 0:
                 self._health.controller = self._caller.trouble
                 diagnostics.publish()
             count += 1
 
+    def _watch_recognition(self) -> bool:
+        """Stop the robot once recognition hangs; gives whether it has just begun or ended to."""
+        health, was_hung = self._health, bool(self._health.hang)
+        health.hang = self._hang_watch.objection(self._busy_since, _steady())
+        is_hung = bool(health.hang)
+        if is_hung and not was_hung:
+            self._hold()
+            rospy.logerr("%s; the robot is stopped", health.hang)
+        return is_hung != was_hung
+
 
 def _load_config() -> VoiceConfig:
-    """From the node's private parameters; from the package's files where there are none."""
+    """From the node's private parameters; sections that it has none of from the package's files."""
     given = {name: rospy.get_param(f"~{name}") for name in SECTIONS if rospy.has_param(f"~{name}")}
     if not given:
         rospy.loginfo("no private parameters; the settings are those of the package's files")
         return load_voice_config()
-    return voice_config(given)
+    files = {name: load_yaml(CONFIG_DIR / f"{name}.yaml") for name in SECTIONS if name not in given}
+    return voice_config({**files, **given})
 
 
 def _now() -> float:
     return float(rospy.get_time())
+
+
+def _steady() -> float:
+    return time.monotonic()
+
+
+def _noise() -> Samples:
+    """Two seconds of it, full scale 1."""
+    loud = 0.1 * np.random.default_rng(0).standard_normal(2 * RATE)
+    return frozen_samples(loud.astype(np.float32))

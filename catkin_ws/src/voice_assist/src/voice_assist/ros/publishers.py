@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import time
+
 import rospy
 from std_msgs.msg import Empty, String, Time
 
@@ -12,6 +14,10 @@ from voice_assist.msg import Mode as ModeMessage
 from voice_assist.msg import Utterance as UtteranceMessage
 from voice_assist.ros import messages
 from voice_assist.types import Decision, Frame, Mode, Partial
+
+# [s] after a stop without heartbeats; more than the controller's watchdogs.voice_heartbeat_age.
+# Their silence stops the robot where the stop itself is lost, or is late.
+QUIET = 1.0
 
 
 class Publishers:
@@ -27,6 +33,7 @@ class Publishers:
         self._mode = advertise("voice_assist/mode", ModeMessage, queue_size=10, latch=True)
         self._stop = advertise("rst_control/stop", Empty, queue_size=10)
         self._heartbeat = advertise("rst_control/heartbeat", Time, queue_size=1)
+        self._quiet_until = float("-inf")  # [s] steady clock
 
     def audio(self, frame: Frame) -> None:
         """What is heard, unmodified."""
@@ -50,8 +57,10 @@ class Publishers:
 
     def stop(self) -> None:
         """Stop the robot, without waiting for an answer."""
+        self._quiet_until = time.monotonic() + QUIET
         self._stop.publish(Empty())
 
     def heartbeat(self, now: float) -> None:
-        """A spoken stop would be heard now."""
-        self._heartbeat.publish(Time(data=rospy.Time.from_sec(now)))
+        """A spoken stop would be heard now; says nothing for a while after one."""
+        if time.monotonic() >= self._quiet_until:
+            self._heartbeat.publish(Time(data=rospy.Time.from_sec(now)))

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs a command and starts it anew where it crashes: `keep COMMAND ARGUMENTS`, before a node.
+
+roslaunch can start a node that has ended anew, but cannot tell a crash from a wrong setting, after
+which it would do so for ever. This can: a node that crashes is killed by a signal, or ends with
+status 1; one with a wrong setting ends with status 2 and has said why; one that was asked to end
+ends with status 0. All but the first, and a node that crashes again and again, end the launch.
+
+Neither outlives whoever started it: where roslaunch is killed, so that nobody is left to end its
+nodes, the node is asked to end, and killed where it does not; and where this is killed, so is it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import deque
+from collections.abc import Sequence
+from types import FrameType
+from typing import Final
+
+CRASHED: Final = 1  # status of Python after an exception that nobody caught
+PAUSE: Final = 1.0  # [s] before it is started anew
+MOST: Final = 5  # crashes within SPAN after which it is given up
+SPAN: Final = 120.0  # [s]
+LOOK: Final = 0.5  # [s] between two looks whether whoever started it is still there
+PATIENCE: Final = 10.0  # [s] for a node to end by itself once that one is gone
+_PR_SET_PDEATHSIG: Final = 1
+
+
+class Keeper:
+    """Runs one command, again where it crashes.
+
+    Args:
+        command: With its arguments.
+    """
+
+    def __init__(self, command: Sequence[str]) -> None:
+        self._command = tuple(command)
+        self._child: subprocess.Popen[bytes] | None = None
+        self._crashes: deque[float] = deque(maxlen=MOST)  # [s] when, steady clock
+        self._is_asked_to_end = False
+        self._parent = os.getppid()
+
+    def run(self) -> int:
+        """Run it until it ends otherwise than by a crash; gives its status."""
+        while True:
+            self._child = subprocess.Popen(self._command, preexec_fn=_die_with_parent)
+            if self._is_asked_to_end:
+                self._child.send_signal(signal.SIGINT)
+            status = self._wait(self._child)
+            if self._is_asked_to_end or not is_crash(status) or not self._may_go_on():
+                return status if status >= 0 else 128 - status
+            _say(f"{self._command[0]} {ending(status)}; it is started anew")
+            time.sleep(PAUSE)
+            if self._is_asked_to_end:
+                return 0
+
+    def end(self, number: int, _: FrameType | None) -> None:
+        """Pass a signal on, and start nothing anew; a handler of signals."""
+        self._is_asked_to_end = True
+        if self._child is not None and self._child.poll() is None:
+            self._child.send_signal(number)
+
+    def _wait(self, child: subprocess.Popen[bytes]) -> int:
+        """Its status; ends it once whoever started this is gone."""
+        while os.getppid() == self._parent:
+            try:
+                return child.wait(LOOK)
+            except subprocess.TimeoutExpired:
+                continue
+        if not self._is_asked_to_end:
+            _say(f"whoever started this is gone; {self._command[0]} is asked to end")
+            self.end(signal.SIGINT, None)
+        try:
+            return child.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            return child.wait()
+
+    def _may_go_on(self) -> bool:
+        now = time.monotonic()
+        self._crashes.append(now)
+        if len(self._crashes) < MOST or now - self._crashes[0] > SPAN:
+            return True
+        _say(f"{self._command[0]} ended {MOST} times within {SPAN:g} s; it is given up")
+        return False
+
+
+def is_crash(status: int) -> bool:
+    """Whether a status, as `subprocess` gives it, tells of a crash."""
+    return status == CRASHED or status < 0
+
+
+def ending(status: int) -> str:
+    """How a process ended, in words."""
+    if status >= 0:
+        return f"ended with status {status}"
+    return f"was ended by {signal.Signals(-status).name}"
+
+
+def _die_with_parent() -> None:
+    """In the child: whoever kills the keeper ends what it keeps."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+
+
+def _say(words: str) -> None:
+    print(f"[keep] {words}", file=sys.stderr, flush=True)
+
+
+def main() -> None:
+    """Keep the command of the arguments.
+
+    Raises:
+        SystemExit: It has ended.
+    """
+    if len(sys.argv) < 2:
+        sys.exit("usage: keep COMMAND [ARGUMENT...]")
+    keeper = Keeper(sys.argv[1:])
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, keeper.end)
+    sys.exit(keeper.run())

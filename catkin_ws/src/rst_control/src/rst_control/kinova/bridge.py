@@ -1,0 +1,305 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Between the controller and the drivers of arm and tool: set-points in, velocities out.
+
+Set-points are taken and played by the same servo as the simulated robot's, with the same refusals
+and faults. Who is in charge of the arm is one of three: nobody (it rests, nothing is sent), the
+course (a velocity every 25 ms), or a stop that was sent and is repeated until the arm is measured
+at rest. A stop by the controller brakes along its path by velocities. Set-points that end, and
+`hold`, slow the arm down along the curve it was on, then stop it. Everything else that is wrong -
+old feedback, a joint that does not follow, a guard that is silent, a tool that lost its homing -
+stops the arm by the driver's own stop at once. All of these but `hold` latch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+import numpy as np
+
+from rst_control.backends.servo import Servo, ServoLimits, ServoState, warm_up
+from rst_control.configuration import planning_joints, robot_joints
+from rst_control.kinova.config import ARM_COUNT, KinovaConfig
+from rst_control.kinova.feedback import JointFeedback
+from rst_control.kinova.follower import Follower
+from rst_control.kinova.tool import Grip, Tool
+from rst_control.limits import layer_in_force
+from rst_control.types import JOINTS, Measurement, Setpoint, Vector
+
+STARTING = "the arm's driver never told its joints: is it running?"
+NO_GUARD = "the stop guard was never heard: start the node kinova_guard"
+
+
+class Hardware(Protocol):
+    """What the drivers of arm and tool take."""
+
+    def send_speeds(self, speeds: Vector) -> None:
+        """Turn the arm's joints at these speeds [rad/s] until told otherwise. Shape (7,)."""
+        ...
+
+    def send_tool(self, joints: Vector) -> None:
+        """Send pitch and jaws to these angles [rad], in the tool's own signs. Shape (3,)."""
+        ...
+
+    def stop(self) -> None:
+        """Stop the arm, whatever it does."""
+        ...
+
+    def clear_faults(self) -> None:
+        """Ask the arm to clear its faults."""
+        ...
+
+
+class Lead(Enum):
+    """Who is in charge of the arm."""
+
+    NOBODY = "nobody"  # it rests; nothing is sent
+    COURSE = "course"  # velocities along the course
+    STOP = "stop"  # a stop was sent; repeated until the arm rests
+
+
+@dataclass(frozen=True)
+class Health:
+    """Figures of the bridge for diagnostics."""
+
+    lead: Lead
+    tool: str  # state of the tool, in words
+    lag: float  # [s] as seen
+    off: float  # [rad] of the joint furthest off its course
+    latest: float  # [s] by which a velocity came late, at most
+
+
+class Bridge:
+    """Owns the servo, the arm's follower and the tool; one thread calls it.
+
+    Args:
+        config: Limits and settings.
+        hardware: Takes what is sent.
+    """
+
+    def __init__(self, config: KinovaConfig, hardware: Hardware) -> None:
+        self._config, self._hardware = config.bridge, hardware
+        self._limits = bridge_limits(config)
+        warm_up(self._config.servo, self._limits)
+        self._follower = Follower(self._config.arm, self._limits.speed[:ARM_COUNT])
+        self.tool = Tool(self._config.tool, self._config.grip)
+        self._grip = Grip(self._config.grip)
+        self._has_contact = False
+        self._servo: Servo | None = None  # None: the joints are not known yet
+        self._lead = Lead.NOBODY
+        self._arm: JointFeedback | None = None
+        self._force: tuple[Vector, float] | None = None  # [N], and when it came [s]
+        self._guard = -np.inf  # [s] of the guard's last beat
+        self._arm_due = self._tool_due = self._stop_due = -np.inf
+        self._goals: tuple[Vector, Vector, float] | None = None  # last two, and when [s]
+        self._opening: float | None = None  # [rad] last commanded
+        self._latest = 0.0
+        self.measured: Measurement | None = None  # for the controller; new with each arm feedback
+
+    # What comes from the hardware.
+
+    def on_arm(self, feedback: JointFeedback) -> None:
+        """Take in joints of the arm."""
+        self._arm, tool = feedback, self.tool.joints
+        position = np.concatenate([feedback.position, tool.position])
+        if self._servo is None:
+            self._servo = Servo(self._config.servo, self._limits, position)
+        self._follower.look(feedback)
+        if self._lead is Lead.NOBODY:
+            self._servo.stand_at(self._stand(position))
+        self.measured = Measurement(
+            position=position,
+            velocity=np.concatenate([feedback.velocity, tool.velocity]),
+            effort=np.concatenate([feedback.effort, tool.effort]),
+            stamp=feedback.stamp,
+            force=np.zeros(3) if (force := self.force(feedback.stamp)) is None else force,
+            gripped=self.is_gripped,
+            fault=self.fault(feedback.stamp),
+        )
+
+    def on_tool(self, feedback: JointFeedback) -> None:
+        """Take in joints of the tool."""
+        self.tool.feedback = feedback
+        measured = float(feedback.position[1:].sum())
+        commanded = measured if self._opening is None else self._opening
+        self._grip.look(commanded, measured, feedback.stamp)
+
+    def on_force(self, force: Vector, now: float) -> None:
+        """Take in the force of the tissue on the jaws, base frame, [N]. Shape (3,)."""
+        self._force = force, now
+
+    def on_contact(self, has_contact: bool) -> None:
+        """Take in what a sensor between the jaws says."""
+        self._has_contact = has_contact
+
+    def on_guard(self, now: float) -> None:
+        """Note a beat of the stop guard."""
+        self._guard = now
+
+    # What comes from the controller.
+
+    def servo_jp(self, setpoint: Setpoint, now: float) -> None:
+        """Take one set-point of a stream; without effect before everything is ready."""
+        servo = self._servo
+        if servo is None or self._lead is Lead.STOP or self._unready(now):
+            return
+        servo.accept(setpoint, now)
+        if servo.state is ServoState.FOLLOWING and self._lead is Lead.NOBODY and self._arm:
+            self._follower.start(self._arm.position, now)
+            place, _ = servo.course(now)
+            self._goals, self._lead = (place, place, now), Lead.COURSE
+            self._arm_due = self._tool_due = now
+
+    def hold(self, now: float) -> None:
+        """Slow down along the present course, then stop."""
+        if self._servo is not None:
+            self._servo.hold(now)
+
+    def clear_fault(self, now: float) -> None:
+        """Take set-points again, and let the arm clear its own faults; at rest only."""
+        servo = self._servo
+        if servo is not None and servo.fault and self._lead is Lead.NOBODY and servo.clear_fault():
+            self._hardware.clear_faults()
+
+    def fail(self, reason: str, now: float) -> None:
+        """Latch a fault and stop the arm at once."""
+        if self._servo is not None:
+            self._servo.fail(reason, now)
+        self._stop(now)
+
+    # What the controller is told.
+
+    def fault(self, now: float) -> str:
+        """Why nothing moves, or would; empty: all is well."""
+        latched = self._servo.fault if self._servo is not None else ""
+        return latched or self._unready(now)
+
+    def force(self, now: float) -> Vector | None:
+        """Force of the tissue [N], base frame; None: none is measured."""
+        config = self._config.tension
+        if config.source == "none" or self._force is None:
+            return None
+        force, came = self._force
+        return force if now - came <= config.age else None
+
+    @property
+    def is_gripped(self) -> bool:
+        """Tissue lies between the closed jaws."""
+        is_by_jaws = self._config.grip.source == "jaws"
+        return self._grip.is_gripped if is_by_jaws else self._has_contact
+
+    @property
+    def lead(self) -> Lead:
+        """Who is in charge of the arm."""
+        return self._lead
+
+    def take_health(self) -> Health:
+        """Figures for diagnostics, since they were last taken."""
+        state = "unknown" if self.tool.state is None else self.tool.state.name
+        words = f"{state}, {'homed' if self.tool.is_homed else 'not homed'}"
+        latest, self._latest = self._latest, 0.0
+        return Health(self._lead, words, self._follower.lag, self._follower.off, latest)
+
+    # The loop.
+
+    def step(self, now: float) -> None:
+        """Do what is due."""
+        servo = self._servo
+        if servo is None:
+            return
+        if self._lead is Lead.COURSE:
+            wrong = self._unready(now) or self._follower.objection
+            if wrong:
+                self.fail(wrong, now)
+            else:
+                self._lead_on(servo, now)
+        else:
+            servo.course(now)  # lets its own braking end
+        if self._lead is Lead.STOP:
+            self._repeat_stop(servo, now)
+
+    def _stand(self, position: Vector) -> Vector:
+        """Where set-points begin [rad], shape (10,): jaws that tissue keeps open, where sent."""
+        if not self.is_gripped or self._opening is None:
+            return position
+        return robot_joints(planning_joints(position)[0], self._opening)
+
+    def _lead_on(self, servo: Servo, now: float) -> None:
+        if now >= self._arm_due:
+            self._latest = max(self._latest, now - self._arm_due)
+            self._arm_due = max(self._arm_due + self._config.arm.period, now)
+            goal, _ = servo.course(now)
+            if servo.state is ServoState.HOLDING:  # braked to a stand by itself
+                self._stop(now)
+                return
+            last = self._goals[1] if self._goals is not None else goal
+            self._goals = last, goal, now
+            self._hardware.send_speeds(self._follower.step(goal[:ARM_COUNT], now))
+        if now >= self._tool_due:
+            self._tool_due = max(self._tool_due + self._config.tool.period, now)
+            self._lead_tool(now)
+
+    def _lead_tool(self, now: float) -> None:
+        """Send the tool along the same straight line as the arm, at the same time."""
+        if self._goals is None:
+            return
+        last, goal, since = self._goals
+        share = min(1.0, (now - since) / self._config.arm.period)
+        place = (last + share * (goal - last))[ARM_COUNT:]
+        self._opening = float(place[1:].sum())
+        self._hardware.send_tool(self.tool.command(place))
+        wrong = self.tool.following(place, now)
+        if wrong:
+            self.fail(wrong, now)
+
+    def _stop(self, now: float) -> None:
+        self._lead, self._stop_due = Lead.STOP, now
+        self._follower.leave()
+
+    def _repeat_stop(self, servo: Servo, now: float) -> None:
+        if now >= self._stop_due:
+            self._stop_due = now + self._config.arm.period
+            self._hardware.stop()
+        arm, config = self._arm, self._config.arm
+        is_fresh = arm is not None and now - arm.stamp <= config.feedback_age
+        if not is_fresh or servo.state is not ServoState.HOLDING:
+            return
+        if arm is not None and float(np.abs(arm.velocity).max()) <= config.rest_speed:
+            self._lead, self._goals = Lead.NOBODY, None
+
+    def _unready(self, now: float) -> str:
+        """What keeps the hardware from being led at this moment."""
+        if self._arm is None:
+            return STARTING
+        age, allowed = now - self._arm.stamp, self._config.arm.feedback_age
+        if age > allowed:
+            return f"joints of the arm {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
+        return self._unguarded(now) or self.tool.objection(now)
+
+    def _unguarded(self, now: float) -> str:
+        guard = self._config.guard
+        if not guard.is_required:
+            return ""
+        if not np.isfinite(self._guard):
+            return NO_GUARD
+        silent = now - self._guard
+        if silent <= guard.silence:
+            return ""
+        return f"the stop guard is silent for {silent:.2f} s, allowed {guard.silence:.2f} s"
+
+
+def bridge_limits(config: KinovaConfig) -> ServoLimits:
+    """Limits of the ten joints under the layer in force; the tool's by its own settings, too."""
+    limits, tool = config.limits, config.bridge.tool
+    layer = layer_in_force(limits)
+    span = np.array([limits.pitch, limits.finger, limits.finger])
+    signs = np.array(tool.signs)
+    ends = np.array([signs * tool.lower, signs * tool.upper])
+    lower, upper = np.maximum(-span, ends.min(axis=0)), np.minimum(span, ends.max(axis=0))
+    return ServoLimits(
+        names=JOINTS,
+        lower=np.concatenate([limits.arm_lower, lower]),
+        upper=np.concatenate([limits.arm_upper, upper]),
+        speed=np.array([*layer.arm_velocity, *[layer.tool_velocity] * 3]),
+    )

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""kinova_bridge.yaml: how set-points become commands of the drivers, and what is checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rst_control.config import CONFIG_FOLDER, LimitsConfig
+from rst_control.simulator_config import ServoConfig
+from typed_config import choice, flag, load_config, load_yaml, number, require, text
+
+Seven = tuple[float, float, float, float, float, float, float]
+Triple = tuple[float, float, float]
+ARM_COUNT = 7  # joints of the arm
+TOOL_COUNT = 3  # joints of OpenRST: pitch, left jaw, right jaw
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmConfig:
+    """The arm's driver, and how its joints are led by velocities."""
+
+    namespace: str = text()
+    joints: tuple[str, ...] = text()
+    period: float = number(0.005, 0.1, "s")
+    acceleration: Seven = number(0.1, 100.0, "rad/s^2")
+    lag: float = number(0.0, 0.2, "s")
+    gain: float = number(0.0, 10.0, "1/s")
+    correction_speed: float = number(1e-4, 0.2, "rad/s")
+    most_correction: float = number(1e-3, 0.2, "rad")
+    following_error: float = number(1e-3, 0.2, "rad")
+    end_tolerance: float = number(1e-4, 0.05, "rad")
+    settle_time: float = number(0.05, 5.0, "s")
+    feedback_age: float = number(0.01, 0.5, "s")
+    rest_speed: float = number(1e-4, 0.1, "rad/s")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        names = list(self.joints)
+        allowed = f"{ARM_COUNT} names that differ, from the base on"
+        require(len(names) == len(set(names)) == ARM_COUNT, "joints", names, allowed)
+        allowed = f"above period, {self.period:g} s: the feedback comes as seldom"
+        require(self.feedback_age > self.period, "feedback_age", self.feedback_age, allowed)
+        allowed = f"up to following_error, {self.following_error:g} rad"
+        is_less = self.end_tolerance <= self.following_error
+        require(is_less, "end_tolerance", self.end_tolerance, allowed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToolConfig:
+    """OpenRST's node, and how its three joints are led by positions."""
+
+    namespace: str = text()
+    joints: tuple[str, ...] = text()
+    signs: Triple = number(-1.0, 1.0, "")
+    lower: Triple = number(-1.65, 0.0, "rad")
+    upper: Triple = number(0.0, 1.65, "rad")
+    period: float = number(0.002, 0.1, "s")
+    feedback_age: float = number(0.005, 0.5, "s")
+    following_error: float = number(0.01, 0.5, "rad")
+    following_time: float = number(0.05, 5.0, "s")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        names = list(self.joints)
+        allowed = f"{TOOL_COUNT} names that differ: pitch, left jaw, right jaw"
+        require(len(names) == len(set(names)) == TOOL_COUNT, "joints", names, allowed)
+        require(all(abs(s) == 1.0 for s in self.signs), "signs", list(self.signs), "1 or -1 each")
+
+
+@dataclass(frozen=True, kw_only=True)
+class GripConfig:
+    """How tissue between the jaws shows, and how hard it may be squeezed."""
+
+    source: str = choice("jaws", "topic")
+    closed: float = number(0.0, 0.5, "rad")
+    contact: float = number(0.005, 0.5, "rad")
+    contact_time: float = number(0.0, 2.0, "s")
+    lost_time: float = number(0.0, 2.0, "s")
+    over_close: float = number(0.01, 1.0, "rad")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TensionSourceConfig:
+    """Where the tension comes from."""
+
+    source: str = choice("topic", "none")
+    age: float = number(0.005, 1.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class GuardConfig:
+    """The process that stops the arm when the bridge has died."""
+
+    is_required: bool = flag()
+    silence: float = number(0.03, 1.0, "s")
+    repeat: float = number(0.01, 1.0, "s")
+    insist: float = number(0.1, 60.0, "s")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        allowed = f"from repeat on, {self.repeat:g} s"
+        require(self.insist >= self.repeat, "insist", self.insist, allowed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BridgeConfig:
+    """kinova_bridge.yaml."""
+
+    rate: float = number(50.0, 1000.0, "Hz")
+    arm: ArmConfig
+    tool: ToolConfig
+    grip: GripConfig
+    tension: TensionSourceConfig
+    guard: GuardConfig
+    servo: ServoConfig
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        allowed = f"at least two in arm.period, {self.arm.period:g} s"
+        require(self.rate * self.arm.period >= 2.0, "rate", self.rate, allowed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class KinovaConfig:
+    """All that the bridge reads: the form of its node's private parameters."""
+
+    limits: LimitsConfig
+    bridge: BridgeConfig
+
+
+def load_kinova_config(folder: Path = CONFIG_FOLDER) -> KinovaConfig:
+    """Read what the bridge needs from the YAML files of a folder.
+
+    Raises:
+        typed_config.ConfigError: A key is unknown, missing or out of range; names it and its file.
+    """
+    limits, bridge = folder / "limits.yaml", folder / "kinova_bridge.yaml"
+    return KinovaConfig(
+        limits=load_config(LimitsConfig, load_yaml(limits), limits.name),
+        bridge=load_config(BridgeConfig, load_yaml(bridge), bridge.name),
+    )

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What arm and tool last said of their joints, in our order, names and turns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rst_control.errors import RstError
+from rst_control.types import Vector, frozen_array
+
+TURN = 2.0 * np.pi
+
+
+class BadFeedback(RstError):
+    """Joint states that cannot be used."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointFeedback:
+    """Joints at one moment; each array of shape (n,), read-only."""
+
+    position: Vector  # [rad]
+    velocity: Vector  # [rad/s]
+    effort: Vector  # [N m]; zeros where none is told
+    stamp: float  # [s] steady clock, when it arrived
+
+
+def unwrapped(position: Vector, last: Vector) -> Vector:
+    """Positions [rad] by whole turns as near to the last ones as can be; both of shape (n,).
+
+    The arm's driver tells angles between -pi and pi, also of joints that turn for ever.
+    """
+    return position - TURN * np.round((position - last) / TURN)
+
+
+class FeedbackReader:
+    """Puts joint states of a driver into our order.
+
+    Args:
+        names: Joints as the driver names them, in our order.
+        signs: Our joint over the driver's, each 1 or -1; shape (n,).
+        turns: Whether the driver's angles start again after a turn.
+    """
+
+    def __init__(self, names: Sequence[str], signs: Sequence[float], turns: bool) -> None:
+        self._names, self._signs, self._turns = tuple(names), np.array(signs), turns
+        self._last: Vector | None = None
+
+    def read(
+        self,
+        names: Sequence[str],
+        values: Mapping[str, Sequence[float]],
+        arrived: float,
+    ) -> JointFeedback:
+        """Take in one message.
+
+        Args:
+            names: Of its joints, in its order; others than ours are passed over.
+            values: Its `position` [rad], `velocity` [rad/s] and `effort` [N m]; that may be empty.
+            arrived: Steady clock [s].
+
+        Raises:
+            BadFeedback: A joint is missing, a value too, or it is no number.
+        """
+        places = {name: place for place, name in enumerate(names)}
+        missing = [name for name in self._names if name not in places]
+        if missing:
+            raise BadFeedback(f"joint states without {missing[0]}, but with {', '.join(names)}")
+        order = [places[name] for name in self._names]
+        position = self._signs * _picked("position", values["position"], order, len(names))
+        velocity = self._signs * _picked("velocity", values["velocity"], order, len(names))
+        effort = np.zeros(len(order))
+        if len(values["effort"]):
+            effort = self._signs * _picked("effort", values["effort"], order, len(names))
+        if self._turns and self._last is not None:
+            position = unwrapped(position, self._last)
+        self._last = position
+        count = len(order)
+        return JointFeedback(
+            frozen_array(position, count),
+            frozen_array(velocity, count),
+            frozen_array(effort, count),
+            arrived,
+        )
+
+
+def _picked(what: str, given: Sequence[float], order: list[int], count: int) -> Vector:
+    if len(given) != count:
+        raise BadFeedback(f"joint states with {len(given)} values of {what}, allowed: {count}")
+    picked = np.array(given, dtype=float)[order]
+    if not np.isfinite(picked).all():
+        raise BadFeedback(f"joint states whose {what} is no number")
+    return picked

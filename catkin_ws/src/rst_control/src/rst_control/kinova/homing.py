@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Homes OpenRST: connect, calibrate, position control; each looked at before the next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from rst_control.errors import RstError
+from rst_control.kinova.tool import HOMING, ToolState
+
+STATE_TIME: Final = 2.0  # [s] for the state to be told after a request was granted
+
+
+class HomingFailed(RstError):
+    """A request was refused, or left the node in another state."""
+
+    def __init__(self, request: str, why: str) -> None:
+        super().__init__(f'OpenRST did not home: "{request}" {why}')
+        self.request = request
+
+
+def home(
+    request: Callable[[str], bool],
+    state: Callable[[], ToolState | None],
+    wait: Callable[[Callable[[], bool], float], bool],
+) -> str:
+    """Bring the tool into position control, homed; its jaws and pitch move over their whole range.
+
+    Args:
+        request: Asks the node for something, and tells whether it did it.
+        state: What the node last said of itself.
+        wait: Waits for a condition, for so many seconds; whether it came to hold.
+
+    Returns:
+        What was done, in words.
+
+    Raises:
+        HomingFailed: Names the request and what came of it.
+    """
+    for name, wanted in HOMING:
+        if not request(name):
+            raise HomingFailed(name, "was refused")
+        if not wait(lambda wanted=wanted: state() in wanted, STATE_TIME):  # type: ignore[misc]
+            now = state()
+            told = "told no state" if now is None else f"left it in {now.name}"
+            needed = " or ".join(one.name for one in wanted)
+            raise HomingFailed(name, f"{told}, needed: {needed}")
+    return "OpenRST is homed, and in position control"

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What launch/kinova.launch asks before it starts anything; it refuses in a sentence.
+
+roslaunch runs it while it reads the launch file, and ends where it ends with an error.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rst_control.config import CONFIG_FOLDER, LimitsConfig, RcmConfig, SceneConfig
+from rst_control.configuration import Configuration
+from rst_control.errors import RstError
+from rst_control.rcm import rcm_state
+from rst_control.robot_model import load_robot
+from typed_config import ConfigError, load_config, load_yaml
+
+REACH = 1.6  # [m] from base_link, beyond which no trocar is
+STOP_WORDS = (
+    "there must be an emergency stop within reach of a hand, tried today: say so by "
+    "i_have_an_emergency_stop:=true"
+)
+
+
+class NotReady(RstError):
+    """The robot may not be started like this."""
+
+
+def check(
+    has_stop: bool,
+    is_simulated: bool,
+    trocar: Sequence[float],
+    limits: Path,
+    scene: Path,
+    scale: float,
+) -> str:
+    """Look at what a start with the real robot needs.
+
+    Args:
+        has_stop: Somebody said that there is an emergency stop.
+        is_simulated: No hardware is there.
+        trocar: As measured, base frame, [m]. Shape (3,).
+        limits: File of joint limits.
+        scene: File of the scene, whose home has the shaft in the trocar.
+        scale: Of all speeds.
+
+    Returns:
+        What holds, in words.
+
+    Raises:
+        NotReady: Says what is missing, and what to do.
+        ConfigError: A file is wrong; names the key.
+    """
+    if not has_stop and not is_simulated:
+        raise NotReady(STOP_WORDS)
+    distance = math.hypot(*trocar)
+    if not distance <= REACH:
+        words = ", ".join(f"{x:g}" for x in trocar)
+        raise NotReady(
+            f"the trocar ({words}) m is {distance:.3f} m from base_link, allowed up to {REACH} m: "
+            "give trocar_x, trocar_y and trocar_z as measured"
+        )
+    if not 0.0 < scale <= 1.0:
+        raise NotReady(f"speed_scale is {scale:g}, allowed above 0, up to 1")
+    layer = load_config(LimitsConfig, load_yaml(limits), limits.name).layer
+    _check_home(load_config(SceneConfig, load_yaml(scene), scene.name), trocar, scene)
+    what = "simulated drivers" if is_simulated else "the real robot"
+    return f"{what}, limits {layer}, speeds times {scale:g}"
+
+
+def _check_home(scene: SceneConfig, trocar: Sequence[float], file: Path) -> None:
+    """The posture from which everything is planned must have the shaft in the trocar."""
+    rcm = load_config(RcmConfig, load_yaml(CONFIG_FOLDER / "rcm.yaml"), "rcm.yaml")
+    home = Configuration(load_robot(), np.array(scene.home))
+    error, allowed = rcm_state(home, np.array(trocar)).error, rcm.measured_tolerance
+    if error > allowed:
+        raise NotReady(
+            f"home of {file} leads the shaft {error * 1e3:.1f} mm past the trocar, allowed "
+            f"{allowed * 1e3:.1f} mm: lead the shaft into it, read the joints, and give a scene of "
+            "your own by scene:=<file>"
+        )
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Check, print what holds, or end with the reason on the error output."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--emergency-stop", choices=("true", "false"), required=True)
+    parser.add_argument("--simulate", choices=("true", "false"), required=True)
+    parser.add_argument("--trocar", nargs=3, type=float, required=True)
+    parser.add_argument("--limits", type=Path, required=True)
+    parser.add_argument("--scene", type=Path, required=True)
+    parser.add_argument("--speed-scale", type=float, required=True)
+    given = parser.parse_args(argv)
+    try:
+        words = check(
+            given.emergency_stop == "true",
+            given.simulate == "true",
+            given.trocar,
+            given.limits,
+            given.scene,
+            given.speed_scale,
+        )
+    except (RstError, ConfigError) as error:
+        print(f"\nkinova.launch does not start: {error}\n", file=sys.stderr)
+        sys.exit(2)
+    print(words)

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The strict stand-in for the drivers of the real robot, without ROS: docs/kinova_driver.md."""
+
+from rst_control.kinova_driver.config import StandInConfig, load_stand_in_config
+from rst_control.kinova_driver.goals import Goal, GoalHandle, GoalState
+from rst_control.kinova_driver.simulated_robot import ArmFeedback, KinovaRobot, with_tissue_between
+from rst_control.kinova_driver.waypoints import Point
+
+__all__ = [
+    "ArmFeedback",
+    "Goal",
+    "GoalHandle",
+    "GoalState",
+    "KinovaRobot",
+    "Point",
+    "StandInConfig",
+    "load_stand_in_config",
+    "with_tissue_between",
+]

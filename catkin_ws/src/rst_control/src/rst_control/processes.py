@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether a process of this host runs, is stopped or has ended, as the kernel says it.
+
+A process that is stopped (SIGSTOP) looks to its peers like one that is slow. The kernel knows the
+difference at once, and never takes a busy process for a stopped one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from rst_control.listening import PROC, inodes_of, listeners
+
+ENDED: Final = "ended"
+STOPPED: Final = "was stopped"
+_STOPPED = ("T", "t")  # by a signal; by a debugger
+_ENDED = ("Z", "X", "x")
+_STATE, _START = 0, 19  # fields of /proc/<pid>/stat behind the name
+
+
+@dataclass(frozen=True)
+class Process:
+    """One process, told from a later one with the same number by when it was started."""
+
+    pid: int
+    started: str  # clock ticks since the system came up
+
+    def state(self, proc: Path = PROC) -> str:
+        """What has become of it, in words; empty: it may run."""
+        fields = _fields(self.pid, proc)
+        if not fields or fields[_START] != self.started or fields[_STATE] in _ENDED:
+            return ENDED
+        return STOPPED if fields[_STATE] in _STOPPED else ""
+
+
+def process_of(pid: int, port: int, proc: Path = PROC) -> Process | None:
+    """The process that listens on a TCP port of this host; None where another does, or none.
+
+    Args:
+        pid: What the peer at that port says of itself; in another container it means nothing here.
+        port: Where the peer is reached.
+        proc: The kernel's files.
+    """
+    own = inodes_of(pid, proc)
+    if not any(
+        listener.port == port and listener.inode in own for listener in listeners(proc / "net")
+    ):
+        return None
+    fields = _fields(pid, proc)
+    return Process(pid, fields[_START]) if fields else None
+
+
+def _fields(pid: int, proc: Path) -> list[str]:
+    text = ""
+    with contextlib.suppress(OSError):
+        text = (proc / str(pid) / "stat").read_text(encoding="ascii", errors="replace")
+    fields = text.rpartition(")")[2].split()  # a name may hold spaces and brackets
+    return fields if len(fields) > _START else []

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Keeps what the ROS master knows, and tells it to another master that takes its place.
+
+A ROS 1 node registers once. After a master was started anew its connections go on, but nobody new
+finds it, and all parameters are gone. This node notices that, and registers all nodes that are
+still there, of whatever language, and sets the parameters that are missing.
+"""
+
+from __future__ import annotations
+
+import logging
+import xmlrpc.client
+from collections.abc import Iterable
+from contextlib import suppress
+from typing import Final, cast
+
+import rosgraph
+import rospy
+
+from rst_control.registrations import Registrations, missing_parameters, pairs_of
+from rst_control.ros.rpc import FAILURES, ask, master, value_of
+
+log = logging.getLogger("rosout.rst_control.registrar")
+
+PERIOD: Final = 0.5  # [s] between looks; what was registered since the last one may be forgotten
+PARAMETERS_EVERY: Final = 6  # looks
+RETRIES: Final = 120  # looks at a node that hung when the others were registered
+
+
+class Registrar:
+    """Copies the master's knowledge, and gives it back."""
+
+    def __init__(self) -> None:
+        self._own = rospy.get_name()
+        self._known = Registrations()
+        self._parameters: dict[str, object] = {}
+        self._hanging: set[str] = set()
+        self._count = self._retries = 0
+
+    def step(self) -> None:
+        """Look at the master once.
+
+        Raises:
+            OSError: It is not there, or does not answer.
+            ValueError: It cannot be understood.
+        """
+        present = self._look()
+        if self._known.nodes and self._own not in present.nodes:
+            log.warning("another ROS master: all nodes are registered with it again")
+            self._hanging, self._retries = set(self._known.nodes), RETRIES
+        if self._hanging:
+            self._give_back(present)
+            present = self._look()
+        self._known = present.joined(self._known.of(self._hanging))
+        if self._count % PARAMETERS_EVERY == 0:
+            self._parameters = cast(dict[str, object], self._ask("getParam", "/"))
+        self._count += 1
+
+    def _give_back(self, present: Registrations) -> None:
+        there = set(self._alive(self._hanging))
+        lost = self._known.of(there).without(present)
+        parameters = cast(dict[str, object], self._ask("getParam", "/"))
+        calls: list[tuple[object, ...]] = [
+            ("setParam", self._own, key, value)
+            for key, value in missing_parameters(self._parameters, parameters).items()
+        ]
+        self._call([*calls, *lost.calls(last=self._own)])
+        self._tell(lost)
+        self._retries -= 1
+        self._hanging -= there
+        if self._retries <= 0:
+            self._hanging.clear()
+
+    def _alive(self, names: Iterable[str]) -> Iterable[str]:
+        """Those of the nodes that answer; who hangs up is forgotten, who is silent is not."""
+        for name in sorted(names):
+            try:
+                ask(self._known.nodes[name], "getPid", self._own)
+            except TimeoutError:
+                continue
+            except FAILURES:
+                self._hanging.discard(name)
+                continue
+            yield name
+
+    def _tell(self, lost: Registrations) -> None:
+        """Tell subscribers who publishes: the master tells them of news alone."""
+        publishers = self._look().publishers
+        nodes = self._known.nodes
+        for topic, name in sorted(lost.subscribers):
+            uris = [nodes[node] for of, node in sorted(publishers) if of == topic and node in nodes]
+            with suppress(*FAILURES):
+                ask(nodes[name], "publisherUpdate", "/master", topic, uris)
+
+    def _look(self) -> Registrations:
+        state = cast(list[list[list[object]]], self._ask("getSystemState"))
+        publishers, subscribers, services = (pairs_of(part) for part in state)
+        types = dict(cast(list[tuple[str, str]], self._ask("getTopicTypes")))
+        names = sorted({name for pairs in (publishers, subscribers, services) for _, name in pairs})
+        served = sorted({service for service, _ in services})
+        uris = self._call(
+            [("lookupNode", self._own, name) for name in names]
+            + [("lookupService", self._own, service) for service in served]
+        )
+        nodes = {name: uri for name, uri in zip(names, uris, strict=False) if uri}
+        services_at = dict(zip(served, uris[len(names) :], strict=True))
+        all_of_them = Registrations(publishers, subscribers, services, types, nodes, services_at)
+        return all_of_them.of(nodes)
+
+    def _call(self, calls: list[tuple[object, ...]]) -> list[str]:
+        """Many calls in one; what fails gives an empty text."""
+        if not calls:
+            return []
+        with master() as api:
+            many = xmlrpc.client.MultiCall(api)
+            for method, *arguments in calls:
+                getattr(many, str(method))(*arguments)
+            answers = many()
+            return [_text(answers[k]) for k in range(len(calls))]
+
+    def _ask(self, method: str, *arguments: object) -> object:
+        return ask(rosgraph.get_master_uri(), method, self._own, *arguments)
+
+
+def _text(answer: object) -> str:
+    try:
+        return str(value_of(answer))
+    except ValueError:
+        return ""
+
+
+def main() -> None:
+    """Run the registrar node."""
+    rospy.init_node("registrar")
+    registrar, is_there = Registrar(), True
+    while not rospy.is_shutdown():
+        try:
+            registrar.step()
+            is_there = True
+        except FAILURES as error:
+            if is_there:
+                log.error("the ROS master is lost: %s", error)
+            is_there = False
+        rospy.rostime.wallsleep(PERIOD)

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Calls of the ROS master's and of nodes' XML-RPC API that give up in time."""
+
+from __future__ import annotations
+
+import http.client
+import xmlrpc.client
+from typing import Final
+
+import rosgraph
+
+ANSWER_TIME: Final = 2.0  # [s] for an answer, which a busy host may delay
+SUCCESS: Final = 1
+
+# What goes wrong where nobody is there, or somebody else is.
+FAILURES: Final = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError)
+
+
+class _Transport(xmlrpc.client.Transport):
+    def make_connection(self, host: str) -> http.client.HTTPConnection:
+        """A connection that gives up in time."""
+        connection = super().make_connection(host)
+        connection.timeout = ANSWER_TIME
+        return connection
+
+
+def server(uri: str) -> xmlrpc.client.ServerProxy:
+    """The API at a URI; to be closed, as a context is."""
+    return xmlrpc.client.ServerProxy(uri, transport=_Transport())
+
+
+def master() -> xmlrpc.client.ServerProxy:
+    """The API of the ROS master."""
+    return server(rosgraph.get_master_uri())
+
+
+def ask(uri: str, method: str, *arguments: object) -> object:
+    """Call one method.
+
+    Raises:
+        TimeoutError: Nobody answers.
+        OSError: Nobody is there.
+        ValueError: The answer says that it failed, or makes no sense.
+    """
+    with server(uri) as api:
+        return value_of(getattr(api, method)(*arguments))
+
+
+def value_of(answer: object) -> object:
+    """What an answer of three parts brings.
+
+    Raises:
+        ValueError: It says that the call failed, or has other parts.
+    """
+    if not isinstance(answer, list | tuple) or len(answer) != 3:
+        raise ValueError(f"an answer that is none of ROS: {str(answer)[:80]}")
+    code, words, value = answer
+    if code != SUCCESS:
+        raise ValueError(str(words))
+    return value

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes a profile of its takes: learns, checks, writes, and activates it or says why not."""
+
+from __future__ import annotations
+
+import resource
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+
+from voice_assist.config import VoiceConfig
+from voice_assist.enrolment import model_file, report, settings
+from voice_assist.enrolment.checks import TakeCheck
+from voice_assist.enrolment.config import EnrolmentConfig
+from voice_assist.enrolment.in_force import with_spellings
+from voice_assist.enrolment.learn import Learned, Material, learn, material_of, others_for
+from voice_assist.enrolment.manifest import ACTIVE, NOBODY, RECORDING, REFUSED
+from voice_assist.enrolment.profile import Profile, ProfileError
+from voice_assist.enrolment.recognizer import PersonalRecognizer
+from voice_assist.enrolment.selfcheck import SelfCheck, Verdict, wrong_words
+from voice_assist.enrolment.spellings import put_spellings
+from voice_assist.errors import VoiceError
+from voice_assist.recognizer.embedded import EmbeddedRecognizer
+from voice_assist.recognizer.recognizer import Recognizer
+from voice_assist.speaker.config import OFF
+from voice_assist.speaker.enrol import put_voiceprint
+from voice_assist.speaker.voiceprint import FILE as VOICEPRINT
+
+FEWEST = 3  # takes of each command
+Told = Callable[[str], None]
+
+
+def build(
+    profile: Profile,
+    voice: VoiceConfig,
+    config: EnrolmentConfig,
+    base: Recognizer,
+    told: Told = lambda _: None,
+    noted: Told = lambda _: None,
+) -> tuple[str, ...]:
+    """Learn from the takes of a profile.
+
+    Args:
+        profile: With all its takes.
+        voice: Settings in force; profile and speaker gate in them count for nothing.
+        config: Of enrolment.
+        base: Recogniser that it is made on top of.
+        told: Says how far it is.
+        noted: Says what else was learned, such as a voiceprint, and what was not.
+
+    Returns:
+        Why the profile was refused; empty: it is active.
+
+    Raises:
+        ProfileError: Takes are missing or damaged, or the base cannot be adapted.
+        ModelError: espeak-ng, whose voices are learned beside the person's, is not installed.
+    """
+    if not isinstance(base, EmbeddedRecognizer):
+        allowed = "the embedded model, or one trained by make train"
+        raise ProfileError(f"recogniser {base.name!r} cannot be adapted, allowed: {allowed}")
+    material = material_of(profile)
+    _require_takes(material, voice.commands.phrases, config)
+    wall, cpu = time.monotonic(), time.process_time()
+    profile.rebase(base.model_hash)
+    profile.judge(RECORDING)
+    voice, check = _plain(voice), TakeCheck(config.checks, voice.commands, base)
+    check_all = SelfCheck(voice, config, base, told)
+    learned, verdict = None, Verdict(wrong_words=wrong_words(material, check))
+    if not verdict.wrong_words:
+        told("other voices")
+        others = others_for(voice.commands.phrases, config.adapt)
+        told("learning")
+        learned = learn(base, material, others, config.adapt)
+        personal = PersonalRecognizer(base, learned.state)
+        _learn_more(profile, voice, personal, noted)
+        verdict = check_all(material, with_spellings(voice, profile), personal, others)
+    problems = verdict.problems(config)
+    spent = time.monotonic() - wall, time.process_time() - cpu
+    effort = report.Effort(learned.seconds if learned else 0.0, *spent, _memory())
+    _write(profile, learned, verdict, problems, effort)
+    profile.judge(REFUSED if problems else ACTIVE, problems)
+    return problems
+
+
+def _plain(voice: VoiceConfig) -> VoiceConfig:
+    """The settings without any profile and without the gate, which would ask for a voiceprint."""
+    nobody = replace(voice.profile, name=NOBODY, sha256="")
+    return replace(voice, profile=nobody, speaker=replace(voice.speaker, gate=OFF))
+
+
+def _learn_more(profile: Profile, voice: VoiceConfig, personal: Recognizer, noted: Told) -> None:
+    """Spellings, and the voiceprint of the speaker gate; the profile serves without it, too."""
+    for refused in put_spellings(profile, personal, voice.commands):
+        noted(f"{refused.phrase!r} written as {refused.spelling!r} is not learned: {refused.why}")
+    try:
+        known = put_voiceprint(profile, voice.speaker)
+    except VoiceError as error:
+        profile.drop(VOICEPRINT)
+        noted(f"no voiceprint, so the speaker gate cannot be used: {error}")
+    else:
+        noted(f"voiceprint of {known.takes} takes, of which it would refuse {known.missed:.0%}")
+
+
+def _write(
+    profile: Profile,
+    learned: Learned | None,
+    verdict: Verdict,
+    problems: tuple[str, ...],
+    effort: report.Effort,
+) -> None:
+    """All that was learned; of a refused profile too, so that it can be looked at."""
+    if learned is None:
+        profile.drop(model_file.NAME)
+    else:
+        data = model_file.to_bytes(learned.state, profile.manifest.base_sha256)
+        profile.put(model_file.NAME, data)
+    profile.put(settings.NAME, settings.to_bytes(verdict.settings))
+    told_of = profile.manifest, verdict, problems, effort
+    profile.put(report.JSON, report.as_json(*told_of))
+    profile.put(report.MARKDOWN, report.as_markdown(*told_of))
+
+
+def _require_takes(material: Material, phrases: tuple[str, ...], config: EnrolmentConfig) -> None:
+    """Refuse what is too little to be checked.
+
+    Raises:
+        ProfileError: Names the commands that lack takes, or the talk.
+    """
+    said = Counter(take.phrase for take in material.takes)
+    short = [f"{phrase!r} {said[phrase]}" for phrase in phrases if said[phrase] < FEWEST]
+    if short:
+        allowed = f"allowed: at least {FEWEST} of each"
+        raise ProfileError(f"too few takes of {', '.join(short)}; {allowed}")
+    unknown = sorted(set(said) - set(phrases))
+    if unknown:
+        allowed = ", ".join(phrases)
+        raise ProfileError(
+            f"takes of {', '.join(unknown)}, which is no command; allowed: {allowed}"
+        )
+    talked, least = 3600.0 * material.talked, config.talk / 2.0
+    if talked < least:
+        raise ProfileError(f"{talked:.0f} s of free talk, allowed: at least {least:.0f}")
+
+
+def _memory() -> float:
+    """Largest resident set of this process so far [MB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0

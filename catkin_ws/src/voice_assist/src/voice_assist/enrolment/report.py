@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""report.json and report.md of a profile: what it learned, and what is to be expected of it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+
+from voice_assist.enrolment.manifest import Manifest
+from voice_assist.enrolment.selfcheck import Trial, Verdict
+
+JSON, MARKDOWN = "report.json", "report.md"  # in a profile
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What learning took."""
+
+    learning: float  # [s] of CPU time, for all takes once
+    whole: float  # [s] of the clock, with the check
+    cpu: float  # [s] of CPU time, with the check
+    memory: float  # [MB] largest resident set of the process
+
+
+def as_json(
+    manifest: Manifest, verdict: Verdict, problems: tuple[str, ...], effort: Effort
+) -> bytes:
+    """All figures of the check; no sound, and of what was said only the commands."""
+    data = {
+        "name": manifest.name,
+        "base_sha256": manifest.base_sha256,
+        "problems": problems,
+        "takes": _counts(verdict.own),
+        "talk": {
+            "pieces": len(verdict.talk),
+            "taken_by_base": sum(len(t.base) for t in verdict.talk),
+            "taken_by_profile": sum(len(t.profile) for t in verdict.talk),
+        },
+        "others": {
+            "commands": _counts([t for t in verdict.others if t.phrase]),
+            "near_misses_and_talk": _accepted([t for t in verdict.others if not t.phrase]),
+        },
+        "expected": [asdict(one) for one in verdict.expected],
+        "effort": asdict(effort),
+    }
+    return (json.dumps(data, indent=1) + "\n").encode()
+
+
+def as_markdown(
+    manifest: Manifest, verdict: Verdict, problems: tuple[str, ...], effort: Effort
+) -> bytes:
+    """The same for a reader."""
+    own, others = _counts(verdict.own), [t for t in verdict.others if t.phrase]
+    lines = [f"# Profile {manifest.name}", ""]
+    if problems:
+        lines += ["Not active, as it failed its own check:", ""]
+        lines += [f"- {problem}" for problem in problems]
+    else:
+        lines.append("Active.")
+    lines += [
+        "",
+        f"Learned in {effort.learning:.0f} s; with the check {effort.whole:.0f} s of the clock, "
+        f"{effort.cpu:.0f} s of CPU time and {effort.memory:.0f} MB.",
+        "",
+        f"Takes that were not learned from, each heard by what was learned of the others: base "
+        f"{own['right_by_base']} of {own['n']} right, profile {own['right_by_profile']}.",
+        f"Commands by other voices: base {_counts(others)['right_by_base']} of {len(others)} "
+        f"right, profile {_counts(others)['right_by_profile']}.",
+        "",
+        "Bounds hold with 95 % (Clopper and Pearson; Garwood), so few takes leave them wide.",
+        "",
+        "| command | taken from confidence | missed | at most | taken from talk | at most per h |",
+        "|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {e.phrase} | {e.least_confidence:.2f} | {e.missed} of {e.takes} "
+        f"| {e.miss_at_most:.0%} | {e.false} | {e.false_per_hour_at_most:.0f} |"
+        for e in verdict.expected
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _counts(trials: list[Trial]) -> dict[str, int]:
+    return {
+        "n": len(trials),
+        "right_by_base": sum(set(t.base) == {t.phrase} for t in trials),
+        "right_by_profile": sum(set(t.profile) == {t.phrase} for t in trials),
+        "another_by_base": sum(bool(set(t.base) - {t.phrase}) for t in trials),
+        "another_by_profile": sum(bool(set(t.profile) - {t.phrase}) for t in trials),
+    }
+
+
+def _accepted(trials: list[Trial]) -> dict[str, int]:
+    return {
+        "n": len(trials),
+        "taken_by_base": sum(bool(t.base) for t in trials),
+        "taken_by_profile": sum(bool(t.profile) for t in trials),
+    }

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Serves enrolment to a screen, from the sound that the voice node publishes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+
+import rospy
+
+from typed_config import ConfigError
+from voice_assist.assembly import limit_threads
+from voice_assist.config import load_voice_config
+from voice_assist.enrolment.config import load_enrolment_config
+from voice_assist.enrolment.desk import EnrolmentDesk, Told
+from voice_assist.enrolment.profile import profiles_folder
+from voice_assist.errors import VoiceError
+from voice_assist.msg import Mode
+from voice_assist.recognizer import load_recognizer
+from voice_assist.ros.topic_source import TopicSource
+from voice_assist.srv import Enroll, EnrollRequest, EnrollResponse
+from voice_assist.types import Frame
+
+_AUDIO, _MODE, _SERVICE = "voice_assist/audio", "voice_assist/mode", "voice_assist/enroll"
+
+
+def main() -> None:
+    """Run the enrolment node."""
+    rospy.init_node("enrolment")
+    try:
+        EnrolmentNode()
+    except (ConfigError, VoiceError) as error:
+        rospy.logfatal("%s", error)
+        sys.exit(2)
+    rospy.spin()
+
+
+class EnrolmentNode:
+    """Joins the desk, the sound and the service."""
+
+    def __init__(self) -> None:
+        """Load the base recogniser and announce the service."""
+        self._voice, config = load_voice_config(), load_enrolment_config()
+        limit_threads(self._voice)
+        base = load_recognizer(self._voice.recognizer.model, self._voice.recognizer.device)
+        root, self._mode = profiles_folder(self._voice.profile.folder), ""
+        args = self._voice, config, base, root, self._listen, self._is_armed
+        self._desk = EnrolmentDesk(*args)
+        rospy.Subscriber(_MODE, Mode, self._take_mode)
+        rospy.Service(_SERVICE, Enroll, self._serve)
+
+    def _serve(self, request: EnrollRequest) -> EnrollResponse:
+        limit_threads(self._voice)  # each call has a thread of its own
+        return _response(self._desk(request.name, request.action))
+
+    def _take_mode(self, message: Mode) -> None:
+        self._mode = message.mode
+
+    def _is_armed(self) -> bool:
+        return self._mode == "active"
+
+    def _listen(self) -> Iterator[Frame]:
+        topic = replace(self._voice.audio.topic, name=_AUDIO)
+        with TopicSource(topic, self._trouble) as source:
+            yield from source
+
+    @staticmethod
+    def _trouble(trouble: str) -> None:
+        if trouble:
+            rospy.logwarn("%s", trouble)
+
+
+def _response(told: Told) -> EnrollResponse:
+    response = EnrollResponse(success=told.success, message=told.message)
+    if told.step is not None:
+        response.kind, response.phrase = told.step.kind, told.step.phrase
+        response.seconds, response.number = told.step.seconds, told.step.number
+        response.of = told.step.of
+    return response

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An endoscope led in eight directions and back in PyBullet, and stopped on its way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bench.motion.insertion import Run
+from bench.motion.rig import Rig
+from rst_control.config import load_motion_config, load_simulation_config
+from rst_control.lifecycle import State
+from rst_control.look_plans import WAYS
+from rst_control.types import LOOKS
+
+WORST = 20e-6  # [m] of the shaft from the trocar, after every step of the physics
+BACK = {c: next(d for d in LOOKS if not any(np.add(WAYS[c], WAYS[d]))) for c in LOOKS}
+
+
+@pytest.fixture(scope="module")
+def rig():
+    with Rig(load_motion_config(), load_simulation_config()) as made:
+        made.run(0.02)
+        made.wake()
+        yield made
+
+
+def test_eight_directions_and_closer_and_back_with_the_shaft_in_the_trocar(rig):
+    run, start = Run(rig), rig.executor.view.setpoint
+    for command in (*(c for c in LOOKS if not WAYS[c][2]), LOOKS[-2]):
+        run.finish(command.value)
+        run.finish(BACK[command].value)
+    assert run.failure == "" and run.phases == {"look", "hold"}
+    assert 0.0 < run.error < WORST
+    print(f"largest RCM error: {run.error * 1e6:.2f} um")
+    np.testing.assert_allclose(rig.executor.view.setpoint, start, atol=5e-3)
+
+
+def test_a_stop_on_the_way_holds_the_shaft_in_the_trocar(rig):
+    rig.give("look down left")
+    assert rig.until(lambda: _progress(rig) > 0.4)
+    rig.give("stop")
+    assert rig.until(lambda: rig.executor.view.life.state is State.HALTED, limit=1.0)
+    assert 0.3 < rig.executor.view.path_position / rig.executor.view.path.length < 0.9
+    assert rig.executor.view.placement.error < WORST
+
+
+def _progress(rig):
+    motion = rig.executor.view.motion
+    return motion.progress if motion is not None else 0.0

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The ROS master dies in mid-motion and is started anew; robot and controller run all the while."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+import rosgraph
+
+from demo.system import free_port
+
+ROOT = Path(__file__).resolve().parents[2]
+ROSTEST = ROOT / "tests" / "rostest"
+WAIT = 90.0  # [s] for anything to happen on a loaded machine
+END = 20.0  # [s] for a process to end
+
+
+class Host:
+    """A master and launches, each in a process group of its own."""
+
+    def __init__(self, folder, monkeypatch):
+        self.port = free_port()
+        monkeypatch.setenv("ROS_IP", "127.0.0.1")
+        monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{self.port}")
+        monkeypatch.setenv("ROS_LOG_DIR", str(folder / "logs"))
+        self._log = (folder / "said.txt").open("ab")
+        self._running = []
+        self.master = rosgraph.Master("/test", f"http://127.0.0.1:{self.port}")
+
+    def start(self, *words):
+        process = subprocess.Popen(
+            words, stdout=self._log, stderr=subprocess.STDOUT, start_new_session=True
+        )
+        self._running.append(process)
+        return process
+
+    def start_master(self):
+        process = self.start("roscore", "-p", str(self.port))
+        until(self.is_there, "a master")
+        return process
+
+    def launch(self, name, **arguments):
+        words = [f"{key}:={value}" for key, value in arguments.items()]
+        return self.start("roslaunch", "--wait", str(ROOT / "launch" / f"{name}.launch"), *words)
+
+    def is_there(self):
+        try:
+            return bool(self.master.getPid())
+        except (OSError, rosgraph.MasterException):
+            return False
+
+    def is_found(self, service):
+        try:
+            return bool(self.master.lookupService(service))
+        except (OSError, rosgraph.MasterException):
+            return False
+
+    def end(self):
+        for process in reversed(self._running):
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+                try:
+                    process.wait(END)
+                except subprocess.TimeoutExpired:
+                    os.killpg(process.pid, signal.SIGKILL)
+                    process.wait()
+        self._log.close()
+
+
+def until(is_done, what):
+    end = time.monotonic() + WAIT
+    while not is_done():
+        assert time.monotonic() < end, f"never: {what}"
+        time.sleep(0.05)
+
+
+def said(*words):
+    """What a command of ROS prints, as a client that begins anew."""
+    done = subprocess.run(words, capture_output=True, text=True, timeout=WAIT, check=False)
+    return done.stdout + done.stderr
+
+
+def give(command):
+    return said("rosservice", "call", "/rst_control/command", f"command: '{command}'")
+
+
+def state():
+    """Present state and the reason of a latch."""
+    text = said("rostopic", "echo", "-n", "1", "/rst_control/state")
+    found = {key: re.search(rf"^{key}: (.*)$", text, re.M) for key in ("state", "halt_reason")}
+    return tuple(match[1].strip("\"'") if match else "" for match in found.values())
+
+
+@pytest.fixture
+def host(tmp_path, monkeypatch):
+    host = Host(tmp_path, monkeypatch)
+    yield host
+    host.end()
+
+
+def test_all_brakes_is_named_and_found_again_with_the_next_master(host):
+    first = host.start_master()
+    host.launch("robot", overrides=ROSTEST / "patient_robot.yaml")
+    host.launch(
+        "controller", overrides=ROSTEST / "patient_controller.yaml", on_recording_loss="ignore"
+    )
+    until(lambda: host.is_found("/rst_control/command"), "a controller")
+    until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted')
+    parameters = said("rosparam", "get", "/controller")
+    assert "tip_speed" in parameters
+    time.sleep(2.0)  # for the registrar to have seen all
+    assert "accepted: True" in give("tense")
+    os.kill(host.master.getPid(), signal.SIGKILL)
+    until(lambda: not host.is_there(), "the master gone")
+    first.wait(END)  # roscore ends with the master
+    host.start_master()
+    until(lambda: host.is_found("/rst_control/command"), "the controller found by others")
+    assert state() == ("faulted", "the ROS master ended: nobody new could stop the robot")
+    until(lambda: said("rosparam", "get", "/controller") == parameters, "the parameters")
+    until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted')
+    assert state()[0] == "active"
+    assert "accepted: True" in give("tense")
+    assert "accepted: True" in give("stop")

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A 6-DoF arm with a longer shaft: the same code, told by its URDF and settings alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from six_joints import EXAMPLE, URDF, BulletShaft, KdlShaft, example
+
+from bench.motion.rig import random_poses
+from rst_control import chain, manipulability
+from rst_control.assembly import make_executor, make_site
+from rst_control.backends.fake import FakeRobot, LinearSpring
+from rst_control.configuration import Configuration, planning_joints, robot_joints
+from rst_control.desk import CommandDesk
+from rst_control.errors import Infeasible, RobotModelError
+from rst_control.planner import Planner
+from rst_control.profile import Profile
+from rst_control.rcm import rcm_jacobian
+from rst_control.robot_facts import load_facts
+from rst_control.robot_model import parse_robot
+from rst_control.site import PresentSite
+from rst_control.types import PathState, Request
+from rst_control.urdf import urdf_text
+
+PATHS = 100
+MOST_ERROR = 1e-6  # [m]
+PERIOD = 0.002  # [s]
+LACKING = 6  # number in q of the joint that the arm does not have
+
+
+@pytest.fixture(scope="module")
+def planner():
+    config, model = example()
+    return Planner(model, config)
+
+
+@pytest.fixture(scope="module")
+def bullet():
+    shaft = BulletShaft()
+    yield shaft
+    shaft.close()
+
+
+@pytest.fixture(scope="module")
+def paths(planner):
+    """Each from where the last one ended, to a random place and turn of the tool."""
+    q, found = np.array(planner.config.scene.home), []
+    for pose in random_poses(planner.config, 20 * PATHS, seed=4, spread=0.3):
+        try:
+            found.append(planner.leg(q, pose))
+        except Infeasible:
+            continue
+        q = found[-1].end
+        if len(found) == PATHS:
+            return found
+    raise AssertionError(f"only {len(found)} of {PATHS} paths could be planned")
+
+
+def test_the_urdf_is_written_from_its_numbers():
+    written = urdf_text(load_facts(EXAMPLE / "robot.yaml"))
+    assert URDF.read_text(encoding="utf-8") == written
+
+
+def test_the_model_knows_which_joint_is_lacking_and_how_long_the_shaft_is(planner):
+    assert planner.model.locked == (LACKING,)
+    assert planner.model.shaft_length == pytest.approx(0.36, abs=1e-12)
+
+
+def test_a_joint_that_is_fixed_without_saying_so_is_refused():
+    text = URDF.read_text(encoding="utf-8").replace("locked_joint_7", "flange")
+    with pytest.raises(RobotModelError, match="joints up to tool_tip"):
+        parse_robot(text)
+
+
+def test_more_of_the_shaft_than_there_is_cannot_be_asked_for(planner):
+    rcm = replace(planner.config.rcm, insertion=(0.05, 0.40))
+    with pytest.raises(
+        RobotModelError, match=r"rcm.insertion up to 0.4 m, allowed: the shaft, 0.36"
+    ):
+        Planner(planner.model, replace(planner.config, rcm=rcm))
+
+
+def test_the_lacking_joint_moves_nothing_and_has_no_column(planner):
+    home = np.array(planner.config.scene.home)
+    turned = home + np.eye(9)[LACKING]
+    np.testing.assert_array_equal(
+        Configuration(planner.model, home).T_base_tip,
+        Configuration(planner.model, turned).T_base_tip,
+    )
+    here = Configuration(planner.model, home)
+    assert not here.J_tip[:, LACKING].any()
+    assert not rcm_jacobian(here, planner.trocar)[:, LACKING].any()
+    assert manipulability.measure(planner.model.chain, home, planner.trocar) > 1e-7
+
+
+def test_jacobians_are_finite_differences(planner):
+    rng, step = np.random.default_rng(2), 1e-6
+    for _ in range(20):
+        q = rng.uniform(-1.5, 1.5, 9)
+        J = Configuration(planner.model, q).J_tip[:3]
+        for j in range(9):
+            ends = [
+                Configuration(planner.model, q + sign * step * np.eye(9)[j]) for sign in (1, -1)
+            ]
+            slope = (ends[0].tip - ends[1].tip) / (2.0 * step)
+            np.testing.assert_allclose(J[:, j], slope, atol=1e-8)
+
+
+def test_random_paths_stay_in_the_trocar_by_kdl_and_by_pybullet(planner, paths, bullet):
+    kdl, rng, worst = KdlShaft(planner.model), np.random.default_rng(9), [0.0, 0.0]
+    for path in paths:
+        samples = path.sample(planner.model.chain, planner.trocar, per_knot=20)
+        chosen = np.append(rng.integers(0, len(samples.s), 20), samples.rcm_error.argmax())
+        for k in chosen:
+            joints = robot_joints(samples.q[k, 0], 0.0)
+            assert joints[LACKING] == 0.0
+            worst[0] = max(worst[0], kdl.error(joints, planner.trocar))
+            worst[1] = max(worst[1], bullet.error(joints, planner.trocar))
+    print(
+        f"RCM error of {PATHS} paths: KDL {worst[0] * 1e6:.3f} um, PyBullet {worst[1] * 1e6:.3f} um"
+    )
+    assert worst[0] <= MOST_ERROR
+    assert worst[1] <= MOST_ERROR
+
+
+def test_paths_keep_joint_limits_and_speeds(planner, paths):
+    for path in paths[:20]:
+        samples = path.sample(planner.model.chain, planner.trocar)
+        bounds = planner.bounds(path, planner.config.controller.speed.tip_speed)
+        for q in (samples.q[:, 0].min(axis=0), samples.q[:, 0].max(axis=0)):
+            planner.limits.require(q)
+        rates = np.abs(samples.q[:, 1]) * bounds.speed
+        assert (rates <= planner.limits.velocity + 1e-9).all()
+        profile = Profile(PathState(0.0), bounds)
+        profile.go_to(path.length)
+        assert 0.0 < profile.remaining < 60.0
+
+
+def test_all_commands_are_carried_out_in_the_trocar(planner):
+    """The whole controller on a robot that reaches its set-points, each judged by KDL."""
+    config, model = example()
+    now = [10.0]
+
+    def tip_of(joints):
+        return Configuration(model, planning_joints(joints)[0]).tip
+
+    begin = robot_joints(np.array(config.scene.home), 0.0)
+    robot = FakeRobot(begin, lambda: now[0], tissue=LinearSpring(tip_of, 200.0))
+    site = PresentSite(make_site(config, model))
+    executor = make_executor(config, site, robot.clear_fault)
+    desk = CommandDesk(executor, site.verify, lambda: now[0])
+
+    def tick():
+        now[0] += PERIOD
+        setpoint = executor.tick(now[0], robot.measured_js())
+        if setpoint is not None:
+            robot.servo_jp(setpoint)
+
+    def carry_out(words):
+        ticket = desk.take(Request(words), "test")
+        for _ in range(30_000):
+            if ticket.ended.done() or (words == "hey robot" and ticket.reply.done()):
+                break
+            if not ticket.reply.done() and (waiting := desk.next(0.0)) is not None:
+                desk.check(waiting)
+            tick()
+        assert ticket.reply.result(0).accepted, ticket.reply.result(0).message
+        if words != "hey robot":
+            assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
+
+    for _ in range(10):
+        tick()
+    tensions = []
+    for words in ("hey robot", "tense", "pull more", "pull less", "release"):
+        carry_out(words)
+        tensions.append(robot.measured_js().tension)
+    assert tensions[1] == pytest.approx(config.controller.tension.initial, abs=0.03)
+    assert tensions[2] > tensions[1] + 0.2
+    assert tensions[3] < tensions[2] - 0.2
+    assert tensions[4] == 0.0
+    kdl, sent = KdlShaft(model), [s.position for s in robot.setpoints]
+    assert len(sent) > 1000
+    assert max(kdl.error(q, planner.trocar) for q in sent[::5]) <= MOST_ERROR
+    assert {float(q[LACKING]) for q in sent} == {0.0}
+
+
+def test_frames_of_joints_that_turn_are_rotations(planner):
+    frames = Configuration(planner.model, planner.config.scene.home).frames
+    for row in (*range(LACKING), chain.PITCH, chain.SHAFT, chain.TOOL0, chain.TIP):
+        R = frames[row, :, :3]
+        np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-12)

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rst_control.config import CONFIG_FOLDER, LimitsConfig
+from rst_control.configuration import robot_joints
+from rst_control.kinova.config import load_kinova_config
+from rst_control.planner import Planner
+from typed_config import load_config, load_yaml
+
+sys.path.insert(0, str(Path(__file__).parent))
+LIMITS = load_config(LimitsConfig, load_yaml(CONFIG_FOLDER / "kinova_limits.yaml"))
+
+
+@pytest.fixture(scope="session")
+def kinova():
+    return replace(load_kinova_config(), limits=LIMITS)
+
+
+@pytest.fixture(scope="session")
+def soft_planner(robot, motion_config):
+    """Plans within what the driver allows."""
+    return Planner(robot, replace(motion_config, limits=LIMITS))
+
+
+@pytest.fixture
+def hardware(kinova, motion_config):
+    from fake_hardware import FakeHardware
+
+    made = FakeHardware(robot_joints(np.array(motion_config.scene.home), 0.6))
+    made.ready(kinova)
+    return made

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An arm that turns at the speeds it was last sent, late and as fast as it can change them, and a
+tool that is where it was sent: both on a clock that tests move on."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from rst_control.kinova.bridge import Bridge
+from rst_control.kinova.feedback import JointFeedback
+from rst_control.kinova.tool import ToolState
+from rst_control.types import Setpoint
+
+STEP = 0.001  # [s]
+ACCELERATION = np.array([1.0, 1.0, 1.0, 1.0, 10.0, 10.0, 10.0])  # [rad/s^2] of the driver
+FEEDBACK = 0.025  # [s]
+
+
+class FakeHardware:
+    """Takes what the bridge sends; `advance` moves time on and tells what is measured."""
+
+    def __init__(self, joints, delay=0.020, now=100.0):
+        self.now = self.start = now
+        self.arm, self.speed = np.array(joints[:7]), np.zeros(7)
+        self.tool_joints = np.array(joints[7:])
+        self.delay, self.offset = delay, np.zeros(7)
+        self.blocked: set[int] = set()
+        self.tissue = 0.0  # [rad] of opening that tissue between the jaws leaves
+        self.under_way = deque()
+        self.wanted = np.zeros(7)
+        self.speeds, self.tools, self.stops, self.clears = [], [], [], 0
+        self.tells_arm = self.tells_tool = self.guards = True
+        self.bridge = None
+        self.steps = 0
+        self.each = lambda: None
+
+    def send_speeds(self, speeds):
+        self.speeds.append((self.now, speeds.copy()))
+        self.under_way.append((self.now + self.delay, speeds.copy()))
+
+    def send_tool(self, joints):
+        self.tools.append((self.now, joints.copy()))
+        self.tool_joints = joints.copy()
+        missing = max(0.0, self.tissue - joints[1] - joints[2])
+        self.tool_joints[1:] += 0.5 * missing
+
+    def stop(self):
+        self.stops.append(self.now)
+        self.under_way.append((self.now + self.delay, np.zeros(7)))
+
+    def clear_faults(self):
+        self.clears += 1
+
+    def ready(self, config):
+        """A bridge to this hardware, homed and guarded."""
+        self.bridge = Bridge(config, self)
+        self.bridge.tool.tell_state(ToolState.POSITION_CONTROL.value)
+        self.bridge.tool.is_homed = True
+        self.tell()
+        return self.bridge
+
+    @property
+    def joints(self):
+        return np.concatenate([self.arm, self.tool_joints])
+
+    def tell(self):
+        if self.tells_tool:
+            self.bridge.on_tool(JointFeedback(self.tool_joints, np.zeros(3), np.zeros(3), self.now))
+        if self.guards:
+            self.bridge.on_guard(self.now)
+        if self.tells_arm:
+            seen = self.arm + self.offset
+            self.bridge.on_arm(JointFeedback(seen, self.speed.copy(), np.zeros(7), self.now))
+
+    def advance(self, seconds, setpoint=None):
+        """Move time on.
+
+        Args:
+            seconds: By how much.
+            setpoint: Position and velocity (10,) at a time [s], sent at 500 Hz; None: none.
+        """
+        for _ in range(round(seconds / STEP)):
+            self.steps += 1
+            self.now = self.start + self.steps * STEP
+            self._turn()
+            if setpoint is not None and self.steps % 2 == 0:
+                self.bridge.servo_jp(Setpoint(*setpoint(self.now), self.now), self.now)
+            if self.steps % 25 == 0:
+                self.tell()
+            if self.steps % 5 == 0:
+                self.bridge.step(self.now)
+            self.each()
+
+    def _turn(self):
+        while self.under_way and self.under_way[0][0] <= self.now:
+            self.wanted = self.under_way.popleft()[1]
+        change = np.clip(self.wanted - self.speed, -ACCELERATION * STEP, ACCELERATION * STEP)
+        last = self.speed
+        self.speed = self.speed + change
+        for joint in self.blocked:
+            self.speed[joint] = 0.0
+        self.arm = self.arm + 0.5 * STEP * (last + self.speed)

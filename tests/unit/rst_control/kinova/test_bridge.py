@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Set-points in, velocities out: course, trocar, stops, faults and what clears them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fake_hardware import FakeHardware
+
+from rst_control.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinova.bridge import Lead
+from rst_control.kinova.tool import ToolState
+from rst_control.profile import Profile
+from rst_control.rcm import rcm_state
+from rst_control.types import PathState
+
+OPENING = 0.6
+
+
+class Way:
+    """Set-points along the way to the grasp, up to 20 mm/s."""
+
+    def __init__(self, planner, home, begins):
+        self.paths = planner.reach(home)
+        self.path, self.begins = self.paths[0], begins
+        self.profile = Profile(PathState(0.0), planner.bounds(self.path, 0.020))
+        self.profile.go_to(self.path.length)
+        self.last = begins
+
+    def __call__(self, now):
+        if now > self.begins:
+            self.profile.step(now - max(self.last, self.begins))
+        self.last = now
+        point = self.path.evaluate(self.profile.state.s)
+        speed = point.dq * self.profile.state.speed
+        return robot_joints(point.q, OPENING), robot_joints(speed, 0.0)
+
+
+@pytest.fixture
+def way(soft_planner, home, hardware):
+    return Way(soft_planner, home, hardware.now + 0.5)
+
+
+def shaft_error(planner, joints):
+    q, _ = planning_joints(joints)
+    return rcm_state(Configuration(planner.model, q), planner.trocar).error
+
+
+def test_the_arm_follows_the_course_with_the_shaft_in_the_trocar(hardware, way, planner):
+    errors = []
+    hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
+    hardware.advance(6.0, way)
+    assert hardware.bridge.fault(hardware.now) == ""
+    end = robot_joints(way.path.end, OPENING)
+    assert np.abs(hardware.joints - end).max() < 1e-4
+    assert max(errors) < 100e-6
+    assert way.profile.is_done
+    assert len(hardware.speeds) == pytest.approx(6.0 / 0.025, abs=2)
+
+
+def test_another_lag_than_thought_costs_the_trocar_little_and_is_told(hardware, way, planner):
+    hardware.delay = 0.060
+    errors = []
+    hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
+    hardware.advance(6.0, way)
+    assert hardware.bridge.fault(hardware.now) == ""
+    assert max(errors) < 300e-6
+    assert hardware.bridge.take_health().lag == pytest.approx(0.065, abs=0.02)
+
+
+def test_an_arm_that_stands_a_little_elsewhere_is_brought_back(hardware, way):
+    hardware.advance(0.5, way)
+    hardware.offset[3] = 0.002  # the gears' play, say
+    hardware.advance(8.0, way)
+    assert hardware.bridge.fault(hardware.now) == ""
+    seen = hardware.arm + hardware.offset
+    assert np.abs(seen - way.path.end[:7]).max() < 2e-4
+
+
+def test_at_rest_it_sends_zeros_and_nothing_wanders(hardware, way):
+    rng = np.random.default_rng(5)
+    still = way(hardware.now - 10.0)
+    place = hardware.arm.copy()
+
+    def shake():
+        hardware.offset = rng.normal(0.0, 5e-5, 7)
+
+    hardware.each = shake
+    hardware.advance(5.0, lambda now: still)
+    assert np.abs(hardware.arm - place).max() < 3e-4
+    assert np.abs([speed for _, speed in hardware.speeds]).max() < 5e-3
+
+
+def test_a_blocked_joint_stops_the_arm_by_name(hardware, way):
+    hardware.advance(1.0, way)
+    fastest = int(np.abs(hardware.speed).argmax())
+    hardware.blocked = {fastest}
+    hardware.advance(3.0, way)
+    assert f"joint_{fastest + 1}" in hardware.bridge.fault(hardware.now)
+    assert "allowed 0.0200" in hardware.bridge.fault(hardware.now)
+    assert hardware.stops
+    assert np.abs(hardware.speed).max() == 0.0
+
+
+def test_old_feedback_stops_the_arm_at_once(hardware, way):
+    hardware.advance(1.0, way)
+    assert np.abs(hardware.speed).max() > 0.0
+    hardware.tells_arm = False
+    hardware.advance(0.1, way)
+    assert "joints of the arm" in hardware.bridge.fault(hardware.now)
+    sent = len(hardware.speeds)
+    hardware.advance(0.4, way)
+    assert len(hardware.speeds) == sent
+    assert len(hardware.stops) > 5  # repeated: nobody knows whether the arm rests
+    assert np.abs(hardware.speed).max() == 0.0
+
+
+def test_set_points_that_end_slow_it_down_along_its_curve_and_latch(hardware, way, planner):
+    hardware.advance(1.5, way)
+    errors = []
+    hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
+    hardware.advance(1.0)
+    assert "set-points stopped coming" in hardware.bridge.fault(hardware.now)
+    assert np.abs(hardware.speed).max() == 0.0
+    assert hardware.stops
+    assert max(errors) < 300e-6
+    place = hardware.arm.copy()
+    hardware.advance(0.5, way)
+    assert np.array_equal(hardware.arm, place)
+
+
+def test_a_hold_ends_at_rest_and_set_points_may_follow(hardware, way):
+    hardware.advance(1.5, way)
+    hardware.bridge.hold(hardware.now)
+    hardware.advance(1.0)
+    assert hardware.bridge.fault(hardware.now) == ""
+    assert np.abs(hardware.speed).max() == 0.0
+    assert hardware.bridge.take_health().lead is Lead.NOBODY
+    stand = hardware.joints
+    hardware.advance(0.5, lambda now: (stand, np.zeros(10)))
+    assert hardware.bridge.take_health().lead is Lead.COURSE
+
+
+def test_a_fault_clears_at_rest_only_and_asks_the_arm_to_clear_its_own(hardware, way):
+    hardware.advance(1.5, way)
+    hardware.bridge.fail("told so", hardware.now)
+    hardware.bridge.clear_fault(hardware.now)
+    assert hardware.bridge.fault(hardware.now) == "told so"
+    assert hardware.clears == 0
+    hardware.advance(1.0)
+    hardware.bridge.clear_fault(hardware.now)
+    assert hardware.bridge.fault(hardware.now) == ""
+    assert hardware.clears == 1
+    hardware.bridge.clear_fault(hardware.now)
+    assert hardware.clears == 1
+
+
+def test_nothing_moves_before_guard_and_tool_are_there(kinova, hardware, way):
+    for spoil, words in (
+        (lambda h: setattr(h, "guards", False), "stop guard"),
+        (lambda h: h.bridge.tool.tell_state(ToolState.CONNECTED.value), "not homed"),
+        (lambda h: h.bridge.tool.tell_state(ToolState.READY.value), "needed: POSITION_CONTROL"),
+        (lambda h: setattr(h, "tells_tool", False), "joints of OpenRST"),
+        (lambda h: setattr(h, "tells_arm", False), "joints of the arm"),
+    ):
+        one = FakeHardware(hardware.joints)
+        one.ready(kinova)
+        spoil(one)
+        one.advance(0.2)
+        one.advance(1.0, standing(one))
+        assert words in one.bridge.fault(one.now)
+        assert one.speeds == []
+        assert one.tools == []
+
+
+def standing(hardware):
+    stand = hardware.joints
+    return lambda now: (stand, np.zeros(10))
+
+
+@pytest.mark.parametrize("lost", ["guard", "homing", "tool"])
+def test_what_is_lost_in_motion_stops_the_arm_and_latches(hardware, way, lost):
+    hardware.advance(1.5, way)
+    assert np.abs(hardware.speed).max() > 0.0
+    if lost == "guard":
+        hardware.guards = False
+    elif lost == "homing":
+        hardware.bridge.tool.tell_state(ToolState.CONNECTED.value)
+    else:
+        hardware.tells_tool = False
+    hardware.advance(1.0, way)
+    assert np.abs(hardware.speed).max() == 0.0
+    hardware.guards = hardware.tells_tool = True
+    hardware.bridge.tool.tell_state(ToolState.POSITION_CONTROL.value)
+    hardware.bridge.tool.is_homed = True
+    hardware.advance(0.5, way)
+    assert hardware.bridge.fault(hardware.now) != ""
+    assert np.abs(hardware.speed).max() == 0.0
+
+
+def test_where_it_ends_is_looked_at(hardware, way):
+    config = replace(hardware.bridge._config.arm, gain=0.0)
+    hardware.bridge._follower._config = config
+    hardware.advance(0.5, way)
+    hardware.offset[4] = 0.005
+    hardware.advance(6.0, way)
+    assert "joint_5 ended +0.0050 rad off" in hardware.bridge.fault(hardware.now)
+
+
+def test_a_late_period_is_made_up_for_by_the_next(hardware, way):
+    hardware.advance(1.5, way)
+    step, hardware.bridge.step = hardware.bridge.step, lambda now: None
+    hardware.advance(0.030, way)  # the loop was held up for 30 ms
+    hardware.bridge.step = step
+    hardware.advance(0.3, way)
+    assert hardware.bridge.fault(hardware.now) == ""
+    assert hardware.bridge.take_health().latest >= 0.02
+    hardware.advance(5.0, way)
+    assert np.abs(hardware.joints[:7] - way.path.end[:7]).max() < 1e-4
+
+
+def test_the_tool_goes_along_with_the_arm_and_within_its_limits(hardware, way, kinova):
+    hardware.advance(6.0, way)
+    assert hardware.tools[-1][1] == pytest.approx(robot_joints(way.path.end, OPENING)[7:])
+    tool = kinova.bridge.tool
+    for _, joints in hardware.tools:
+        assert (np.array(tool.lower) <= joints).all() and (joints <= np.array(tool.upper)).all()
+
+
+def test_jaws_that_stay_open_tell_of_tissue(hardware):
+    stand = hardware.joints
+    hardware.tissue = 0.1
+
+    def close(now):
+        opening = max(0.0, 0.6 - (now - hardware.start))
+        q, _ = planning_joints(stand)
+        return robot_joints(q, opening), robot_joints(np.zeros(9), -1.0 if opening else 0.0)
+
+    hardware.advance(1.0, close)
+    assert hardware.bridge.is_gripped
+    assert hardware.bridge.measured.gripped
+    hardware.tissue = 0.0  # it slipped
+    hardware.advance(0.3, close)
+    assert not hardware.bridge.is_gripped
+
+
+def test_closing_on_nothing_grips_nothing(hardware):
+    stand = hardware.joints
+
+    def close(now):
+        opening = max(0.0, 0.6 - (now - hardware.start))
+        q, _ = planning_joints(stand)
+        return robot_joints(q, opening), robot_joints(np.zeros(9), -1.0 if opening else 0.0)
+
+    hardware.advance(1.5, close)
+    assert not hardware.bridge.is_gripped
+
+
+def test_tension_that_is_old_is_not_told(hardware):
+    assert hardware.bridge.force(hardware.now) is None
+    hardware.bridge.on_force(np.array([0.0, 0.0, 1.0]), hardware.now)
+    assert hardware.bridge.force(hardware.now + 0.09) is not None
+    assert hardware.bridge.force(hardware.now + 0.11) is None
+
+
+def test_after_a_fault_the_jaws_stay_sent_to_close_on_the_tissue(hardware):
+    stand = hardware.joints
+    hardware.tissue = 0.1
+    q, _ = planning_joints(stand)
+
+    def close(now):
+        opening = max(0.0, 0.6 - (now - hardware.start))
+        return robot_joints(q, opening), robot_joints(np.zeros(9), -1.0 if opening else 0.0)
+
+    hardware.advance(1.0, close)
+    hardware.bridge.fail("told so", hardware.now)
+    hardware.advance(1.0)
+    assert hardware.bridge.is_gripped
+    hardware.bridge.clear_fault(hardware.now)
+    closed = robot_joints(q, 0.0)  # what the controller goes on with: it knows that tissue is held
+    hardware.advance(1.0, lambda now: (closed, np.zeros(10)))
+    assert hardware.bridge.fault(hardware.now) == ""
+    assert hardware.bridge.is_gripped
+    sent = hardware.tools[-1][1]
+    assert sent[1] + sent[2] <= 0.0

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""launch/kinova.launch: nothing starts where something is missing; what is given is in force."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from roslaunch import RLException
+from roslaunch.config import load_config_default
+
+from rst_control.config import CONFIG_FOLDER
+
+FILE = Path(__file__).resolve().parents[4] / "launch" / "kinova.launch"
+TROCAR = ["trocar_x:=0.406", "trocar_y:=-0.024", "trocar_z:=0.415"]
+LIMITS = [f"limits:={CONFIG_FOLDER / 'kinova_limits.yaml'}"]
+STOP = ["i_have_an_emergency_stop:=true"]
+QUIET = ["voice:=false", "alarms:=false", "record:=false"]
+
+
+def load(*arguments):
+    given = [*arguments, *QUIET]
+    return load_config_default([(str(FILE), given)], None, verbose=False)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (LIMITS + STOP, "trocar_x"),
+        (TROCAR[1:] + LIMITS + STOP, "trocar_x"),
+        (TROCAR[:2] + LIMITS + STOP, "trocar_z"),
+        (TROCAR + STOP, "limits"),
+        (TROCAR + LIMITS, "kinova_preflight"),
+        ([*TROCAR, *LIMITS, "i_have_an_emergency_stop:=false"], "kinova_preflight"),
+        (TROCAR + LIMITS + STOP + ["speed_scale:=3"], "kinova_preflight"),
+    ],
+)
+def test_it_does_not_start_without(arguments, words):
+    with pytest.raises(RLException, match=words):
+        load(*arguments)
+
+
+def test_a_first_start_is_slow_and_asks(capfd):
+    config = load(*TROCAR, *LIMITS, *STOP)
+    value = {name: param.value for name, param in config.params.items()}
+    assert value["/controller/controller/speed/scale"] == 0.1
+    assert value["/controller/controller/first_motion"] == "confirmed"
+    assert value["/controller/scene/trocar"] == [0.406, -0.024, 0.415]
+    assert value["/controller/limits/layer"] == "kinova"
+    assert value["/kinova_bridge/limits/layer"] == "kinova"
+    names = {node.name for node in config.nodes}
+    assert {"controller", "kinova_bridge", "kinova_guard"} <= names
+    assert "robot" not in names  # that is hardware
+
+
+def test_what_is_given_counts():
+    config = load(
+        *TROCAR, *LIMITS, "simulate:=true", "speed_scale:=0.5", "dry_run:=false", "arm:=a"
+    )
+    value = {name: param.value for name, param in config.params.items()}
+    assert value["/controller/controller/speed/scale"] == 0.5
+    assert value["/controller/controller/first_motion"] == "free"
+    assert value["/kinova_bridge/bridge/arm/namespace"] == "a"
+    assert value["/kinova_guard/arm_namespace"] == "a"
+    assert "robot" in {node.name for node in config.nodes}

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Feedback in our order, the arm's ramps, the stop guard, and the settings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rst_control.config import CONFIG_FOLDER
+from rst_control.kinova.config import BridgeConfig
+from rst_control.kinova.feedback import BadFeedback, FeedbackReader, unwrapped
+from rst_control.kinova.guard import StopGuard
+from rst_control.kinova.ramp import Ramp, feasible_share, velocity_for
+from typed_config import ConfigError, load_config, load_yaml
+
+NAMES = ("a", "b", "c")
+TIME = 0.025
+
+
+def values(*position):
+    return {"position": position, "velocity": (0.0,) * len(position), "effort": ()}
+
+
+class TestFeedback:
+    def test_other_orders_and_strangers_are_put_right(self):
+        read = FeedbackReader(NAMES, (1.0, 1.0, -1.0), turns=False)
+        told = read.read(("c", "x", "a", "b"), values(3.0, 9.0, 1.0, 2.0), 5.0)
+        np.testing.assert_allclose(told.position, [1.0, 2.0, -3.0])
+        assert told.stamp == 5.0
+
+    @pytest.mark.parametrize(
+        ("names", "position", "words"),
+        [
+            (("a", "b"), (1.0, 2.0), "without c"),
+            (NAMES, (1.0, 2.0), "2 values of position, allowed: 3"),
+            (NAMES, (1.0, float("nan"), 2.0), "position is no number"),
+        ],
+    )
+    def test_what_cannot_be_used_is_refused(self, names, position, words):
+        read = FeedbackReader(NAMES, (1.0, 1.0, 1.0), turns=True)
+        with pytest.raises(BadFeedback, match=words):
+            read.read(names, values(*position), 0.0)
+
+    def test_angles_go_on_over_half_a_turn(self):
+        read = FeedbackReader(("a",), (1.0,), turns=True)
+        course = np.linspace(2.0, 9.0, 200)
+        told = [
+            read.read(("a",), values(float(np.mod(q + np.pi, 2 * np.pi) - np.pi)), 0.0).position
+            for q in course
+        ]
+        np.testing.assert_allclose(np.ravel(told), course, atol=1e-12)
+
+    @given(st.floats(-20.0, 20.0), st.floats(-3.0, 3.0))
+    def test_unwrapping_takes_the_nearest_turn(self, last, step):
+        told = np.mod(np.array([last + step]) + np.pi, 2 * np.pi) - np.pi
+        np.testing.assert_allclose(unwrapped(told, np.array([last])), [last + step], atol=1e-9)
+
+
+vectors = st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=4).map(np.array)
+
+
+class TestRamp:
+    @settings(max_examples=60, deadline=None)
+    @given(vectors, vectors)
+    def test_the_velocity_for_a_way_goes_that_way(self, velocity, more):
+        acceleration = np.array([1.0, 1.0, 5.0, 10.0])
+        half = 0.5 * acceleration * TIME * TIME
+        way = velocity * TIME + np.clip(more, -1.0, 1.0) * half
+        wanted = velocity_for(way, velocity, acceleration, TIME)
+        end, reached = Ramp(1.0, np.zeros(4), velocity, wanted, acceleration).at(1.0 + TIME)
+        np.testing.assert_allclose(end, way, atol=1e-9)
+        np.testing.assert_allclose(reached, wanted, atol=1e-9)
+
+    @settings(max_examples=60, deadline=None)
+    @given(vectors, vectors)
+    def test_a_share_of_any_way_can_be_gone_by_all_where_one_can_be(self, velocity, way):
+        acceleration = np.full(4, 1.0)
+        share = feasible_share(way, velocity, acceleration, TIME)
+        assert share >= 0.0
+        off = np.abs(share * way - velocity * TIME) - 0.5 * acceleration * TIME**2
+        ones = np.abs(way - velocity * TIME) - 0.5 * acceleration * TIME**2
+        if (ones <= 0.0).all():
+            assert share == 1.0
+        elif share not in (0.0, 1.0) and (np.abs(velocity) < 1e-12).all():
+            assert off.max() <= 1e-9
+
+    def test_it_stays_at_the_velocity_it_reached(self):
+        ramp = Ramp(0.0, np.zeros(1), np.zeros(1), np.array([0.1]), np.ones(1))
+        place, velocity = ramp.at(1.0)
+        assert place[0] == pytest.approx(0.1 * 0.1 / 2 + 0.1 * 0.9)
+        assert velocity[0] == 0.1
+
+
+class TestGuard:
+    @pytest.fixture
+    def guard(self, kinova):
+        return StopGuard(kinova.bridge.guard)
+
+    def stops(self, guard, begin, end):
+        return [t for t in np.arange(begin, end, 0.01) if guard.is_stop_due(float(t))]
+
+    def test_it_never_stops_what_never_moved(self, guard):
+        assert self.stops(guard, 0.0, 10.0) == []
+
+    def test_a_bridge_that_beats_is_left_alone(self, guard):
+        for t in np.arange(0.0, 5.0, 0.02):
+            guard.heard(float(t))
+            assert not guard.is_stop_due(float(t) + 0.01)
+
+    def test_silence_stops_the_arm_soon_and_again_and_not_for_ever(self, guard, kinova):
+        config = kinova.bridge.guard
+        guard.heard(1.0)
+        found = self.stops(guard, 1.0, 20.0)
+        assert found[0] == pytest.approx(1.0 + config.silence, abs=0.02)
+        assert len(found) > 20
+        assert found[-1] <= 1.0 + config.silence + config.insist + 0.02
+
+    def test_a_bridge_that_comes_back_is_guarded_again(self, guard):
+        guard.heard(1.0)
+        self.stops(guard, 1.0, 10.0)
+        guard.heard(11.0)
+        assert not guard.is_stop_due(11.05)
+        assert self.stops(guard, 11.0, 11.5)
+
+
+class TestSettings:
+    @pytest.mark.parametrize(
+        ("path", "value", "words"),
+        [
+            ("arm.joints", ["joint_1"] * 7, "names that differ"),
+            ("arm.feedback_age", 0.02, "above period"),
+            ("arm.end_tolerance", 0.03, "up to following_error"),
+            ("tool.signs", [1.0, 0.5, 1.0], "1 or -1"),
+            ("tool.joints", ["a", "b"], "names that differ"),
+            ("guard.insist", 0.1, "from repeat on"),
+            ("arm.lagg", 0.1, "did you mean lag"),
+            ("rate", 60.0, "at least two"),
+        ],
+    )
+    def test_what_does_not_fit_is_refused_by_name(self, path, value, words):
+        data = load_yaml(CONFIG_FOLDER / "kinova_bridge.yaml")
+        data["guard"]["repeat"] = 0.2
+        *above, key = path.split(".")
+        place = data
+        for name in above:
+            place = place[name]
+        place[key] = value
+        with pytest.raises(ConfigError, match=words):
+            load_config(BridgeConfig, data)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What launch/kinova.launch refuses to start without."""
+
+from __future__ import annotations
+
+import pytest
+
+from rst_control.config import CONFIG_FOLDER
+from rst_control.kinova.preflight import NotReady, check, main
+from typed_config import ConfigError
+
+LIMITS, SCENE = CONFIG_FOLDER / "kinova_limits.yaml", CONFIG_FOLDER / "scene.yaml"
+TROCAR = (0.406, -0.024, 0.415)
+
+
+def test_what_is_complete_may_start():
+    words = check(True, False, TROCAR, LIMITS, SCENE, 0.1)
+    assert words == "the real robot, limits kinova, speeds times 0.1"
+
+
+def test_a_simulation_needs_no_emergency_stop():
+    assert "simulated" in check(False, True, TROCAR, LIMITS, SCENE, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"has_stop": False}, "i_have_an_emergency_stop:=true"),
+        ({"trocar": (406.0, -24.0, 415.0)}, "from base_link, allowed up to 1.6 m"),
+        ({"trocar": (float("nan"), 0.0, 0.4)}, "from base_link"),
+        ({"trocar": (0.426, -0.024, 0.415)}, "leads the shaft 17.0 mm past the trocar"),
+        ({"scale": 0.0}, "speed_scale is 0, allowed above 0"),
+        ({"scale": 1.5}, "speed_scale is 1.5"),
+        ({"scale": float("nan")}, "speed_scale is nan"),
+    ],
+)
+def test_what_is_missing_is_named(changes, words):
+    given = {
+        "has_stop": True,
+        "is_simulated": False,
+        "trocar": TROCAR,
+        "limits": LIMITS,
+        "scene": SCENE,
+        "scale": 0.1,
+    }
+    with pytest.raises(NotReady) as refused:
+        check(**{**given, **changes})
+    assert words in str(refused.value)
+
+
+def test_a_limits_file_that_is_none_is_refused(tmp_path):
+    with pytest.raises(ConfigError):
+        check(True, False, TROCAR, tmp_path / "none.yaml", SCENE, 0.1)
+    with pytest.raises(ConfigError):
+        check(True, False, TROCAR, SCENE, SCENE, 0.1)
+
+
+def test_the_launch_hears_of_it_by_the_exit_status(capsys):
+    arguments = [
+        *("--simulate", "false", "--trocar", "0.406", "-0.024", "0.415"),
+        *("--limits", str(LIMITS), "--scene", str(SCENE), "--speed-scale", "0.1"),
+    ]
+    with pytest.raises(SystemExit) as ended:
+        main(["--emergency-stop", "false", *arguments])
+    assert ended.value.code == 2
+    assert "does not start" in capsys.readouterr().err
+    main(["--emergency-stop", "true", *arguments])
+    assert "the real robot" in capsys.readouterr().out

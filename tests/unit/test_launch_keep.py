@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Who is started anew where it crashes, and who ends the launch."""
+
+from pathlib import Path
+
+import pytest
+from roslaunch.config import load_config_default
+
+LAUNCH = Path(__file__).resolve().parents[2] / "launch"
+KEPT = ("controller", "robot", "voice_assist")
+
+
+def nodes(file, *arguments):
+    config = load_config_default([(str(LAUNCH / file), list(arguments))], None, verbose=False)
+    return {node.name: node for node in config.nodes}
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_who_crashes_is_started_anew_and_who_ends_otherwise_ends_the_launch(name):
+    node = nodes("system.launch")[name]
+    assert node.launch_prefix == "rosrun rst_control keep"
+    assert node.required and not node.respawn
+
+
+@pytest.mark.parametrize("name", ["alarms", "registrar"])
+def test_who_moves_nothing_is_respawned(name):
+    node = nodes("system.launch")[name]
+    assert node.respawn and not node.required
+
+
+@pytest.mark.parametrize("file", ["controller.launch", "robot.launch", "voice.launch"])
+def test_another_prefix_takes_its_place(file):
+    (kept,) = (n for name, n in nodes(file, "prefix:=nice").items() if name in KEPT)
+    assert kept.launch_prefix == "nice"
