@@ -32,11 +32,11 @@ FORCE:
 
 setup: .setup/workspace ## install and build all that the other verbs need; UNDERLAY=devel[:devel] builds upon other workspaces
 
-demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you
-	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(OUT),--out '$(OUT)')
+demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you, ROBOT=kinova_strict leads it as Kinova's driver is led
+	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out '$(OUT)')
 
 test: setup ## all tests: unit, property, integration and rostest
-	@$(RUN) python -m pytest tests $(ARGS)
+	@$(RUN) python -m tests $(ARGS)
 
 .setup/bench: .setup/workspace requirements-bench.txt
 	@$(PY) -m pip install --progress-bar on -r requirements-bench.txt

@@ -67,6 +67,12 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--gui", action="store_true", help="open the simulator's window")
     parser.add_argument("--microphone", action="store_true", help="listen to you, until Ctrl-C")
     parser.add_argument("--film", action="store_true", help="film the scene to film.gif")
+    parser.add_argument(
+        "--robot",
+        choices=("fast", "kinova_strict"),
+        default="fast",
+        help="how the simulated robot is led: by set-points, or as Kinova's own driver is",
+    )
     parser.add_argument("--wav", action="store_true", help="do not try a virtual microphone")
     return parser.parse_args(argv)
 
@@ -90,7 +96,11 @@ def _session(
         environment = microphone.environment if microphone else {}
         system = stack.enter_context(System(folder / "launch.log", environment))
         rospy.init_node("demo", anonymous=True, disable_signals=True)
-        system.launch_session(folder, gui=options.gui, **source)
+        if options.robot == "kinova_strict":
+            system.launch_kinova(folder, gui=options.gui, **source)
+            system.home_tool()
+        else:
+            system.launch_session(folder, gui=options.gui, **source)
         timeline = stack.enter_context(Timeline(console))
         _wait_until_ready(system, timeline)
         if options.microphone:

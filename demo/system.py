@@ -13,8 +13,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import rosgraph
+import rospy
+import yaml
+from std_srvs.srv import Trigger
 
 ROOT = Path(__file__).resolve().parent.parent
+CONFIG = ROOT / "catkin_ws" / "src" / "rst_control" / "config"
 START_TIME = 20.0  # [s] allowed for roscore to answer
 READY_TIME = 90.0  # [s] allowed for all parts to come up
 STOP_TIME = 15.0  # [s] allowed for roslaunch to end before it is killed
@@ -74,6 +78,52 @@ class System:
             robot_overrides=ROOT / "demo" / "robot_overrides.yaml",
             **source,
         )
+
+    def launch_kinova(self, folder: Path, gui: bool = False, **source: str | Path) -> None:
+        """The same on the strict stand-in of Kinova's and OpenRST's drivers, through the bridge.
+
+        Args:
+            folder: Of this session.
+            gui: Open the simulator's window.
+            source: Launch arguments that say where the sound comes from.
+        """
+        trocar = yaml.safe_load((CONFIG / "scene.yaml").read_text(encoding="utf-8"))["trocar"]
+        self.launch(
+            ROOT / "launch" / "kinova.launch",
+            simulate=True,
+            dry_run=False,
+            speed_scale="1.0",
+            **{f"trocar_{axis}": str(value) for axis, value in zip("xyz", trocar, strict=True)},
+            limits=CONFIG / "kinova_limits.yaml",
+            gui=gui,
+            sessions=folder.parent,
+            session=folder.name,
+            simulation_overrides=ROOT / "demo" / "kinova_robot.yaml",
+            bridge_overrides=ROOT / "demo" / "kinova_bridge.yaml",
+            controller_overrides=ROOT / "demo" / "kinova_controller.yaml",
+            **source,
+        )
+
+    def home_tool(self) -> None:
+        """Connect and home the simulated tool, as a person does before a session.
+
+        Raises:
+            RuntimeError: The service is not there in time, or says why not.
+        """
+        home = rospy.ServiceProxy("robot/home_tool", Trigger)
+        deadline = time.monotonic() + READY_TIME
+        why = "nobody offers robot/home_tool"
+        while time.monotonic() < deadline and self.is_running():
+            try:
+                home.wait_for_service(1.0)
+                answer = home()
+            except rospy.ROSException:
+                continue
+            if answer.success:
+                return
+            why = answer.message
+            time.sleep(0.5)
+        raise RuntimeError(f"the tool was not homed: {why}")
 
     def wait_for(self, parts: Mapping[str, threading.Event], say: Callable[[str], None]) -> None:
         """Wait until every part has shown that it is ready.

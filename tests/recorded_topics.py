@@ -11,6 +11,7 @@ TYPES = {
     "/joint_states": "sensor_msgs/JointState",
     "/rst_control/trocar": "geometry_msgs/PointStamped",
     "/rst_control/markers": "visualization_msgs/MarkerArray",
+    "/rst_control/preview": "visualization_msgs/MarkerArray",
     "/robot/tissue_markers": "visualization_msgs/MarkerArray",
     "/voice_assist/alarm_marker": "visualization_msgs/Marker",
     "/robot/tension": "geometry_msgs/WrenchStamped",
@@ -21,4 +22,5 @@ TYPES = {
     "/tf_static": "tf2_msgs/TFMessage",
 }
 
-ON_REQUEST = {"/robot/scene/compressed"}  # recorded where someone asked the simulator for a picture
+# recorded where someone asked the simulator for a picture, or a first motion is to be confirmed
+ON_REQUEST = {"/robot/scene/compressed", "/rst_control/preview"}

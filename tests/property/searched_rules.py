@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 from searched_inputs import FOUND, LATE, WATCHED
 
+from rst_control.configuration import planning_joints, robot_joints
 from rst_control.lifecycle import State
 from rst_control.types import Command
 
@@ -64,9 +66,16 @@ def _rest(before, edge, held):
     was, now = held
     if was is None or now is None or was is now:
         return ""
-    if any(m is not None and now is m.position for m in FOUND.values()):
+    if any(m is not None and _is_taken_from(m, now) for m in FOUND.values()):
         return ""
     return f"the set-point moved from {before[0].value} to {edge.to[0].value}"
+
+
+def _is_taken_from(found, held):
+    """As measured, but for jaws with tissue between them, which stay sent to close."""
+    if not found.gripped:
+        return held is found.position
+    return np.array_equal(held, robot_joints(planning_joints(found.position)[0], 0.0))
 
 
 def _number(before, edge):

@@ -41,7 +41,8 @@ def test_every_topic_of_rviz_is_one_that_is_recorded():
     displays = config["Visualization Manager"]["Displays"]
     topics = {d["Marker Topic"]: d["Class"] for d in displays if "Marker Topic" in d}
     assert set(topics) == {
-        *("/rst_control/markers", "/robot/tissue_markers", "/voice_assist/alarm_marker")
+        *("/rst_control/markers", "/rst_control/preview"),
+        *("/robot/tissue_markers", "/voice_assist/alarm_marker"),
     }
     for topic, kind in topics.items():
         assert TYPES[topic] == kind.replace("rviz", "visualization_msgs")

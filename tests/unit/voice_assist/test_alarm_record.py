@@ -168,8 +168,8 @@ def test_a_loop_that_fails_again_and_again_still_tells_its_state():
 
 
 def test_a_phase_that_takes_too_long_is_in_the_diary():
-    rig = Rig(config=with_watchdogs(phase_timeout=1.0)).moving("reach")
-    rig.now += 2.5
+    rig = Rig(config=with_watchdogs(phase_timeout=4.0)).moving("reach")
+    rig.now += 5.5
     rig.until(lambda: latched(rig), limit=1.0)
     assert causes(events(rig)) <= {"overtime", "stale"} and causes(events(rig))
 

@@ -122,7 +122,8 @@ def test_settings_recorded_before_there_were_profiles_mean_nobody() -> None:
     recorded = {"recognizer": {"model": "embedded"}}
     settings, warnings = restore_settings(recorded, None)
     assert settings.profile.name == NOBODY
-    assert any("setting profile was not recorded" in warning for warning in warnings)
+    assert not any("profile" in warning or "speaker" in warning for warning in warnings)
+    assert settings.speaker.gate == "off"
 
 
 def test_deleting_asks_first(profile: Profile, capsys: pytest.CaptureFixture[str]) -> None:

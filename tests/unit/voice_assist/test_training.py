@@ -27,6 +27,7 @@ from voice_assist.training.schedule import Schedule
 from voice_assist.training.start import start_from
 from voice_assist.training.synthesis import Amounts, Clip, plan_held_out, plan_training
 from voice_assist.training.voices import Prompt, speak
+from voice_assist.types import never
 
 SMALL = ModelDimensions(80, 512, 32, 2, 2, 51864, 64, 32, 2, 1)
 
@@ -93,7 +94,7 @@ def test_draft_and_correction_write_what_greedy_decoding_writes(exported, draft)
         for seed in range(2):
             states = recognizer.model.encode(log_mel(torch.from_numpy(sound(seed=seed))[None]))
             ids, _ = greedy(recognizer.model, states, MOST_ROUNDS - 1)
-            written = recognizer._decode(states, draft).text
+            written = recognizer._decode(states, draft, never).text
             assert written.startswith(decode(ids).strip())
 
 
@@ -105,11 +106,11 @@ def test_commands_are_greedy_whatever_the_draft(draft):
     said = speak([Prompt(text, "flite", "slt", 1.0, 0.5) for text in texts.COMMANDS])
     with torch.inference_mode():
         for text, samples in zip(texts.COMMANDS, said, strict=True):
-            states, _ = recognizer._listen(samples.astype(np.float32) / 32768)
+            states = recognizer._listen(samples.astype(np.float32) / 32768).states
             ids, has_ended = greedy(recognizer.model, states, MOST_ROUNDS - 1)
             assert has_ended
             assert decode(ids) == text
-            assert recognizer._decode(states, draft).text == text
+            assert recognizer._decode(states, draft, never).text == text
 
 
 def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported, monkeypatch):
@@ -126,7 +127,7 @@ def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported,
     monkeypatch.setattr(recognizer.model, "logits", never_agrees)
     with torch.inference_mode():
         states = recognizer.model.encode(log_mel(torch.from_numpy(sound(2.0))[None]))
-        heard = recognizer._decode(states, "ab" * 20)
+        heard = recognizer._decode(states, "ab" * 20, never)
     assert len(read) == MOST_ROUNDS
     assert heard.text == "q" * (MOST_ROUNDS - 1) + ("ab" * 20)[MOST_ROUNDS - 1 :]
     assert heard.avg_logprob < -10

@@ -80,14 +80,14 @@ class CommandDesk:
             self._executor.stop(f'"stop" from {caller}', self._clock())
             ticket.reply.set_result(Reply(True, 'stops and holds; say "hey robot" to go on'))
             ticket.ended.set_result(Outcome("succeeded", ""))
+        elif command in BY_HAND and (is_spoken or not is_by_hand):
+            self._refuse(ticket, f'"{command.value}" is given by hand, never by voice')
         elif objection:
             self._refuse(ticket, objection)
         elif command is None:
             self._refuse(ticket, unknown(request.words))
         elif command in (Command.HEY_ROBOT, Command.TERMINATE):
             self._post(ticket, Plan(command, _WORDS[command]), serial=-1)
-        elif command in BY_HAND and (is_spoken or not is_by_hand):
-            self._refuse(ticket, f'"{command.value}" is given by hand, never by voice')
         elif not _is_amount(request.tension) or not _is_amount(request.distance):
             self._refuse(ticket, "tension and distance must be numbers from 0 up")
         else:

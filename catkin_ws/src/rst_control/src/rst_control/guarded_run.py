@@ -11,13 +11,13 @@ from dataclasses import replace
 
 from rst_control.config import TensionConfig
 from rst_control.path import Path
-from rst_control.phase_runs import Braking, distrust_words, share_done
+from rst_control.phase_runs import TowardsTension, distrust_words
 from rst_control.profile import Bounds, Profile
 from rst_control.rising_tension import RisingTension
 from rst_control.types import Measurement, PathState, Phase, Vector
 
 
-class GuardedRun(Braking):
+class GuardedRun(TowardsTension):
     """Goes along a path until the tension is that of the phase, or to the furthest s.
 
     It is as slow as lets the stiffest tissue expected rise by no more than the tolerance within
@@ -43,15 +43,11 @@ class GuardedRun(Braking):
         brakes: Bounds,
         config: TensionConfig,
     ) -> None:
-        super().__init__(phase, path, opening, brakes)
+        super().__init__(phase, path, state, opening, brakes)
         rise = max(config.delay, 1e-3) * config.blind_stiffness  # [N s/m]
         speed = min(bounds.speed, config.tolerance / rise)
         self._profile = Profile(state, replace(bounds, speed=speed))
         self._rising = RisingTension(config.delay)
-        self._goal = phase.tension or 0.0
-        self._furthest = max(phase.target, state.s)
-        self._first: float | None = None  # [N] when it began
-        self._now = self._started = state.s
 
     @property
     def state(self) -> PathState:
@@ -60,11 +56,8 @@ class GuardedRun(Braking):
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
         """Move on by a time [s]; see `PhaseRun`."""
-        self._now = measured.tension
-        self._rising.look(measured.stamp, self._now)
-        if self._first is None:
-            self._first = self._now
-            self.is_pulling = self._goal > self._now
+        self._rising.look(measured.stamp, measured.tension)
+        if self._feel(measured.tension):
             self._profile.go_to(self._furthest if self.is_pulling else 0.0)
         profile = self._brake or self._profile
         state = profile.step(dt)
@@ -74,18 +67,6 @@ class GuardedRun(Braking):
             if self.failure or self._is_reached:
                 self._brake_from(state)
         return self._joints(state)
-
-    def brake(self) -> None:
-        """Come to rest as soon as the limits allow."""
-        self._brake_from(self.state)
-
-    @property
-    def progress(self) -> float:
-        """Share of the change of tension, or of the way to the furthest s, that is done."""
-        if self._first is None:
-            return 0.0
-        way = share_done(self._started, self.state.s, self._furthest)
-        return max(way, share_done(self._first, self._now, self._goal))
 
     @property
     def _is_reached(self) -> bool:

@@ -126,7 +126,54 @@ class PathRun(Braking):
         return share_done(self._start, self.state.s, self.phase.target)
 
 
-class TensionRun(Braking):
+class TowardsTension(Braking):
+    """What the ways of going along a path to a tension share: where they began, and how far on.
+
+    Args:
+        phase: With a path and a tension.
+        path: That of the phase.
+        state: Where on the path, and how fast, it starts.
+        opening: Of the jaws, which stays [rad].
+        brakes: Of a stop.
+    """
+
+    def __init__(
+        self, phase: Phase, path: Path, state: PathState, opening: float, brakes: Bounds
+    ) -> None:
+        super().__init__(phase, path, opening, brakes)
+        self._goal = phase.tension or 0.0
+        self._first: float | None = None  # [N] when it began
+        self._now = 0.0
+        self._started, self._furthest = state.s, max(phase.target, state.s)
+
+    @property
+    def state(self) -> PathState:
+        """Where on the path it is."""
+        raise NotImplementedError
+
+    def brake(self) -> None:
+        """Come to rest as soon as the limits allow."""
+        self._brake_from(self.state)
+
+    @property
+    def progress(self) -> float:
+        """Share of the change of tension, or of the way to the furthest s, that is done."""
+        if self._first is None:
+            return 0.0
+        way = share_done(self._started, self.state.s, self._furthest)
+        return max(way, share_done(self._first, self._now, self._goal))
+
+    def _feel(self, tension: float) -> bool:
+        """Note the present tension [N]; whether it is the first."""
+        self._now = tension
+        is_first = self._first is None
+        if self._first is None:
+            self._first = tension
+            self.is_pulling = self._goal > tension
+        return is_first
+
+
+class TensionRun(TowardsTension):
     """Pulls or eases along a path to the tension of the phase, or to the furthest s.
 
     It fails where the tension does not rise with the pull.
@@ -151,11 +198,7 @@ class TensionRun(Braking):
         brakes: Bounds,
         config: TensionConfig,
     ) -> None:
-        super().__init__(phase, path, opening, brakes)
-        self._goal = phase.tension or 0.0
-        self._first: float | None = None  # [N] when it began
-        self._now = 0.0
-        self._started, self._furthest = state.s, max(phase.target, state.s)
+        super().__init__(phase, path, state, opening, brakes)
         self._control = TensionControl(config, bounds, brakes, self._furthest, state, self._goal)
 
     @property
@@ -165,10 +208,7 @@ class TensionRun(Braking):
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
         """Move on by a time [s]; see `PhaseRun`."""
-        self._now = measured.tension
-        if self._first is None:
-            self._first = self._now
-            self.is_pulling = self._goal > self._now
+        self._feel(measured.tension)
         if self._brake is not None:
             state = self._brake.step(dt)
             self.is_done = self._brake.is_done
@@ -178,18 +218,6 @@ class TensionRun(Braking):
         if self.failure or self._control.is_settled or self._control.is_at_limit:
             self._brake_from(state)
         return self._joints(state)
-
-    def brake(self) -> None:
-        """Come to rest as soon as the limits allow."""
-        self._brake_from(self.state)
-
-    @property
-    def progress(self) -> float:
-        """Share of the change of tension, or of the way to the furthest s, that is done."""
-        if self._first is None:
-            return 0.0
-        way = share_done(self._started, self.state.s, self._furthest)
-        return max(way, share_done(self._first, self._now, self._goal))
 
 
 class JawRun:

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
     from voice_assist.spotter.spotter import Spotting
 
+# Parts that an older recording, or another node, did not have, as it behaved without them.
+SWITCHED_OFF = {"speaker": {"gate": "off"}, "profile": {"name": "none"}}
+
 
 class Unhearable(VoiceError, ValueError):
     """Recorded sound, settings or circumstances that the pipeline cannot take."""
@@ -189,6 +192,8 @@ def restore_settings(
     """
     today = {name: dict(load_yaml(CONFIG_DIR / f"{name}.yaml")) for name in SECTIONS}
     warnings = [] if recorded else ["no settings were recorded; today's are used"]
+    absent = {name: off for name, off in SWITCHED_OFF.items() if recorded and name not in recorded}
+    recorded = {**recorded, **{name: {**today[name], **off} for name, off in absent.items()}}
     data = _merge(today, recorded, "", warnings) if recorded else today
     data["recognizer"]["device"] = today["recognizer"]["device"]
     if model is not None:

@@ -25,7 +25,7 @@ class ArmConfig:
     period: float = number(0.005, 0.1, "s")
     acceleration: Seven = number(0.1, 100.0, "rad/s^2")
     lag: float = number(0.0, 0.2, "s")
-    gain: float = number(0.0, 10.0, "1/s")
+    gain: float = number(0.1, 10.0, "1/s")
     correction_speed: float = number(1e-4, 0.2, "rad/s")
     most_correction: float = number(1e-3, 0.2, "rad")
     following_error: float = number(1e-3, 0.2, "rad")

@@ -98,7 +98,7 @@ LATCHES: Final = (  # of ControllerState.halt_reason: what braked and latched
         "^shaft .* off the trocar",
         f"Look at the trocar; set it anew if it moved, {_ON}.",
     ),
-    Cause("over tension", "^tension .* N, allowed", 'Say "hey robot", then "release".'),
+    Cause("over tension", "^tension .* N.*, allowed", 'Say "hey robot", then "release".'),
     Cause("slipped", "^tissue slipped", 'Look at the tissue; say "hey robot", then "tense".'),
     Cause(
         "voice silent",
