@@ -73,7 +73,7 @@ def _rest(before, edge, held):
 
 def _is_taken_from(found, held):
     """As measured, but for jaws with tissue between them, which stay sent to close."""
-    if not found.gripped:
+    if held is found.position or not found.gripped:
         return held is found.position
     return np.array_equal(held, robot_joints(planning_joints(found.position)[0], 0.0))
 

@@ -22,3 +22,10 @@ def test_only_jaws_that_hold_tissue_are_sent_to_close_where_it_keeps_them_open(
     q, sent = planning_joints(mover.held)
     np.testing.assert_allclose(q, home, atol=1e-12)
     assert sent == pytest.approx(opening)
+
+
+def test_wide_open_jaws_are_not_sent_to_close_whatever_a_sensor_says(motion_config, home):
+    mover, still = Mover(MotionMaker(motion_config.controller)), np.zeros(10)
+    wide = robot_joints(home, 0.4)
+    mover.synchronise(Measurement(wide, still, still, 1.0, gripped=True))
+    np.testing.assert_array_equal(mover.held, wide)

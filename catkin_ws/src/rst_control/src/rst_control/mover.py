@@ -11,6 +11,7 @@ from rst_control.types import JOINT_COUNT, Grasp, Measurement, Plan, Reason, Rej
 
 STILL = np.zeros(JOINT_COUNT)
 CLOSED = 0.0  # [rad] opening that jaws which hold tissue are sent to
+MOST_KEPT_OPEN = 0.15  # [rad] to which tissue keeps them; jaws that are further open hold none
 
 
 class Mover:
@@ -89,8 +90,9 @@ class Mover:
         Tissue may keep them open: sent to where it does, they would hold it no longer.
         """
         held = measured.position
-        if measured.gripped:
-            held = robot_joints(planning_joints(held)[0], CLOSED)
+        q, opening = planning_joints(held)
+        if measured.gripped and opening <= MOST_KEPT_OPEN:
+            held = robot_joints(q, CLOSED)
         self.held, self._place = held, None
         self.changes += 1
 
