@@ -78,8 +78,8 @@ def test_who_does_not_listen_there_is_not_believed(server):
 
 
 def test_a_name_with_spaces_and_brackets_hides_nothing(tmp_path):
-    folder = tmp_path / "7"
-    folder.mkdir()
+    folder = tmp_path / "7" / "task" / "7"
+    folder.mkdir(parents=True)
     tail = " ".join(["1"] * 18)
     (folder / "stat").write_text(f"7 (a) S (b) T {tail} 42 0 0\n")
     assert Process(7, "42").state(tmp_path) == STOPPED

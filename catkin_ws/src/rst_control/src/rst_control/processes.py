@@ -8,6 +8,7 @@ difference at once, and never takes a busy process for a stopped one.
 from __future__ import annotations
 
 import contextlib
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -18,7 +19,8 @@ ENDED: Final = "ended"
 STOPPED: Final = "was stopped"
 _STOPPED = ("T", "t")  # by a signal; by a debugger
 _ENDED = ("Z", "X", "x")
-_STATE, _START = 0, 19  # fields of /proc/<pid>/stat behind the name
+_STATE, _START = 0, 19  # fields of /proc/<pid>/task/<pid>/stat behind the name
+_LONGEST = 4096  # bytes of that file
 
 
 @dataclass(frozen=True)
@@ -54,8 +56,14 @@ def process_of(pid: int, port: int, proc: Path = PROC) -> Process | None:
 
 
 def _fields(pid: int, proc: Path) -> list[str]:
-    text = ""
+    """Of the first thread: for a whole process the kernel sums up all threads, which takes long."""
+    raw = b""
     with contextlib.suppress(OSError):
-        text = (proc / str(pid) / "stat").read_text(encoding="ascii", errors="replace")
+        file = os.open(f"{proc}/{pid}/task/{pid}/stat", os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            raw = os.read(file, _LONGEST)
+        finally:
+            os.close(file)
+    text = raw.decode("ascii", "replace")
     fields = text.rpartition(")")[2].split()  # a name may hold spaces and brackets
     return fields if len(fields) > _START else []

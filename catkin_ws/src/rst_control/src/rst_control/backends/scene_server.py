@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from rst_control.config import CameraConfig, SceneConfig
 
-COURTESY = 5  # steps of priority that drawing leaves to others
+COURTESY = 15  # steps of priority that drawing leaves to others
+AUTOGROUP = Path("/proc/self/autogroup")  # Linux weighs sessions first, then processes in them
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,9 @@ def _be_courteous() -> None:
     with suppress(PermissionError, AttributeError):
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
     os.nice(COURTESY)
+    with suppress(OSError):  # no session of its own to be weighed by, or not on this kernel
+        os.setsid()
+        AUTOGROUP.write_text(str(COURTESY), encoding="ascii")
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a closed pipe ends it, not Ctrl-C
 
 

@@ -33,6 +33,7 @@ from rst_control.ros.presence_watch import PresenceWatch
 from rst_control.ros.priority import ask_for_priority
 from rst_control.ros.recording_link import RecordingLink
 from rst_control.ros.robot_link import RobotLink
+from rst_control.ros.sending import send_promptly
 from rst_control.ros.trocar_service import TrocarService
 from rst_control.ros.worker import Worker
 from rst_control.site import PresentSite
@@ -168,6 +169,7 @@ class ControllerNode:
 def main() -> None:
     """Run the controller node."""
     guard_intake()
+    send_promptly()
     rospy.init_node("controller")
     try:
         config = load_config(MotionConfig, rospy.get_param("~", {}), "controller parameters")

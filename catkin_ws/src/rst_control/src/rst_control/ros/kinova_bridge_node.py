@@ -27,6 +27,7 @@ from rst_control.ros.kinova_hardware import KinovaHardware
 from rst_control.ros.messages import BASE
 from rst_control.ros.priority import ask_for_priority
 from rst_control.ros.robot_link import RawJointState
+from rst_control.ros.sending import send_promptly
 from rst_control.ros.wall_clock import followed, wall_offset
 from rst_control.ros.wire import BadMessage, JointStateReader
 from rst_control.types import JOINTS, Measurement, Setpoint
@@ -242,6 +243,7 @@ def _wait(condition: Callable[[], bool], limit: float) -> bool:
 def main() -> None:
     """Run the bridge node."""
     guard_intake()
+    send_promptly()
     rospy.init_node("kinova_bridge")
     try:
         config = load_config(KinovaConfig, rospy.get_param("~", {}), "bridge parameters")

@@ -29,6 +29,7 @@ from rst_control.kinova_driver import StandInConfig, with_tissue_between
 from rst_control.ros.intake import guard_intake
 from rst_control.ros.kinova_driver_node import KinovaDoor
 from rst_control.ros.priority import ask_for_priority
+from rst_control.ros.sending import send_promptly
 from rst_control.ros.setpoint_door import SetpointDoor
 from rst_control.ros.simulator_diagnostics import SimulatorDiagnostics, broadcast_places
 from rst_control.ros.simulator_markers import SimulatorMarkers
@@ -191,6 +192,7 @@ def read_parameters(given: dict[str, object]) -> tuple[SimulationConfig, StandIn
 def main() -> None:
     """Run the simulator node."""
     guard_intake()
+    send_promptly()
     rospy.init_node("robot")
     try:
         config, stand_in = read_parameters(rospy.get_param("~", {}))

@@ -37,6 +37,7 @@ from voice_assist.hang import HangWatch
 from voice_assist.pipeline import Event
 from voice_assist.ros.caller import CommandCaller
 from voice_assist.ros.diagnostics import Diagnostics, Health
+from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.spotter.spotter import Spotted
@@ -62,7 +63,9 @@ _DIAGNOSTICS_EVERY = 20  # heartbeats
 
 def main() -> None:
     """Run the voice node."""
+    priority = hear_first()
     rospy.init_node("voice_assist")
+    rospy.loginfo("priority: %s", priority)
     try:
         node = VoiceNode(_load_config())
         node.run()
