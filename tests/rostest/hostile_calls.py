@@ -162,18 +162,8 @@ class HostileCalls(unittest.TestCase):
         self.assertLess(drift, 1e-4)
         for publisher in (*publishers.values(), wrong):
             publisher.unregister()
-        healthy = [  # the robot itself tells these only when they change
-            rospy.Publisher("robot/fault", String, queue_size=1, latch=True),
-            rospy.Publisher("robot/gripped", Bool, queue_size=1, latch=True),
-        ]
-        healthy[0].publish("")
-        healthy[1].publish(False)
-        self.robot.wait(lambda: all(p.get_num_connections() for p in healthy))
         self.assert_loop_runs()
 
-    @unittest.skip(
-        "open, found 2026-11-21: after test 8 a jaw does not follow, and it holds by name"
-    )
     def test_9_after_the_junk_it_moves_and_stops_as_ever(self):
         self.assert_moves_and_stops()
 

@@ -29,3 +29,25 @@ def test_wide_open_jaws_are_not_sent_to_close_whatever_a_sensor_says(motion_conf
     wide = robot_joints(home, 0.4)
     mover.synchronise(Measurement(wide, still, still, 1.0, gripped=True))
     np.testing.assert_array_equal(mover.held, wide)
+
+
+@pytest.mark.parametrize("last", [0.09, 0.3])
+def test_a_false_word_of_tissue_after_a_loss_does_not_move_jaws_that_stand_half_open(
+    motion_config, home, last
+):
+    mover, still = Mover(MotionMaker(motion_config.controller)), np.zeros(10)
+    mover.synchronise(Measurement(robot_joints(home, last), still, still, 1.0, gripped=False))
+    mover.lose()
+    half_open = robot_joints(home, 0.09)
+    mover.synchronise(Measurement(half_open, still, still, 2.0, gripped=True))
+    np.testing.assert_allclose(mover.held, half_open, atol=1e-12)
+
+
+def test_jaws_that_hold_tissue_stay_sent_where_they_were_after_a_loss(motion_config, home):
+    mover, still = Mover(MotionMaker(motion_config.controller)), np.zeros(10)
+    kept_open = Measurement(robot_joints(home, 0.1), still, still, 1.0, gripped=True)
+    mover.synchronise(kept_open)
+    for _ in range(3):
+        mover.lose()
+        mover.synchronise(kept_open)
+        assert planning_joints(mover.held)[1] == pytest.approx(0.0)

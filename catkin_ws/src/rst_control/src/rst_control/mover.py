@@ -10,7 +10,7 @@ from rst_control.motion import Motion, MotionMaker, Place
 from rst_control.types import JOINT_COUNT, Grasp, Measurement, Plan, Reason, Rejected, Vector
 
 STILL = np.zeros(JOINT_COUNT)
-CLOSED = 0.0  # [rad] opening that jaws which hold tissue are sent to
+CLOSED = 0.0  # [rad] opening that jaws which hold tissue are sent to, as far as is known
 MOST_KEPT_OPEN = 0.15  # [rad] to which tissue keeps them; jaws that are further open hold none
 
 
@@ -21,6 +21,7 @@ class Mover:
         self._motions = motions
         self._place: Place | None = None
         self._grasp: Grasp | None = None
+        self._sent_to = CLOSED  # [rad] opening of the last set-point before it was forgotten
         self.motion: Motion | None = None
         self.held: Vector | None = (
             None  # (10,), last set-point; None: not known where the joints are
@@ -81,20 +82,28 @@ class Mover:
     def lose(self) -> None:
         """Forget the set-point: where the joints are is no longer known."""
         if self.held is not None or self.motion is not None:
+            self._remember_jaws()
             self.motion, self.held, self._place = None, None, None
             self.changes += 1
 
     def synchronise(self, measured: Measurement) -> None:
         """Take the measured joints as the set-point; jaws that hold tissue stay sent to close.
 
-        Tissue may keep them open: sent to where it does, they would hold it no longer.
+        Tissue may keep them open: sent to where it does, they would hold it no longer. They stay
+        where they were sent last, and are never sent further open than they are: whatever is said
+        of tissue, jaws that hold none do not move by it.
         """
+        self._remember_jaws()
         held = measured.position
         q, opening = planning_joints(held)
         if measured.gripped and opening <= MOST_KEPT_OPEN:
-            held = robot_joints(q, CLOSED)
+            held = robot_joints(q, min(opening, self._sent_to))
         self.held, self._place = held, None
         self.changes += 1
+
+    def _remember_jaws(self) -> None:
+        if self.held is not None:
+            self._sent_to = planning_joints(self.held)[1]
 
     def drop_grasp(self) -> None:
         """Note that the jaws hold nothing any more."""

@@ -34,7 +34,8 @@ from rst_control.types import JOINTS, Measurement, Setpoint
 from typed_config import ConfigError, load_config
 
 BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard
-FAULT_PERIOD = 0.5  # [s] between two wordings of a fault that lasts
+TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes:
+# should anybody else have spoken in the robot's name, the truth comes back
 DIAGNOSTICS_PERIOD = 1.0  # [s]
 MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed
 SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
@@ -56,7 +57,7 @@ class KinovaBridgeNode:
         self._told: Measurement | None = None
         self._told_grip: bool | None = None
         self._told_fault: str | None = None
-        self._due = dict.fromkeys(("beat", "fault", "diagnostics"), 0.0)
+        self._due = dict.fromkeys(("beat", "fault", "grip", "diagnostics"), 0.0)
         self._homing = threading.Lock()
         self._latest = 0.0
         self._advertise()
@@ -167,15 +168,15 @@ class KinovaBridgeNode:
         bridge, measured = self._bridge, self._bridge.measured
         fault = bridge.fault(now)
         is_news = self._told_fault is None or bool(fault) is not bool(self._told_fault)
-        if is_news or (fault != self._told_fault and self._is_due("fault", now, FAULT_PERIOD)):
+        if is_news or self._is_due("fault", now, TELL_PERIOD):
+            if fault and fault != self._told_fault:
+                rospy.logwarn("fault: %s", fault)
             self._told_fault = fault
             self._fault.publish(String(fault))
-            if fault:
-                rospy.logwarn("fault: %s", fault)
         if measured is None or measured is self._told:
             return
         self._told = measured
-        if bridge.is_gripped is not self._told_grip:
+        if bridge.is_gripped is not self._told_grip or self._is_due("grip", now, TELL_PERIOD):
             self._told_grip = bridge.is_gripped
             self._gripped.publish(Bool(self._told_grip))
         self._tell_tension(now)  # first: the controller takes it together with the joints

@@ -20,6 +20,8 @@ from rst_control.types import JOINTS, Setpoint
 log = logging.getLogger("rosout.rst_control.simulator")
 
 MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed, and the servo holds
+TELL_PERIOD = 0.5  # [s] between words on grip and fault where they stay the same: should anybody
+# else have spoken in the robot's name, the truth comes back
 NO_STAMP = 0.0  # set-points sent by hand carry no stamp
 
 
@@ -45,6 +47,7 @@ class SetpointDoor:
         self._writer, self._reader = StateWriter(stamper), JointStateReader(JOINTS)
         self._told_grip: bool | None = None
         self._told_fault: str | None = None
+        self._told_at = float("-inf")  # [s] when both were told without need
         self._joints = rospy.Publisher("joint_states", JointState, queue_size=5, tcp_nodelay=True)
         self._tension = rospy.Publisher(
             "robot/tension", WrenchStamped, queue_size=5, tcp_nodelay=True
@@ -65,14 +68,16 @@ class SetpointDoor:
         robot, now = self._robot, self._robot.now
         self._joints.publish(self._writer.joints(now, robot.reading))
         self._tension.publish(self._writer.wrench(now, robot.force))
-        if robot.tissue.is_held != self._told_grip:
+        is_due = now - self._told_at >= TELL_PERIOD
+        self._told_at = now if is_due else self._told_at
+        if is_due or robot.tissue.is_held != self._told_grip:
             self._told_grip = robot.tissue.is_held
             self._gripped.publish(Bool(self._told_grip))
-        if robot.fault != self._told_fault:
+        if is_due or robot.fault != self._told_fault:
+            if robot.fault and robot.fault != self._told_fault:
+                log.warning("fault: %s", robot.fault)
             self._told_fault = robot.fault
             self._fault.publish(String(self._told_fault))
-            if self._told_fault:
-                log.warning("fault: %s", self._told_fault)
 
     def _on(self, job: Callable[[], None]) -> Callable[[Empty], None]:
         return lambda _: self._jobs.append(job)
