@@ -26,6 +26,10 @@ from demo.timeline import Timeline
 from demo.virtual_microphone import VirtualMicrophone
 
 ROOT = Path(__file__).resolve().parent.parent
+SCRIPTS = {  # of each way in which the simulated robot is led
+    "fast": ROOT / "demo" / "session.yaml",
+    "kinova_strict": ROOT / "demo" / "kinova_session.yaml",
+}
 SOUND_TIME = 20.0  # [s] allowed for the first sound to be heard
 WAV_LEAD = 12.0  # [s] of noise before the script where the voice node plays the file itself
 TAIL = 2.0  # [s] recorded after the last step
@@ -35,7 +39,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the demonstration; returns the exit status: 0 when every step happened."""
     options = _parse(argv)
     console = Console()
-    script = load_script(options.script)
+    script = load_script(options.script or SCRIPTS[options.robot])
     folder = options.out or ROOT / "sessions" / datetime.datetime.now().strftime(
         "%Y-%m-%d_%H-%M-%S"
     )
@@ -62,14 +66,14 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
-    parser.add_argument("--script", type=Path, default=ROOT / "demo" / "session.yaml")
+    parser.add_argument("--script", type=Path, help="what is said, and when")
     parser.add_argument("--out", type=Path, help="folder of the session (sessions/<time>)")
     parser.add_argument("--gui", action="store_true", help="open the simulator's window")
     parser.add_argument("--microphone", action="store_true", help="listen to you, until Ctrl-C")
     parser.add_argument("--film", action="store_true", help="film the scene to film.gif")
     parser.add_argument(
         "--robot",
-        choices=("fast", "kinova_strict"),
+        choices=tuple(SCRIPTS),
         default="fast",
         help="how the simulated robot is led: by set-points, or as Kinova's own driver is",
     )

@@ -51,6 +51,7 @@ WHOLE = {  # files that one call loads, as their program does at its start
     FOLDERS["session_log"] / "replay.yaml": ReplayConfig,
     ROOT / "paper" / "experiment.yaml": ExperimentConfig,
     ROOT / "demo" / "session.yaml": Script,
+    ROOT / "demo" / "kinova_session.yaml": Script,
 }
 NODES = {  # nodes whose parameters have a section for each of several files
     "controller parameters": (MotionConfig, FOLDERS["rst_control"]),
