@@ -7,21 +7,18 @@ takes from process to process, some tenths of a millisecond, is left out.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from types import TracebackType
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bench.motion.lockstep import START, Array, LockStep, do_nothing
 from bench.motion.quiet import quiet
-from rst_control import chain
 from rst_control.assembly import make_executor
 from rst_control.backends.pybullet_robot import PybulletRobot
 from rst_control.config import CONFIG_FOLDER, MotionConfig, load_simulation_config
-from rst_control.configuration import Configuration, planning_joints
-from rst_control.desk import CommandDesk, Ticket
+from rst_control.desk import CommandDesk
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import KinovaConfig, load_kinova_config
 from rst_control.kinova.feedback import FeedbackReader
@@ -34,16 +31,11 @@ from rst_control.kinova_driver import (
     load_stand_in_config,
     with_tissue_between,
 )
-from rst_control.lifecycle import IN_MOTION
 from rst_control.robot_model import load_robot
 from rst_control.site import PresentSite, Site
-from rst_control.types import Request
-from typed_config import load_config, load_yaml
+from typed_config import load_config, load_yaml, overlaid
 
-Array = NDArray[np.float64]
 Loss = Literal["controller", "bridge", "feedback"]
-START = 10.0  # [s] time of the first state
-AT_ONCE = ("hey robot", "stop", "terminate")
 STEP = 0.001  # [s] of the physics
 FILES = ("limits", "rcm", "scene", "controller", "collision")
 
@@ -52,18 +44,9 @@ def kinova_motion(scale: float = 1.0) -> MotionConfig:
     """Settings of the controller as launch/kinova.launch has them, at a scale of all speeds."""
     files: dict[str, Any] = {name: load_yaml(CONFIG_FOLDER / f"{name}.yaml") for name in FILES}
     files["limits"] = load_yaml(CONFIG_FOLDER / "kinova_limits.yaml")
-    merged = _merged(files, load_yaml(CONFIG_FOLDER / "kinova_controller.yaml"))
+    merged = overlaid(files, load_yaml(CONFIG_FOLDER / "kinova_controller.yaml"))
     changes = {"controller": {"speed": {"scale": scale}}}
-    return load_config(MotionConfig, _merged(merged, changes), "kinova settings")
-
-
-def _merged(under: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    both = dict(under)
-    for key, value in over.items():
-        below = both.get(key)
-        is_deep = isinstance(value, Mapping) and isinstance(below, Mapping)
-        both[key] = _merged(below, value) if is_deep else value  # type: ignore[arg-type]
-    return both
+    return load_config(MotionConfig, overlaid(merged, changes), "kinova settings")
 
 
 def _quick_to_home(config: StandInConfig) -> StandInConfig:
@@ -71,7 +54,7 @@ def _quick_to_home(config: StandInConfig) -> StandInConfig:
     return replace(config, tool=replace(config.tool, homing_speed=1.4, homing_dwell=0.05))
 
 
-class KinovaRig:
+class KinovaRig(LockStep):
     """The whole way from a command to the joints; a context manager.
 
     Args:
@@ -130,7 +113,7 @@ class KinovaRig:
         """Time [s]."""
         return self.robot.now
 
-    def tick(self, each: Callable[[], None] = lambda: None) -> None:
+    def tick(self, each: Callable[[], None] = do_nothing) -> None:
         """One period of the control loop; `each` is called after every step of the physics."""
         setpoint = self.executor.tick(self.now, self.bridge.measured)
         if self.lost == "controller":
@@ -172,24 +155,6 @@ class KinovaRig:
             values = {"position": told[0], "velocity": told[1], "effort": ()}
             self.bridge.on_tool(self._read_tool.read(self._tool_names, values, now))
 
-    def run(self, seconds: float) -> None:
-        """Let time pass."""
-        for _ in range(round(seconds / self.period)):
-            self.tick()
-
-    def until(
-        self,
-        condition: Callable[[], bool],
-        limit: float = 90.0,
-        each: Callable[[], None] = lambda: None,
-    ) -> bool:
-        """Tick until the condition holds; False where it did not within `limit` [s]."""
-        for _ in range(round(limit / self.period)):
-            if condition():
-                return True
-            self.tick(each)
-        return False
-
     # Commands.
 
     def home(self) -> None:
@@ -208,34 +173,7 @@ class KinovaRig:
         self.bridge.tool.is_homed = True
         self.run(0.3)
 
-    def give(self, words: str, tension: float = 0.0, distance: float = 0.0) -> Ticket:
-        """Give a command and tick until it is answered."""
-        ticket = self.desk.take(Request(words, tension, distance), "bench")
-        while not ticket.reply.done():
-            waiting = None if words in AT_ONCE else self.desk.next(0.0)
-            if waiting is not None:
-                self.desk.check(waiting)
-            self.tick()
-        return ticket
-
-    def finish(
-        self, words: str, tension: float = 0.0, each: Callable[[], None] = lambda: None
-    ) -> str:
-        """Give a command and carry it out; returns what went wrong, or an empty string."""
-        ticket = self.give(words, tension)
-        if not ticket.reply.result(0).accepted:
-            return f"refused: {ticket.reply.result(0).message}"
-        if not self.until(ticket.ended.done, each=each):
-            return "never ended"
-        outcome = ticket.ended.result(0)
-        return "" if outcome.kind == "succeeded" else f"{outcome.kind}: {outcome.reason}"
-
     # What truly is.
-
-    @property
-    def is_moving(self) -> bool:
-        """The controller carries out a command, or brakes."""
-        return self.executor.view.life.state in IN_MOTION
 
     @property
     def rcm_error(self) -> float:
@@ -250,21 +188,9 @@ class KinovaRig:
     @property
     def tip(self) -> Array:
         """Tool tip, base frame, [m]. Shape (3,)."""
-        q, _ = planning_joints(self.robot.reading.position)
-        return Configuration(self.planner.model, q).frames[chain.TIP, :, 3]
+        return self.tip_at(self.robot.reading.position)
 
     @property
     def tension(self) -> float:
         """Pull of the tissue [N]."""
         return float(np.linalg.norm(self.robot.force))
-
-    def __enter__(self) -> KinovaRig:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.robot.close()

@@ -5,33 +5,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from types import TracebackType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.motion.light_robot import LightRobot
+from bench.motion.lockstep import START, Array, LockStep, do_nothing
 from bench.motion.quiet import quiet
-from rst_control import chain
 from rst_control.assembly import make_executor
 from rst_control.backends.pybullet_robot import PybulletRobot
 from rst_control.config import MotionConfig, SimulationConfig, TissueConfig
-from rst_control.configuration import Configuration, planning_joints
-from rst_control.desk import CommandDesk, Ticket
+from rst_control.configuration import planning_joints
+from rst_control.desk import CommandDesk
 from rst_control.grasp_ways import grasp_ways, turned
-from rst_control.lifecycle import IN_MOTION
 from rst_control.path import Path
 from rst_control.phases import along
 from rst_control.robot_model import load_robot
 from rst_control.site import PresentSite, Site
-from rst_control.types import Phase, PhaseKind, Request
-
-Array = NDArray[np.float64]
-START = 10.0  # [s] time of the first state
-AT_ONCE = ("hey robot", "stop", "terminate")
+from rst_control.types import Phase, PhaseKind
 
 
-class Rig:
+class Rig(LockStep):
     """Time goes on only by `tick`; a context manager.
 
     Args:
@@ -56,55 +49,17 @@ class Rig:
         self.desk = CommandDesk(self.executor, site.verify, lambda: self.robot.now)
         self._gauge = site.placement
 
-    def tick(self, each: Callable[[], None] = lambda: None) -> None:
+    def tick(self, each: Callable[[], None] = do_nothing) -> None:
         """One period of the control loop; `each` is called after every step of the physics."""
         setpoint = self.executor.tick(self.robot.now, self.robot.measured_js())
         if setpoint is not None:
             self.robot.servo_jp(setpoint)
         self.robot.advance(self.robot.now + self.period, each)
 
-    def run(self, seconds: float) -> None:
-        """Let time pass."""
-        for _ in range(round(seconds / self.period)):
-            self.tick()
-
-    def until(self, condition: Callable[[], bool], limit: float = 30.0) -> bool:
-        """Tick until the condition holds; False where it did not within `limit` [s]."""
-        for _ in range(round(limit / self.period)):
-            if condition():
-                return True
-            self.tick()
-        return False
-
-    def give(self, words: str, tension: float = 0.0, distance: float = 0.0) -> Ticket:
-        """Give a command and tick until it is answered."""
-        ticket = self.desk.take(Request(words, tension, distance), "bench")
-        while not ticket.reply.done():
-            waiting = None if words in AT_ONCE else self.desk.next(0.0)
-            if waiting is not None:
-                self.desk.check(waiting)
-            self.tick()
-        return ticket
-
     def wake(self) -> None:
         """Make the controller ready for commands."""
         self.run(0.02)
         self.give("hey robot")
-
-    def finish(self, words: str, tension: float = 0.0, distance: float = 0.0) -> str:
-        """Give a command and carry it out; returns what went wrong, or an empty string."""
-        ticket = self.give(words, tension, distance)
-        if not ticket.reply.result(0).accepted:
-            return f"refused: {ticket.reply.result(0).message}"
-        if not self.until(ticket.ended.done, limit=90.0):
-            return "never ended"
-        outcome = ticket.ended.result(0)
-        return "" if outcome.kind == "succeeded" else f"{outcome.kind}: {outcome.reason}"
-
-    @property
-    def is_moving(self) -> bool:
-        """The controller carries out a command, or brakes."""
-        return self.executor.view.life.state in IN_MOTION
 
     @property
     def planner_joints(self) -> Array:
@@ -124,28 +79,13 @@ class Rig:
     @property
     def tip_error(self) -> float:
         """Distance of the tip, as it truly is, from where its course has it now [m]."""
-        true = self._tip(self.robot.reading.position + self.error)
-        return float(np.linalg.norm(true - self._tip(self.robot.target)))
+        true = self.tip_at(self.robot.reading.position + self.error)
+        return float(np.linalg.norm(true - self.tip_at(self.robot.target)))
 
     @property
     def tip(self) -> Array:
         """Tip as it truly is, base frame, [m]. Shape (3,)."""
-        return self._tip(self.robot.reading.position + self.error)
-
-    def _tip(self, joints: Array) -> Array:
-        q, _ = planning_joints(joints)
-        return Configuration(self.planner.model, q).frames[chain.TIP, :, 3]
-
-    def __enter__(self) -> Rig:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.robot.close()
+        return self.tip_at(self.robot.reading.position + self.error)
 
 
 def with_tissue(config: MotionConfig, **changes: object) -> MotionConfig:

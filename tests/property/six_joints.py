@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pybullet
@@ -16,7 +14,7 @@ from rst_control.config import CONFIG_FOLDER, MotionConfig
 from rst_control.rcm import rcm_error
 from rst_control.robot_model import RobotModel, kdl_chain, load_robot
 from rst_control.types import JOINTS
-from typed_config import load_config, load_yaml
+from typed_config import load_config, load_yaml, overlaid
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "ur5e_openrst"
 URDF = EXAMPLE / "robot.urdf"
@@ -27,17 +25,8 @@ SECTIONS = ("limits", "rcm", "scene", "controller", "collision")
 def example() -> tuple[MotionConfig, RobotModel]:
     """Settings, as `controller.launch overrides:=...` puts them together, and the model."""
     base = {name: load_yaml(CONFIG_FOLDER / f"{name}.yaml") for name in SECTIONS}
-    settings = _merged(base, load_yaml(EXAMPLE / "settings.yaml"))
+    settings = overlaid(base, load_yaml(EXAMPLE / "settings.yaml"))
     return load_config(MotionConfig, settings, "settings.yaml"), load_robot(URDF)
-
-
-def _merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """As rosparam does it: mappings are merged, all else is replaced."""
-    merged = dict(base)
-    for key, value in over.items():
-        is_both = isinstance(value, Mapping) and isinstance(base.get(key), Mapping)
-        merged[key] = _merged(base[key], value) if is_both else value
-    return merged
 
 
 class KdlShaft:

@@ -32,7 +32,7 @@ from tests.unit.typed_config.wrong_values import (
     in_other_units,
     wrong_values,
 )
-from typed_config import ConfigError, load_config
+from typed_config import ConfigError, load_config, overlaid
 
 FILES = sorted(kinds())
 NAMES = [path.name for path in FILES]
@@ -77,24 +77,15 @@ def test_every_settings_file_is_known_here_with_the_dataclass_that_loads_it():
     assert len(found) >= 16
 
 
-def merged(under, over):
-    """As rosparam loads one file over another."""
-    both = dict(under)
-    for key, value in over.items():
-        is_deeper = isinstance(value, dict) and isinstance(under.get(key), dict)
-        both[key] = merged(under[key], value) if is_deeper else value
-    return both
-
-
 @pytest.mark.parametrize("path", OVERLAYS, ids=lambda path: path.name)
 def test_what_a_file_changes_of_a_node_is_known_to_it(path):
     kind, _ = NODES[OVERLAYS[path]]
     own, changes = node_parameters(OVERLAYS[path]), content(path)
-    load_config(kind, merged(own, changes), path.name)
+    load_config(kind, overlaid(own, changes), path.name)
     section = next(iter(changes))
     unknown = {section: {**changes[section], "no_such_key": 1}}
     with pytest.raises(ConfigError, match="no_such_key"):
-        load_config(kind, merged(own, unknown), path.name)
+        load_config(kind, overlaid(own, unknown), path.name)
 
 
 @files

@@ -4,6 +4,7 @@
 from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
 from typed_config.loader import load_config
+from typed_config.overlay import overlaid
 from typed_config.rules import require, require_rising, require_way
 from typed_config.strict_yaml import load_yaml
 
@@ -16,6 +17,7 @@ __all__ = [
     "load_config",
     "load_yaml",
     "number",
+    "overlaid",
     "require",
     "require_rising",
     "require_way",
