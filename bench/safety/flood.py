@@ -21,7 +21,7 @@ from bench.figures import ROOT, Figure, percentiles
 from bench.system import Loop, Observer
 from demo.system import System
 from rst_control.srv import Command
-from tests.rostest.raw_peer import Flood, controller_process, resident_memory
+from tests.rostest.raw_peer import Flood, process_of, resident_memory
 
 SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
 CALLERS, RATE = 50, 10_000.0  # [1/s], of all together
@@ -54,7 +54,7 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
 
 
 def _observe(observer: Observer, seconds: float) -> list[Figure]:
-    process = controller_process()
+    process = process_of("controller")
     held, quiet = resident_memory(process), _late(observer, SETTLE)
     states: set[str] = set()
     first = _loop(observer)

@@ -14,7 +14,7 @@ from contextlib import ExitStack, suppress
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
-from raw_peer import Flood, Peer, controller_process, resident_memory
+from raw_peer import Flood, Peer, process_of, resident_memory
 from robot_client import RobotClient
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, String, Time
@@ -50,7 +50,7 @@ class HostileCalls(unittest.TestCase):
         cls.robot = RobotClient()
         cls.ticks = []
         cls.diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, cls.take_diagnostics)
-        cls.process = controller_process()
+        cls.process = process_of("controller")
 
     @classmethod
     def take_diagnostics(cls, array):

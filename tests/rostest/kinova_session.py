@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A session on the strict simulation: homing, the dry run, all seven commands, a stop in motion."""
+"""A session on the strict simulation: homing, the dry run, all seven commands, stops in motion."""
 
+import os
+import signal
 import sys
 import unittest
 
@@ -9,6 +11,7 @@ import numpy as np
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
+from raw_peer import process_of
 from robot_client import START_LIMIT, RobotClient
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, String
@@ -114,7 +117,23 @@ class KinovaSession(unittest.TestCase):
         rospy.sleep(1.0)
         np.testing.assert_allclose(self.truth[-1][0][:7], before[:7], atol=1e-3)
 
-    def test_7_it_goes_on_after_hey_robot_and_ends(self):
+    def test_7_a_bridge_that_hangs_in_motion_has_the_arm_stopped_by_the_guard(self):
+        bridge = process_of("kinova_bridge")
+        self.robot.activate()
+        self.robot.say("tense")
+        self.robot.wait(lambda: self.true_speed() > 0.02)
+        os.kill(bridge, signal.SIGSTOP)
+        try:
+            self.robot.wait(lambda: self.true_speed() < 1e-3, 5.0)
+            place = self.truth[-1][0]
+            self.robot.wait_for_state("faulted", "halted", limit=5.0)
+        finally:
+            os.kill(bridge, signal.SIGCONT)
+        rospy.sleep(1.0)
+        np.testing.assert_allclose(self.truth[-1][0][:7], place[:7], atol=1e-3)
+        self.assertIn("hey robot", self.robot.refused("release"))
+
+    def test_8_it_goes_on_after_hey_robot_and_ends(self):
         self.robot.activate()
         self.robot.say_and_finish("tense", limit=60.0)
         self.robot.say_and_finish("release", limit=60.0)

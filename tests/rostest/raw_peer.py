@@ -28,9 +28,9 @@ def service_address() -> tuple[str, int]:
     return rospy.core.parse_rosrpc_uri(uri)
 
 
-def controller_process() -> int:
-    """Number of the controller's process."""
-    api = rosgraph.Master(rospy.get_name()).lookupNode("controller")
+def process_of(node: str) -> int:
+    """Number of a node's process."""
+    api = rosgraph.Master(rospy.get_name()).lookupNode(node)
     return ServerProxy(api).getPid(rospy.get_name())[2]
 
 

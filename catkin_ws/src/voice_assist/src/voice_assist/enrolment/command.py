@@ -11,7 +11,9 @@ from pathlib import Path
 from rich.console import Console
 
 from voice_assist.audio.source import Source
+from voice_assist.commands_config import CommandsConfig
 from voice_assist.config import VoiceConfig
+from voice_assist.confusability import closest_pairs
 from voice_assist.enrolment.checks import Checked, TakeCheck
 from voice_assist.enrolment.config import EnrolmentConfig, load_enrolment_config
 from voice_assist.enrolment.manifest import COMMAND, TALK
@@ -53,6 +55,7 @@ def enroll(voice: VoiceConfig, asked: Enrol, ask: Callable[[str], str] = input) 
     from voice_assist.recognizer import load_recognizer
 
     console, config = Console(), load_enrolment_config(asked.settings)
+    _warn_of_alikes(voice.commands, console)
     take_over = _recorded(asked, config.session_reader, voice.commands.phrases)
     base = load_recognizer(voice.recognizer.model, voice.recognizer.device)
     profile = _open_or_create(asked, base)
@@ -146,6 +149,14 @@ def _recorded(asked: Enrol, reader: str, phrases: tuple[str, ...]) -> TakeOver |
         takes = from_session.read_takes(asked.session, asked.corrections, phrases, reader)
         return lambda session, told: from_session.take_over(session, takes, told)
     return None
+
+
+def _warn_of_alikes(commands: CommandsConfig, console: Console) -> None:
+    """Before anybody takes the trouble to say them: some phrases no recogniser keeps apart."""
+    for pair in closest_pairs(commands):
+        if pair.verdict == "apart":
+            return  # those that follow are further apart
+        console.print(f"warning: {pair.told}", style="yellow", highlight=False)
 
 
 def _guide(

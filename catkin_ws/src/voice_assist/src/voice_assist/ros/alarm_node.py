@@ -39,6 +39,8 @@ _LOG = {
     Priority.INFORMATION: rospy.loginfo,
 }
 
+LOG_GAP = 1.0  # [s] within which one stop may come by topic, by service and from the spotter
+
 Take = Callable[[Board, float], None]
 
 
@@ -50,7 +52,7 @@ class AlarmNode:
         self._board, self._annunciator = Board(config.board), Annunciator(config.sound)
         self._inbox: Queue[Take] = Queue(_WAITING)
         self._shown: tuple[Standing, ...] | None = None
-        self._told: dict[str, tuple[str, int]] = {}
+        self._told: dict[str, tuple[str, int, float]] = {}  # words, times given, when [s]
         self._was_lit = True
         self._alarm = rospy.Publisher("voice_assist/alarm", AlarmMessage, queue_size=50, latch=True)
         self._marker = rospy.Publisher(
@@ -97,7 +99,7 @@ class AlarmNode:
         if standing != self._shown:
             self._shown = standing
             self._alarm.publish(messages.alarm_message(standing, now))
-            self._log(standing)
+            self._log(standing, now)
             self._show(now)
         elif standing and is_lit(standing[0].alarm.priority, now) is not self._was_lit:
             self._show(now)
@@ -111,13 +113,18 @@ class AlarmNode:
         marker = messages.alarm_marker(first, self._was_lit, self._config.look, now)
         self._marker.publish(marker)
 
-    def _log(self, standing: tuple[Standing, ...]) -> None:
-        """Say each alarm once in the log, when it begins or gets worse."""
-        now = {entry.key: (line(entry.alarm), entry.times) for entry in standing}
+    def _log(self, standing: tuple[Standing, ...], now: float) -> None:
+        """Say an alarm in the log when it begins, gets worse or is given again later on."""
+        told = {}
         for entry in standing:
-            if self._told.get(entry.key) != now[entry.key]:
-                _LOG[entry.alarm.priority]("%s", line(entry.alarm))
-        self._told = now
+            words = line(entry.alarm)
+            before = self._told.get(entry.key, ("", 0, 0.0))
+            is_again = entry.times != before[1] and now - before[2] >= LOG_GAP
+            if words != before[0] or is_again:
+                _LOG[entry.alarm.priority]("%s", words)
+                before = words, entry.times, now
+            told[entry.key] = before
+        self._told = told
 
     # --- from the threads of rospy
 
