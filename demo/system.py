@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 CONFIG = ROOT / "catkin_ws" / "src" / "rst_control" / "config"
 START_TIME = 20.0  # [s] allowed for roscore to answer
 READY_TIME = 90.0  # [s] allowed for all parts to come up
-STOP_TIME = 15.0  # [s] allowed for roslaunch to end before it is killed
+STOP_TIME = 60.0  # [s] for roslaunch, which gives each node up to 17 s, to end before it is killed
 
 
 def free_port() -> int:

@@ -18,6 +18,7 @@ from searched_inputs import FOUND, LATE, MOTIONS, ZERO, Given, Input, inputs, pl
 from searched_rules import objection
 
 from rst_control.config import load_motion_config
+from rst_control.configuration import planning_joints
 from rst_control.executor import Executor
 from rst_control.lifecycle import State
 from rst_control.motion import MotionMaker
@@ -100,6 +101,12 @@ def _place(position):
     return Placement(0.02 if is_off else 0.0, 0.1, 0.1, -0.1, is_outside=False)
 
 
+def _jaws(mover):
+    """Opening that they are sent to, or were before the set-point was forgotten [rad]."""
+    sent = mover._sent_to if mover.held is None else planning_joints(mover.held)[1]
+    return round(float(sent), 3)
+
+
 def _twin(thing):
     twin = object.__new__(type(thing))
     twin.__dict__.update(thing.__dict__)
@@ -137,7 +144,9 @@ class Controller:
         return (
             *(life.state, life.is_active, life.then),
             *(self._moving(), _where(mover.held), mover.grasp is None),
-            *(executor._ledger.order is None, bool(life.reason), not executor._waking.is_waiting),
+            *(executor._ledger.order is None, bool(life.reason)),
+            _jaws(mover),
+            not executor._waking.is_waiting,
         )
 
     def _moving(self):

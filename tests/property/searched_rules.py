@@ -66,16 +66,18 @@ def _rest(before, edge, held):
     was, now = held
     if was is None or now is None or was is now:
         return ""
-    if any(m is not None and _is_taken_from(m, now) for m in FOUND.values()):
+    if any(m is not None and _is_taken_from(m, was, now) for m in FOUND.values()):
         return ""
     return f"the set-point moved from {before[0].value} to {edge.to[0].value}"
 
 
-def _is_taken_from(found, held):
-    """As measured, but for jaws with tissue between them, which stay sent to close."""
+def _is_taken_from(found, was, held):
+    """As measured, but for jaws with tissue between them, which stay sent further to close."""
     if held is found.position or not found.gripped:
         return held is found.position
-    return np.array_equal(held, robot_joints(planning_joints(found.position)[0], 0.0))
+    q, opening = planning_joints(found.position)
+    sent = planning_joints(was)[1]
+    return sent < opening and np.array_equal(held, robot_joints(q, sent))
 
 
 def _number(before, edge):

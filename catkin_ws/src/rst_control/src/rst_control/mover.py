@@ -96,8 +96,8 @@ class Mover:
         self._remember_jaws()
         held = measured.position
         q, opening = planning_joints(held)
-        if measured.gripped and opening <= MOST_KEPT_OPEN:
-            held = robot_joints(q, min(opening, self._sent_to))
+        if measured.gripped and self._sent_to < opening <= MOST_KEPT_OPEN:
+            held = robot_joints(q, self._sent_to)
         self.held, self._place = held, None
         self.changes += 1
 
