@@ -17,7 +17,7 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections import deque
+from collections import Counter, deque
 from pathlib import Path
 
 import actionlib
@@ -50,6 +50,8 @@ AT_REST = 0.15  # share of the stops that come at rest
 LOW, HIGH, STEP = 0.5, 1.5, 0.4  # [N] between which pulls are kept, and one pull
 LEAD = 0.03  # [s] before its moment that a client is told
 LIMIT = 20.0  # [s] for anything to happen
+TRIES = 5  # to grasp: a watchdog may halt the robot where the machine pauses
+RESTING = ("active", "halted", "faulted")
 
 
 class Watcher:
@@ -125,6 +127,9 @@ class Session:
         if not self._goals.wait_for_server(rospy.Duration(READY_TIME)):
             raise RuntimeError("the controller did not start")
         self.seen: list[float] = []  # [s] from the first client's call to its answer's arrival
+        self.halts: list[
+            str
+        ] = []  # by a watchdog before the stop was given, which then says nothing
 
     def grasp(self) -> None:
         """Take tissue, once.
@@ -132,24 +137,29 @@ class Session:
         Raises:
             RuntimeError: It was not taken.
         """
-        self._wake()
-        self._goals.send_goal_and_wait(AssistGoal(command="tense"), rospy.Duration(60.0))
-        self.watcher.wait("active")
-        if self.watcher.state is None or not self.watcher.state.tissue_held:
-            raise RuntimeError("no tissue was grasped")
+        for _ in range(TRIES):
+            self._wake()
+            self._goals.send_goal_and_wait(AssistGoal(command="tense"), rospy.Duration(60.0))
+            self.watcher.wait(*RESTING)
+            if self.watcher.state is not None and self.watcher.state.tissue_held:
+                return
+            self._note_halt()
+        raise RuntimeError(f"no tissue was grasped in {TRIES} tries: {self.halts}")
 
     def stops(self, way: str, count: int) -> list[Stop]:
         """Stop by one way, with as many clients at once, in motion or at rest."""
         is_moving = way == "cancel" or self._rng.random() > AT_REST  # at rest nothing is to cancel
         self._wake()
-        if is_moving:
-            self._pull()
         self.watcher.clear()
+        if is_moving and not self._pull():
+            return []
         first = time.monotonic() + LEAD + float(self._rng.uniform(0.0, LONGEST if is_moving else 0))
         moments = (first + self._rng.uniform(0.0, 0.004, count)).tolist()
         sent = self._clients.stop(way, moments)
         time.sleep(max(0.0, max(sent) + WATCHED - time.monotonic()))
         received = sorted(self.watcher.received())
+        if (received or way == "cancel") and self._was_halted(min(received, default=np.inf)):
+            return []
         return self._judged(way, count, received, sent)
 
     def _judged(self, way: str, count: int, received: list[float], sent: list[float]) -> list[Stop]:
@@ -219,16 +229,27 @@ class Session:
             time.sleep(0.02)
         self.watcher.wait("active", "moving")
 
-    def _pull(self) -> None:
-        """Set off with a pull, as an action goal, so that it can be cancelled.
-
-        Raises:
-            RuntimeError: It did not set off.
-        """
+    def _pull(self) -> bool:
+        """Set off with a pull, as an action goal, so that it can be cancelled; tells whether."""
         state = self.watcher.state
+        if state is None or not state.tissue_held:
+            self.grasp()
         is_low = state is None or state.tension < 0.5 * (LOW + HIGH)
         self._goals.send_goal(AssistGoal("pull more" if is_low else "pull less", STEP, 0.0))
-        self.watcher.wait("moving")
+        self.watcher.wait("moving", "halted", "faulted")
+        return not self._was_halted()
+
+    def _was_halted(self, before: float = np.inf) -> bool:
+        """Whether a watchdog halted the robot before a moment [s]; notes which one."""
+        events = list(self.watcher.events)
+        found = any(e.kind == "halted" and e.header.stamp.to_sec() < before for e in events)
+        if found:
+            self._note_halt()
+        return found
+
+    def _note_halt(self) -> None:
+        state = self.watcher.state
+        self.halts.append(state.halt_reason if state is not None else "")
 
 
 def measure() -> list[Figure]:
@@ -261,5 +282,9 @@ def _measured(system: System, session: Session) -> list[Figure]:
         what = "running system: stop sent by a client to its answer arrived elsewhere"
         figures += percentiles(what, [seconds * 1e3 for seconds in session.seen], "ms")
     minutes = (time.monotonic() - begin) / 60.0
+    halts = Counter(words.split(",")[0] for words in session.halts)
+    told = "; ".join(f"{count} {words}" for words, count in halts.most_common())
+    what = "running system: motions that a watchdog halted before their stop, left out"
+    figures.append(Figure(what, len(session.halts), "", note=f"({told})" if told else ""))
     note = f"({done} motions and rests, {CLIENTS} clients)"
     return [*figures, Figure("running system: time taken", minutes, "min", note=note)]

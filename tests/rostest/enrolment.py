@@ -76,10 +76,14 @@ class EnrolmentByService(unittest.TestCase):
     def test_1_it_says_what_to_say_and_records_nothing(self):
         told = self.enroll("ada", "next")
         self.assertTrue(told.success, told.message)
+        self.assertEqual((told.kind, told.phrase, told.number), ("room", "", 1))
+        self.assertEqual(self.enroll("ada", "next"), told)
+
+    def test_2_silence_is_the_room_but_no_command_and_asked_for_again(self):
+        told = self.record("")
+        self.assertTrue(told.success, told.message)
         self.assertEqual((told.kind, told.phrase, told.number), ("command", "hey robot", 1))
         self.assertGreaterEqual(told.of, 3)
-
-    def test_2_silence_and_a_whisper_are_not_kept_and_asked_for_again(self):
         for text, gain in (("", 1.0), ("hey robot", 0.003)):
             told = self.record(text, gain)
             self.assertFalse(told.success)
