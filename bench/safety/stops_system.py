@@ -50,6 +50,7 @@ AT_REST = 0.15  # share of the stops that come at rest
 LOW, HIGH, STEP = 0.5, 1.5, 0.4  # [N] between which pulls are kept, and one pull
 LEAD = 0.03  # [s] before its moment that a client is told
 LIMIT = 20.0  # [s] for anything to happen
+AT_ONCE = 0.01  # [s]
 TRIES = 5  # to grasp: a watchdog may halt the robot where the machine pauses
 RESTING = ("active", "halted", "faulted")
 
@@ -242,7 +243,8 @@ class Session:
     def _was_halted(self, before: float = np.inf) -> bool:
         """Whether a watchdog halted the robot before a moment [s]; notes which one."""
         events = list(self.watcher.events)
-        found = any(e.kind == "halted" and e.header.stamp.to_sec() < before for e in events)
+        limit = before - AT_ONCE  # a stop at rest halts with the stamp of the tick that it came in
+        found = any(e.kind == "halted" and e.header.stamp.to_sec() < limit for e in events)
         if found:
             self._note_halt()
         return found

@@ -14,7 +14,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from raw_peer import process_of
 from robot_client import START_LIMIT, RobotClient
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, String
+from std_msgs.msg import Bool, Empty, String
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
@@ -55,6 +55,9 @@ class KinovaSession(unittest.TestCase):
         for status in message.status:
             if status.name == "robot: kinova bridge":
                 cls.lead = {v.key: v.value for v in status.values}["lead"]
+
+    def on_stop(self, _):
+        self.stops += 1
 
     def worst_rcm_error(self):
         seen, self.truth[:] = list(self.truth), []
@@ -117,23 +120,7 @@ class KinovaSession(unittest.TestCase):
         rospy.sleep(1.0)
         np.testing.assert_allclose(self.truth[-1][0][:7], before[:7], atol=1e-3)
 
-    def test_7_a_bridge_that_hangs_in_motion_has_the_arm_stopped_by_the_guard(self):
-        bridge = process_of("kinova_bridge")
-        self.robot.activate()
-        self.robot.say("tense")
-        self.robot.wait(lambda: self.true_speed() > 0.02)
-        os.kill(bridge, signal.SIGSTOP)
-        try:
-            self.robot.wait(lambda: self.true_speed() < 1e-3, 5.0)
-            place = self.truth[-1][0]
-            self.robot.wait_for_state("faulted", "halted", limit=5.0)
-        finally:
-            os.kill(bridge, signal.SIGCONT)
-        rospy.sleep(1.0)
-        np.testing.assert_allclose(self.truth[-1][0][:7], place[:7], atol=1e-3)
-        self.assertIn("hey robot", self.robot.refused("release"))
-
-    def test_8_it_goes_on_after_hey_robot_and_ends(self):
+    def test_7_it_goes_on_after_hey_robot_and_ends(self):
         self.robot.activate()
         self.robot.say_and_finish("tense", limit=60.0)
         self.robot.say_and_finish("release", limit=60.0)
@@ -143,6 +130,28 @@ class KinovaSession(unittest.TestCase):
         self.robot.wait_for_state("standby")
         self.assertEqual(self.fault, "")
         self.assertLess(self.worst_rcm_error(), 5e-4)
+
+    def test_8_a_bridge_that_hangs_in_motion_has_the_arm_stopped_by_the_guard(self):
+        bridge = process_of("kinova_bridge")
+        heard = rospy.Subscriber("my_gen3/in/stop", Empty, self.on_stop)
+        self.robot.wait(lambda: heard.get_num_connections() == 2)  # the bridge, and its guard
+        self.robot.activate()
+        self.robot.say("tense")
+        self.robot.wait(lambda: self.true_speed() > 0.02)
+        os.kill(bridge, signal.SIGSTOP)
+        self.stops = 0
+        try:
+            self.robot.wait(lambda: self.stops > 0, 10.0)
+            self.robot.wait(lambda: self.true_speed() < 1e-3, 5.0)
+            place = self.truth[-1][0]
+            self.robot.wait_for_state("faulted", "halted", limit=5.0)
+        finally:
+            os.kill(bridge, signal.SIGCONT)
+        rospy.sleep(1.0)
+        np.testing.assert_allclose(self.truth[-1][0][:7], place[:7], atol=1e-3)
+        self.assertLess(self.true_speed(), 1e-3)
+        self.assertIn("did not run", self.fault)
+        self.assertIn("hey robot", self.robot.refused("release"))
 
 
 if __name__ == "__main__":

@@ -6,8 +6,9 @@ and faults. Who is in charge of the arm is one of three: nobody (it rests, nothi
 course (a velocity every 25 ms), or a stop that was sent and is repeated until the arm is measured
 at rest. A stop by the controller brakes along its path by velocities. Set-points that end, and
 `hold`, slow the arm down along the curve it was on, then stop it. Everything else that is wrong -
-old feedback, a joint that does not follow, a guard that is silent, a tool that lost its homing -
-stops the arm by the driver's own stop at once. All of these but `hold` latch.
+old feedback, a joint that does not follow, a guard that is silent, a tool that lost its homing, a
+time in which this did not run - stops the arm by the driver's own stop at once. All of these but
+`hold` latch.
 """
 
 from __future__ import annotations
@@ -95,6 +96,7 @@ class Bridge:
         self._goals: tuple[Vector, Vector, float] | None = None  # last two, and when [s]
         self._opening: float | None = None  # [rad] last commanded
         self._latest = 0.0
+        self._stepped = np.inf  # [s] of the last step
         self.measured: Measurement | None = None  # for the controller; new with each arm feedback
 
     # What comes from the hardware.
@@ -205,11 +207,12 @@ class Bridge:
 
     def step(self, now: float) -> None:
         """Do what is due."""
-        servo = self._servo
+        servo, idle = self._servo, now - self._stepped
+        self._stepped = now
         if servo is None:
             return
         if self._lead is Lead.COURSE:
-            wrong = self._unready(now) or self._follower.objection
+            wrong = self._overslept(idle) or self._unready(now) or self._follower.objection
             if wrong:
                 self.fail(wrong, now)
             else:
@@ -218,6 +221,13 @@ class Bridge:
             servo.course(now)  # lets its own braking end
         if self._lead is Lead.STOP:
             self._repeat_stop(servo, now)
+
+    def _overslept(self, idle: float) -> str:
+        """Why a course may not go on: for so long nobody led the arm, and its guard stopped it."""
+        allowed = self._config.guard.silence
+        if idle <= allowed:
+            return ""
+        return f"the bridge did not run for {idle:.2f} s in motion, allowed {allowed:.2f} s"
 
     def _stand(self, position: Vector) -> Vector:
         """Where set-points begin [rad], shape (10,): jaws that tissue keeps open, where sent."""

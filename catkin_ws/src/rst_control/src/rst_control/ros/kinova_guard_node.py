@@ -22,7 +22,7 @@ def main() -> None:
     """Run the guard node."""
     rospy.init_node("kinova_guard")
     try:
-        config = load_config(GuardConfig, rospy.get_param("~guard", {}), "guard parameters")
+        config = load_config(GuardConfig, rospy.get_param("~bridge/guard", {}), "guard parameters")
     except ConfigError as error:
         rospy.logfatal(f"the stop guard cannot start: {error}; launch/kinova.launch starts it")
         sys.exit(2)

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A bridge that did not run while the arm moved, and then runs again, moves nothing by itself."""
+
+import numpy as np
+import pytest
+
+from bench.kinova_rig import KinovaRig, kinova_motion
+
+
+@pytest.fixture
+def rig():
+    with KinovaRig(kinova_motion()) as rig:
+        rig.run(0.1)
+        rig.home()
+        rig.give("hey robot")
+        rig.give("tense")
+        assert rig.until(lambda: rig.speed > 0.05)
+        yield rig
+
+
+def joints(rig):
+    return np.array(rig.robot.reading.position[:7])
+
+
+def test_it_stays_where_the_guard_stopped_it_and_says_why(rig):
+    rig.lost = "bridge"
+    rig.run(1.0)
+    assert rig.speed < 1e-3
+    while (rig._steps + 1) % 25:  # what it hears first is fresh: only its own clock tells
+        rig.step()
+    place, rig.lost = joints(rig), None
+    rig.run(2.0)
+    np.testing.assert_allclose(joints(rig), place, atol=1e-4)
+    assert "did not run" in rig.bridge.fault(rig.now)
+
+
+def test_one_that_is_merely_late_goes_on(rig):
+    late = 0.4 * rig.bridge._config.guard.silence
+    rig.lost = "bridge"
+    rig.run(late)
+    rig.lost = None
+    rig.run(0.2)
+    assert rig.bridge.fault(rig.now) == ""
+    assert rig.speed > 1e-3
