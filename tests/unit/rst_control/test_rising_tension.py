@@ -53,7 +53,7 @@ def test_readings_that_are_not_newer_are_passed_over() -> None:
     assert rising.ahead == pytest.approx(0.1)
 
 
-def judged(delay: float) -> str:
+def judged(delay: float, distrusted_until: float = 0.0) -> str:
     """What the watchdogs say of a pull at 2.0 N that rose by 10 N/s, told late by a delay [s]."""
     settings = shared()[0].controller
     watchdogs = Watchdogs(
@@ -67,7 +67,8 @@ def judged(delay: float) -> str:
     for k in range(101):
         now = 0.002 * k
         force = np.array([0.0, 0.0, -10.0 * now])
-        measured = Measurement(still, still, still, now, force, gripped=True)
+        distrust = "only 1 torque readings so far" if now < distrusted_until else ""
+        measured = Measurement(still, still, still, now, force, gripped=True, distrust=distrust)
         watchdogs.look(measured, None, None)
     return watchdogs.motion(now, measured, watched)
 
@@ -75,3 +76,8 @@ def judged(delay: float) -> str:
 def test_a_pull_is_stopped_before_the_limit_by_the_rate_times_the_delay() -> None:
     assert judged(0.008) == ""  # 2.0 N and 0.08 N more
     assert judged(0.05) == ("tension 2.00 N and 0.50 N more since it was measured, allowed 2.40 N")
+
+
+def test_from_a_tension_that_was_not_trusted_nothing_rose() -> None:
+    assert judged(0.05, distrusted_until=0.1995) == ""
+    assert "0.50 N more" in judged(0.05, distrusted_until=0.14)

@@ -28,6 +28,10 @@ class RisingTension:
         while len(self._past) > 1 and self._past[1][0] <= stamp - self._delay:
             self._past.popleft()
 
+    def forget(self) -> None:
+        """Begin anew, as after a tension that was not trusted: from it to the next nothing rose."""
+        self._past.clear()
+
     @property
     def ahead(self) -> float:
         """What has to be added to the newest tension [N]; where it falls, nothing."""

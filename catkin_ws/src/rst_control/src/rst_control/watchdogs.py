@@ -77,7 +77,10 @@ class Watchdogs:
     def look(self, measured: Measurement, setpoint: Vector | None, pulled: float | None) -> None:
         """Take in a new measurement; see `SensorWatch.look`."""
         self._sensors.look(measured, setpoint, pulled)
-        self._rising.look(measured.stamp, measured.tension)
+        if measured.distrust:
+            self._rising.forget()
+        else:
+            self._rising.look(measured.stamp, measured.tension)
 
     def master(self) -> str:
         """Whether the ROS master is there; a robot at rest keeps its set-point without it."""

@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
+from collections import deque
 
 import numpy as np
 import rospy
@@ -14,6 +16,7 @@ from std_msgs.msg import Bool, String
 
 from rst_control.errors import RstError
 from rst_control.ros.network import warn_of_listeners
+from rst_control.sent_times import SentTimes
 from rst_control.torque_tension import TensionEstimate, TorqueTension
 from rst_control.torque_tension_config import TorqueTensionConfig
 from rst_control.types import JOINTS, Measurement, Vector
@@ -21,10 +24,15 @@ from typed_config import ConfigError, load_config
 
 BASE = "base_link"
 OLD = 0.2  # [s] joint states that are older are none
+SOONER = 0.1  # share of the period by which a reading may come before the next is due
+KEPT = 40  # readings that wait while this process does not run
 
 
 class TorqueTensionNode:
-    """Takes in the newest joint states at a fixed rate; callbacks only keep them.
+    """Takes in joint states as far apart as its rate says; callbacks only keep them.
+
+    How far they are apart goes by their stamps, so a process that did not run for a moment makes
+    up for it with the same readings.
 
     Args:
         config: Of the estimator.
@@ -33,31 +41,45 @@ class TorqueTensionNode:
 
     def __init__(self, config: TorqueTensionConfig, description: str) -> None:
         self._estimator = TorqueTension(config, description)
-        self._joints: JointState | None = None
-        self._arrived = 0.0
+        self._readings: deque[tuple[JointState, float]] = deque(maxlen=KEPT)  # and when taken [s]
+        self._news = threading.Event()
+        self._least = (1.0 - SOONER) / config.rate
+        self._times, self._taken, self._arrived = SentTimes(OLD), -np.inf, -np.inf
         self._trocar: Vector | None = None
         self._is_gripped = False
         self._said: str | None = None
         self._tension = rospy.Publisher("robot/tension", WrenchStamped, queue_size=1)
         self._distrust = rospy.Publisher("robot/tension_distrust", String, queue_size=1, latch=True)
-        newest = {"tcp_nodelay": True, "queue_size": 1}
         self._subscribers = [
-            rospy.Subscriber("joint_states", JointState, self._on_joints, **newest),
+            rospy.Subscriber("joint_states", JointState, self._on_joints, tcp_nodelay=True),
             rospy.Subscriber("robot/gripped", Bool, self._on_gripped),
             rospy.Subscriber("rst_control/trocar", PointStamped, self._on_trocar),
         ]
 
-    def step(self) -> None:
-        """Take in the newest joint states and tell what they say."""
-        joints, trocar = self._joints, self._trocar
+    def step(self, wait: float) -> None:
+        """Take in the joint states that came since, and tell what the newest say.
+
+        Args:
+            wait: For how long, where none came [s].
+
+        Raises:
+            RstError: A joint is missing, or has no effort.
+            ValueError: A number that is none.
+        """
+        self._news.wait(wait)
+        self._news.clear()
+        trocar, found = self._trocar, None
+        while self._readings and trocar is not None:
+            joints, taken = self._readings.popleft()
+            found = self._estimator.update(self._measurement(joints, taken), trocar)
         if trocar is None:
             self._say("the trocar is not known yet")
-        elif joints is None or time.monotonic() - self._arrived > OLD:
+        elif time.monotonic() - self._arrived > OLD:
             self._say("joint states are missing")
-        else:
-            self._tell(joints, self._estimator.update(self._measurement(joints), trocar))
+        elif found is not None:
+            self._tell(joints, found)
 
-    def _measurement(self, joints: JointState) -> Measurement:
+    def _measurement(self, joints: JointState, taken: float) -> Measurement:
         """Joint states in the order of JOINTS.
 
         Raises:
@@ -70,13 +92,15 @@ class TorqueTensionNode:
             if missing:
                 raise RstError(f"joint states without {row} of {', '.join(missing)}")
             rows[row] = np.array([values[name] for name in JOINTS])
-        return Measurement(**rows, stamp=self._arrived, gripped=self._is_gripped)
+        return Measurement(**rows, stamp=taken, gripped=self._is_gripped)
 
     def _tell(self, joints: JointState, found: TensionEstimate) -> None:
         message = WrenchStamped()
         message.header.stamp, message.header.frame_id = joints.header.stamp, BASE
         force = message.wrench.force
         force.x, force.y, force.z = found.force
+        if found.distrust:
+            self._say(found.distrust)  # before the tension that is not to be relied on
         self._tension.publish(message)
         self._say(found.distrust)
 
@@ -90,7 +114,12 @@ class TorqueTensionNode:
             self._distrust.publish(String(distrust))
 
     def _on_joints(self, message: JointState) -> None:
-        self._joints, self._arrived = message, time.monotonic()
+        self._arrived = time.monotonic()
+        taken = self._times.of(message.header.stamp.to_sec(), self._arrived)
+        if not 0.0 <= taken - self._taken < self._least:
+            self._readings.append((message, taken))
+            self._taken = taken
+            self._news.set()
 
     def _on_gripped(self, message: Bool) -> None:
         self._is_gripped = message.data
@@ -113,9 +142,7 @@ def main() -> None:
     warn_of_listeners()
     pace = 1.0 / config.rate
     while not rospy.is_shutdown():
-        due = time.monotonic() + pace
         try:
-            node.step()
+            node.step(pace)
         except (RstError, ValueError) as error:  # a message that cannot be used: say so, go on
             node.refuse(str(error))
-        time.sleep(max(0.0, due - time.monotonic()))
