@@ -16,6 +16,7 @@ STILL = 2e-5  # [rad] from where a joint ends; nearer than this it counts as the
 SETTLED = 0.1  # [s] at the end of a watch without motion, without which nothing counts as at rest
 MOVING = 1e-3  # [rad/s] of the fastest joint, above which a loss came in motion
 GAP = 0.06  # [s] without a sample over which nobody knows what moved
+BUSY = 4.0  # processes that wanted the cores, above which other work went on; its own are two
 DEMANDED = 0.1  # [s] from a loss, or from a stop, to the last movement
 
 
@@ -67,6 +68,14 @@ class Loss:
     found: bool  # new clients found the controller afterwards
     objections: tuple[str, ...]  # what else was not as it must be
     load: float  # average number of processes that wanted the machine's cores in that minute
+    finished: bool = False  # the motion came to its own end as the part was lost
+
+    @property
+    def aside(self) -> str:
+        """Why it says nothing of this loss, whatever came of it; empty: it counts."""
+        if self.load > BUSY:
+            return "other work on the machine"
+        return "motion at its end" if self.finished else ""
 
 
 def ways_of(victim: str) -> tuple[str, str]:
@@ -77,7 +86,8 @@ def ways_of(victim: str) -> tuple[str, str]:
 def left(victim: str, losses: Sequence[Loss], each: int) -> list[str]:
     """Ways that are still to be taken, once for each time, those most wanting first."""
     ways = ways_of(victim)
-    missing = {way: each - sum(loss.way == way for loss in losses) for way in ways}
+    counted = [loss.way for loss in losses if not loss.aside]
+    missing = {way: each - counted.count(way) for way in ways}
     order = sorted(ways, key=lambda way: -missing[way])
     return [way for way in order for _ in range(missing[way])]
 
@@ -161,6 +171,8 @@ def figures(losses: Sequence[Loss], rules: dict[str, Rule], planned: int) -> lis
         rules: Of each victim.
         planned: How many there were to be.
     """
+    reasons = [loss.aside for loss in losses if loss.aside]
+    losses = [loss for loss in losses if not loss.aside]
     count = Figure("losses", len(losses), "", planned, at_most=False)
     found = [count]
     for victim, rule in rules.items():
@@ -172,10 +184,12 @@ def figures(losses: Sequence[Loss], rules: dict[str, Rule], planned: int) -> lis
         rest = sum(getattr(loss, name) <= rules[loss.victim].demanded for loss in judged)
         words = f"{what} at rest in time by the loss alone"
         found.append(Figure(words, rest, "", len(judged), at_most=False))
+    for reason in sorted(set(reasons)):
+        note = "(by that alone, before anything was judged)"
+        found.append(Figure(f"set aside and repeated, {reason}", reasons.count(reason), "", note=note))
     if losses:
         loads = [loss.load for loss in losses]
-        note = "(other work on the same cores; what is late here need not be on a quiet machine)"
-        found.append(Figure("load average, median", float(np.median(loads)), "", note=note))
+        found.append(Figure("load average, median", float(np.median(loads)), ""))
         found.append(Figure("load average, max", max(loads), ""))
     return found
 

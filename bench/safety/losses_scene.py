@@ -16,7 +16,7 @@ from std_msgs.msg import Empty, Float64, String, Time
 from bench.safety.losses_client import ActionClient, Room
 from bench.safety.losses_judge import Trace
 from bench.safety.losses_parts import wait_for
-from rst_control.msg import ControllerState
+from rst_control.msg import ControllerState, Event
 from rst_control.ros.wall_clock import wall_offset
 from rst_control.srv import Command, CommandResponse
 from rst_control.types import JOINTS
@@ -42,11 +42,13 @@ class Watcher:
         self.state_at = self.heartbeat_at = float("-inf")  # [s] time.monotonic()
         self.recorded_at = float("-inf")  # [s] last heartbeat of the recorder
         self.failed_at = float("-inf")  # [s] when the recogniser failed
+        self.finished_at = float("-inf")  # [s] when a motion came to its own end
         self.stops = 0  # sent by topic, by whomever
         self._subscribers = [
             self._stream("joint_states", self._joints),
             self._stream("robot/servo_jp", self._setpoints),
             rospy.Subscriber("rst_control/state", ControllerState, self._on_state),
+            rospy.Subscriber("rst_control/event", Event, self._on_event),
             rospy.Subscriber("rst_control/heartbeat", Time, self._on_heartbeat),
             rospy.Subscriber("rst_control/stop", Empty, self._on_stop),
             rospy.Subscriber("session_log/recording", String, self._on_recording),
@@ -87,6 +89,10 @@ class Watcher:
 
     def _on_state(self, state: ControllerState) -> None:
         self.state, self.state_at = state, time.monotonic()
+
+    def _on_event(self, event: Event) -> None:
+        if event.kind == "motion_finished":
+            self.finished_at = event.header.stamp.to_sec() - wall_offset()
 
     def _on_heartbeat(self, _: Time) -> None:
         self.heartbeat_at = time.monotonic()

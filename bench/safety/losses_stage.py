@@ -122,9 +122,11 @@ class Stage:
         """
         motion = self._into_motion()
         lost = self._failed(self._part.lose(way))
-        goes_on = self._rule.limit_of(motion) is None
+        limit = self._rule.limit_of(motion)
+        goes_on = limit is None
         ended, stopped, by = self._watch(lost, goes_on)
         rest = time.monotonic()
+        finished = limit is not None and 0.0 <= self._watcher.finished_at - lost <= limit
         trace, seen = self._trace(), lost + WATCHED  # now, for streams are not kept for ever
         arm = judge.last_movement(Trace(trace.times, trace.positions[:, :-2]), lost, seen)
         if goes_on:
@@ -167,6 +169,7 @@ class Stage:
             found=self._lead.is_found(),
             objections=tuple(word for word in (*words, blind, *found) if word),
             load=os.getloadavg()[0],
+            finished=finished,
         )
 
     def _into_motion(self) -> str:

@@ -42,7 +42,7 @@ class InverseDynamics:
             tool = inertias["tool0"]
             inertias["tool0"] = tool + PyKDL.RigidBodyInertia(tool_mass, tool.getCOG())
         self._chain = _chain(self.model, inertias)
-        self._count = self._chain.getNrOfJoints()
+        self._count, self._rows = self._chain.getNrOfJoints(), _moving_rows(self.model)
         self._solver = PyKDL.ChainIdSolver_RNE(self._chain, PyKDL.Vector(0.0, 0.0, -GRAVITY))
         self._loads = [PyKDL.Wrench() for _ in range(self._chain.getNrOfSegments())]
 
@@ -63,12 +63,13 @@ class InverseDynamics:
         code = self._solver.CartToJnt(positions, speeds, accelerations, self._loads, torques)
         if code != 0:
             raise RobotModelError(f"KDL's inverse dynamics gave up with code {code}")
-        moving = np.array([torques[j] for j in range(self._count)])
-        return _spread(moving, self.model)[:ARM]
+        spread = np.zeros(PLAN_COUNT)
+        spread[self._rows] = [torques[j] for j in range(self._count)]
+        return spread[:ARM]
 
     def _array(self, values: Vector) -> Any:
         array = PyKDL.JntArray(self._count)
-        for j, number in enumerate(_moving_rows(self.model)):
+        for j, number in enumerate(self._rows):
             array[j] = float(values[number])
         return array
 
@@ -78,12 +79,6 @@ def _moving_rows(model: RobotModel) -> list[int]:
     names = (*ARM_JOINTS, "joint_pitch", "joint_finger_left")
     turning = [model.links[name] for name in model.route(TIP)]
     return [names.index(link.joint) for link in turning if link.type != "fixed"]
-
-
-def _spread(moving: Vector, model: RobotModel) -> Vector:
-    torques = np.zeros(PLAN_COUNT)
-    torques[_moving_rows(model)] = moving
-    return torques
 
 
 def _chain(model: RobotModel, inertias: Mapping[str, Any]) -> Any:

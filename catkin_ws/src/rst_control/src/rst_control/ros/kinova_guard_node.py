@@ -12,14 +12,17 @@ from std_msgs.msg import Empty
 from rst_control.kinova.config import GuardConfig
 from rst_control.kinova.guard import StopGuard
 from rst_control.ros.priority import ask_for_priority
+from rst_control.ros.sending import send_promptly
 from typed_config import ConfigError, load_config
 
 PERIOD = 0.010  # [s] between two looks
 ALIVE_EVERY = 2  # looks between two beats for the bridge
+LAST_STOPS, LAST_PERIOD = 5, 0.02  # stops that are sent in the end, and [s] between them
 
 
 def main() -> None:
     """Run the guard node."""
+    send_promptly()
     rospy.init_node("kinova_guard")
     try:
         config = load_config(GuardConfig, rospy.get_param("~bridge/guard", {}), "guard parameters")
@@ -31,7 +34,7 @@ def main() -> None:
     stop = rospy.Publisher(f"{rospy.get_param('~arm_namespace')}/in/stop", Empty, **newest)
     alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
     rospy.Subscriber("kinova_bridge/beat", Empty, lambda _: guard.heard(time.monotonic()), **newest)
-    rospy.on_shutdown(lambda: stop.publish(Empty()))
+    rospy.on_shutdown(lambda: _stop_in_the_end(stop))
     ask_for_priority()
     looks, was_silent = 0, False
     while not rospy.is_shutdown():
@@ -45,3 +48,10 @@ def main() -> None:
         if looks % ALIVE_EVERY == 0:
             alive.publish(Empty())
         time.sleep(PERIOD)
+
+
+def _stop_in_the_end(stop: rospy.Publisher) -> None:
+    """A guard that ends guards no longer: the arm stops, whether the bridge is there or not."""
+    for _ in range(LAST_STOPS):
+        stop.publish(Empty())
+        time.sleep(LAST_PERIOD)

@@ -69,7 +69,7 @@ class TorqueTensionNode:
         self._news.wait(wait)
         self._news.clear()
         trocar, found = self._trocar, None
-        while self._readings and trocar is not None:
+        for _ in range(len(self._readings) if trocar is not None else 0):
             joints, taken = self._readings.popleft()
             found = self._estimator.update(self._measurement(joints, taken), trocar)
         if trocar is None:

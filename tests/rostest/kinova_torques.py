@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pulls through the bridge by a tension that is told from the arm's own noisy torques."""
+
+import sys
+import unittest
+
+import rospy
+import rostest
+from geometry_msgs.msg import WrenchStamped
+from robot_client import START_LIMIT, RobotClient
+from std_msgs.msg import Bool, String
+from std_srvs.srv import Trigger
+
+ROUGH = 0.6  # [N] by which a pull led by noisy torques may miss; what they are worth says the bench
+MOST = 2.4  # [N] at which the controller gives up
+
+
+class KinovaTorques(unittest.TestCase):
+    """In the order of their names, on one robot."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.true, cls.most, cls.distrust, cls.gripped = 0.0, 0.0, None, False
+        rospy.Subscriber("simulation/tension", WrenchStamped, cls.on_true)
+        rospy.Subscriber("simulation/gripped", Bool, lambda m: setattr(cls, "gripped", m.data))
+        rospy.Subscriber("robot/tension_distrust", String, cls.on_distrust)
+        cls.robot = RobotClient()
+        cls.home_tool = rospy.ServiceProxy("robot/home_tool", Trigger)
+        cls.home_tool.wait_for_service(START_LIMIT)
+
+    @classmethod
+    def on_true(cls, message):
+        force = message.wrench.force
+        cls.true = (force.x**2 + force.y**2 + force.z**2) ** 0.5
+        cls.most = max(cls.most, cls.true)
+
+    @classmethod
+    def on_distrust(cls, message):
+        cls.distrust = message.data
+
+    def test_1_open_jaws_at_rest_give_a_tare(self):
+        self.robot.wait(lambda: self.home_tool().success, START_LIMIT)
+        self.robot.activate()
+        self.robot.wait(lambda: self.distrust is not None)
+
+    def test_2_tense_pulls_to_about_the_tension_asked_for(self):
+        self.robot.say_and_finish("tense", limit=60.0)
+        self.assertTrue(self.gripped)
+        self.assertEqual(self.distrust, "")
+        self.assertAlmostEqual(self.true, 1.0, delta=ROUGH)
+
+    def test_3_pull_more_pulls_more(self):
+        before = self.true
+        self.robot.say_and_finish("pull more", limit=60.0)
+        self.assertGreater(self.true, before)
+
+    def test_4_release_lets_go_and_nothing_was_ever_torn(self):
+        self.robot.say_and_finish("release", limit=60.0)
+        self.assertFalse(self.gripped)
+        self.assertEqual(self.true, 0.0)
+        self.assertLess(self.most, MOST)
+        self.assertLess(self.robot.max_rcm_error(), 1e-3)
+
+
+if __name__ == "__main__":
+    rospy.init_node("kinova_torques")
+    rostest.rosrun("rst_control", "kinova_torques", KinovaTorques, sys.argv)
