@@ -186,7 +186,9 @@ def figures(losses: Sequence[Loss], rules: dict[str, Rule], planned: int) -> lis
         found.append(Figure(words, rest, "", len(judged), at_most=False))
     for reason in sorted(set(reasons)):
         note = "(by that alone, before anything was judged)"
-        found.append(Figure(f"set aside and repeated, {reason}", reasons.count(reason), "", note=note))
+        found.append(
+            Figure(f"set aside and repeated, {reason}", reasons.count(reason), "", note=note)
+        )
     if losses:
         loads = [loss.load for loss in losses]
         found.append(Figure("load average, median", float(np.median(loads)), ""))

@@ -242,7 +242,9 @@ def test_what_is_kept_is_read_again_infinity_included(tmp_path):
 def test_a_loss_beside_other_work_or_at_the_end_of_its_motion_is_taken_again() -> None:
     aside = [loss(load=4.1), loss(finished=True), loss(load=9.0, alone=float("inf"))]
     assert left("controller", [loss(), *aside], each=2) == ["SIGSTOP", "SIGSTOP", "SIGKILL"]
-    found = {figure.name: figure.value for figure in figures([loss(), *aside], {"controller": HOLDS}, 4)}
+    found = {
+        figure.name: figure.value for figure in figures([loss(), *aside], {"controller": HOLDS}, 4)
+    }
     assert found["losses"] == 1 and found["controller, SIGKILL: not as documented"] == 0
     assert found["set aside and repeated, other work on the machine"] == 2
     assert found["set aside and repeated, motion at its end"] == 1
