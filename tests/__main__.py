@@ -19,7 +19,7 @@ from xml.etree import ElementTree
 
 FOLDER = Path(__file__).resolve().parent
 WITH_NODES = ("integration", "rostest")
-WITHOUT = ("property", "traps", "unit")
+WITHOUT = ("simulation", "property", "traps", "unit")
 NICE = 19  # of the tests without nodes
 COUNTS = ("passed", "failed", "skipped")
 

@@ -27,21 +27,25 @@ FEEDBACK = "/my_gen3/base_feedback/joint_state"
 LIMIT = 90.0  # [s] for one line
 RECORDED = 5.0  # [s] of the session that the lines are about, at least
 LISTENING = 8.0  # [s] for one that runs until it is ended
+WAY_IN_OR_OUT = ("'insert'\"", "'withdraw'\"")  # long, so one after the other, in the end
 ENDLESS = ("rostopic hz",)
 
 
 def lines_of(system):
-    """Lines that are executed against a system; what stands on several pages, once."""
+    """Lines that are executed against a system; what stands on several pages, once.
+
+    Ways into the patient and out of it come last, so that there is one of each.
+    """
     found = {}
     for line in all_lines():
         marker = marker_of(line)
         if marker and marker.system == system:
             found.setdefault(line.text, line)
-    return list(found.values())
+    return sorted(found.values(), key=lambda line: line.text.endswith(WAY_IN_OR_OUT))
 
 
 class DocExamples(unittest.TestCase):
-    """Every line of one system, in the order of the pages."""
+    """Every line of one system."""
 
     @classmethod
     def setUpClass(cls):

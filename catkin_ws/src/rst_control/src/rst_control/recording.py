@@ -24,6 +24,7 @@ CONSEQUENCE: Final = {
     STOP: "what loads the patient brakes, new motion is refused",
 }
 NEVER: Final = "no recorder was ever heard"
+LASTING: Final = 1.0  # [s] that a loss lasts before it is told on the screen; refusals are at once
 REMEDY: Final = "start launch/record.launch, or set controller/recording/on_loss to ignore"
 
 
@@ -151,6 +152,8 @@ class RecordedOnly:
 class RecordingNews:
     """Says each change of the recording once: worse, better, or not wanted.
 
+    A loss has to last: at the end of a launch the recorder ends a moment before the others.
+
     Args:
         watch: Knows of the recording.
         grace: Time [s] from the first look in which a recorder that is still starting is no news.
@@ -161,6 +164,7 @@ class RecordingNews:
         self._watch, self._grace, self._clock = watch, grace, clock
         self._since: float | None = None
         self._is_lost: bool | None = None  # None: nothing was said yet
+        self._gone: float | None = None  # [s] since when what was recorded is not
 
     def next(self) -> tuple[bool, str] | None:
         """What to tell since the last look, with whether it is a loss; None where it is no news."""
@@ -171,7 +175,12 @@ class RecordingNews:
         may_start = not self._watch.was_heard and not self._watch.is_ignored
         is_starting = may_start and now - self._since < self._grace
         if is_lost is self._is_lost or is_starting:
+            self._gone = None
             return None
+        if is_lost and self._is_lost is False:
+            self._gone = now if self._gone is None else self._gone
+            if now - self._gone < LASTING:
+                return None
         was_lost, self._is_lost = self._is_lost, is_lost
         if not is_lost:
             return (False, "recorded again") if was_lost else (False, "recorded")
