@@ -22,6 +22,7 @@ from rst_control.errors import RstError
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import KinovaConfig
 from rst_control.kinova.homing import home
+from rst_control.repeated import Repeated
 from rst_control.ros.intake import guard_intake
 from rst_control.ros.kinova_hardware import KinovaHardware
 from rst_control.ros.messages import BASE
@@ -34,8 +35,7 @@ from rst_control.types import JOINTS, Measurement, Setpoint
 from typed_config import ConfigError, load_config
 
 BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard
-TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes:
-# should anybody else have spoken in the robot's name, the truth comes back
+TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
 DIAGNOSTICS_PERIOD = 1.0  # [s]
 MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed
 SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
@@ -55,9 +55,9 @@ class KinovaBridgeNode:
         self._offset, self._reader = wall_offset(), JointStateReader(JOINTS)
         self._jobs: deque[Callable[[], None]] = deque(maxlen=MOST_JOBS)
         self._told: Measurement | None = None
-        self._told_grip: bool | None = None
-        self._told_fault: str | None = None
-        self._due = dict.fromkeys(("beat", "fault", "grip", "diagnostics"), 0.0)
+        self._told_grip: Repeated[bool] = Repeated(TELL_PERIOD)
+        self._told_fault: Repeated[str] = Repeated(TELL_PERIOD, lambda a, b: bool(a) is bool(b))
+        self._due = dict.fromkeys(("beat", "diagnostics"), 0.0)
         self._homing = threading.Lock()
         self._latest = 0.0
         self._advertise()
@@ -166,19 +166,16 @@ class KinovaBridgeNode:
 
     def _tell(self, now: float) -> None:
         bridge, measured = self._bridge, self._bridge.measured
-        fault = bridge.fault(now)
-        is_news = self._told_fault is None or bool(fault) is not bool(self._told_fault)
-        if is_news or self._is_due("fault", now, TELL_PERIOD):
-            if fault and fault != self._told_fault:
+        before, fault = self._told_fault.last, bridge.fault(now)
+        if self._told_fault.is_due(fault, now):
+            if fault and fault != before:
                 rospy.logwarn("fault: %s", fault)
-            self._told_fault = fault
             self._fault.publish(String(fault))
         if measured is None or measured is self._told:
             return
         self._told = measured
-        if bridge.is_gripped is not self._told_grip or self._is_due("grip", now, TELL_PERIOD):
-            self._told_grip = bridge.is_gripped
-            self._gripped.publish(Bool(self._told_grip))
+        if self._told_grip.is_due(bridge.is_gripped, now):
+            self._gripped.publish(Bool(bridge.is_gripped))
         self._tell_tension(now)  # first: the controller takes it together with the joints
         message = JointState(
             name=list(JOINTS),
@@ -204,7 +201,7 @@ class KinovaBridgeNode:
 
     def _diagnose(self) -> None:
         self._offset = followed(self._offset)
-        health, fault = self._bridge.take_health(), self._told_fault
+        health, fault = self._bridge.take_health(), self._told_fault.last
         level = DiagnosticStatus.ERROR if fault else DiagnosticStatus.OK
         values = {
             "lead": health.lead.value,

@@ -13,6 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 
 from rst_control.backends.pybullet_robot import PybulletRobot
+from rst_control.repeated import Repeated
 from rst_control.ros.simulator_messages import RawJointState, Stamper, StateWriter
 from rst_control.ros.wire import BadMessage, JointStateReader
 from rst_control.types import JOINTS, Setpoint
@@ -20,8 +21,7 @@ from rst_control.types import JOINTS, Setpoint
 log = logging.getLogger("rosout.rst_control.simulator")
 
 MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed, and the servo holds
-TELL_PERIOD = 0.5  # [s] between words on grip and fault where they stay the same: should anybody
-# else have spoken in the robot's name, the truth comes back
+TELL_PERIOD = 0.5  # [s] between words on grip and fault where they stay the same
 NO_STAMP = 0.0  # set-points sent by hand carry no stamp
 
 
@@ -45,9 +45,8 @@ class SetpointDoor:
         self._robot, self._jobs, self._stamper = robot, jobs, stamper
         self._is_real_time = is_real_time
         self._writer, self._reader = StateWriter(stamper), JointStateReader(JOINTS)
-        self._told_grip: bool | None = None
-        self._told_fault: str | None = None
-        self._told_at = float("-inf")  # [s] when both were told without need
+        self._told_grip: Repeated[bool] = Repeated(TELL_PERIOD)
+        self._told_fault: Repeated[str] = Repeated(TELL_PERIOD)
         self._joints = rospy.Publisher("joint_states", JointState, queue_size=5, tcp_nodelay=True)
         self._tension = rospy.Publisher(
             "robot/tension", WrenchStamped, queue_size=5, tcp_nodelay=True
@@ -68,16 +67,13 @@ class SetpointDoor:
         robot, now = self._robot, self._robot.now
         self._joints.publish(self._writer.joints(now, robot.reading))
         self._tension.publish(self._writer.wrench(now, robot.force))
-        is_due = now - self._told_at >= TELL_PERIOD
-        self._told_at = now if is_due else self._told_at
-        if is_due or robot.tissue.is_held != self._told_grip:
-            self._told_grip = robot.tissue.is_held
-            self._gripped.publish(Bool(self._told_grip))
-        if is_due or robot.fault != self._told_fault:
-            if robot.fault and robot.fault != self._told_fault:
-                log.warning("fault: %s", robot.fault)
-            self._told_fault = robot.fault
-            self._fault.publish(String(self._told_fault))
+        if self._told_grip.is_due(robot.tissue.is_held, now):
+            self._gripped.publish(Bool(robot.tissue.is_held))
+        before, fault = self._told_fault.last, robot.fault
+        if self._told_fault.is_due(fault, now):
+            if fault and fault != before:
+                log.warning("fault: %s", fault)
+            self._fault.publish(String(fault))
 
     def _on(self, job: Callable[[], None]) -> Callable[[Empty], None]:
         return lambda _: self._jobs.append(job)
