@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import time
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ import rosgraph
 
 from bench.figures import ROOT
 from demo.system import STOP_TIME, free_port
-from rst_control.keep import PAUSE
+from rst_control.keep import MOST, PAUSE, SPAN
 
 START_TIME = 60.0  # [s] for a part to come up
 SIGNALS = {  # by which a part is lost; the last two mean something to losses_voice.py alone
@@ -50,6 +51,7 @@ class Part:
         self._launch: subprocess.Popen[bytes] | None = None
         self.pid = 0  # of the process that does the work
         self._lost = 0.0  # [s] when
+        self._kills: deque[float] = deque(maxlen=MOST)  # [s] of the present launch
 
     def start(self) -> None:
         """Start it and wait until its process is known.
@@ -65,6 +67,7 @@ class Part:
                 stdin=subprocess.DEVNULL,
                 start_new_session=True,
             )
+        self._kills.clear()
         before, self.pid = self.pid, 0
         wait_for(lambda: self._find(before), f"{self._plan.command[-1]} started", START_TIME)
 
@@ -72,6 +75,8 @@ class Part:
         """Send the signal of a way; gives when [s], time.monotonic()."""
         moment = self._lost = time.monotonic()
         os.kill(self.pid, SIGNALS[way])
+        if way == "SIGKILL":
+            self._kills.append(moment)
         return moment
 
     def give_back(self, way: str) -> float:
@@ -80,7 +85,7 @@ class Part:
             moment = time.monotonic()
             os.kill(self.pid, signal.SIGCONT)
             return moment
-        if self._plan.is_kept:
+        if self._plan.is_kept and not self._is_given_up:
             if way == "hang":
                 self._lost = time.monotonic()
                 os.kill(self.pid, signal.SIGKILL)
@@ -91,6 +96,11 @@ class Part:
         moment = time.monotonic()
         self.start()
         return moment
+
+    @property
+    def _is_given_up(self) -> bool:
+        """Killed so often that its keeper ends the whole launch."""
+        return len(self._kills) == MOST and self._kills[-1] - self._kills[0] < SPAN + 1.0
 
     def end(self) -> None:
         """End the launch and all that it started."""
