@@ -22,7 +22,7 @@ TIME_LIMIT = 240.0  # [s] for one .test file, start and end of its nodes include
 
 # The same examples each time, so that a failure says something of the change at hand; EXPLORE=1
 # looks at others, and many more of them.
-hypothesis.settings.register_profile("fixed", derandomize=True)
+hypothesis.settings.register_profile("fixed", derandomize=True, deadline=None)
 hypothesis.settings.register_profile("explore", max_examples=2000, deadline=None)
 hypothesis.settings.load_profile("explore" if os.environ.get("EXPLORE") else "fixed")
 
