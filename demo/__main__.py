@@ -109,10 +109,11 @@ def _session(
         _wait_until_ready(system, timeline)
         if options.microphone:
             return _listen(system, timeline)
-        if microphone:
-            player = microphone.play(wav)
-            stack.callback(player.terminate)
-        timeline.start_clock(timeline.first_sound(SOUND_TIME) + lead)
+        with timeline.first_sound(SOUND_TIME, is_file=microphone is None) as first_sound:
+            if microphone:
+                player = microphone.play(wav)
+                stack.callback(player.terminate)
+            timeline.start_clock(first_sound() + lead)
         if options.film:
             stack.callback(Camera(timeline.warn).close)
         _follow(script, system, timeline)

@@ -11,6 +11,7 @@ from demo.script import Script, Step
 
 STEP = 0.02  # [N] least change of tension that counts as more or less
 SLACK = 0.05  # [N] tension that counts as none
+EARLY = 0.2  # [s] by which the beginning of speech may be told too early: clocks, noise before it
 REST = 1e-4  # [m/s] path speed that counts as rest
 
 
@@ -68,7 +69,7 @@ def _judge(script: Script, index: int, observed: Observed) -> Verdict:
     states = observed.between(step.at, end)
     if not states:
         return Verdict(step, False, "the controller said nothing")
-    commands = [h.command for h in observed.heard if step.at <= h.time < end and h.command]
+    commands = [h.command for h in observed.heard if step.at <= h.time + EARLY < end and h.command]
     before = observed.between(step.at - 0.5, step.at) or states[:1]
     happened = _effect_seen(step, states, before[-1], commands)
     last = states[-1]

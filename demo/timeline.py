@@ -5,7 +5,11 @@ from __future__ import annotations
 
 import queue
 import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
+import numpy as np
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rich.console import Console
@@ -53,26 +57,45 @@ class Timeline:
             self._zero = zero
             self.observed = Observed()
 
-    def first_sound(self, within: float) -> float:
-        """Wait until the voice node hears anything but silence.
+    @contextmanager
+    def first_sound(self, within: float, is_file: bool) -> Iterator[Callable[[], float]]:
+        """Hear what the voice node hears, from before anything is played.
+
+        Args:
+            within: Time [s] for the node to be connected, and again for the first sound.
+            is_file: The node reads a file, whose beginning its samples are counted from; else the
+                first sound is the first that is no silence.
 
         Returns:
-            When that was captured [s].
+            A function that waits for the first sound, and gives when that was captured [s].
 
         Raises:
-            RuntimeError: It stays silent.
+            RuntimeError: The voice node is not there, or stays silent.
         """
         heard: queue.Queue[float] = queue.Queue()
 
         def listen(chunk: AudioChunk) -> None:
-            if max(map(abs, chunk.samples), default=0) > SILENT:
-                heard.put(chunk.header.stamp.to_sec())
+            stamp = chunk.header.stamp.to_sec()
+            loud = np.abs(np.array(chunk.samples, dtype=np.int32)) > SILENT
+            if is_file:
+                heard.put(stamp - chunk.first_sample / chunk.rate)
+            elif loud.any():
+                heard.put(stamp + int(loud.argmax()) / chunk.rate)
+
+        def first() -> float:
+            try:
+                return heard.get(timeout=within)
+            except queue.Empty:
+                raise RuntimeError(f"the voice node heard nothing within {within:g} s") from None
 
         subscriber = rospy.Subscriber("voice_assist/audio", AudioChunk, listen)
         try:
-            return heard.get(timeout=within)
-        except queue.Empty:
-            raise RuntimeError(f"the voice node heard nothing within {within:g} s") from None
+            end = time.monotonic() + within
+            while not subscriber.get_num_connections():
+                if time.monotonic() > end:
+                    raise RuntimeError(f"no sound from the voice node within {within:g} s")
+                time.sleep(0.02)
+            yield first
         finally:
             subscriber.unregister()
 

@@ -72,6 +72,13 @@ def test_silence_of_the_controller_is_a_step_that_did_not_happen():
     assert not verdict.happened and "said nothing" in verdict.found
 
 
+@pytest.mark.parametrize(("start", "happened"), [(0.85, True), (0.7, False), (4.9, False)])
+def test_speech_may_be_told_a_moment_early_and_belongs_to_its_step(start, happened):
+    script, observed = session("hey robot", "cleared", None, {"halted": True}, {})
+    observed.heard.append(Heard(start, "hey robot", "hey robot"))
+    assert [v.happened for v in verdicts(script, observed)] == [happened]
+
+
 def test_rcm_error_counts_only_while_moving():
     _, observed = session("tense", "tense", "tense", {"rcm_error": 1.0}, {}, moving=(0.02, 0.02))
     assert worst_rcm_error(observed) == 2e-6
