@@ -29,6 +29,7 @@ class Link:
     def __init__(self):
         self.now = 50.0
         self.reception = Reception(WATCHDOGS, lambda: self.now)
+        self.reception.gripped = False
 
     def joints(self, stamp, names=JOINTS, position=None, velocity=None):
         seconds, rest = divmod(stamp, 1.0)
@@ -59,6 +60,15 @@ class Link:
 @pytest.fixture
 def link():
     return Link()
+
+
+def test_until_the_robot_has_told_of_its_grip_nothing_is_measured(link):
+    """Jaws that hold tissue would be sent to where it keeps them open, and so let it go."""
+    link.reception.gripped = None
+    assert link.run(0.1) is None
+    assert "whether its jaws hold anything" in link.reception.objection
+    link.reception.gripped = True
+    assert link.run(0.01).gripped and link.reception.objection == ""
 
 
 def test_what_arrives_is_measured_with_both_clocks(link):

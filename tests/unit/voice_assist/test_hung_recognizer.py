@@ -82,6 +82,7 @@ class Room:
         self.recognizer, self.spotter = Moody(clock), Spotter()
         self.calls_dropped, self.ended = 0, []
         self._next = 0
+        self._others = set(threading.enumerate())
         quiet = lambda *_, **__: None  # noqa: E731
         fake_rospy = SimpleNamespace(
             set_param=quiet,
@@ -193,7 +194,8 @@ class Room:
         self.recognizer.go.set()
         self.sound.put(None)
         self.done.set()
-        self._thread.join(WAIT)
+        for thread in set(threading.enumerate()) - self._others:  # else it ends in the next test
+            thread.join(WAIT)
 
 
 def until(is_done, what):

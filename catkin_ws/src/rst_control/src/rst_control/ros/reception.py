@@ -49,7 +49,8 @@ class Reception:
     ) -> None:
         self.joints: Arrived | None = None
         self.wrench: Arrived | None = None
-        self.gripped, self.fault = False, ""
+        self.gripped: bool | None = None  # None: the robot has not told yet
+        self.fault = ""
         self.distrust = UNTIL_TOLD[tension]  # why the force must not be relied on
         self._has_tension = tension != "none"
         self.out_of_order = 0  # joint states refused for their stamps since the start
@@ -68,9 +69,15 @@ class Reception:
         return self._objection or (f"{count} refused so far, out of order" if count else "")
 
     def measured(self) -> Measurement | None:
-        """Newest joint states with the force on the jaws; None while the robot never spoke."""
+        """Newest joint states with the force on the jaws; None until the robot has told all.
+
+        Where jaws may be sent depends on whether they hold something: a controller that is started
+        anew would open those that hold tissue, if it took the joints before the grip.
+        """
         joints = self.joints
-        if joints is not None and joints is not self._seen:
+        if joints is not None and self.gripped is None:
+            self._objection = "the robot has not told yet whether its jaws hold anything"
+        elif joints is not None and joints is not self._seen:
             self._seen = joints
             self._take(joints)
         else:
@@ -97,7 +104,7 @@ class Reception:
             effort=NO_EFFORT,
             stamp=joints.arrived,
             force=force,
-            gripped=self.gripped,
+            gripped=bool(self.gripped),
             fault=self.fault or self._objection,
             distrust=self.distrust,
             sent=sample.stamp,
