@@ -36,3 +36,13 @@ def test_the_shipped_phrases_need_no_warning(tmp_path, capsys):
     with pytest.raises(VoiceError, match="no_such_folder"):
         enroll(load_voice_config(), asked(tmp_path))
     assert "warning" not in capsys.readouterr().out
+
+
+def test_an_input_that_has_ended_is_said_in_words_and_nothing_is_lost(tmp_path, monkeypatch):
+    def ended(prompt):
+        raise EOFError
+
+    wanted = dataclasses.replace(asked(tmp_path), wavs=None)
+    with pytest.raises(VoiceError, match="input has ended .* what was recorded is kept"):
+        enroll(load_voice_config(), wanted, ask=ended)
+    assert (tmp_path / "ada").is_dir()

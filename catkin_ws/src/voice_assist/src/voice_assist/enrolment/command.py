@@ -171,7 +171,13 @@ def _guide(
         return False
 
     def ready(step: Step) -> None:
-        ask("    Enter when you are ready ")
+        try:
+            ask("    Enter when you are ready ")
+        except EOFError as error:
+            raise ProfileError(
+                "the terminal's input has ended where Enter was asked for; what was recorded is "
+                "kept, the same command in a terminal goes on from there"
+            ) from error
 
     def source() -> Source:
         return make_source(voice.audio, time.time, pause, lambda _: None)
