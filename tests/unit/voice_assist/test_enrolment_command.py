@@ -43,6 +43,6 @@ def test_an_input_that_has_ended_is_said_in_words_and_nothing_is_lost(tmp_path, 
         raise EOFError
 
     wanted = dataclasses.replace(asked(tmp_path), wavs=None)
-    with pytest.raises(VoiceError, match="input has ended .* what was recorded is kept"):
+    with pytest.raises(VoiceError, match=r"input has ended .* what was recorded is kept"):
         enroll(load_voice_config(), wanted, ask=ended)
     assert (tmp_path / "ada").is_dir()
