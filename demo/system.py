@@ -150,7 +150,7 @@ class System:
 
     def __exit__(self, *_: object) -> None:
         for process in reversed(self._launches):
-            _end(process)
+            end_group(process)
 
     def _spawn(self, command: list[str]) -> None:
         with self._log.open("ab") as log:
@@ -165,13 +165,13 @@ class System:
         self._launches.append(process)
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """Ask a process group to end, then make it."""
+def end_group(process: subprocess.Popen[bytes], patience: float = STOP_TIME) -> None:
+    """Ask a process group to end; after a time [s], make it."""
     if process.poll() is not None:
         return
     process.send_signal(signal.SIGINT)
     try:
-        process.wait(STOP_TIME)
+        process.wait(patience)
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()

@@ -76,10 +76,11 @@ class Timeline:
 
         def listen(chunk: AudioChunk) -> None:
             stamp = chunk.header.stamp.to_sec()
-            loud = np.abs(np.array(chunk.samples, dtype=np.int32)) > SILENT
             if is_file:
                 heard.put(stamp - chunk.first_sample / chunk.rate)
-            elif loud.any():
+                return
+            loud = np.abs(np.array(chunk.samples, dtype=np.int32)) > SILENT
+            if loud.any():
                 heard.put(stamp + int(loud.argmax()) / chunk.rate)
 
         def first() -> float:

@@ -3,15 +3,13 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import subprocess
 import time
 from pathlib import Path
 
 import rosgraph
 
-from demo.system import free_port
+from demo.system import end_group, free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 ROSTEST = ROOT / "tests" / "rostest"
@@ -61,13 +59,7 @@ class Host:
 
     def end(self):
         for process in reversed(self._running):
-            if process.poll() is None:
-                process.send_signal(signal.SIGINT)
-                try:
-                    process.wait(END)
-                except subprocess.TimeoutExpired:
-                    os.killpg(process.pid, signal.SIGKILL)
-                    process.wait()
+            end_group(process, END)
         self._log.close()
 
 

@@ -12,12 +12,11 @@ from std_msgs.msg import Empty
 from rst_control.kinova.config import GuardConfig
 from rst_control.kinova.guard import StopGuard
 from rst_control.ros.priority import ask_for_priority
-from rst_control.ros.sending import send_promptly
+from rst_control.ros.sending import send_in_the_end, send_promptly
 from typed_config import ConfigError, load_config
 
 PERIOD = 0.010  # [s] between two looks
 ALIVE_EVERY = 2  # looks between two beats for the bridge
-LAST_STOPS, LAST_PERIOD = 5, 0.02  # stops that are sent in the end, and [s] between them
 
 
 def main() -> None:
@@ -34,7 +33,8 @@ def main() -> None:
     stop = rospy.Publisher(f"{rospy.get_param('~arm_namespace')}/in/stop", Empty, **newest)
     alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
     rospy.Subscriber("kinova_bridge/beat", Empty, lambda _: guard.heard(time.monotonic()), **newest)
-    rospy.on_shutdown(lambda: _stop_in_the_end(stop))
+    # A guard that ends guards no longer: the arm stops, whether the bridge is there or not.
+    rospy.on_shutdown(lambda: send_in_the_end(lambda: stop.publish(Empty())))
     ask_for_priority()
     looks, was_silent = 0, False
     while not rospy.is_shutdown():
@@ -48,10 +48,3 @@ def main() -> None:
         if looks % ALIVE_EVERY == 0:
             alive.publish(Empty())
         time.sleep(PERIOD)
-
-
-def _stop_in_the_end(stop: rospy.Publisher) -> None:
-    """A guard that ends guards no longer: the arm stops, whether the bridge is there or not."""
-    for _ in range(LAST_STOPS):
-        stop.publish(Empty())
-        time.sleep(LAST_PERIOD)

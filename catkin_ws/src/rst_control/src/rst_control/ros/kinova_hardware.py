@@ -14,9 +14,9 @@ from std_msgs.msg import Empty, Float64MultiArray, Int32MultiArray
 
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
+from rst_control.ros.sending import send_in_the_end
 from rst_control.types import Vector
 
-LAST_STOPS, LAST_PERIOD = 5, 0.02  # stops that are sent in the end, and [s] between them
 SAY_AGAIN = 2.0  # [s] before the same complaint about messages is made again
 
 
@@ -60,9 +60,7 @@ class KinovaHardware:
     def close(self) -> None:
         """Stop the arm, and send it no more velocities."""
         self._is_closed = True
-        for _ in range(LAST_STOPS):
-            self.stop()
-            time.sleep(LAST_PERIOD)
+        send_in_the_end(self.stop)
 
     def request(self, message: str) -> bool:
         """Ask OpenRST's node for something; waits for the answer, however long that takes.
