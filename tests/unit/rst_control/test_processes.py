@@ -77,11 +77,27 @@ def test_who_does_not_listen_there_is_not_believed(server):
     assert process_of(2**22 + 1, server[1]) is None
 
 
-def test_a_name_with_spaces_and_brackets_hides_nothing(tmp_path):
+def told(tmp_path, name, state, flags=0x400000, pending=0):
+    """What is made of a stat file with these fields, of a process started at tick 42."""
     folder = tmp_path / "7" / "task" / "7"
-    folder.mkdir(parents=True)
-    tail = " ".join(["1"] * 18)
-    (folder / "stat").write_text(f"7 (a) S (b) T {tail} 42 0 0\n")
-    assert Process(7, "42").state(tmp_path) == STOPPED
-    (folder / "stat").write_text(f"7 (a) T (b) S {tail} 42 0 0\n")
-    assert Process(7, "42").state(tmp_path) == ""
+    folder.mkdir(parents=True, exist_ok=True)
+    before, between = " ".join(["1"] * 5), " ".join(["1"] * 12)  # parent and on; faults and on
+    after = " ".join(["1"] * 8)  # size and on
+    line = f"7 ({name}) {state} {before} {flags} {between} 42 {after} {pending} 0 0 0\n"
+    (folder / "stat").write_text(line)
+    return Process(7, "42").state(tmp_path)
+
+
+def test_a_name_with_spaces_and_brackets_hides_nothing(tmp_path):
+    assert told(tmp_path, "a) S (b", "T") == STOPPED
+    assert told(tmp_path, "a) T (b", "S") == ""
+
+
+def test_one_that_is_being_taken_down_has_ended_though_it_still_holds_its_memory(tmp_path):
+    assert told(tmp_path, "a", "R", flags=0x400004) == ENDED
+
+
+def test_one_that_was_killed_has_ended_before_it_gets_a_processor_to_die_on(tmp_path):
+    assert told(tmp_path, "a", "R", pending=1 << (signal.SIGKILL - 1)) == ENDED
+    assert told(tmp_path, "a", "R", pending=1 << (signal.SIGUSR1 - 1)) == ""
+    assert told(tmp_path, "a", "S") == ""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -19,7 +20,10 @@ ENDED: Final = "ended"
 STOPPED: Final = "was stopped"
 _STOPPED = ("T", "t")  # by a signal; by a debugger
 _ENDED = ("Z", "X", "x")
-_STATE, _START = 0, 19  # fields of /proc/<pid>/task/<pid>/stat behind the name
+# Fields of /proc/<pid>/task/<pid>/stat behind the name (proc(5)), and what is looked for in them
+_STATE, _FLAGS, _START, _PENDING = 0, 6, 19, 28
+_EXITING = 0x4  # PF_EXITING: it is being taken down, which takes long where it held much memory
+_KILLED = 1 << (signal.SIGKILL - 1)  # sent, and not yet seen by it for want of a processor
 _LONGEST = 4096  # bytes of that file
 
 
@@ -33,7 +37,7 @@ class Process:
     def state(self, proc: Path = PROC) -> str:
         """What has become of it, in words; empty: it may run."""
         fields = _fields(self.pid, proc)
-        if not fields or fields[_START] != self.started or fields[_STATE] in _ENDED:
+        if not fields or fields[_START] != self.started or _is_ending(fields):
             return ENDED
         return STOPPED if fields[_STATE] in _STOPPED else ""
 
@@ -55,6 +59,12 @@ def process_of(pid: int, port: int, proc: Path = PROC) -> Process | None:
     return Process(pid, fields[_START]) if fields else None
 
 
+def _is_ending(fields: list[str]) -> bool:
+    """Whether it has ended, or nothing can keep it from doing so."""
+    has_begun = bool(int(fields[_FLAGS]) & _EXITING or int(fields[_PENDING]) & _KILLED)
+    return has_begun or fields[_STATE] in _ENDED
+
+
 def _fields(pid: int, proc: Path) -> list[str]:
     """Of the first thread: for a whole process the kernel sums up all threads, which takes long."""
     raw = b""
@@ -66,4 +76,4 @@ def _fields(pid: int, proc: Path) -> list[str]:
             os.close(file)
     text = raw.decode("ascii", "replace")
     fields = text.rpartition(")")[2].split()  # a name may hold spaces and brackets
-    return fields if len(fields) > _START else []
+    return fields if len(fields) > _PENDING else []
