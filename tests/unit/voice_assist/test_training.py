@@ -18,7 +18,7 @@ from voice_assist.training import texts, voices
 from voice_assist.training.augment import Strength, telephone
 from voice_assist.training.batches import IGNORED, Batches, teacher_tensors
 from voice_assist.training.checkpoints import Average, Progress, load_progress, save_progress
-from voice_assist.training.curriculum import CONTINUED, SHORT, stage_of
+from voice_assist.training.curriculum import CONTINUED, FINE_TUNED, SHORT, stage_of
 from voice_assist.training.export import export
 from voice_assist.training.mixture import Aligned, Mixture, WordTime, cut_short, excerpt
 from voice_assist.training.noise import Surroundings, build_rooms
@@ -287,7 +287,7 @@ def test_fine_tuning_starts_from_whispers_weights(tmp_path):
     torch.nn.init.normal_(theirs.decoder.positional_embedding)
     torch.save({"dims": vars(dims), "model_state_dict": theirs.state_dict()}, tmp_path / "w.pt")
     start = start_from(str(tmp_path / "w.pt"))
-    assert not start.is_continued
+    assert start.stages == FINE_TUNED
     ours = start.model.eval()
     states = ours.encode(log_mel(torch.from_numpy(sound())[None]))
     ids = [*PROMPT, *encode("stop")]
@@ -298,9 +298,21 @@ def test_fine_tuning_starts_from_whispers_weights(tmp_path):
     assert (ours.dims.n_audio_ctx, ours.dims.n_text_ctx) == (512, 192)
 
 
+def test_fine_tuning_keeps_the_encoder_and_a_short_decoder(tmp_path):
+    dims = ModelDimensions(80, 1500, 32, 2, 3, 51864, 448, 32, 2, 4)
+    theirs = whisper.model.Whisper(dims)
+    torch.nn.init.normal_(theirs.decoder.positional_embedding)
+    torch.save({"dims": vars(dims), "model_state_dict": theirs.state_dict()}, tmp_path / "w.pt")
+    ours = start_from(str(tmp_path / "w.pt")).model
+    assert (ours.dims.n_audio_layer, ours.dims.n_text_layer) == (3, 1)
+    first = ours.whisper.decoder.blocks[0].state_dict()
+    for name, weight in theirs.decoder.blocks[0].state_dict().items():
+        torch.testing.assert_close(first[name], weight)
+
+
 def test_an_exported_checkpoint_is_continued_with_its_ctc_head(model, exported):
     start = start_from(str(exported))
-    assert start.is_continued
+    assert start.stages == CONTINUED
     for name, weight in model.state_dict().items():
         torch.testing.assert_close(start.model.state_dict()[name], weight, atol=1e-3, rtol=1e-3)
 
@@ -309,6 +321,7 @@ def test_a_continued_run_has_one_lesson_with_word_times():
     assert {stage_of(step, CONTINUED)[0] for step in (0, 1000, 50000)} == {0}
     assert stage_of(0, CONTINUED)[1].needs_word_times
     assert [stage_of(step)[0] for step in (0, 900, 1400)] == [0, 1, 2]
+    assert [stage_of(step, FINE_TUNED)[0] for step in (0, 400)] == [0, 1]
 
 
 def test_a_telephone_keeps_its_band_and_level_alone():

@@ -2,7 +2,8 @@
 """The order of lessons: short and clear first, then everything, then in pieces.
 
 A run that continues a checkpoint of an earlier one has a single lesson: pieces again,
-with more of what that checkpoint got wrong, in louder noise.
+with more of what that checkpoint got wrong, in louder noise. One that starts from a Whisper
+model, which hears well already, first learns to write in letters, then has that lesson too.
 """
 
 from __future__ import annotations
@@ -57,8 +58,8 @@ STAGES = (
     Stage(1_000_000, PIECES, 80.0, 7.8, Strength(), True),
 )
 
-
 CONTINUED = (Stage(1_000_000, MENDING, 80.0, 7.8, HARSH, True),)
+FINE_TUNED = (Stage(400, WHOLE, 80.0, 7.8, Strength(), False), *CONTINUED)
 
 
 def stage_of(step: int, stages: Sequence[Stage] = STAGES) -> tuple[int, Stage]:

@@ -24,7 +24,7 @@ from voice_assist.training.checkpoints import (
     save_progress,
 )
 from voice_assist.training.corpus import Corpus, load_corpus
-from voice_assist.training.curriculum import CONTINUED, STAGES, stage_of
+from voice_assist.training.curriculum import stage_of
 from voice_assist.training.export import export
 from voice_assist.training.mixture import RARE, Aligned, Mixture
 from voice_assist.training.objective import joint_loss
@@ -46,7 +46,7 @@ class Run:
         torch.manual_seed(options.seed)
         self.options, self.corpus = options, corpus
         start = start_from(options.start) if options.start else start_anew()
-        self.model, self.stages = start.model, CONTINUED if start.is_continued else STAGES
+        self.model, self.stages = start.model, start.stages
         self.schedule = Schedule(options.steps, options.rate, decay=options.decay)
         self.optimiser = torch.optim.AdamW(
             self.model.parameters(), betas=(0.9, 0.98), weight_decay=0.02, fused=True

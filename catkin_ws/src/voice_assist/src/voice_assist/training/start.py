@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import torch
@@ -12,9 +13,11 @@ from voice_assist.recognizer.checkpoint import Checkpoint, find_checkpoint, read
 from voice_assist.recognizer.embedded import restore
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.vocabulary import WHISPER_IDS
+from voice_assist.training.curriculum import CONTINUED, FINE_TUNED, STAGES, Stage
 
 EMBEDDING = "decoder.token_embedding.weight"
 POSITIONS = {"encoder.positional_embedding": 512, "decoder.positional_embedding": 192}
+TEXT_LAYERS = 1  # kept of a Whisper decoder: letters need little, and each more costs 3 ms a look
 
 SMALL = ModelDimensions(
     n_mels=80,
@@ -32,17 +35,17 @@ SMALL = ModelDimensions(
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """A model to train, and whether it has learnt the first lessons already."""
+    """A model to train, and the lessons that it still needs."""
 
     model: HybridWhisper
-    is_continued: bool
+    stages: Sequence[Stage]
 
 
 def start_anew(dims: ModelDimensions = SMALL) -> Start:
     """An untrained model; its weights depend on torch's seed."""
     model = HybridWhisper(dims)
     model.initialise()
-    return Start(model, is_continued=False)
+    return Start(model, STAGES)
 
 
 def start_from(name: str) -> Start:
@@ -57,16 +60,17 @@ def start_from(name: str) -> Start:
     """
     checkpoint = read_checkpoint(find_checkpoint(name))
     if checkpoint.ctc is not None:
-        return Start(restore(checkpoint), is_continued=True)
-    return Start(_narrowed(checkpoint), is_continued=False)
+        return Start(restore(checkpoint), CONTINUED)
+    return Start(_narrowed(checkpoint), FINE_TUNED)
 
 
 def _narrowed(checkpoint: Checkpoint) -> HybridWhisper:
-    """An English Whisper model cut to short sound and to the letters.
+    """An English Whisper model cut to short sound, to the letters and to a short decoder.
 
     All tokens that it will never write begin as their mean.
     """
-    state = {key: weight.float() for key, weight in checkpoint.state.items()}
+    layers = min(checkpoint.dims.n_text_layer, TEXT_LAYERS)
+    state = {k: v.float() for k, v in checkpoint.state.items() if _is_kept(k, layers)}
     for key, length in POSITIONS.items():
         state[key] = state[key][:length]
     full = state[EMBEDDING]
@@ -74,7 +78,13 @@ def _narrowed(checkpoint: Checkpoint) -> HybridWhisper:
     is_unused[list(WHISPER_IDS)] = False
     garbage = full[is_unused].mean(dim=0, keepdim=True)
     state[EMBEDDING] = torch.cat([full[list(WHISPER_IDS)], garbage])
-    contexts = {"n_audio_ctx": SMALL.n_audio_ctx, "n_text_ctx": SMALL.n_text_ctx}
-    model = HybridWhisper(replace(checkpoint.dims, **contexts))
+    sizes = {"n_audio_ctx": SMALL.n_audio_ctx, "n_text_ctx": SMALL.n_text_ctx}
+    model = HybridWhisper(replace(checkpoint.dims, **sizes, n_text_layer=layers))
     model.whisper.load_state_dict(state)
     return model
+
+
+def _is_kept(key: str, layers: int) -> bool:
+    """Whether a weight belongs to no decoder block, or to one of the first ones."""
+    start = "decoder.blocks."
+    return not key.startswith(start) or int(key[len(start) :].split(".")[0]) < layers
