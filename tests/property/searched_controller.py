@@ -14,7 +14,18 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from searched_inputs import FOUND, LATE, MOTIONS, ZERO, Given, Input, inputs, plan_of
+from searched_inputs import (
+    FOUND,
+    LATE,
+    LOST,
+    MOTIONS,
+    OWNER,
+    ZERO,
+    Given,
+    Input,
+    inputs,
+    plan_of,
+)
 from searched_rules import objection
 
 from rst_control.config import load_motion_config
@@ -117,9 +128,9 @@ class Controller:
     """A real executor that can be copied, and asked what it would do."""
 
     def __init__(self):
-        self.executor = Executor(
-            Watchdogs(limits(), _Sensors(), Presence()), _place, Mover(_Maker()), _nothing, 0.002
-        )
+        self.presence = Presence()  # set before each tick, so that copies may share it
+        watchdogs = Watchdogs(limits(), _Sensors(), self.presence)
+        self.executor = Executor(watchdogs, _place, Mover(_Maker()), _nothing, 0.002)
         self.now = 10.0
 
     def fork(self):
@@ -188,6 +199,7 @@ class Controller:
 
     def _tick(self, found):
         _World.found = found
+        self.presence.report({LOST[found]: "ended"} if found in LOST else {})
         self.now += LATE.get(found, 0.0)
         if found == "crash":
             self.executor.crashed(ArithmeticError("x"))
@@ -223,6 +235,7 @@ def _order(given, serial, outcomes, n):
         plan_of(given.command),
         of if is_motion else -1,
         given.is_spoken,
+        OWNER,
         reply=reply,
         stale=stale if is_motion else None,
     )

@@ -12,6 +12,7 @@ from itertools import product
 
 import numpy as np
 
+from rst_control.presence import MASTER
 from rst_control.types import (
     BY_HAND,
     JOINT_COUNT,
@@ -105,12 +106,16 @@ FOUND = {
         *("well", "arrived", "failing", "nobody", "gone", "stale", "stale, arrived"),
         *("robot fault", "robot fault, arrived", "sensor fault", "off course", "off trocar"),
         *("restless", "too tense", "slipped", *LATE, "crash"),
+        *("no master", "no owner"),
     )
 }
+OWNER = "/surgeon"  # who gave every order
+LOST = {"no master": MASTER, "no owner": OWNER}
 # What brakes any motion.
 WATCHED = (
     *("gone", "nobody", "stale", "robot fault", "sensor fault"),
     *("off course", "off trocar"),
+    *LOST,
 )
 
 

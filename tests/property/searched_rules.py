@@ -10,7 +10,17 @@ from rst_control.configuration import planning_joints, robot_joints
 from rst_control.lifecycle import State
 from rst_control.types import Command
 
-HEALTHY = ("well", "arrived", "failing", "off trocar", "too tense", "slipped", "off course")
+# A robot at rest does not mind who has left; without a master it wakes for nobody.
+HEALTHY = (
+    "well",
+    "arrived",
+    "failing",
+    "off trocar",
+    "too tense",
+    "slipped",
+    "off course",
+    "no owner",
+)
 AT_REST = (State.STANDBY, State.ACTIVE, State.HALTED, State.FAULTED)
 
 

@@ -20,6 +20,7 @@ from rst_control.lifecycle import Life, State
 from rst_control.mover import Mover
 from rst_control.recording import RecordingWatch
 from rst_control.types import BY_HAND, LOOKS, Command
+from rst_control.watchdogs import Watchdogs
 from voice_assist import dialogue
 from voice_assist.types import Mode
 
@@ -164,7 +165,17 @@ def motion_that_does_not_brake(patch):
     patch.setattr(Mover, "brake", lambda self: False)
 
 
+def a_lost_master_that_nobody_minds(patch):
+    patch.setattr(Watchdogs, "master", lambda self: "")
+
+
+def a_lost_owner_whom_nobody_minds(patch):
+    patch.setattr(Watchdogs, "owner", lambda self, name: "")
+
+
 CONTROLLER_FAULTS = (
+    a_lost_master_that_nobody_minds,
+    a_lost_owner_whom_nobody_minds,
     motion_while_halted,
     a_stop_that_is_forgotten_while_braking,
     braking_that_leads_to_active,

@@ -132,11 +132,10 @@ class EmbeddedRecognizer:
 def restore(checkpoint: Checkpoint) -> HybridWhisper:
     """The compact model inside an exported checkpoint."""
     model = HybridWhisper(checkpoint.dims)
-    state = {name: weight.float() for name, weight in checkpoint.state.items()}
-    full = state[EMBEDDING]
     unused = min(set(range(max(WHISPER_IDS))) - set(WHISPER_IDS))
-    state[EMBEDDING] = full[[*WHISPER_IDS, unused]]
-    model.whisper.load_state_dict(state)
+    rows = checkpoint.state[EMBEDDING][[*WHISPER_IDS, unused]]
+    state = {**checkpoint.state, EMBEDDING: rows}
+    model.whisper.load_state_dict({name: weight.float() for name, weight in state.items()})
     head = checkpoint.ctc or {}
     model.ctc.load_state_dict({name: weight.float() for name, weight in head.items()})
     return model
