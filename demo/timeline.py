@@ -7,7 +7,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import numpy as np
 import rospy
@@ -22,6 +22,7 @@ from rst_control.msg import ControllerState, Event
 from voice_assist.msg import AudioChunk, Mode, Utterance
 
 SILENT = 3  # of 32767
+SETTLE = 1.0  # [s] of the first sound until its true time shows; words begin later
 MOTION = "rst_control: motion"  # the controller's status of the robot
 COLOURS = {
     "accepted": "green",
@@ -72,22 +73,25 @@ class Timeline:
         Raises:
             RuntimeError: The voice node is not there, or stays silent.
         """
-        heard: queue.Queue[float] = queue.Queue()
+        heard: queue.Queue[tuple[float, float | None]] = queue.Queue()
 
         def listen(chunk: AudioChunk) -> None:
-            stamp = chunk.header.stamp.to_sec()
-            if is_file:
-                heard.put(stamp - chunk.first_sample / chunk.rate)
-                return
+            began = chunk.header.stamp.to_sec() - chunk.first_sample / chunk.rate
             loud = np.abs(np.array(chunk.samples, dtype=np.int32)) > SILENT
-            if loud.any():
-                heard.put(stamp + int(loud.argmax()) / chunk.rate)
+            first = (chunk.first_sample + int(loud.argmax())) / chunk.rate if loud.any() else None
+            heard.put((began, 0.0 if is_file else first))
 
         def first() -> float:
-            try:
-                return heard.get(timeout=within)
-            except queue.Empty:
-                raise RuntimeError(f"the voice node heard nothing within {within:g} s") from None
+            began, at, end = float("inf"), None, time.monotonic() + within
+            while time.monotonic() < end:
+                with suppress(queue.Empty):
+                    told, found = heard.get(timeout=0.1)
+                    began = min(began, told)  # what comes late looks as if it were captured late
+                    if at is None and found is not None:
+                        at, end = found, time.monotonic() + SETTLE
+            if at is None:
+                raise RuntimeError(f"the voice node heard nothing within {within:g} s")
+            return began + at
 
         subscriber = rospy.Subscriber("voice_assist/audio", AudioChunk, listen)
         try:
