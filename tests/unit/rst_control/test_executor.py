@@ -97,6 +97,20 @@ def test_the_measured_joints_are_the_first_set_point():
         assert not setpoint.velocity.any()
 
 
+def test_where_the_robot_holds_is_the_first_set_point_though_the_load_bends_its_joints():
+    rig = Rig()
+    rig.robot.push(np.full(10, 1e-4))
+    rig.robot.sent_to = rig.robot.measured_js().position - 1e-4
+    np.testing.assert_array_equal(rig.tick().position, rig.robot.sent_to)
+
+
+def test_joints_that_are_not_where_the_robot_holds_them_are_taken_where_they_are():
+    rig = Rig()
+    measured = rig.robot.measured_js().position
+    rig.robot.sent_to = measured + np.eye(10)[3] * 0.2
+    np.testing.assert_array_equal(rig.tick().position, measured)
+
+
 def test_nothing_is_sent_before_the_robot_is_there():
     rig = Rig()
     rig.robot.is_connected = False

@@ -51,3 +51,14 @@ def test_jaws_that_hold_tissue_stay_sent_where_they_were_after_a_loss(motion_con
         mover.lose()
         mover.synchronise(kept_open)
         assert planning_joints(mover.held)[1] == pytest.approx(0.0)
+
+
+def test_jaws_that_stopped_half_open_stay_where_the_robot_holds_them(motion_config, home):
+    """Of a release that was cut off; a controller that is started anew cannot know of it."""
+    mover, still = Mover(MotionMaker(motion_config.controller)), np.zeros(10)
+    half_open = robot_joints(home, 0.041)
+    mover.synchronise(Measurement(half_open, still, still, 1.0, gripped=True), half_open)
+    np.testing.assert_array_equal(mover.held, half_open)
+    mover.lose()
+    mover.synchronise(Measurement(half_open, still, still, 2.0, gripped=True))
+    assert planning_joints(mover.held)[1] == pytest.approx(0.041)  # as it remembers

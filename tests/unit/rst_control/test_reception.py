@@ -71,6 +71,32 @@ def test_until_the_robot_has_told_of_its_grip_nothing_is_measured(link):
     assert link.run(0.01).gripped and link.reception.objection == ""
 
 
+def rest_at(position, now=1.0):
+    raw = write_joint_state((1, 2, 3), JOINTS, position, np.zeros(len(position)))
+    return Message(raw, now)
+
+
+def test_where_the_robot_holds_its_joints_is_told_on_until_the_robot_is_lost(link):
+    assert link.run(0.01).sent_to is None
+    link.reception.rest = rest_at(np.full(10, 0.25))
+    for _ in range(2):
+        np.testing.assert_array_equal(link.run(0.01).sent_to, np.full(10, 0.25))
+    link.now += 0.3
+    assert not link.reception.measured().connected
+    assert link.run(0.01).sent_to is None
+    link.reception.rest = rest_at(np.full(10, 0.5))
+    assert link.run(0.01).sent_to[0] == 0.5
+
+
+@pytest.mark.parametrize("position", [np.full(9, 0.1), np.full(10, np.nan)])
+def test_where_the_robot_holds_is_named_where_it_cannot_be_read(link, position):
+    link.reception.rest = rest_at(np.full(10, 0.25))
+    link.run(0.01)
+    link.reception.rest = rest_at(position)
+    measured = link.run(PERIOD)
+    assert measured.sent_to is None and measured.fault.startswith("where the robot holds: ")
+
+
 def test_what_arrives_is_measured_with_both_clocks(link):
     measured = link.run(0.1, tension=0.5)
     assert (measured.connected, measured.fault, measured.tension) == (True, "", 0.5)

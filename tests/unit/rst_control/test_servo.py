@@ -53,6 +53,15 @@ def test_without_setpoints_it_holds_where_it_started():
     assert robot.fault == ""
 
 
+def test_it_tells_where_it_holds_while_nobody_leads_it():
+    robot = servo()
+    assert np.array_equal(robot.rest, HOME)
+    stream(robot, 0.3)
+    assert robot.rest is None
+    stopped = play_on(robot, 0.3, 1.0)[-1]
+    np.testing.assert_array_equal(robot.rest, stopped)
+
+
 def test_the_course_is_the_set_course_played_late():
     times, course = stream(servo(), 1.0)
     asked = np.array([wave(max(t - CONFIG.playout_delay, 0.0))[0] for t in times])

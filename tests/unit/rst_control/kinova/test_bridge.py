@@ -285,3 +285,23 @@ def test_after_a_fault_the_jaws_stay_sent_to_close_on_the_tissue(hardware):
     assert hardware.bridge.is_gripped
     sent = hardware.tools[-1][1]
     assert sent[1] + sent[2] <= 0.0
+
+
+def test_it_tells_where_it_holds_the_jaws_on_the_tissue_and_nothing_while_it_is_led(hardware):
+    stand = hardware.joints
+    hardware.tissue = 0.1
+    q, _ = planning_joints(stand)
+    seen = []
+
+    def close(now):
+        seen.append(hardware.bridge.measured.sent_to)
+        opening = max(0.0, 0.6 - (now - hardware.start))
+        return robot_joints(q, opening), robot_joints(np.zeros(9), -1.0 if opening else 0.0)
+
+    hardware.advance(1.0, close)
+    np.testing.assert_array_equal(seen[0], stand)
+    assert seen[-1] is None
+    hardware.advance(1.0)
+    measured = hardware.bridge.measured
+    assert measured.gripped and planning_joints(measured.position)[1] > 0.09
+    assert planning_joints(measured.sent_to)[1] == pytest.approx(0.0, abs=1e-6)

@@ -222,7 +222,7 @@ class Executor:
             and self._mover.motion is None
             and (held is None or self._watchdogs.following(measured, held))
         ):
-            self._mover.synchronise(measured)
+            self._synchronise(measured)
         self._ledger.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
         self._change(lifecycle.activated(was))
@@ -282,11 +282,17 @@ class Executor:
     def _keep_still(self, measured: Measurement, held: Vector | None) -> None:
         if held is None:
             if self._watchdogs.is_at_rest(measured):
-                self._mover.synchronise(measured)
+                self._synchronise(measured)
         elif self._life.state is State.ACTIVE:
             self._fault(self._watchdogs.following(measured, held))
         if not measured.gripped:
             self._mover.drop_grasp()
+
+    def _synchronise(self, measured: Measurement) -> None:
+        """Take over where the joints are: as the robot's side says, unless they are elsewhere."""
+        sent_to = measured.sent_to
+        is_there = sent_to is not None and not self._watchdogs.following(measured, sent_to)
+        self._mover.synchronise(measured, sent_to if is_there else None)
 
     @property
     def _serial(self) -> int:

@@ -86,13 +86,22 @@ class Mover:
             self.motion, self.held, self._place = None, None, None
             self.changes += 1
 
-    def synchronise(self, measured: Measurement) -> None:
-        """Take the measured joints as the set-point; jaws that hold tissue stay sent to close.
+    def synchronise(self, measured: Measurement, sent_to: Vector | None = None) -> None:
+        """Take over where the robot's side holds the joints; where that is not known, the measured.
 
-        Tissue may keep them open: sent to where it does, they would hold it no longer. They stay
-        where they were sent last, and are never sent further open than they are: whatever is said
-        of tissue, jaws that hold none do not move by it.
+        Tissue may keep jaws open that are sent to close: sent to where it does, they would hold it
+        no longer. They stay where they were sent last, and are never sent further open than they
+        are: whatever is said of tissue, jaws that hold none do not move by it. Joints that bend
+        under their load would yield to it a little further with each set-point that was measured.
+
+        Args:
+            measured: The joints.
+            sent_to: What the robot's side says of where it holds them [rad], (10,); None: nothing.
         """
+        if sent_to is not None:
+            self.held, self._place = sent_to, None
+            self.changes += 1
+            return
         self._remember_jaws()
         held = measured.position
         q, opening = planning_joints(held)

@@ -52,6 +52,7 @@ class Measurement:
     fault: str = ""  # empty: healthy
     distrust: str = ""  # why the force must not be relied on; empty: it may
     sent: float | None = None  # [s] sender's clock, which may be set at any time; None: not told
+    sent_to: Vector | None = None  # (10,), [rad], where it holds while nobody leads; None: not told
 
     def __post_init__(self) -> None:
         for name in ("position", "velocity", "effort"):

@@ -74,6 +74,7 @@ class FakeRobot:
         self.setpoints: list[Setpoint] = []  # all that were sent, in order
         self.hold_count, self.clear_count = 0, 0
         self.fault, self.is_connected = "", True
+        self.sent_to: Vector | None = None  # what it tells of where it holds
         self.clears_fault = True  # whether `clear_fault` has an effect
 
     def measured_js(self) -> Measurement:
@@ -135,4 +136,5 @@ class FakeRobot:
             gripped=self.tissue is not None and self.tissue.is_held,
             connected=self.is_connected,
             fault=self.fault,
+            sent_to=self.sent_to,
         )

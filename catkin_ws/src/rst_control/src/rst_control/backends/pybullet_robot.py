@@ -96,6 +96,11 @@ class PybulletRobot:
         return self._servo.state
 
     @property
+    def rest(self) -> Vector | None:
+        """Where it holds the joints [rad], shape (10,); None while they are led, or brake."""
+        return self._servo.rest
+
+    @property
     def newest_setpoint(self) -> float:
         """Stamp of the newest set-point in play [s]; minus infinity while there is none."""
         return self._servo.newest_stamp
@@ -114,6 +119,7 @@ class PybulletRobot:
             force=self._force,
             gripped=self.tissue.is_held,
             fault=self._servo.fault,
+            sent_to=self._servo.rest,
         )
 
     def servo_jp(self, setpoint: Setpoint) -> None:

@@ -130,6 +130,11 @@ class Servo:
         """Stamp of the newest set-point in play [s]; minus infinity while there is none."""
         return self._points[-1].stamp if self._points else -np.inf
 
+    @property
+    def rest(self) -> Joints | None:
+        """Where it holds the joints [rad], shape (10,); None while they are led, or brake."""
+        return self._brake.curve.position if self.state is ServoState.HOLDING else None
+
     def accept(self, point: Setpoint, now: float) -> None:
         """Take one set-point; one that no joint may follow raises a fault instead.
 

@@ -118,6 +118,7 @@ class Bridge:
             force=np.zeros(3) if (force := self.force(feedback.stamp)) is None else force,
             gripped=self.is_gripped,
             fault=self.fault(feedback.stamp),
+            sent_to=self._held(),
         )
 
     def on_tool(self, feedback: JointFeedback) -> None:
@@ -234,6 +235,13 @@ class Bridge:
         if not self.is_gripped or self._opening is None:
             return position
         return robot_joints(planning_joints(position)[0], self._opening)
+
+    def _held(self) -> Vector | None:
+        """Where the joints are held [rad], (10,); None: led, or jaws sent nobody knows where to."""
+        is_known = self._opening is not None or not self.is_gripped
+        if self._servo is None or self._lead is not Lead.NOBODY or not is_known:
+            return None
+        return self._servo.rest
 
     def _lead_on(self, servo: Servo, now: float) -> None:
         if now >= self._arm_due:

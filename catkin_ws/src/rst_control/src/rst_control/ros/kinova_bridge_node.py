@@ -31,13 +31,14 @@ from rst_control.ros.robot_link import RawJointState
 from rst_control.ros.sending import send_promptly
 from rst_control.ros.wall_clock import followed, wall_offset
 from rst_control.ros.wire import BadMessage, JointStateReader
-from rst_control.types import JOINTS, Measurement, Setpoint
+from rst_control.types import JOINTS, Measurement, Setpoint, Vector
 from typed_config import ConfigError, load_config
 
 BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard
 TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
 DIAGNOSTICS_PERIOD = 1.0  # [s]
 MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed
+STILL = np.zeros(len(JOINTS))
 SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
 
 
@@ -57,6 +58,7 @@ class KinovaBridgeNode:
         self._told: Measurement | None = None
         self._told_grip: Repeated[bool] = Repeated(TELL_PERIOD)
         self._told_fault: Repeated[str] = Repeated(TELL_PERIOD, lambda a, b: bool(a) is bool(b))
+        self._told_rest: Repeated[Vector] = Repeated(TELL_PERIOD, np.array_equal)
         self._due = dict.fromkeys(("beat", "diagnostics"), 0.0)
         self._homing = threading.Lock()
         self._latest = 0.0
@@ -97,6 +99,7 @@ class KinovaBridgeNode:
         newest = {"tcp_nodelay": True}
         self._joints = rospy.Publisher("joint_states", JointState, queue_size=5, **newest)
         self._tension = rospy.Publisher("robot/tension", WrenchStamped, queue_size=5, **newest)
+        self._rest = rospy.Publisher("robot/setpoint_js", JointState, queue_size=10, latch=True)
         self._gripped = rospy.Publisher("robot/gripped", Bool, queue_size=10, latch=True)
         self._fault = rospy.Publisher("robot/fault", String, queue_size=10, latch=True)
         self._beat = rospy.Publisher("kinova_bridge/beat", Empty, queue_size=1, **newest)
@@ -174,17 +177,22 @@ class KinovaBridgeNode:
         if measured is None or measured is self._told:
             return
         self._told = measured
+        rest = measured.sent_to
+        if rest is not None and self._told_rest.is_due(rest, now):
+            self._rest.publish(self._joint_state(measured.stamp, rest, STILL, STILL))
         if self._told_grip.is_due(bridge.is_gripped, now):
             self._gripped.publish(Bool(bridge.is_gripped))
         self._tell_tension(now)  # first: the controller takes it together with the joints
-        message = JointState(
-            name=list(JOINTS),
-            position=measured.position.tolist(),
-            velocity=measured.velocity.tolist(),
-            effort=measured.effort.tolist(),
+        self._joints.publish(
+            self._joint_state(measured.stamp, measured.position, measured.velocity, measured.effort)
         )
-        message.header.stamp, message.header.frame_id = self._stamp(measured.stamp), BASE
-        self._joints.publish(message)
+
+    def _joint_state(self, stamp: float, *rows: Vector) -> JointState:
+        """Position, velocity and effort, each of shape (10,), at a moment [s]."""
+        position, velocity, effort = (row.tolist() for row in rows)
+        message = JointState(name=list(JOINTS), position=position, velocity=velocity, effort=effort)
+        message.header.stamp, message.header.frame_id = self._stamp(stamp), BASE
+        return message
 
     def _tell_tension(self, now: float) -> None:
         force = self._bridge.force(now)

@@ -17,7 +17,7 @@ import numpy as np
 
 from rst_control.config import WatchdogConfig
 from rst_control.ros.wire import BadMessage, JointStateReader, OutOfOrder, read_force
-from rst_control.types import JOINTS, Measurement, Vector
+from rst_control.types import JOINTS, Measurement, Vector, frozen_array
 
 LOST_AFTER = 0.25  # [s] without joint states: the robot counts as not connected
 NO_EFFORT, NO_FORCE = np.zeros(len(JOINTS)), np.zeros(3)
@@ -50,6 +50,7 @@ class Reception:
         self.joints: Arrived | None = None
         self.wrench: Arrived | None = None
         self.gripped: bool | None = None  # None: the robot has not told yet
+        self.rest: Arrived | None = None  # where the robot holds the joints while nobody leads
         self.fault = ""
         self.distrust = UNTIL_TOLD[tension]  # why the force must not be relied on
         self._has_tension = tension != "none"
@@ -58,6 +59,9 @@ class Reception:
         self._tension_age = max(watchdogs.sensors.tension_age, watchdogs.joint_state_age)
         self._read = JointStateReader(JOINTS)
         self._seen: Arrived | None = None
+        self._read_rest = JointStateReader(JOINTS)
+        self._rest_seen: Arrived | None = None
+        self._sent_to: Vector | None = None
         self._refused, self._why_refused = 0, ""  # since the last joint states in order
         self._objection = ""
         self._measured: Measurement | None = None
@@ -97,6 +101,7 @@ class Reception:
             self._keep()
             return
         self._objection, self._refused = "", 0
+        self._take_rest()
         force = self._force(joints.arrived)
         self._measured = Measurement(
             position=sample.position,
@@ -108,7 +113,20 @@ class Reception:
             fault=self.fault or self._objection,
             distrust=self.distrust,
             sent=sample.stamp,
+            sent_to=self._sent_to,
         )
+
+    def _take_rest(self) -> None:
+        """Read where the robot holds the joints, if it has told anew."""
+        rest = self.rest
+        if rest is None or rest is self._rest_seen:
+            return
+        self._rest_seen, self._sent_to = rest, None
+        self._read_rest.reset()  # there may be one at each change, and none for hours
+        try:
+            self._sent_to = frozen_array(self._read_rest(rest.raw).position, len(JOINTS))
+        except BadMessage as error:
+            self._objection = f"where the robot holds: {error}"
 
     def _keep(self) -> None:
         """No new joint states: note what else has changed."""
@@ -119,6 +137,7 @@ class Reception:
         is_connected = age < LOST_AFTER
         if not is_connected:
             self._read.reset()  # a robot that comes back may have another clock
+            self._sent_to = None  # and may hold elsewhere
         fault = self.fault or self._objection
         if age > self._joint_age and self._refused and not fault:
             fault = f"the last {self._refused} refused: {self._why_refused}"

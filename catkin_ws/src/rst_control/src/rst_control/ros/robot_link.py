@@ -85,6 +85,7 @@ class RobotLink:
             rospy.Subscriber("joint_states", RawJointState, self._on_joints, **newest),
             rospy.Subscriber("robot/tension", RawWrench, self._on_wrench, **newest),
             rospy.Subscriber("robot/tension_distrust", String, self._on_distrust),
+            rospy.Subscriber("robot/setpoint_js", RawJointState, self._on_rest, **newest),
             rospy.Subscriber("robot/gripped", Bool, self._on_gripped, **newest),
             rospy.Subscriber("robot/fault", String, self._on_fault, **newest),
         ]
@@ -124,6 +125,9 @@ class RobotLink:
     def _on_distrust(self, message: String) -> None:
         if self._has_tension:
             self._reception.distrust = shown(message.data, LONGEST_FAULT)
+
+    def _on_rest(self, message: RawJointState) -> None:
+        self._reception.rest = message
 
     def _on_gripped(self, message: Bool) -> None:
         self._reception.gripped = message.data

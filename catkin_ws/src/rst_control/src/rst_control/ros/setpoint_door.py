@@ -7,8 +7,10 @@ import logging
 from collections import deque
 from collections.abc import Callable
 
+import numpy as np
 import rospy
 from geometry_msgs.msg import WrenchStamped
+from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 
@@ -47,10 +49,12 @@ class SetpointDoor:
         self._writer, self._reader = StateWriter(stamper), JointStateReader(JOINTS)
         self._told_grip: Repeated[bool] = Repeated(TELL_PERIOD)
         self._told_fault: Repeated[str] = Repeated(TELL_PERIOD)
+        self._told_rest: Repeated[NDArray[np.float64]] = Repeated(TELL_PERIOD, np.array_equal)
         self._joints = rospy.Publisher("joint_states", JointState, queue_size=5, tcp_nodelay=True)
         self._tension = rospy.Publisher(
             "robot/tension", WrenchStamped, queue_size=5, tcp_nodelay=True
         )
+        self._rest = rospy.Publisher("robot/setpoint_js", JointState, queue_size=10, latch=True)
         self._gripped = rospy.Publisher("robot/gripped", Bool, queue_size=10, latch=True)
         self._fault = rospy.Publisher("robot/fault", String, queue_size=10, latch=True)
         self._subscribers = [
@@ -67,6 +71,9 @@ class SetpointDoor:
         robot, now = self._robot, self._robot.now
         self._joints.publish(self._writer.joints(now, robot.reading))
         self._tension.publish(self._writer.wrench(now, robot.force))
+        rest = robot.rest
+        if rest is not None and self._told_rest.is_due(rest, now):
+            self._rest.publish(self._writer.rest(now, rest))
         if self._told_grip.is_due(robot.tissue.is_held, now):
             self._gripped.publish(Bool(robot.tissue.is_held))
         before, fault = self._told_fault.last, robot.fault

@@ -108,6 +108,11 @@ class StateWriter:
             )
         )
 
+    def rest(self, now: float, position: NDArray[np.float64]) -> WrittenJointState:
+        """Where the joints are held [rad], shape (10,), from a moment [s] on."""
+        still = np.zeros(len(JOINTS))
+        return self.joints(now, JointReading(position, still, still))
+
     def wrench(self, now: float, force: NDArray[np.float64]) -> WrittenWrench:
         """Force of the tissue on the jaws [N] at a moment [s]."""
         head = _HEADER.pack(self._sent & 0xFFFFFFFF, *self._stamper.split(now))
