@@ -25,6 +25,7 @@ KEPT = 10_000  # messages of each stream: twenty seconds
 LIMIT = 20.0  # [s] for anything to happen
 REPEATS = 3  # times that somebody says a word that nobody obeys
 LISTENS = 4.0  # [s] for a spoken word to be obeyed
+BREATH = 0.6  # [s] of quiet between two commands, or the second one continues the first
 # Voices and paces whose "stop!" the spotter alone takes: it was trained on people, and few do.
 STOPS = (("en-gb+m3", 110), ("en-gb-scotland+m3", 140), ("en-gb+m3", 140))
 HIGH = 1.0  # [N] above which the next pull is less
@@ -234,6 +235,7 @@ class Lead:
 
     def _speak(self, words: str, *states: str) -> None:
         for _ in range(REPEATS):
+            time.sleep(BREATH)
             if self.room is not None:
                 self.room.say(words)
             with suppress(RuntimeError):

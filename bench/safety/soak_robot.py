@@ -69,6 +69,7 @@ class ServoRobot:
             force=self.force,
             gripped=self.tissue.is_held,
             fault=self.servo.fault,
+            sent_to=self.servo.rest,
         )
 
     def servo_jp(self, setpoint: Setpoint) -> None:

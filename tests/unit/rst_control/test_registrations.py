@@ -70,3 +70,28 @@ def test_only_parameters_that_are_missing_are_set():
     present = {"run_id": "new", "node": {"rate": 6, "deep": {"x": 3}}}
     assert missing_parameters(known, present) == {"/a": 1, "/node/deep/y": 2}
     assert missing_parameters(known, known) == {}
+
+
+def test_the_next_master_names_its_run_itself():
+    """Roscore sets the name a moment after the master is there, and gives up where it differs."""
+    known = {"run_id": "old", "node": {"run_id": 7}}
+    assert missing_parameters(known, {}) == {"/node": {"run_id": 7}}
+    assert missing_parameters(known, {"node": {}}) == {"/node/run_id": 7}
+
+
+def test_a_publisher_that_was_started_anew_is_news_though_its_name_is_known():
+    assert KNOWN.news(Registrations()) == {"/joint_states", "/state"}
+    assert KNOWN.news(KNOWN) == set()
+    moved = Registrations(nodes={"/robot": "http://127.0.0.1:9"}).joined(KNOWN)
+    assert moved.news(KNOWN) == {"/joint_states"}
+
+
+def test_subscribers_are_told_all_publishers_of_their_topics():
+    more = Registrations(
+        publishers=frozenset({("/joint_states", "/other"), ("/joint_states", "/gone")}),
+        subscribers=frozenset({("/state", "/gone")}),
+        nodes={"/other": "http://127.0.0.1:7"},
+    ).joined(KNOWN)
+    uris = ["http://127.0.0.1:7", "http://127.0.0.1:1"]
+    assert more.updates({"/joint_states", "/state"}) == {"/controller": {"/joint_states": uris}}
+    assert more.updates({"/state"}) == {}

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 ANY_TYPE: Final = "*"
+RUN: Final = "run_id"  # parameter, of each run of a master
 Pairs = frozenset[tuple[str, str]]
 Entries = list[list[object]]  # [[name, [node, ...]], ...] as the master lists them
 
@@ -56,6 +57,27 @@ class Registrations:
             {**other.service_uris, **self.service_uris},
         )
 
+    def news(self, before: Registrations) -> frozenset[str]:
+        """Topics with a publisher that was not there before, or had another address."""
+        return frozenset(
+            topic
+            for topic, name in self.publishers
+            if (topic, name) not in before.publishers
+            or self.nodes.get(name) != before.nodes.get(name)
+        )
+
+    def updates(self, topics: Collection[str]) -> dict[str, dict[str, list[str]]]:
+        """Addresses of all publishers of some topics, for each node that subscribes to them."""
+        found: dict[str, dict[str, list[str]]] = {}
+        for topic, name in sorted(self.subscribers):
+            if topic in topics and name in self.nodes:
+                found.setdefault(name, {})[topic] = [
+                    self.nodes[node]
+                    for of, node in sorted(self.publishers)
+                    if of == topic and node in self.nodes
+                ]
+        return found
+
     def calls(self, last: str = "") -> list[tuple[str, ...]]:
         """Methods of the master's API, each with its arguments, that register all of this.
 
@@ -94,13 +116,18 @@ def missing_parameters(
 ) -> dict[str, object]:
     """Parameters to set, by key, where a master has only `present` of what was known.
 
-    What is there already stays as it is: the new master's own, and what was set meanwhile.
+    What is there already stays as it is: the new master's own, and what was set meanwhile. The
+    name of the run is never set: `roscore` gives its own, and gives up a master that has another.
     """
+    return _missing({key: value for key, value in known.items() if key != RUN}, present)
+
+
+def _missing(known: Mapping[str, object], present: Mapping[str, object]) -> dict[str, object]:
     found: dict[str, object] = {}
     for key, value in known.items():
         if key not in present:
             found[f"/{key}"] = value
         elif isinstance(value, Mapping) and isinstance(there := present[key], Mapping):
-            deeper = missing_parameters(value, there)
+            deeper = _missing(value, there)
             found |= {f"/{key}{name}": inner for name, inner in deeper.items()}
     return found

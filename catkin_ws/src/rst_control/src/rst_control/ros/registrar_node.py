@@ -4,14 +4,17 @@
 A ROS 1 node registers once. After a master was started anew its connections go on, but nobody new
 finds it, and all parameters are gone. This node notices that, and registers all nodes that are
 still there, of whatever language, and sets the parameters that are missing.
+
+A master tells subscribers of a new publisher once; a subscriber that misses that, or whose attempt
+to connect hangs, never hears it. This node tells them again, twice, which those who do hear ignore.
 """
 
 from __future__ import annotations
 
 import logging
 import xmlrpc.client
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Final, cast
 
 import rosgraph
@@ -25,6 +28,7 @@ log = logging.getLogger("rosout.rst_control.registrar")
 PERIOD: Final = 0.5  # [s] between looks; what was registered since the last one may be forgotten
 PARAMETERS_EVERY: Final = 6  # looks
 RETRIES: Final = 120  # looks at a node that hung when the others were registered
+AGAIN: Final = (4, 12)  # looks after which subscribers are told of a new publisher once more
 
 
 class Registrar:
@@ -35,6 +39,7 @@ class Registrar:
         self._known = Registrations()
         self._parameters: dict[str, object] = {}
         self._hanging: set[str] = set()
+        self._to_tell: dict[int, set[str]] = {}  # topics, by the look at which they are due
         self._count = self._retries = 0
 
     def step(self) -> None:
@@ -51,6 +56,7 @@ class Registrar:
         if self._hanging:
             self._give_back(present)
             present = self._look()
+        self._tell_again(present)
         self._known = present.joined(self._known.of(self._hanging))
         if self._count % PARAMETERS_EVERY == 0:
             self._parameters = cast(dict[str, object], self._ask("getParam", "/"))
@@ -83,14 +89,32 @@ class Registrar:
                 continue
             yield name
 
+    def _tell_again(self, present: Registrations) -> None:
+        """Tell subscribers of publishers that came a while ago."""
+        news = present.news(self._known)
+        for looks in AGAIN if news else ():
+            self._to_tell.setdefault(self._count + looks, set()).update(news)
+        due = self._to_tell.pop(self._count, set())
+        self._update(present.updates(due), present.nodes)
+
     def _tell(self, lost: Registrations) -> None:
         """Tell subscribers who publishes: the master tells them of news alone."""
-        publishers = self._look().publishers
         nodes = self._known.nodes
-        for topic, name in sorted(lost.subscribers):
-            uris = [nodes[node] for of, node in sorted(publishers) if of == topic and node in nodes]
-            with suppress(*FAILURES):
-                ask(nodes[name], "publisherUpdate", "/master", topic, uris)
+        present = replace(lost, publishers=self._look().publishers, nodes=nodes)
+        self._update(present.updates({topic for topic, _ in lost.subscribers}), nodes)
+
+    def _update(
+        self, updates: Mapping[str, Mapping[str, list[str]]], nodes: Mapping[str, str]
+    ) -> None:
+        """Tell each of some nodes who publishes its topics; one that hangs is not waited for."""
+        for name, topics in updates.items():
+            for topic, uris in topics.items():
+                try:
+                    ask(nodes[name], "publisherUpdate", "/master", topic, uris)
+                except TimeoutError:
+                    break
+                except FAILURES:
+                    continue
 
     def _look(self) -> Registrations:
         state = cast(list[list[list[object]]], self._ask("getSystemState"))
