@@ -27,7 +27,7 @@ REPEATS = 3  # times that somebody says a word that nobody obeys
 LISTENS = 4.0  # [s] for a spoken word to be obeyed
 BREATH = 0.6  # [s] of quiet between two commands, or the second one continues the first
 # Voices and paces whose "stop!" the spotter alone takes: it was trained on people, and few do.
-STOPS = (("en-gb+m3", 110), ("en-gb-scotland+m3", 140), ("en-gb+m3", 140))
+STOPS = (("en-029+m3", 140), ("en-gb-x-rp+m3", 140), ("en-gb+m1", 140))
 HIGH = 1.0  # [N] above which the next pull is less
 PULL = 0.6  # [N] of one pull by an action goal
 FRESH = 0.3  # [s] that a state of the controller, or a heartbeat, is true for
