@@ -88,6 +88,18 @@ def test_where_the_robot_holds_its_joints_is_told_on_until_the_robot_is_lost(lin
     assert link.run(0.01).sent_to[0] == 0.5
 
 
+def test_where_the_robot_held_before_it_was_led_is_not_believed_afterwards(link):
+    link.reception.rest = rest_at(np.full(10, 0.25))
+    assert link.run(0.01).sent_to is not None
+    link.reception.led()
+    assert link.run(0.01).sent_to is None
+    link.reception.rest = rest_at(np.full(10, 0.26))  # it was still on its way
+    link.reception.led()
+    assert link.run(0.01).sent_to is None
+    link.reception.rest = rest_at(np.full(10, 0.3))
+    assert link.run(0.01).sent_to[0] == 0.3
+
+
 @pytest.mark.parametrize("position", [np.full(9, 0.1), np.full(10, np.nan)])
 def test_where_the_robot_holds_is_named_where_it_cannot_be_read(link, position):
     link.reception.rest = rest_at(np.full(10, 0.25))

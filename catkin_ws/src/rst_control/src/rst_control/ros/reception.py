@@ -116,6 +116,10 @@ class Reception:
             sent_to=self._sent_to,
         )
 
+    def led(self) -> None:
+        """Note that a set-point was sent: where the robot held before it says nothing any more."""
+        self._rest_seen, self._sent_to = self.rest, None
+
     def _take_rest(self) -> None:
         """Read where the robot holds the joints, if it has told anew."""
         rest = self.rest

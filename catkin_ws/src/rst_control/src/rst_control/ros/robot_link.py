@@ -102,6 +102,7 @@ class RobotLink:
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Send one set-point."""
         self._sent += 1
+        self._reception.led()
         stamp = self._clock.stamp(setpoint.stamp)
         raw = write_joint_state(
             (self._sent, stamp.secs, stamp.nsecs), JOINTS, setpoint.position, setpoint.velocity
