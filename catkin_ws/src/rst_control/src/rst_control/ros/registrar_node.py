@@ -91,17 +91,22 @@ class Registrar:
 
     def _tell_again(self, present: Registrations) -> None:
         """Tell subscribers of publishers that came a while ago."""
-        news = present.news(self._known)
-        for looks in AGAIN if news else ():
-            self._to_tell.setdefault(self._count + looks, set()).update(news)
+        self._remind(present.news(self._known))
         due = self._to_tell.pop(self._count, set())
         self._update(present.updates(due), present.nodes)
+
+    def _remind(self, topics: Iterable[str]) -> None:
+        """Plan to tell the subscribers of some topics again."""
+        for looks in AGAIN:
+            self._to_tell.setdefault(self._count + looks, set()).update(topics)
 
     def _tell(self, lost: Registrations) -> None:
         """Tell subscribers who publishes: the master tells them of news alone."""
         nodes = self._known.nodes
         present = replace(lost, publishers=self._look().publishers, nodes=nodes)
-        self._update(present.updates({topic for topic, _ in lost.subscribers}), nodes)
+        topics = {topic for topic, _ in lost.subscribers}
+        self._update(present.updates(topics), nodes)
+        self._remind(topics)
 
     def _update(
         self, updates: Mapping[str, Mapping[str, list[str]]], nodes: Mapping[str, str]
