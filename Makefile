@@ -62,8 +62,16 @@ $(TINY): .setup/workspace requirements-train.txt
 	@$(RUN) python -m voice_assist.training.openai_file $@
 	@touch $@
 
+RUNS := .cache/training/run_
 train: $(if $(ARGS),setup,$(TINY)) ## fine-tune Whisper tiny.en into the embedded recogniser; or one run of your own with ARGS; resumes where it was interrupted
-	@$(RUN) $(FIT) $(if $(ARGS),$(ARGS),--from $(TINY) --rate 4e-4 --steps 2800 --decay 0.75 --measure-every 200)
+ifneq ($(ARGS),)
+	@$(RUN) $(FIT) $(ARGS)
+else
+	@$(RUN) $(FIT) --from $(TINY) --out .cache/training/first.pt --rate 4e-4 --steps 2800 --decay 0.75 --measure-every 200
+	@$(RUN) $(FIT) --from $(RUNS)first/step_02800.pt --out .cache/training/longer.pt --rate 2.5e-4 --steps 1000 --decay 0.75 --measure-every 250
+	@$(RUN) python -m voice_assist.training.average $(RUNS)longer/step_00500.pt $(RUNS)longer/step_01000.pt \
+	    --out catkin_ws/src/voice_assist/models/embedded.pt
+endif
 
 paper: setup ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; goes on where it was interrupted
 	@$(RUN) python -m paper $(if $(REPETITIONS),--repetitions '$(REPETITIONS)') $(if $(VOICES),--voices '$(VOICES)') \

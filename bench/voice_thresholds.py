@@ -34,6 +34,8 @@ from voice_assist.config import load_voice_config
 FALSE = {"motion": 4.0, "terminate": 1.0, "hey robot": 0.5}
 SOURCES = ("transcript", "scores", "spotter")  # of evidence, as in recognizer.yaml
 LIMIT = 0.9999  # beyond it a confidence was rounded, and says only that the evidence was strong
+MOST = (2.0, 4.0, 6.0, 8.0, 12.0, 1000.0)  # [nat] where a curve may become level
+LEAST_SLOPE = 0.05  # [1/nat] less is what chance makes of few claims
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ def measure() -> list[Figure]:
         if len({c.is_right for c in some}) < 2:
             continue
         curves[source] = fit(some)
-        print(f"  {source}: slope {curves[source].slope:.3f}, offset {curves[source].offset:.2f}")
+        print(f"  {source}: {curves[source]}")
     after = [curves[c.source](c.evidence) for c in judged if c.source in curves]
     right = [c.is_right for c in judged if c.source in curves]
     before = [c.confidence for c in judged if c.source in curves]
@@ -97,7 +99,7 @@ def halves(claims: Sequence[Claim]) -> tuple[list[Claim], list[Claim]]:
 
 
 def fit(claims: Sequence[Claim]) -> Calibration:
-    """The logistic curve of greatest likelihood, with the softened targets of Platt (1999, eq. 12).
+    """The curve of greatest likelihood, with the softened targets of Platt (1999, eq. 12).
 
     Args:
         claims: Some right and some wrong.
@@ -106,12 +108,16 @@ def fit(claims: Sequence[Claim]) -> Calibration:
     right = np.array([c.is_right for c in claims])
     wanted = np.where(right, (right.sum() + 1) / (right.sum() + 2), 1 / ((~right).sum() + 2))
 
-    def loss(curve: NDArray[np.float64]) -> float:
-        odds = np.exp(curve[0]) * evidence + curve[1]
+    def loss(curve: NDArray[np.float64], most: float) -> float:
+        odds = (LEAST_SLOPE + np.exp(curve[0])) * np.minimum(evidence, most) + curve[1]
         return float(np.sum(np.logaddexp(0.0, odds) - wanted * odds))
 
-    found = minimize(loss, np.array([0.0, 0.0]), method="Nelder-Mead").x
-    return Calibration(slope=float(np.exp(found[0])), offset=float(found[1]))
+    start = np.array([-1.0, 0.0])
+    tried = {most: minimize(loss, start, (most,), method="Nelder-Mead") for most in MOST}
+    most = min(MOST, key=lambda one: tried[one].fun)
+    slope, offset = tried[most].x
+    slope = LEAST_SLOPE + float(np.exp(slope))
+    return Calibration(slope=round(slope, 3), offset=round(float(offset), 2), most=most)
 
 
 def least(command: str) -> float:

@@ -5,7 +5,7 @@ import pytest
 from tests.unit.voice_assist.fake_speech import FakeRecognizer
 from voice_assist.config import load_voice_config
 from voice_assist.hearing import Hearing
-from voice_assist.types import RATE, Frame, Utterance, frozen_samples
+from voice_assist.types import RATE, Frame, Hypothesis, Utterance, frozen_samples
 from voice_assist.vad.cutter import Growth
 
 PINNED = {
@@ -143,7 +143,12 @@ def test_without_early_decisions_only_the_end_is_looked_at():
 def test_each_look_may_ask_what_loses():
     rig = Rig()
     asked = []
-    rig.recognizer.transcribe = lambda samples, loses: asked.append(loses("the patient "))
+
+    def transcribe(samples, loses):
+        asked.append(loses("the patient "))
+        return Hypothesis("the patient", 0.0, 0.0)
+
+    rig.recognizer.transcribe = transcribe
     rig.hearing = Hearing(
         rig.recognizer, EARLY, lambda: rig.now, loses=lambda text: text.startswith("the ")
     )

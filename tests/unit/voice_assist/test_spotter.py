@@ -25,7 +25,6 @@ RULE = load_voice_config(
     spotter__agree=1.0,
     spotter__near=3.0,
     spotter__sure=0.9,
-    spotter__deny=-15.0,
 )
 
 
@@ -182,7 +181,7 @@ class Told:
         (0.7, True, None, True),  # nobody listens: as if there were no spotter
         (0.7, False, None, False),
         (0.95, True, -10.0, True),  # sure
-        (0.95, True, -20.0, False),  # sure, but the spotter heard something quite different
+        (0.95, False, -20.0, False),  # sure, but the word may go on
         (0.95, False, -20.0, False),
         (0.7, True, -20.0, False),  # one side alone half believes
         (0.7, True, 1.5, True),  # both half believe

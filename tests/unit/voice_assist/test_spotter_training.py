@@ -20,7 +20,6 @@ CONFIG = load_voice_config(
     spotter__agree=1.0,
     spotter__near=3.0,
     spotter__sure=0.9,
-    spotter__deny=-15.0,
 ).spotter
 
 

@@ -33,6 +33,8 @@ def test_training_without_recordings_leaves_a_checkpoint_and_goes_on(tiny_corpus
     fit.Run(options(tmp_path, 1), tiny_corpus).train()
     assert whisper.load_model(str(tmp_path / "m.pt"), device="cpu").dims.n_vocab == 51864
     assert load_recognizer(str(tmp_path / "m.pt")).name.endswith("m.pt")
+    kept = tmp_path / "run_m" / "step_00001.pt"  # of every measurement, for averaging
+    assert kept.read_bytes() == (tmp_path / "m.pt").read_bytes()
     again = fit.Run(options(tmp_path, 2), tiny_corpus)
     assert again.progress.step == 1
     again.train()

@@ -13,18 +13,23 @@ _FARTHEST = 700.0  # [nat] beyond it exp overflows
 
 @dataclass(frozen=True, kw_only=True)
 class Calibration:
-    """A logistic curve, as Platt fits it to claims and whether they were right (1999)."""
+    """A logistic curve, as Platt fits it to claims that were right or wrong, level at its end.
+
+    Level, because evidence weighs a claim against what the network can tell from it. Of two phrases
+    that sound the same, the wrong one has as much evidence as the right one, however much that is.
+    """
 
     slope: float = number(0.001, 1000.0, "1/nat")
     offset: float = number(-100.0, 100.0, "")
+    most: float = number(-1000.0, 1000.0, "nat")
 
     def __call__(self, evidence: float) -> float:
-        """Probability of being right, [0, 1]; rises with the evidence.
+        """Probability of being right, [0, 1]; rises with the evidence up to `most`.
 
         Args:
             evidence: For the claim rather than against it [nat]; may be infinite.
         """
-        return logistic(self.slope * evidence + self.offset)
+        return logistic(self.slope * min(evidence, self.most) + self.offset)
 
 
 def logistic(x: float) -> float:

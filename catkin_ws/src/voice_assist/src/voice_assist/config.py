@@ -192,12 +192,12 @@ class SpotterConfig:
     agree: float = number(-1000.0, 1000.0, "nat")
     agree_within: float = number(0.1, 5.0, "s")
     sure: float = number(0.0, 1.0, "")
-    deny: float = number(-1000.0, 1000.0, "nat")
     rearm_after: float = number(0.1, 60.0, "s")
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
-        require(self.deny <= self.agree, "deny", self.deny, f"up to agree, {self.agree:g} nat")
+        allowed = f"up to middle, {self.middle:g} nat"
+        require(self.agree <= self.middle, "agree", self.agree, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)

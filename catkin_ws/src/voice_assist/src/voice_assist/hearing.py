@@ -53,6 +53,7 @@ class Hearing:
         """Start with a new utterance."""
         self.heard: Hypothesis | None = None  # newest transcript
         self.is_window = False  # it is only of the utterance's last part
+        self.worded_at = float("-inf")  # [s] stream time of the newest look that heard a word
         self._looked_at: float | None = None  # [s] stream time of the newest look
         self._has_news = False  # there was speech since the newest look
         self._has_paused = False  # the pause was reached since there was speech
@@ -127,5 +128,7 @@ class Hearing:
             silence = np.zeros(round(self._config.silence_added * RATE), np.float32)
             self._sound = frozen_samples(np.concatenate([self._sound, silence]))
         self.heard = self._recognizer.transcribe(self._sound, self._loses)
+        if self.heard.text:
+            self.worded_at = time
         self._looked_at, self._scores = time, {}
         self._has_news = not is_final

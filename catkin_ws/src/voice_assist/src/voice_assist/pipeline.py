@@ -147,7 +147,7 @@ class Pipeline:
         time = frame.first_sample / RATE + frame.duration
         if self._hear(growth, frame, time):
             events += (*self._partial(frame), *self._decide(growth, frame, time))
-            self._forget_noise(growth)
+            self._forget_noise(growth, time)
         if growth.utterance.is_complete:
             events += (Partial("", frame.stamp),) if self._shown else ()
             self._new_utterance()
@@ -178,14 +178,15 @@ class Pipeline:
         self._shown = text
         return (Partial(text, frame.stamp + frame.duration),)
 
-    def _forget_noise(self, growth: Growth) -> None:
-        """Keep long noise, which the detector takes for speech, from hiding a command in it."""
-        heard, length = self._hear.heard, len(growth.utterance.samples) / RATE
-        if (
-            heard is not None
-            and not heard.text
-            and length > self._config.recognizer.early.noise_after
-        ):
+    def _forget_noise(self, growth: Growth, time: float) -> None:
+        """Keep long noise, which the detector takes for speech, from hiding a command in it.
+
+        Talk in which one look heard nothing is no noise: were it forgotten, its last word would
+        pass for all that was said.
+        """
+        length = len(growth.utterance.samples) / RATE
+        wordless = min(length, time - self._hear.worded_at)
+        if self._hear.heard is not None and wordless > self._config.recognizer.early.noise_after:
             self._cut.forget(_KEPT_OF_NOISE)
 
     # --- decide

@@ -2,8 +2,7 @@
 """The rule by which recogniser and spotter come to a stop together.
 
 1. The spotter alone, from `alone` on.
-2. The recogniser alone, where it writes the word with a confidence of at least `sure`, unless the
-   spotter was below `deny` all through `agree_within`: then something quite different was said.
+2. The recogniser alone, where it writes the word with a confidence of at least `sure`.
 3. The recogniser less sure of the word, where the spotter gave `agree` within `agree_within`.
 4. The spotter from `middle` on, where the word is at most `near` less likely to the recogniser than
    what it wrote instead.
@@ -62,8 +61,7 @@ class SecondWay:
         if belief.spotted >= self._config.middle:
             return True
         is_sure = belief.confidence >= self._config.sure
-        least = self._config.deny if is_sure else self._config.agree
-        return belief.is_ready and belief.spotted >= least
+        return belief.is_ready and (is_sure or belief.spotted >= self._config.agree)
 
     def is_asking(self, spotted: float | None) -> bool:
         """Whether the spotter believes enough to ask how likely the recogniser finds the word."""

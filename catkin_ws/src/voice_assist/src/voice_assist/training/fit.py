@@ -115,13 +115,14 @@ class Run:
         return self.measured
 
     def _measure(self) -> None:
-        """Log figures; export the checkpoint where they are the best so far."""
+        """Log figures, keep the checkpoint; it becomes the output where it is the best so far."""
         figures: Figures = measure(self._averaged(), self.corpus, thin=3)
         at = {"step": self.progress.step, "seconds": round(self.progress.seconds)}
         line: dict[str, object] = {**at, **figures.flat()}
         LOG.info("measured %s", json.dumps(line))
         with (self.folder / "figures.jsonl").open("a") as file:
             file.write(json.dumps(line) + "\n")
+        export(self.measured, self.folder / f"step_{self.progress.step:05d}.pt")
         if figures.score > self.progress.best:
             self.progress.best = figures.score
             export(self.measured, self.options.out)

@@ -57,7 +57,7 @@ def main() -> None:
     for name, way in ways.items():
         _print_way(name, way, said, talk)
     print("\nfor config/spotter.yaml:")
-    for key in ("alone", "middle", "near", "agree", "sure", "deny"):
+    for key in ("alone", "middle", "near", "agree", "sure"):
         print(f"  {key}: {getattr(chosen, key):.2f}")
 
 
