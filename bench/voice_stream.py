@@ -53,6 +53,7 @@ class Said:
     origin: str  # "recognizer" or "spotter"
     text: str
     why: str  # refused for; empty where taken
+    sure: float = -1.0  # [0, 1] the recogniser of the text; -1: from before it was kept
 
 
 @dataclass(frozen=True)
@@ -167,4 +168,5 @@ def _said(decision: Decision, began: float) -> Said:
         decision.origin,
         decision.hypothesis.text,
         why,
+        round(decision.hypothesis.confidence, 4),
     )
