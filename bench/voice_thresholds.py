@@ -73,7 +73,11 @@ def measure() -> list[Figure]:
 
 
 def claims_of(records: Iterable[Record]) -> list[Claim]:
-    """All claims of scenes; right where the scene says the command."""
+    """All claims of scenes; right where the scene says the command.
+
+    Their evidence is found back from their confidence, so it ends where the curve in force is
+    level: to try a larger `most` than the configured one, measure with a larger one first.
+    """
     worth = load_voice_config().recognizer.confidence
     halts = {c.phrase for c in load_voice_config().commands.commands if c.is_halt}
     found = []

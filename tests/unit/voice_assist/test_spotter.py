@@ -181,8 +181,8 @@ class Told:
         (0.7, True, None, True),  # nobody listens: as if there were no spotter
         (0.7, False, None, False),
         (0.95, True, -10.0, True),  # sure
+        (0.95, True, -20.0, True),  # sure, whatever the spotter heard
         (0.95, False, -20.0, False),  # sure, but the word may go on
-        (0.95, False, -20.0, False),
         (0.7, True, -20.0, False),  # one side alone half believes
         (0.7, True, 1.5, True),  # both half believe
         (0.7, False, 1.5, False),

@@ -13,7 +13,7 @@ _FARTHEST = 700.0  # [nat] beyond it exp overflows
 
 @dataclass(frozen=True, kw_only=True)
 class Calibration:
-    """A logistic curve, as Platt fits it to claims that were right or wrong, level at its end.
+    """A logistic curve, as Platt (1999) fits it to right and wrong claims, level at its end.
 
     Level, because evidence weighs a claim against what the network can tell from it. Of two phrases
     that sound the same, the wrong one has as much evidence as the right one, however much that is.

@@ -186,7 +186,7 @@ class Pipeline:
         """
         length = len(growth.utterance.samples) / RATE
         wordless = min(length, time - self._hear.worded_at)
-        if self._hear.heard is not None and wordless > self._config.recognizer.early.noise_after:
+        if wordless > self._config.recognizer.early.noise_after:
             self._cut.forget(_KEPT_OF_NOISE)
 
     # --- decide
