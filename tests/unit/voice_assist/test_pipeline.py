@@ -183,6 +183,22 @@ def test_the_second_opinion_refuses_a_motion():
     assert "confidence 0.14, allowed: at least 0.80" in refusals(events)[0].reason
 
 
+@pytest.mark.parametrize("text", ["pull more", "tense", "release", "pull less"])
+def test_a_motion_that_the_decoder_only_guesses_is_refused_whatever_its_scores(text):
+    least = load_voice_config().recognizer.motion_confidence
+    events = hear(text, recognizer=FakeRecognizer(confidence=least - 0.01))
+    assert commands(events) == []
+    assert f"of the transcript, allowed: at least {least:.2f}" in refusals(events)[0].reason
+    assert commands(hear(text, recognizer=FakeRecognizer(confidence=least + 0.01))) == [text]
+
+
+@pytest.mark.parametrize("text", ["hey robot", "terminate", "stop"])
+def test_what_moves_nothing_is_not_held_to_the_confidence_of_motions(text):
+    config = load_voice_config()
+    guessed = FakeRecognizer(confidence=config.recognizer.motion_confidence - 0.05)
+    assert commands(hear(text, recognizer=guessed)) == [text]
+
+
 def test_the_second_opinion_refuses_what_sounds_like_another_command():
     events = hear("pull more", recognizer=FakeRecognizer({"pull less": 1.0}))
     assert commands(events) == []

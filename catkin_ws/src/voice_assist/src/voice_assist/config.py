@@ -10,7 +10,7 @@ from typing import Any
 
 from typed_config import choice, flag, integer, load_config, load_yaml, number, require, text
 from voice_assist.calibration import Calibration
-from voice_assist.commands_config import CommandConfig, CommandsConfig
+from voice_assist.commands_config import NEVER_SURE, CommandConfig, CommandsConfig
 from voice_assist.enrolment.profile_config import ProfileConfig
 from voice_assist.errors import CommandsError
 from voice_assist.speaker.config import SpeakerConfig
@@ -174,6 +174,7 @@ class RecognizerConfig:
     threads: int = integer(1, 64, "threads")
     hung_after: float = number(0.1, 30.0, "s")
     second_opinion: bool = flag()
+    motion_confidence: float = number(0.0, NEVER_SURE, "")
     confidence: ConfidenceConfig
     early: EarlyConfig
 

@@ -131,6 +131,6 @@ class Judge:
         return f"it continues {first} in the same breath; pause before the next command"
 
 
-def too_unsure(confidence: float, least: float) -> str:
-    """Why a command that was heard is refused."""
-    return f"confidence {confidence:.2f}, allowed: at least {least:.2f}"
+def too_unsure(confidence: float, least: float, of: str = "") -> str:
+    """Why a command that was heard is refused; `of` says of what the confidence is."""
+    return f"confidence {confidence:.2f}{of}, allowed: at least {least:.2f}"

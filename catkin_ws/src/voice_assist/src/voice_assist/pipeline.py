@@ -240,6 +240,10 @@ class Pipeline:
         if confidence < command.least_confidence:
             reason = too_unsure(confidence, command.least_confidence)
             return NoMatch(reason, match.command, match.wer), confidence
+        least = self._config.recognizer.motion_confidence
+        if command.is_motion and heard.confidence < least:
+            reason = too_unsure(heard.confidence, least, " of the transcript")
+            return NoMatch(reason, match.command, match.wer), confidence
         if command.is_motion and self._gate and (objection := self._gate(self._hear.sound)):
             return NoMatch(objection, match.command, match.wer), confidence
         return match, confidence
