@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,11 +83,17 @@ def ways_of(victim: str) -> tuple[str, str]:
     return ("hang", "crash") if victim == "recogniser" else ("SIGKILL", "SIGSTOP")
 
 
-def left(victim: str, losses: Sequence[Loss], each: int) -> list[str]:
-    """Ways that are still to be taken, once for each time, those most wanting first."""
+def left(victim: str, losses: Sequence[Loss], wanted: Mapping[str, int]) -> list[str]:
+    """Ways that are still to be taken, once for each time, those most wanting first.
+
+    Args:
+        victim: One of the parts.
+        losses: Of it, so far.
+        wanted: Losses by each of its ways.
+    """
     ways = ways_of(victim)
     counted = [loss.way for loss in losses if not loss.aside]
-    missing = {way: each - counted.count(way) for way in ways}
+    missing = {way: wanted[way] - counted.count(way) for way in ways}
     order = sorted(ways, key=lambda way: -missing[way])
     return [way for way in order for _ in range(missing[way])]
 

@@ -22,6 +22,7 @@ from bench.safety.losses_judge import (
     objections,
     speed,
 )
+from bench.safety.losses_kept import append, earlier, read
 
 PERIOD = 0.002
 CRUISE = 0.05  # [rad/s]
@@ -64,10 +65,12 @@ def by_name(losses, rules, planned=None):
 
 
 def test_each_way_is_taken_as_often_and_what_is_kept_is_not_taken_again():
-    assert left("robot", [], 2) == ["SIGKILL"] * 2 + ["SIGSTOP"] * 2
-    assert left("robot", [loss()], 2) == ["SIGSTOP"] * 2 + ["SIGKILL"]
-    assert left("robot", [loss(), loss(way="SIGSTOP")], 1) == []
-    assert left("recogniser", [loss(way="hang")], 1) == ["crash"]
+    twice, once = {"SIGKILL": 2, "SIGSTOP": 2}, {"SIGKILL": 1, "SIGSTOP": 1}
+    assert left("robot", [], twice) == ["SIGKILL"] * 2 + ["SIGSTOP"] * 2
+    assert left("robot", [loss()], twice) == ["SIGSTOP"] * 2 + ["SIGKILL"]
+    assert left("robot", [loss(), loss(way="SIGSTOP")], once) == []
+    assert left("recogniser", [loss(way="hang")], {"hang": 1, "crash": 1}) == ["crash"]
+    assert left("robot", [], {"SIGKILL": 0, "SIGSTOP": 1}) == ["SIGSTOP"]
 
 
 @pytest.mark.parametrize("rest", [0.004, 0.04, 0.0999, 0.1, 0.35])
@@ -234,14 +237,44 @@ def test_a_controller_that_nobody_finds_is_told():
 
 
 def test_what_is_kept_is_read_again_infinity_included(tmp_path):
-    kept = loss(alone=float("inf"), objections=("one", "two"))
-    fields = json.loads(json.dumps(asdict(kept)))
-    assert Loss(**{**fields, "objections": tuple(fields["objections"])}) == kept
+    rows, kept = tmp_path / "robot.jsonl", loss(alone=float("inf"), objections=("one", "two"))
+    assert read(rows, "a") == []
+    append(rows, kept, "a")
+    append(rows, loss(), "b")
+    assert read(rows, "a") == [kept]
+    assert read(rows, "b") == [loss()]
+
+
+def test_earlier_figures_are_counted_and_told_as_they_were(tmp_path):
+    rules = {"controller": HOLDS}
+    some = [loss(), loss(), loss(load=9.0), loss(alone=0.3)]
+    before = [asdict(f) for f in figures(some, rules, 8)]
+    machine = {"date": "2026-11-22", "commit": "abc"}
+    path = tmp_path / "earlier.json"
+    path.write_text(json.dumps({"machine": machine, "figures": before}), encoding="utf-8")
+    old = earlier(tmp_path)
+    assert old.count("controller, SIGKILL") == 3 and old.count("controller, SIGSTOP") == 0
+    new = [loss(), loss(way="SIGSTOP"), loss(load=9.0)]
+    found = {f.name: f for f in old.joined(figures(new, rules, 8))}
+    assert (found["losses"].value, found["losses"].target) == (5, 8)
+    rest = found["arm and jaws at rest in time by the loss alone"]
+    assert (rest.value, rest.target, rest.is_met) == (4, 5, False)
+    assert found["set aside and repeated, other work on the machine"].value == 2
+    assert found["of these earlier"].value == 3
+    wrong = "controller, SIGKILL: not as documented"
+    assert found[wrong].value == 0 and found[f"{wrong}, earlier"].value == 1
+
+
+def test_without_earlier_figures_nothing_is_added(tmp_path):
+    assert earlier(tmp_path).count("controller, SIGKILL") == 0
+    new = figures([loss()], {"controller": HOLDS}, 1)
+    assert earlier(tmp_path).joined(new) == new
 
 
 def test_a_loss_beside_other_work_or_at_the_end_of_its_motion_is_taken_again() -> None:
     aside = [loss(load=4.1), loss(finished=True), loss(load=9.0, alone=float("inf"))]
-    assert left("controller", [loss(), *aside], each=2) == ["SIGSTOP", "SIGSTOP", "SIGKILL"]
+    twice = {"SIGKILL": 2, "SIGSTOP": 2}
+    assert left("controller", [loss(), *aside], twice) == ["SIGSTOP", "SIGSTOP", "SIGKILL"]
     found = {
         figure.name: figure.value for figure in figures([loss(), *aside], {"controller": HOLDS}, 4)
     }
