@@ -78,8 +78,7 @@ def measured(
         plans: Pieces by the set that they belong to.
         model: That listens.
     """
-    folder = voice_sets.CACHE / "chunks" / identity(model) / part
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = folder_of(part, model)
     jobs = {
         name: [(chunk, folder / f"{chunk.name()}.json") for chunk in plan]
         for name, plan in plans.items()
@@ -94,9 +93,16 @@ def measured(
     }
 
 
+def folder_of(part: str, model: str = MODEL) -> Path:
+    """Where the pieces of a measurement lie; made where it is missing."""
+    folder = voice_sets.CACHE / "chunks" / identity(model) / part
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
 def up_to(part: str, plan: Sequence[Chunk], count: int, model: str = MODEL) -> list[Chunk]:
     """The first pieces of a plan, and of the others those that earlier goes have done."""
-    folder = voice_sets.CACHE / "chunks" / identity(model) / part
+    folder = folder_of(part, model)
     done = [chunk for chunk in plan[count:] if (folder / f"{chunk.name()}.json").is_file()]
     return [*plan[:count], *done]
 

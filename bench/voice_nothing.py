@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Hours in which nobody gives a command, armed; HOURS=10 for the record.
 
-Pieces that are there are counted, so that it can be done in several goes.
+Pieces that are there are counted, those of other machines too (`voice_archive`), so that it can
+be done in several goes.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from bench import voice_chunks, voice_kept, voice_noises
+from bench import voice_archive, voice_chunks, voice_kept, voice_noises
 from bench.figures import Figure
 from bench.voice_bounds import rate_at_most
 from bench.voice_chunks import Label, Record, digest, source
@@ -47,8 +48,10 @@ def measure() -> list[Figure]:
     """As much of each kind."""
     plan = _plan()
     wanted = math.ceil(HOURS * 3600.0 / SECONDS)
+    voice_archive.restore("nothing")
     pieces = voice_chunks.up_to("nothing", plan, wanted)
     records = voice_chunks.measured("nothing", {"": pieces})[""]
+    voice_archive.keep("nothing", pieces)
     hours = _hours(records)
     figures = [voice_kept.measured(hours, "h", FULL), _figure("nothing said: taken", records, 0.0)]
     for kind in dict.fromkeys(r.label["kind"] for r in records):

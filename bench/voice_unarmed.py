@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Hours of talk in standby: nothing may move, whatever is taken for "hey robot" in between.
 
-HOURS=30 for the record. Pieces that are there are counted, so that it can be done in several goes.
+HOURS=30 for the record. Pieces that are there are counted, those of other machines too
+(`voice_archive`), so that it can be done in several goes.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import os
 from collections.abc import Sequence
 from typing import Any
 
-from bench import voice_chunks, voice_kept
+from bench import voice_archive, voice_chunks, voice_kept
 from bench.figures import Figure
 from bench.voice_armed import of_commands
 from bench.voice_chunks import Record
@@ -25,8 +26,10 @@ def measure() -> list[Figure]:
     """People and synthetic voices in turn, counted apart."""
     plan = _plan()
     wanted = math.ceil(HOURS * 3600.0 / SECONDS)
+    voice_archive.restore("unarmed")
     pieces = voice_chunks.up_to("unarmed", plan, wanted)
     records = voice_chunks.measured("unarmed", {"": pieces})[""]
+    voice_archive.keep("unarmed", pieces)
     hours = sum(r.heard.streamed for r in records) / 3600.0
     figures = [voice_kept.measured(hours, "h", FULL)]
     figures += of_commands("talk, unarmed", records, 0.0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bench import figures, voice_cast, voice_chunks, voice_clips, voice_kept
+from bench import figures, voice_archive, voice_cast, voice_chunks, voice_clips, voice_kept
 from bench.figures import Figure
 from bench.voice_cast import Voice, spread
 from bench.voice_clips import Trial, stream_of, twice
@@ -40,7 +40,7 @@ def listened(tmp_path, monkeypatch):
     monkeypatch.setattr(voice_chunks.voice_sets, "CACHE", tmp_path)
     monkeypatch.setattr(voice_chunks, "_pool", lambda model, jobs: ThreadPoolExecutor(jobs))
     monkeypatch.setattr(voice_chunks, "_LISTENERS", [hear])
-    monkeypatch.setattr(voice_chunks, "identity", lambda model: f"key-of-{model}")
+    monkeypatch.setattr(voice_chunks, "identity", lambda model="": f"key-of-{model}")
     return seen
 
 
@@ -53,6 +53,39 @@ def test_only_the_pieces_that_are_not_there_are_streamed(listened):
     assert [r.label["seed"] for r in again] == [0, 1, 2]
     assert again[0].heard == first[0].heard
     assert again[0].heard.taken == ("stop",)
+
+
+def test_pieces_kept_beside_the_results_are_counted_on_another_machine(
+    listened, tmp_path, monkeypatch
+):
+    plan = [Piece(seed) for seed in range(3)]
+    first = voice_chunks.measured("part", {"": plan[:2]}, "")[""]
+    kept = tmp_path / "kept"
+    assert voice_archive.keep("part", plan, kept, "") == 2
+    assert voice_archive.keep("part", plan, kept, "") == 0
+    monkeypatch.setattr(voice_chunks.voice_sets, "CACHE", tmp_path / "elsewhere")
+    assert voice_archive.restore("part", kept, "another") == 0
+    assert voice_archive.restore("part", kept, "") == 2
+    again = voice_chunks.measured("part", {"": plan}, "")[""]
+    assert len(listened) == 3
+    assert [r.heard for r in again[:2]] == [r.heard for r in first]
+
+
+def test_of_a_piece_that_is_kept_only_what_was_taken_is_left(listened, tmp_path, monkeypatch):
+    said = (Said(0.1, "stop", True, 0.9, "", "stop", ""), Said(0.2, "", False, 0.9, "", "a", "b"))
+    heard = [Heard(said[:1], 1.0, 0.1, 0.0), Heard(said, 1.0, 0.1, 0.0), Heard(said[1:], 1, 0, 0)]
+    turns = iter(heard)
+    monkeypatch.setattr(voice_chunks, "_LISTENERS", [lambda scene: next(turns)])
+    monkeypatch.setattr(voice_chunks, "JOBS", 1)
+    plan = [Piece(seed) for seed in range(3)]
+    voice_chunks.measured("part", {"": plan}, "")
+    voice_archive.keep("part", plan, tmp_path / "kept", "")
+    monkeypatch.setattr(voice_chunks.voice_sets, "CACHE", tmp_path / "elsewhere")
+    voice_archive.restore("part", tmp_path / "kept", "")
+    found = voice_chunks.measured("part", {"": plan}, "")[""]
+    assert [r.heard.taken for r in found] == [("stop",), ("stop",), ()]
+    assert [len(r.heard.said) for r in found] == [1, 1, 0]
+    assert next(turns, None) is None
 
 
 def test_another_model_or_another_part_begins_anew(listened):

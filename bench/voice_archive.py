@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pieces of the longest measurements, kept beside the results.
+
+Tens of hours take longer than one sitting, or one machine. A row is a piece with the key of what
+heard it (`voice_chunks.identity`); of what was said in it, only what was taken is left, for no
+more is counted. Rows of another key are left alone.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from bench import voice_chunks
+from bench.figures import RESULTS
+from bench.voice_chunks import MODEL, Chunk
+
+FOLDER = RESULTS / "voice" / "pieces"
+
+
+def restore(part: str, folder: Path = FOLDER, model: str = MODEL) -> int:
+    """Put the pieces that were kept where `voice_chunks.measured` finds them; says how many."""
+    there = voice_chunks.folder_of(part, model)
+    new = [
+        row for row in _rows(part, folder, model) if not (there / f"{row['piece']}.json").is_file()
+    ]
+    for row in new:
+        text = json.dumps(row["records"])
+        (there / f"{row['piece']}.json").write_text(text, encoding="utf-8")
+    return len(new)
+
+
+def keep(part: str, plan: Sequence[Chunk], folder: Path = FOLDER, model: str = MODEL) -> int:
+    """Keep all pieces of a plan that are done and not kept yet; says how many."""
+    kept = {row["piece"] for row in _rows(part, folder, model)}
+    there = voice_chunks.folder_of(part, model)
+    names = [chunk.name() for chunk in plan]
+    new = [n for n in names if n not in kept and (there / f"{n}.json").is_file()]
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / f"{part}.jsonl").open("a", encoding="utf-8") as lines:
+        for name in new:
+            records = json.loads((there / f"{name}.json").read_text(encoding="utf-8"))
+            row = {"key": voice_chunks.identity(model), "piece": name}
+            lines.write(json.dumps({**row, "records": [_short(r) for r in records]}) + "\n")
+    return len(new)
+
+
+def _rows(part: str, folder: Path, model: str) -> Iterator[dict[str, Any]]:
+    path = folder / f"{part}.jsonl"
+    if not path.is_file():
+        return
+    for line in path.read_text(encoding="utf-8").splitlines():
+        row = json.loads(line)
+        if row["key"] == voice_chunks.identity(model):
+            yield row
+
+
+def _short(record: dict[str, Any]) -> dict[str, Any]:
+    """Without what was said and not taken; what was said in the sound stays where it is needed."""
+    heard, label = dict(record["heard"]), dict(record["label"])
+    heard["said"] = [one for one in heard["said"] if one["is_taken"]]
+    if not heard["said"] and "spans" in label:
+        label["spans"] = []
+    return {"label": label, "heard": heard}
