@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import time
 from pathlib import Path
@@ -29,9 +30,14 @@ class Host:
         self._running = []
         self.master = rosgraph.Master("/test", f"http://127.0.0.1:{self.port}")
 
-    def start(self, *words):
+    def start(self, *words, beside=None):
+        """Begin a process; `beside` holds variables for its environment alone."""
         process = subprocess.Popen(
-            words, stdout=self._log, stderr=subprocess.STDOUT, start_new_session=True
+            words,
+            stdout=self._log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            env={**os.environ, **(beside or {})},
         )
         self._running.append(process)
         return process
@@ -41,9 +47,10 @@ class Host:
         until(self.is_there, "a master")
         return process
 
-    def launch(self, name, **arguments):
+    def launch(self, name, beside=None, **arguments):
         words = [f"{key}:={value}" for key, value in arguments.items()]
-        return self.start("roslaunch", "--wait", str(ROOT / "launch" / f"{name}.launch"), *words)
+        file = str(ROOT / "launch" / f"{name}.launch")
+        return self.start("roslaunch", "--wait", file, *words, beside=beside)
 
     def is_there(self):
         try:

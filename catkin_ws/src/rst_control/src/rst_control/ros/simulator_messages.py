@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from rst_control.backends.physics import JointReading
-from rst_control.ros.wall_clock import followed
+from rst_control.ros.wall_clock import followed, wall_offset
 from rst_control.types import JOINTS
 
 BASE = "base_link"
@@ -61,8 +61,8 @@ class Stamper:
     """
 
     def __init__(self, is_real_time: bool) -> None:
-        self._is_real_time, self._offset = is_real_time, 0.0
-        self.follow_wall_clock()
+        self._is_real_time = is_real_time
+        self._offset = wall_offset() if is_real_time else 0.0
 
     def follow_wall_clock(self) -> None:
         """Take over a jump of the wall clock, if there was one."""

@@ -6,7 +6,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+import rospy
+
 CLOCK_JUMP = 1e-3  # [s] change of the wall clock against the steady one that is taken over
+TOLD = 0.05  # [s] change from which it is told, since the robot may be held for it
 READINGS = 3  # of which the one that took least time counts
 
 Clock = Callable[[], float]
@@ -30,4 +33,12 @@ def wall_offset(wall: Clock = time.time, steady: Clock = time.monotonic) -> floa
 def followed(offset: float, wall: Clock = time.time, steady: Clock = time.monotonic) -> float:
     """The offset in use [s], or the present one once a clock has jumped by more than CLOCK_JUMP."""
     present = wall_offset(wall, steady)
-    return present if abs(present - offset) > CLOCK_JUMP else offset
+    if abs(present - offset) <= CLOCK_JUMP:
+        return offset
+    if abs(present - offset) > TOLD:
+        rospy.logwarn(
+            "the wall clock was set by %+.3f s: what was stamped before seems late or early, and "
+            "the robot may be held for it; all hosts of a robot need the same time",
+            present - offset,
+        )
+    return present

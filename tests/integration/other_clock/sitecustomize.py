@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Python reads this at its start where the folder is on PYTHONPATH: a wall clock that can be set.
+
+The file named by WALL_CLOCK holds how far it is ahead of the machine's [s]. The steady clock stays.
+"""
+
+import os
+import time
+from pathlib import Path
+
+_FILE = Path(os.environ["WALL_CLOCK"])
+_REAL = time.time_ns
+
+
+def _set_by(file: Path) -> int:
+    return round(1e9 * float(file.read_text(encoding="utf-8") or 0.0))
+
+
+time.time_ns = lambda: _REAL() + _set_by(_FILE)
+time.time = lambda: 1e-9 * time.time_ns()
