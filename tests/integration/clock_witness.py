@@ -18,7 +18,7 @@ from robot_client import RobotClient
 
 JUMPS = (0.3, 30.0, -3.0)  # [s] each in a motion, and back again at rest
 MOVING = 5e-3  # [rad/s] of the fastest joint, in whose midst the clock is set
-RESTING = 1e-4  # [rad/s]
+RESTING = 1e-4  # [rad] in half a second
 WATCHED = 1.5  # [s] after that
 
 
@@ -62,7 +62,7 @@ def after(robot: RobotClient, seen: list) -> dict:
     if state == "moving":
         robot.say("stop")
         robot.wait_for_state("halted", "faulted")
-    robot.wait(lambda: robot.speed() < RESTING)
+    robot.wait(lambda: robot.drift(0.5) < RESTING)  # with a clock ahead it plays all out later
     drift = robot.drift(0.5)
     refused = robot.refused("tense")
     return {
