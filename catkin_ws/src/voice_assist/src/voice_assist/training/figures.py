@@ -67,8 +67,13 @@ def main() -> None:
     for snr in (20.0, 10.0, 6.0, 0.0):
         show(f"synthetic commands, {snr:.0f} dB", commands, snr)
     show("synthetic near misses", [c for c in corpus.held_out if c.kind != "command"])
-    show('human "stop" (dev)', [c for c in corpus.people if c.text == "stop"])
-    show("other human words (dev)", [c for c in corpus.people if c.text != "stop"])
+    stops = [c for c in corpus.people if c.text == "stop"]
+    words = [c for c in corpus.people if c.text != "stop"]
+    show('human "stop" (dev)', stops)
+    show("other human words (dev)", words)
+    for snr in (10.0, 6.0, 0.0):
+        show(f'human "stop", {snr:.0f} dB', stops, snr)
+        show(f"every second other human word, {snr:.0f} dB", words[::2], snr)
     show("human talk (false_accept_dev)", corpus.talk)
     print(f"human talk measured: {sum(len(c.samples) for c in corpus.talk) / 16000 / 3600:.2f} h")
 
