@@ -47,7 +47,7 @@ class RobotClient:
         force = message.wrench.force
         self.tension = (force.x**2 + force.y**2 + force.z**2) ** 0.5
 
-    def wait(self, condition, limit: float = 30.0) -> None:
+    def wait(self, condition, limit: float = 30.0, every: float = 0.01) -> None:
         """Wait until the condition holds; fail with the controller's state where it never does."""
         end = time.monotonic() + limit
         while not condition():
@@ -55,7 +55,7 @@ class RobotClient:
                 raise AssertionError(
                     f"waited {limit} s in vain; the controller says:\n{self.state}"
                 )
-            time.sleep(0.01)
+            time.sleep(every)
 
     def wait_for_state(self, *names: str, limit: float = 30.0) -> None:
         """Wait until the controller is in one of the named states."""
@@ -85,8 +85,11 @@ class RobotClient:
         return reply.message
 
     def activate(self) -> None:
-        """Say "hey robot" until the robot is healthy and listens, as every session begins."""
-        self.wait(lambda: self.command("hey robot").accepted, START_LIMIT)
+        """Say "hey robot" until the robot is healthy and listens, as every session begins.
+
+        Not so often that the caller's budget of calls is spent when the next command comes.
+        """
+        self.wait(lambda: self.command("hey robot").accepted, START_LIMIT, every=0.1)
         self.wait_for_state("active", "moving")
 
     def start_fresh(self) -> None:
