@@ -21,12 +21,13 @@ import os
 import subprocess
 import sys
 import time
+from functools import cache
 from pathlib import Path
 
 from bench.figures import ROOT, Figure
 from bench.safety import losses_judge as judge
 from bench.safety.losses_judge import left, ways_of
-from bench.safety.losses_kept import FOLDER, Earlier, append, earlier, read
+from bench.safety.losses_kept import FOLDER, append, earlier, read
 from bench.safety.losses_stage import RULES, stage_for
 
 LOSSES = int(os.environ.get("LOSSES", "60"))
@@ -71,8 +72,9 @@ def measure() -> list[Figure]:
     return earlier().joined(judge.figures(losses, RULES, planned))
 
 
+@cache
 def key() -> str:
-    """Names the code and the settings that the losses depend on."""
+    """Names the code and settings that losses depend on, as this process began with them."""
     packages = ROOT / "catkin_ws" / "src"
     files = [p for p in Path(__file__).parent.glob("losses_*.py") if p.stem != "losses_kept"]
     files += [file for pattern in CONCERNED for file in packages.glob(pattern)]
@@ -92,7 +94,7 @@ def _log(victim: str) -> Path:
 
 def _wanting(victim: str, each: int) -> list[str]:
     """Ways that are still to be taken, once for each time."""
-    before: Earlier = earlier()
+    before = earlier()
     counted = {way: each - before.count(f"{victim}, {way}") for way in ways_of(victim)}
     return left(victim, read(_kept(victim), key()), counted)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from bench.figures import RESULTS, Figure
@@ -29,7 +29,7 @@ class Earlier:
 
     def count(self, group: str) -> int:
         """Losses of a victim by a way, such as "roscore, SIGKILL"."""
-        return sum(_out_of(f) for f in self.figures if f.name == group + _MOVING)
+        return sum(int(f.target or 0) for f in self.figures if f.name == group + _MOVING)
 
     def joined(self, figures: Sequence[Figure]) -> list[Figure]:
         """New figures with these: sums where a figure counts over all, else one after the other."""
@@ -45,7 +45,7 @@ class Earlier:
         for old in self.figures:
             if not _is_total(old) and not old.name.startswith("load average"):
                 again = ", earlier" if old.name in new else ""
-                found.append(_named(old, old.name + again))
+                found.append(replace(old, name=old.name + again))
         return found
 
 
@@ -83,18 +83,9 @@ def _is_total(figure: Figure) -> bool:
     return figure.name == "losses" or figure.name.startswith(("arm ", "set aside"))
 
 
-def _out_of(figure: Figure) -> int:
-    return int(figure.target or 0)
-
-
 def _sum(old: Figure, new: Figure) -> Figure:
     """Of counts over all; what was planned holds for both together."""
-    planned = new.target if new.name == "losses" else None
-    if planned is None and new.target is not None:
-        planned = new.target + (old.target or 0.0)
-    return Figure(new.name, old.value + new.value, new.unit, planned, new.at_most, new.note)
-
-
-def _named(figure: Figure, name: str) -> Figure:
-    rest = (figure.value, figure.unit, figure.target, figure.at_most, figure.note)
-    return Figure(name, *rest)
+    target = new.target
+    if target is not None and new.name != "losses":
+        target += old.target or 0.0
+    return replace(new, value=old.value + new.value, target=target)
