@@ -8,6 +8,7 @@ import unittest
 import actionlib
 import rospy
 import rostest
+from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
 from robot_client import RobotClient
 
@@ -28,7 +29,8 @@ class ActionGoals(unittest.TestCase):
         self.client.send_goal(AssistGoal(**goal), feedback_cb=self.feedback.append)
 
     def result(self):
-        self.assertTrue(self.client.wait_for_result(rospy.Duration(40)))
+        """What became of the goal; see docs/interfaces.md on why not by `wait_for_result`."""
+        self.robot.wait(lambda: self.client.gh.get_comm_state() == CommState.DONE, 40)
         return self.client.get_result()
 
     def test_1_a_goal_before_hey_robot_is_refused_with_the_reason(self):

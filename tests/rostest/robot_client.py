@@ -16,6 +16,10 @@ from rst_control.srv import Command
 START_LIMIT = 60.0  # [s] for the simulator and the compiled kernels to come up on a loaded machine
 
 
+class Halted(AssertionError):
+    """A motion that had to be carried out ended with the robot holding."""
+
+
 class RobotClient:
     """Calls the command service and watches what the robot does about it."""
 
@@ -68,11 +72,21 @@ class RobotClient:
         return reply.message
 
     def say_and_finish(self, command: str, limit: float = 30.0) -> None:
-        """Give a motion command and wait until it was carried out."""
-        count = self.finished(command)
+        """Give a motion command and wait until it was carried out.
+
+        Raises:
+            Halted: The robot halted on the way.
+        """
+        count, halts = self.finished(command), len(self.halts())
         self.say(command)
-        self.wait(lambda: self.finished(command) > count, limit)
+        self.wait(lambda: self.finished(command) > count or len(self.halts()) > halts, limit)
+        if self.finished(command) == count:
+            raise Halted(f"{command!r} was not carried out: {self.halts()[-1]}")
         rospy.sleep(0.1)  # for the state of that moment to arrive
+
+    def halts(self) -> list[str]:
+        """Why it halted, each time so far."""
+        return [e.message for e in self.events if e.kind == "halted"]
 
     def finished(self, command: str) -> int:
         """How often a command was carried out to its end."""
