@@ -42,7 +42,10 @@ BESIDE_HEARING = (
     "speaker",
     "alarms",
 )  # parts of the package that change nothing that is heard
-BESIDE_FILES = ("cli", "listen", "evaluate", "scores", "microphone", "portaudio", "pulse", "worker")
+BESIDE_FILES = (
+    *("cli", "listen", "evaluate", "scores", "microphone", "portaudio", "pulse", "worker"),
+    *("rehear", "spoken_reply"),
+)
 
 _T = TypeVar("_T")
 Label = dict[str, Any]  # what is known of a scene; JSON

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from bench.voice_sets import SPEECH
 from demo.sound import speak, theatre_noise
+from voice_assist.config import load_voice_config
+from voice_assist.spoken_reply import spoken_reply
 from voice_assist.training.human import read_int16, read_manifest
 from voice_assist.types import RATE, Samples
 
@@ -33,7 +35,8 @@ REPLIES = (
     'unknown command "more light"; say one of: hey robot, tense, release, pull more, pull less, '
     "stop, terminate, insert, withdraw",
 )
-RECORDED = "recorded"
+RECORDED, QUOTING = "recorded", "quoting"
+PAUSES = (0.6, 3.0)  # [s] between two replies
 LONGEST_RECORDED = 60.0  # [s] of one recording
 REPLY_VOICES = ("en-us", "en-gb", "en-us+f3", "en-gb+m3")
 
@@ -126,27 +129,36 @@ def servo(seconds: float, rng: np.random.Generator) -> Sound:
 
 
 def replies(seconds: float, rng: np.random.Generator) -> Sound:
-    """What the robot says of itself, by a loudspeaker, with pauses."""
-    return _replies(seconds, rng, REPLIES, (0.6, 3.0))
+    """What the robot says of itself by a loudspeaker, as the voice node words it, with pauses."""
+    phrases = load_voice_config().commands.phrases
+    texts = tuple(spoken_reply(reply, phrases) for reply in REPLIES)
+    return _replies(seconds, rng, texts, PAUSES)[0]
+
+
+def quoting(seconds: float, rng: np.random.Generator) -> Sound:
+    """The same in the controller's own words, commands among them; see `when_quoting`."""
+    return _replies(seconds, rng, REPLIES, PAUSES)[0]
 
 
 def speaking(seconds: float, rng: np.random.Generator) -> Sound:
     """One reply after the other, with hardly a pause to be heard in; none says "stop" itself."""
-    return _replies(seconds, rng, tuple(r for r in REPLIES if "stop" not in r), (0.0, 0.1))
+    return _replies(seconds, rng, tuple(r for r in REPLIES if "stop" not in r), (0.0, 0.1))[0]
 
 
 def _replies(
     seconds: float, rng: np.random.Generator, texts: tuple[str, ...], pauses: tuple[float, float]
-) -> Sound:
+) -> tuple[Sound, list[tuple[float, float]]]:
+    """Sound, and from when to when it speaks [s]."""
     sound = 10 ** (-60 / 20) * rng.standard_normal(_count(seconds))
-    at = min(0.5, pauses[1])
+    at, spans = min(0.5, pauses[1]), []
     while at < seconds:
         voice = REPLY_VOICES[int(rng.integers(len(REPLY_VOICES)))]
         said = speak(texts[int(rng.integers(len(texts)))], voice, int(rng.integers(130, 190)))
         loudness = rng.uniform(0.2, 1.5) if pauses[0] > 0.0 else 1.0
         _add(sound, at, said * loudness)
+        spans.append((at, at + len(said) / RATE))
         at += len(said) / RATE + rng.uniform(*pauses)
-    return np.clip(sound, -1.0, 1.0)
+    return np.clip(sound, -1.0, 1.0), spans
 
 
 def recorded(seconds: float, rng: np.random.Generator) -> Sound:
@@ -180,6 +192,7 @@ KINDS: dict[str, Callable[[float, np.random.Generator], Sound]] = {
     "replies": replies,
     "speaking": speaking,
     RECORDED: recorded,
+    QUOTING: quoting,
 }
 
 
@@ -194,8 +207,16 @@ def make(kind: str, seconds: float, seed: int) -> Samples:
     Returns:
         16 kHz in [-1, 1]. Shape (n,).
     """
-    rng = np.random.default_rng((tuple(KINDS).index(kind), seed))
-    return np.clip(KINDS[kind](seconds, rng), -1.0, 1.0).astype(np.float32)
+    return np.clip(KINDS[kind](seconds, _rng(kind, seed)), -1.0, 1.0).astype(np.float32)
+
+
+def when_quoting(seconds: float, seed: int) -> tuple[tuple[float, float], ...]:
+    """From when to when the loudspeaker speaks in the sound of kind QUOTING of a seed [s]."""
+    return tuple(_replies(seconds, _rng(QUOTING, seed), REPLIES, PAUSES)[1])
+
+
+def _rng(kind: str, seed: int) -> np.random.Generator:
+    return np.random.default_rng((tuple(KINDS).index(kind), seed))
 
 
 def _count(seconds: float) -> int:

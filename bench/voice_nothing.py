@@ -41,34 +41,56 @@ class NoiseChunk:
         """One."""
         sound = voice_noises.make(self.kind, self.seconds, self.seed)
         label: Label = {"kind": self.kind, "seed": self.seed, "seconds": len(sound) / RATE}
-        yield label, Scene(sound, Mode.ACTIVE)
+        spans: tuple[tuple[float, float], ...] = ()
+        if self.kind == voice_noises.QUOTING:  # and the lab's speech output tells so
+            spans = voice_noises.when_quoting(self.seconds, self.seed)
+        yield label, Scene(sound, Mode.ACTIVE, robot_speaks=spans)
 
 
 def measure() -> list[Figure]:
-    """As much of each kind."""
-    plan = _plan()
+    """As much of each kind; beside them replies that quote commands, where a "stop" is one."""
+    kinds = _kinds()
     wanted = math.ceil(HOURS * 3600.0 / SECONDS)
     voice_archive.restore("nothing")
-    pieces = voice_chunks.up_to("nothing", plan, wanted)
-    records = voice_chunks.measured("nothing", {"": pieces})[""]
-    voice_archive.keep("nothing", pieces)
+    pieces = {
+        "": voice_chunks.up_to("nothing", _plan(kinds), wanted),
+        voice_noises.QUOTING: _quoting(math.ceil(wanted / len(kinds))),
+    }
+    found = voice_chunks.measured("nothing", pieces)
+    voice_archive.keep("nothing", [piece for some in pieces.values() for piece in some])
+    records, quoting = found[""], found[voice_noises.QUOTING]
     hours = _hours(records)
     figures = [voice_kept.measured(hours, "h", FULL), _figure("nothing said: taken", records, 0.0)]
     for kind in dict.fromkeys(r.label["kind"] for r in records):
         some = [r for r in records if r.label["kind"] == kind]
         figures.append(_figure(f"{kind}: taken", some))
+    if quoting:
+        stops = [c for r in quoting for c in r.heard.taken if c == "stop"]
+        note = f"(in {_hours(quoting):.2f} h; told of, so that only a stop may be taken)"
+        others = sum(len(r.heard.taken) for r in quoting) - len(stops)
+        figures.append(Figure("replies that quote: stops", len(stops), "", note=note))
+        figures.append(Figure("replies that quote: other commands", others, "", 0.0))
     compute = sum(r.heard.compute for r in records)
     figures.append(Figure("real-time factor on noise", compute / (3600.0 * hours), ""))
-    data = {"mode": "active", "fired": _fired(records)}
+    data = {"mode": "active", "fired": _fired([*records, *quoting])}
     voice_kept.write_details("nothing_fired", hours, data)
     return figures
 
 
-def _plan() -> list[NoiseChunk]:
-    kinds = list(voice_noises.KINDS)
+def _kinds() -> list[str]:
+    """Of sound in which nobody says a command."""
+    kinds = [kind for kind in voice_noises.KINDS if kind != voice_noises.QUOTING]
     if not voice_noises.recordings():
         print("no recorded noise in ../shared/speech: made noise alone")
         kinds.remove(voice_noises.RECORDED)
+    return kinds
+
+
+def _quoting(count: int) -> list[NoiseChunk]:
+    return [NoiseChunk(voice_noises.QUOTING, seed) for seed in range(count)]
+
+
+def _plan(kinds: Sequence[str]) -> list[NoiseChunk]:
     count = math.ceil(FULL * 3600.0 / SECONDS)
     return [NoiseChunk(kinds[i % len(kinds)], i // len(kinds)) for i in range(count)]
 

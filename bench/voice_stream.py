@@ -16,6 +16,7 @@ from voice_assist.config import VoiceConfig, load_voice_config
 from voice_assist.evaluation import StreamClock
 from voice_assist.pipeline import Pipeline
 from voice_assist.recognizer.recognizer import Recognizer
+from voice_assist.talkback import Spoke
 from voice_assist.types import (
     RATE,
     Decision,
@@ -40,6 +41,7 @@ class Scene:
     mode: Mode  # at its beginning
     keeps_mode: bool = True  # whatever is heard, the mode stays; False: as in the node
     way: Way = "both"
+    robot_speaks: tuple[tuple[float, float], ...] = ()  # [s] from, to: told of, as a lab would
 
 
 @dataclass(frozen=True)
@@ -116,9 +118,13 @@ class Listener:
         began, compute = self._clock() + 1.0, self._clock.compute
         said: list[Said] = []
         armed = 0
+        told = [(began + at, i == 0) for span in scene.robot_speaks for i, at in enumerate(span)]
         for frame in Framer().push(whole_frames(scene.sound), began):
             if scene.keeps_mode:
                 pipeline.set_mode(scene.mode, "bench")
+            while told and told[0][0] < frame.stamp + frame.duration:
+                at, is_speaking = told.pop(0)
+                pipeline.robot_spoke(Spoke(is_speaking, at))
             armed += pipeline.state.mode is Mode.ACTIVE
             self._clock.begin(frame.stamp + frame.duration)
             events = pipeline(frame)

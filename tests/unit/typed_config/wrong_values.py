@@ -38,6 +38,7 @@ OTHER_UNITS = {
 NO_OTHER_UNIT = {  # units that people write in one way
     "": "a count, ratio, direction or colour",
     "dB": "everybody's unit of it",
+    "cent": "everybody's unit of it",
     "dB/s": "everybody's unit of it",
     "nat": "its own: odds have no physical bound",
     "1/nat": "its own: odds have no physical bound",

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A language of tones: each word is one pitch, so a recogniser is a few lines and never errs."""
+"""A language of tones, so that a recogniser is a few lines and never errs.
+
+Each word is one pitch that rises a little.
+"""
 
 import numpy as np
 
@@ -15,12 +18,14 @@ WORD = 0.22  # [s]
 BETWEEN = 0.03  # [s]
 _BAND = 150.0  # [Hz] between words
 _LOWEST = 400.0  # [Hz]
+_GLIDE = 0.015  # of the pitch, since what keeps its pitch is no voice
 
 
 def tone(word):
     """Sound of one word."""
-    time = np.arange(round(WORD * RATE)) / RATE
-    return 0.3 * np.sin(2 * np.pi * (_LOWEST + _BAND * WORDS.index(word)) * time)
+    pitch = _LOWEST + _BAND * WORDS.index(word)
+    rising = pitch * np.linspace(1.0 - _GLIDE, 1.0 + _GLIDE, round(WORD * RATE))
+    return 0.3 * np.sin(2 * np.pi * np.cumsum(rising) / RATE)
 
 
 def silence(seconds):

@@ -22,8 +22,8 @@ def test_other_text_is_refused(line):
 def test_answers_are_taken_once_and_in_order_before_their_frame():
     said = [Circumstance(Kind.ANSWERED, s, 0, c) for s, c in ((512, "a"), (512, "b"), (2048, "c"))]
     past = Circumstances(said)
-    assert [past.take_answers(sample) for sample in (0, 512, 1024, 1536)] == [[], said[:2], [], []]
-    assert past.take_answers(4096) == said[2:]
+    assert [past.take_told(sample) for sample in (0, 512, 1024, 1536)] == [[], said[:2], [], []]
+    assert past.take_told(4096) == said[2:]
 
 
 def test_progress_is_the_furthest_sample():

@@ -84,6 +84,7 @@ class Room:
         self._next = 0
         quiet = lambda *_, **__: None  # noqa: E731
         fake_rospy = SimpleNamespace(
+            Subscriber=lambda *_: None,
             set_param=quiet,
             loginfo=quiet,
             logwarn=quiet,

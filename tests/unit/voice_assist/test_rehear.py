@@ -18,6 +18,7 @@ from voice_assist.rehear import Rehearing, Unhearable, rehear, restore_settings
 from voice_assist.spotter.recalled import RecalledSpotter
 from voice_assist.spotter.second_way import SecondWay
 from voice_assist.spotter.spotter import NEWEST, Spotted
+from voice_assist.talkback import Spoke
 from voice_assist.types import FULL_SCALE, Decision, Match
 
 TALK = (
@@ -179,6 +180,17 @@ def test_answers_of_the_controller_are_given_again():
     live.pipeline.set_mode(live.pipeline.state.mode, "tense")
     live.pipeline.answer(Answered("tense", False, "nothing is grasped"))
     assert live.pipeline.state.reason == reason
+
+
+def test_what_was_told_of_the_robots_own_speech_is_told_again():
+    live, sound = Live(), frames(say("hey robot 0.8 tense 0.8 tense"))
+    early, middle = sound[: 2 * len(sound) // 3], sound[2 * len(sound) // 3 :]
+    live.hear(early)
+    live.pipeline.robot_spoke(Spoke(True, middle[0].stamp))
+    live.hear(middle)
+    assert [isinstance(d.outcome, Match) for d in live.decisions] == [True, True, False]
+    assert as_heard(again(live)) == as_decided(live.decisions)
+    assert as_heard(again(live, notes=[])) != as_decided(live.decisions)
 
 
 # --- the spotter

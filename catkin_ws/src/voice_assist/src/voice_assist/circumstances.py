@@ -19,12 +19,16 @@ class Kind(Enum):
 
     HEARD = "heard"  # every second or so: all before this frame was heard and decided on
     ANSWERED = "answered"  # the controller answered before this frame was heard
+    SPEAKING = "speaking"  # before it, the robot's own speech was told to begin or to end
     BEHIND = "behind"  # it was heard too late for a look before the end of the utterance
     UNHEARD = "unheard"  # the recogniser's queue was full: only the spotter heard it
     LOST = "lost"  # sound is missing in front of it, already when it was captured
     SPOTTER_LATE = "spotter late"  # the spotter had not heard it yet, only up to `heard_until`
     SPOTTER_DROPPED = "spotter dropped"  # the spotter's queue was full: it never heard it
     SPOTTER_FAILED = "spotter failed"  # from it on nobody but the recogniser listened
+
+
+TOLD = (Kind.ANSWERED, Kind.SPEAKING)  # by others, between two frames
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,8 @@ class Circumstance:
     command: str = ""  # of ANSWERED, as are the next two
     is_accepted: bool = False
     message: str = ""
+    is_speaking: bool = False  # of SPEAKING, as is the next
+    time: float = 0.0  # [s] clock time at which it was told
 
 
 Witness = Callable[[Circumstance], None]
@@ -68,10 +74,10 @@ class Circumstances:
     """Those of one stream, found by frame."""
 
     def __init__(self, all_of_them: Iterable[Circumstance]) -> None:
-        """Keep them; the order matters among answers only."""
+        """Keep them; the order matters among what was told only."""
         kept = tuple(all_of_them)
         self._found = {(entry.kind, entry.sample): entry for entry in kept}
-        self._answers = [entry for entry in kept if entry.kind is Kind.ANSWERED]
+        self._told = [entry for entry in kept if entry.kind in TOLD]
         heard = [entry.sample for entry in kept if entry.kind is Kind.HEARD]
         self.heard_until = max(heard, default=0)  # sample before which all was surely decided on
 
@@ -79,8 +85,8 @@ class Circumstances:
         """That of a kind at a frame, if there was one."""
         return self._found.get((kind, sample))
 
-    def take_answers(self, sample: int) -> list[Circumstance]:
-        """Answers that came before the frame, each once, oldest first."""
-        due = [entry for entry in self._answers if entry.sample <= sample]
-        self._answers = self._answers[len(due) :]
+    def take_told(self, sample: int) -> list[Circumstance]:
+        """What was told before the frame, each once, oldest first."""
+        due = [entry for entry in self._told if entry.sample <= sample]
+        self._told = self._told[len(due) :]
         return due

@@ -14,6 +14,7 @@ from voice_assist.commands_config import NEVER_SURE, CommandConfig, CommandsConf
 from voice_assist.enrolment.profile_config import ProfileConfig
 from voice_assist.errors import CommandsError
 from voice_assist.speaker.config import SpeakerConfig
+from voice_assist.talkback import TalkbackConfig
 
 __all__ = [
     "CONFIG_DIR",
@@ -29,6 +30,7 @@ __all__ = [
     "RecognizerConfig",
     "SpeakerConfig",
     "SpotterConfig",
+    "TalkbackConfig",
     "TopicConfig",
     "VadConfig",
     "VoiceConfig",
@@ -123,6 +125,7 @@ class AudioConfig:
     topic: TopicConfig
     denoise: DenoiseConfig
     vad: VadConfig
+    talkback: TalkbackConfig
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
@@ -175,6 +178,7 @@ class RecognizerConfig:
     hung_after: float = number(0.1, 30.0, "s")
     second_opinion: bool = flag()
     motion_confidence: float = number(0.0, NEVER_SURE, "")
+    motion_glide: float = number(0.0, 20.0, "cent")
     confidence: ConfidenceConfig
     early: EarlyConfig
 

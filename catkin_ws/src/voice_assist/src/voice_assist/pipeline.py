@@ -19,8 +19,10 @@ from voice_assist.hearing import Hearing
 from voice_assist.judge import Judge, Moment, too_unsure
 from voice_assist.mapper import Mapper
 from voice_assist.normalize import is_negated, normalize
+from voice_assist.objections import Objections
 from voice_assist.spotter.second_way import SecondWay
 from voice_assist.spotter.spotter import Spotted
+from voice_assist.talkback import Spoke, Talkback
 from voice_assist.types import (
     RATE,
     Action,
@@ -78,7 +80,6 @@ class Pipeline:
             witness: Told of all that comes in besides sound, or is not heard for lack of time.
             gate: Tells whose voice may not move the robot; None: any voice may.
         """
-        self._gate = gate
         self._second = second or SecondWay(config.spotter, None)
         self._config, self._clock, self._witness = config, clock, witness
         self._next_sample = 0  # index of the sample that follows all those heard
@@ -93,6 +94,8 @@ class Pipeline:
         self._judge = Judge(self._mapper, config.commands, early, self._second)
         self._halted = float("-inf")  # [s] clock time up to which sound has led to a halt
         self._state = AT_START
+        self._talkback = Talkback(config.audio.talkback)
+        self._object = Objections(config, self._talkback, gate)
         self._new_utterance()
 
     @property
@@ -112,6 +115,12 @@ class Pipeline:
         self._state = outcome.state
         return outcome.actions
 
+    def robot_spoke(self, spoke: Spoke) -> None:
+        """Tell that a loudspeaker of the robot's own speaks, or ended."""
+        told = Circumstance(Kind.SPEAKING, self._next_sample, is_speaking=spoke.is_speaking)
+        self._witness(replace(told, time=spoke.time))
+        self._talkback.tell(spoke)
+
     def warm_up(self, samples: Samples) -> None:
         """Let the recogniser do once what it does only once, on any sound, shape (n,)."""
         self._recognizer.transcribe(samples)
@@ -126,6 +135,7 @@ class Pipeline:
         self._analyze.reset()
         self._cut.reset()
         self._second.reset()
+        self._talkback.reset()
         self._halted = float("-inf")
         self._new_utterance()
 
@@ -204,22 +214,24 @@ class Pipeline:
             outcome, origin = fired, "spotter"
         if outcome is None:
             if self._hear.is_settled(growth):
-                self._prepare(heard)
+                self._prepare(heard, growth)
             return ()
         worth = self._config.recognizer.confidence
         confidence = worth.transcript(log_odds(heard.confidence))
         if origin == "spotter" and spotted is not None:
             confidence = worth.spotter(spotted)
         elif isinstance(outcome, Match):
-            outcome, confidence = self._second_opinion(outcome, heard)
+            outcome, confidence = self._second_opinion(outcome, heard, growth)
         return (self._conclude(outcome, heard, confidence, growth, origin),)
 
-    def _prepare(self, heard: Hypothesis) -> None:
+    def _prepare(self, heard: Hypothesis, growth: Growth) -> None:
         """Compute in the pause what a decision at its end will need."""
         if isinstance(match := self._mapper(heard.text), Match):
-            self._second_opinion(match, heard)
+            self._second_opinion(match, heard, growth)
 
-    def _second_opinion(self, match: Match, heard: Hypothesis) -> tuple[Match | NoMatch, float]:
+    def _second_opinion(
+        self, match: Match, heard: Hypothesis, growth: Growth
+    ) -> tuple[Match | NoMatch, float]:
         """The scores of whole commands may refuse one that is no halt; gives the confidence too."""
         command, worth = (
             self._config.commands.get(match.command),
@@ -240,11 +252,8 @@ class Pipeline:
         if confidence < command.least_confidence:
             reason = too_unsure(confidence, command.least_confidence)
             return NoMatch(reason, match.command, match.wer), confidence
-        least = self._config.recognizer.motion_confidence
-        if command.is_motion and heard.confidence < least:
-            reason = too_unsure(heard.confidence, least, " of the transcript")
-            return NoMatch(reason, match.command, match.wer), confidence
-        if command.is_motion and self._gate and (objection := self._gate(self._hear.sound)):
+        begun = growth.utterance.speech_start
+        if objection := self._object(command, heard, self._hear.sound, begun):
             return NoMatch(objection, match.command, match.wer), confidence
         return match, confidence
 

@@ -25,6 +25,7 @@ from voice_assist.enrolment.manifest import NOBODY
 from voice_assist.errors import VoiceError
 from voice_assist.pipeline import Event, Pipeline
 from voice_assist.spotter.recalled import RecalledSpotter
+from voice_assist.talkback import Spoke
 from voice_assist.types import RATE, Decision, Frame, Match, Mode, frozen_samples
 
 if TYPE_CHECKING:
@@ -125,8 +126,11 @@ class Rehearing:
             Unhearable: It is no frame of the pipeline.
         """
         frame = _frame(sound)
-        for answer in self._past.take_answers(frame.first_sample):
-            self._pipeline.answer(Answered(answer.command, answer.is_accepted, answer.message))
+        for told in self._past.take_told(frame.first_sample):
+            if told.kind is Kind.SPEAKING:
+                self._pipeline.robot_spoke(Spoke(told.is_speaking, told.time))
+            else:
+                self._pipeline.answer(Answered(told.command, told.is_accepted, told.message))
         if self._spotter is not None:
             self._spotter.feed(frame)
         if self._past.get(Kind.UNHEARD, frame.first_sample):

@@ -30,6 +30,7 @@ class Publishers:
         self._partial = advertise("voice_assist/partial", String, queue_size=20)
         self._utterance = advertise("voice_assist/utterance", UtteranceMessage, queue_size=100)
         self._besides = advertise("voice_assist/circumstances", String, queue_size=1000)
+        self._say = advertise("voice_assist/say", String, queue_size=20)
         self._mode = advertise("voice_assist/mode", ModeMessage, queue_size=10, latch=True)
         self._stop = advertise("rst_control/stop", Empty, queue_size=10)
         self._heartbeat = advertise("rst_control/heartbeat", Time, queue_size=1)
@@ -54,6 +55,10 @@ class Publishers:
     def mode(self, mode: Mode, reason: str, now: float) -> None:
         """The voice mode, latched."""
         self._mode.publish(messages.mode_message(mode, reason, now))
+
+    def reply(self, text: str) -> None:
+        """What a loudspeaker may say of the controller's reply."""
+        self._say.publish(String(data=text))
 
     def stop(self) -> None:
         """Stop the robot, without waiting for an answer."""

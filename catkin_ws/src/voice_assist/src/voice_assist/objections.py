@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What keeps a command that was heard from being taken; nothing here can refuse a halt."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from voice_assist.commands_config import CommandConfig
+from voice_assist.config import VoiceConfig
+from voice_assist.judge import too_unsure
+from voice_assist.talkback import Talkback
+from voice_assist.tones import glide
+from voice_assist.types import Hypothesis, Samples
+
+if TYPE_CHECKING:
+    from voice_assist.speaker.gate import Gate
+
+
+class Objections:
+    """Asked about each command that the words and the scores agree on."""
+
+    def __init__(self, config: VoiceConfig, talkback: Talkback, gate: Gate | None) -> None:
+        """Join them.
+
+        Args:
+            config: Of all stages.
+            talkback: When the robot itself speaks.
+            gate: Tells whose voice may not move the robot; None: any voice may.
+        """
+        self._config, self._talkback, self._gate = config.recognizer, talkback, gate
+
+    def __call__(
+        self, command: CommandConfig, heard: Hypothesis, sound: Samples, speech_start: float
+    ) -> str:
+        """Why a command is not taken; empty: it is.
+
+        Args:
+            command: That was heard.
+            heard: As what.
+            sound: That it was heard in, shape (n,).
+            speech_start: Clock time of the utterance's first speech [s].
+        """
+        wakes = command.then == "active"
+        if (command.is_motion or wakes) and self._talkback.is_in(speech_start):
+            return "the robot itself was speaking; say it again"
+        return self._of_motion(heard, sound) if command.is_motion else ""
+
+    def _of_motion(self, heard: Hypothesis, sound: Samples) -> str:
+        least = self._config.motion_confidence
+        if heard.confidence < least:
+            return too_unsure(heard.confidence, least, " of the transcript")
+        moved, least = glide(sound), self._config.motion_glide
+        if moved < least:
+            return f"a tone, no voice: its pitch moves by {moved:.2f} cent, a voice's by {least:g}"
+        return self._gate(sound) if self._gate else ""
