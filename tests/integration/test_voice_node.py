@@ -145,6 +145,26 @@ def test_a_refusal_by_the_controller_is_shown(session):
     assert "pull more refused: nothing is grasped" in warnings
 
 
+def test_replies_are_told_in_words_that_may_be_said_aloud(session):
+    assert firsts(session, "say") == [
+        "arm it is",
+        "tightens it is",
+        "nothing is grasped",
+        "halts it is",
+        "ends it is",
+    ]
+
+
+def test_while_the_robot_itself_speaks_only_a_stop_counts(master, tmp_path):
+    soundfile.write(tmp_path / "sound.wav", say("0.5 hey robot 1 stop"), 16_000)
+    settings = {"audio/wav/path": tmp_path / "sound.wav", "audio/talkback/longest": 60.0}
+    seen = watch(master, tmp_path, 6, ["robot=speaking"], **settings)
+    assert firsts(seen, "call") == ["stop"]
+    assert firsts(seen, "mode") == ["standby"]
+    assert len(seen["stop"]) == 1
+    assert seen["utterance"][0][2] == "the robot itself was speaking; say it again"
+
+
 def test_the_sound_is_published_without_gaps(session):
     first = firsts(session, "audio")
     assert len(first) > 300

@@ -2,7 +2,8 @@
 """Serves the robot's commands and writes down all that the voice node does; for test_voice_node.py.
 
 Arguments: seconds to watch once the node is ready, file to write, then pairs: command=refuse,
-command=hang, service=missing, or play=FILE, which is published on the topic audio_in.
+command=hang, service=missing, robot=speaking, which is told from the beginning on, or play=FILE,
+which is published on the topic audio_in.
 """
 
 import json
@@ -15,7 +16,7 @@ import rospy
 import soundfile
 from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Log
-from std_msgs.msg import Empty, String, Time
+from std_msgs.msg import Bool, Empty, String, Time
 
 from rst_control.srv import Command, CommandResponse
 from voice_assist.msg import AudioChunk, Mode, Utterance
@@ -68,6 +69,7 @@ def main():
         "rst_control/stop": (Empty, lambda m: note("stop")),
         "rst_control/heartbeat": (Time, lambda m: note("heartbeat", m.data.to_sec())),
         "voice_assist/audio": (AudioChunk, lambda m: note("audio", m.first_sample, m.rate)),
+        "voice_assist/say": (String, lambda m: note("say", m.data)),
         "voice_assist/partial": (String, lambda m: note("partial", m.data)),
         "voice_assist/mode": (Mode, lambda m: note("mode", m.mode, m.reason)),
         "voice_assist/utterance": (
@@ -91,6 +93,8 @@ def main():
     }
     for topic, (kind, take) in topics.items():
         rospy.Subscriber(topic, kind, take)
+    if behaviour.get("robot") == "speaking":
+        rospy.Publisher("voice_assist/speaking", Bool, queue_size=1, latch=True).publish(True)
     if "play" in behaviour:
         threading.Thread(target=play, args=(behaviour["play"],), daemon=True).start()
     Path(out + ".ready").touch()
