@@ -12,19 +12,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from ros_host import ROSTEST, Host, until
+from ros_host import ROSTEST, until
 
 CLOCK = Path(__file__).with_name("other_clock")
 STEP = 5e-3  # [rad] that no joint goes from one joint state to the next, 2 ms later
 HELD = 1e-5  # [rad] that it may go while it is held
 RCM = 1e-5  # [m]
-
-
-@pytest.fixture
-def host(tmp_path, monkeypatch):
-    host = Host(tmp_path, monkeypatch)
-    yield host
-    host.end()
 
 
 @pytest.mark.parametrize("whose", ["robot and controller", "robot", "controller"])

@@ -7,19 +7,11 @@ import json
 import sys
 from pathlib import Path
 
-import pytest
-from ros_host import ROSTEST, Host, until
+from ros_host import ROSTEST, until
 
 LIMITS = ROSTEST.parents[1] / "catkin_ws/src/rst_control/config/kinova_limits.yaml"
 TROCAR = {"trocar_x": 0.406, "trocar_y": -0.024, "trocar_z": 0.415}
 LEFT_OUT = dict.fromkeys(("dry_run", "voice", "alarms", "record"), "false")
-
-
-@pytest.fixture
-def host(tmp_path, monkeypatch):
-    host = Host(tmp_path, monkeypatch)
-    yield host
-    host.end()
 
 
 def test_the_arm_is_stopped_and_the_launch_ends(host, tmp_path):

@@ -9,8 +9,7 @@ import signal
 import subprocess
 import time
 
-import pytest
-from ros_host import END, ROSTEST, WAIT, Host, until
+from ros_host import END, ROSTEST, WAIT, until
 
 
 def said(*words):
@@ -28,13 +27,6 @@ def state():
     text = said("rostopic", "echo", "-n", "1", "/rst_control/state")
     found = {key: re.search(rf"^{key}: (.*)$", text, re.M) for key in ("state", "halt_reason")}
     return tuple(match[1].strip("\"'") if match else "" for match in found.values())
-
-
-@pytest.fixture
-def host(tmp_path, monkeypatch):
-    host = Host(tmp_path, monkeypatch)
-    yield host
-    host.end()
 
 
 def test_all_brakes_is_named_and_found_again_with_the_next_master(host):
