@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from rich.console import Console
 
 from bench.figures import Figure, run
+from demo.interrupt import end_as_by_ctrl_c
 
 SETS = (
     "motion",
@@ -57,4 +58,5 @@ def _measure(name: str) -> Callable[[], list[Figure]]:
 
 
 if __name__ == "__main__":
+    end_as_by_ctrl_c()
     sys.exit(main(sys.argv[1:]))

@@ -19,6 +19,7 @@ from rich.table import Table
 
 from demo.check import Verdict, verdicts, worst_rcm_error
 from demo.film import Camera, take_picture, write_film
+from demo.interrupt import end_as_by_ctrl_c
 from demo.script import Script, load_script
 from demo.sound import RATE, render
 from demo.system import System
@@ -202,4 +203,5 @@ def _conclude(results: Sequence[Verdict], folder: Path, console: Console) -> int
 
 
 if __name__ == "__main__":
+    end_as_by_ctrl_c()
     sys.exit(main())

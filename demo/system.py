@@ -17,6 +17,8 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
+from demo.interrupt import undisturbed
+
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = ROOT / "catkin_ws" / "src" / "rst_control" / "config"
 START_TIME = 20.0  # [s] allowed for roscore to answer
@@ -149,8 +151,9 @@ class System:
         return all(process.poll() is None for process in self._launches)
 
     def __exit__(self, *_: object) -> None:
-        for process in reversed(self._launches):
-            end_group(process)
+        with undisturbed():
+            for process in reversed(self._launches):
+                end_group(process)
 
     def _spawn(self, command: list[str]) -> None:
         with self._log.open("ab") as log:

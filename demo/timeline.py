@@ -23,6 +23,7 @@ from voice_assist.msg import AudioChunk, Mode, Utterance
 
 SILENT = 3  # of 32767
 SETTLE = 1.0  # [s] of the first sound until its true time shows; words begin later
+VOICE = "voice_assist: voice"  # the voice node's status of itself
 MOTION = "rst_control: motion"  # the controller's status of the robot
 COLOURS = {
     "accepted": "green",
@@ -47,6 +48,7 @@ class Timeline:
         self._console = console
         self._zero = rospy.Time.now().to_sec()
         self._partial, self._mode = "", "?"
+        self._trouble = ""  # of the voice node, as it says
         self._state: ControllerState | None = None
         self._lock = threading.Lock()
         self._intended = rospy.Publisher("voice_assist/intended", String, queue_size=10)
@@ -174,8 +176,17 @@ class Timeline:
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         """The controller is ready once it sees a healthy robot; a first start takes a while."""
         for status in message.status:
+            if status.name == VOICE and self.voice_ready.is_set():
+                self._on_voice(status)
             if status.name == MOTION and status.level < DiagnosticStatus.ERROR:
                 self.controller_ready.set()
+
+    def _on_voice(self, status: DiagnosticStatus) -> None:
+        """Say what is wrong with the voice node, such as a missing microphone, and when it ends."""
+        trouble = status.message if status.level != DiagnosticStatus.OK else ""
+        if trouble != self._trouble:
+            self._trouble = trouble
+            self.warn(f"voice   {status.message}")
 
     def _on_state(self, message: ControllerState) -> None:
         self._state = message

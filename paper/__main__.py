@@ -17,6 +17,7 @@ import rospy
 from rich.console import Console
 
 from bench.figures import RESULTS, ROOT
+from demo.interrupt import end_as_by_ctrl_c
 from paper import session, triangulation
 from paper.config import (
     ExperimentConfig,
@@ -196,4 +197,5 @@ def _report(out: Path, console: Console) -> None:
 
 
 if __name__ == "__main__":
+    end_as_by_ctrl_c()
     sys.exit(main())
