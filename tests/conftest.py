@@ -18,6 +18,7 @@ from demo.system import free_port
 
 ROOT = Path(__file__).resolve().parent.parent
 START_TIME = 30.0  # [s] allowed for roscore to answer
+TOLD = 8000  # characters of a failed rostest's output
 TIME_LIMIT = 240.0  # [s] for one .test file, start and end of its nodes included
 
 # The same examples each time, so that a failure says something of the change at hand; EXPLORE=1
@@ -80,7 +81,7 @@ class RosTest(pytest.Item):
         count = {key: int(n) for key, n in re.findall(r"(TESTS|ERRORS|FAILURES): (\d+)", output)}
         passed = count.get("TESTS", 0) > 0 and count["ERRORS"] == count["FAILURES"] == 0
         if process.returncode or not passed:
-            raise RosTestError(output[-8000:])
+            raise RosTestError(worth_reading(output)[-TOLD:])
 
     def repr_failure(self, excinfo, style=None):
         if isinstance(excinfo.value, RosTestError):
@@ -89,6 +90,12 @@ class RosTest(pytest.Item):
 
     def reportinfo(self):
         return self.path, 0, f"rostest {self.path.name}"
+
+
+def worth_reading(output):
+    """What a rostest printed, without roslaunch's list of parameters: it fills pages."""
+    lines = output.splitlines(keepends=True)
+    return "".join(line for line in lines if not line.startswith(" * /"))
 
 
 def wait_for_master(port):
