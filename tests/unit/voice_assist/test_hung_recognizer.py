@@ -84,7 +84,6 @@ class Room:
         self._next = 0
         quiet = lambda *_, **__: None  # noqa: E731
         fake_rospy = SimpleNamespace(
-            Subscriber=lambda *_: None,
             set_param=quiet,
             loginfo=quiet,
             logwarn=quiet,
@@ -104,6 +103,7 @@ class Room:
             "HangWatch": lambda allowed: HangWatch(allowed, dict),  # nobody lacks a processor
             "Publishers": lambda: self,
             "CommandCaller": lambda *_: caller,
+            "SpeakingTopic": lambda _: SimpleNamespace(take=list),
             "Diagnostics": self.diagnostics,
             "make_recognizer": lambda _: self.recognizer,
             "make_spotter": lambda _: (self.spotter, "0"),

@@ -12,7 +12,6 @@ from queue import Empty, Full, Queue
 
 import numpy as np
 import rospy
-from std_msgs.msg import Bool
 
 from typed_config import ConfigError, load_yaml
 from voice_assist.assembly import (
@@ -40,11 +39,11 @@ from voice_assist.ros.caller import CommandCaller
 from voice_assist.ros.diagnostics import Diagnostics, Health
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
+from voice_assist.ros.speaking import SpeakingTopic
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.spoken_reply import spoken_reply
 from voice_assist.spotter.spotter import Spotted
 from voice_assist.spotter.worker import SpotterThread
-from voice_assist.talkback import Spoke
 from voice_assist.types import (
     RATE,
     Action,
@@ -91,7 +90,7 @@ class VoiceNode:
             rospy.set_param("~profile", asdict(pinned))
             rospy.loginfo("profile %(profile)s %(profile_sha256).12s", of_profile)
         self._frames: Queue[Frame | None] = Queue(config.audio.queue)
-        self._told: Queue[Answered | Spoke] = Queue()
+        self._answers: Queue[Answered] = Queue()
         self._over = threading.Event()
         self._stopped = float("-inf")  # [s] when the newest stop was sent
         self._busy_since: float | None = None  # [s] steady clock, at the frame under recognition
@@ -107,8 +106,8 @@ class VoiceNode:
         rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
         witness = self._publish.circumstance
         self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, witness)
-        self._caller = CommandCaller(config.commands.answer_within, self._told.put)
-        rospy.Subscriber("voice_assist/speaking", Bool, self._speaking)
+        self._caller = CommandCaller(config.commands.answer_within, self._answers.put)
+        self._speaking = SpeakingTopic(_now)
         self._repeatable = {c.call for c in config.commands.commands if not c.is_motion}
 
     def run(self) -> None:
@@ -225,16 +224,11 @@ class VoiceNode:
         self._publish.stop()
         self._caller.forget()
 
-    def _speaking(self, message: Bool) -> None:
-        self._told.put(Spoke(message.data, _now()))
-
     def _take_told(self) -> None:
-        while not self._told.empty():
-            told = self._told.get()
-            if isinstance(told, Spoke):
-                self._pipeline.robot_spoke(told)
-            else:
-                self._take_answer(told)
+        for spoke in self._speaking.take():
+            self._pipeline.robot_spoke(spoke)
+        while not self._answers.empty():
+            self._take_answer(self._answers.get())
 
     def _take_answer(self, answered: Answered) -> None:
         if reply := spoken_reply(answered.message, self._config.commands.phrases):
