@@ -9,12 +9,13 @@ more is counted. Rows of another key are left alone.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from bench import voice_chunks
 from bench.figures import RESULTS
+from bench.kept_rows import rows_of
 from bench.voice_chunks import MODEL, Chunk
 
 FOLDER = RESULTS / "voice" / "pieces"
@@ -47,14 +48,8 @@ def keep(part: str, plan: Sequence[Chunk], folder: Path = FOLDER, model: str = M
     return len(new)
 
 
-def _rows(part: str, folder: Path, model: str) -> Iterator[dict[str, Any]]:
-    path = folder / f"{part}.jsonl"
-    if not path.is_file():
-        return
-    for line in path.read_text(encoding="utf-8").splitlines():
-        row = json.loads(line)
-        if row["key"] == voice_chunks.identity(model):
-            yield row
+def _rows(part: str, folder: Path, model: str) -> list[dict[str, Any]]:
+    return rows_of(folder / f"{part}.jsonl", "key", voice_chunks.identity(model))
 
 
 def _short(record: dict[str, Any]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from bench.figures import RESULTS, Figure
+from bench.kept_rows import rows_of
 from bench.safety.losses_judge import Loss
 
 FOLDER = RESULTS / "safety" / "losses_rows"
@@ -66,10 +67,7 @@ def read(kept: Path, code: str) -> list[Loss]:
         kept: May be missing.
         code: Digest of what decides on a loss.
     """
-    if not kept.is_file():
-        return []
-    rows = [json.loads(line) for line in kept.read_text(encoding="utf-8").splitlines()]
-    found = [row for row in rows if row.pop("code") == code]
+    found = rows_of(kept, "code", code)
     return [Loss(**{**row, "objections": tuple(row["objections"])}) for row in found]
 
 
