@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rows that are kept beside the results, one JSON object per line, each with the key of its code."""
+"""Rows that are kept beside the results, a JSON object per line, each with the key of its code."""
 
 from __future__ import annotations
 
