@@ -112,7 +112,8 @@ class DocExamples(unittest.TestCase):
         if line.text.startswith("rosservice call /rst_control"):
             self.assertIn("accepted: True", printed)
             if "hey robot" not in line.text:
-                self.robot.wait_for_state("active", limit=90.0)
+                self.robot.wait_for_state("active", "halted", "faulted", limit=90.0)
+                self.assertEqual(self.robot.state.state, "active", self.robot.halts())
         elif line.text.startswith("rostopic pub -1 /rst_control/stop"):
             self.robot.wait_for_state("halted")
         elif "openrst_request" in line.text:
