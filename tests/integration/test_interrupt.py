@@ -28,7 +28,9 @@ with System(Path(sys.argv[1]), {}) as system:
 @pytest.mark.parametrize("request_to_end", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
 def test_the_system_ends_with_who_started_it(tmp_path, request_to_end):
     command = [sys.executable, "-c", PROGRAM, str(tmp_path / "launch.log")]
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as program:
+    with subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.PIPE, text=True, preexec_fn=heed
+    ) as program:
         groups = [int(word) for word in program.stdout.readline().split()]
         assert groups
         assert all(members(group) for group in groups)
@@ -36,8 +38,17 @@ def test_the_system_ends_with_who_started_it(tmp_path, request_to_end):
             program.send_signal(request_to_end)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 program.wait(wait)
-        assert program.poll() is not None
+        is_over = program.poll() is not None
+        if not is_over:  # or this waits for it, and what it started stays
+            program.send_signal(signal.SIGTERM)
+    assert is_over
     assert [member for group in groups for member in members(group)] == []
+
+
+def heed():
+    """In the child: heed the signals, also where these tests run under nohup or in the background."""
+    for request in (signal.SIGHUP, signal.SIGINT):
+        signal.signal(request, signal.SIG_DFL)
 
 
 def members(group):
