@@ -2,7 +2,9 @@
 """`make test`: all tests in two processes side by side, those with running nodes and the others.
 
 Tests with nodes mostly wait, so the others take what they leave of the machine, at a lower
-priority. With arguments: one pytest over all tests, with them.
+priority. A robot holds where its machine does not keep up, so what failed in that crowd is run once
+more with nothing beside it; both outcomes are shown, the second one counts. With arguments: one
+pytest over all tests, with them.
 """
 
 from __future__ import annotations
@@ -22,6 +24,8 @@ WITH_NODES = ("integration", "rostest")
 WITHOUT = ("simulation", "property", "traps", "unit")
 NICE = 19  # of the tests without nodes
 COUNTS = ("passed", "failed", "skipped")
+TESTS_FAILED = 1  # pytest's exit code; others mean that not all of them were run
+MOST_AGAIN = 5  # failures beyond which the crowd is not to blame
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -30,7 +34,8 @@ def main(arguments: Sequence[str]) -> int:
     if arguments:
         return subprocess.call([*pytest, str(FOLDER), *arguments])
     with tempfile.TemporaryDirectory() as scratch:
-        log, results = Path(scratch) / "log", [Path(scratch) / name for name in ("a.xml", "b.xml")]
+        log, failed = Path(scratch) / "log", Path(scratch) / "failed"
+        results = [Path(scratch) / name for name in ("a.xml", "b.xml", "again.xml")]
         print("Tests with nodes first; the others run beside them and are shown last.", flush=True)
         with log.open("wb") as file:
             other = subprocess.Popen(
@@ -40,13 +45,28 @@ def main(arguments: Sequence[str]) -> int:
                 preexec_fn=_give_way,
             )
         try:
-            first = subprocess.call([*pytest, *_paths(WITH_NODES), f"--junitxml={results[1]}"])
+            first = subprocess.call(
+                [*pytest, *_paths(WITH_NODES), f"--junitxml={results[1]}"],
+                env={**os.environ, "FAILED_TESTS": str(failed)},
+            )
             second = other.wait()
         finally:
             _end(other)
             print(log.read_text(encoding="utf-8", errors="replace"), flush=True)
-        _tell([count(file) for file in results])
+        again = _to_run_again(failed) if first == TESTS_FAILED else []
+        if again:
+            print("Failed beside the others, so once more alone:", *again, sep="\n  ", flush=True)
+            first = subprocess.call([*pytest, *again, f"--junitxml={results[2]}"])
+        _tell([count(file) for file in results], len(again))
     return 1 if first or second else 0
+
+
+def _to_run_again(failed: Path) -> list[str]:
+    """Tests named in a file, each once; none where it is missing or names too many."""
+    if not failed.is_file():
+        return []
+    names = list(dict.fromkeys(failed.read_text(encoding="utf-8").splitlines()))
+    return [str(FOLDER.parent / name) for name in names] if len(names) <= MOST_AGAIN else []
 
 
 def count(results: Path) -> dict[str, int]:
@@ -66,9 +86,11 @@ def _end(process: subprocess.Popen[bytes]) -> None:
         os.killpg(process.pid, signal.SIGTERM)
 
 
-def _tell(counts: Sequence[dict[str, int]]) -> None:
+def _tell(counts: Sequence[dict[str, int]], again: int) -> None:
     total = {name: sum(one.get(name, 0) for one in counts) for name in COUNTS}
-    print(", ".join(f"{total[name]} {name}" for name in COUNTS))
+    total["failed"] -= again  # each of them counts as what it came to alone
+    print(", ".join(f"{total[name]} {name}" for name in COUNTS), end="")
+    print(f"; {again} of them run again alone" if again else "")
 
 
 def _paths(folders: Sequence[str]) -> list[str]:

@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs each tests/rostest/*.test as one pytest item, on a master of its own on loopback.
-
-One that fails where the machine did not keep up is run once more, and the summary says so; a second
-failure counts whatever the machine did.
-"""
+"""Runs each tests/rostest/*.test as one pytest item, on a master of its own on loopback."""
 
 from __future__ import annotations
 
@@ -17,7 +13,6 @@ from pathlib import Path
 
 import hypothesis
 import pytest
-from standstill import Standstills, overtaken
 
 from demo.system import free_port
 
@@ -25,7 +20,6 @@ ROOT = Path(__file__).resolve().parent.parent
 START_TIME = 30.0  # [s] allowed for roscore to answer
 TOLD = 8000  # characters of a failed rostest's output
 TIME_LIMIT = 240.0  # [s] for one .test file, start and end of its nodes included
-AGAIN = []  # rostests that were run a second time, and why
 
 # The same examples each time, so that a failure says something of the change at hand; EXPLORE=1
 # looks at others, and many more of them.
@@ -47,20 +41,6 @@ class RosTestFile(pytest.File):
 
 class RosTest(pytest.Item):
     def runtest(self):
-        with Standstills() as machine:
-            try:
-                self._run_on_a_master()
-                return
-            except RosTestError as error:
-                failure = error
-        evidence = overtaken(failure.printed, machine.longest)
-        if not evidence:
-            raise failure
-        AGAIN.append(f"{self.path.name}: {evidence}")
-        self.add_report_section("call", "first run", str(failure))
-        self._run_on_a_master()
-
-    def _run_on_a_master(self):
         port = free_port()
         environment = {
             **os.environ,
@@ -101,7 +81,7 @@ class RosTest(pytest.Item):
         count = {key: int(n) for key, n in re.findall(r"(TESTS|ERRORS|FAILURES): (\d+)", output)}
         passed = count.get("TESTS", 0) > 0 and count["ERRORS"] == count["FAILURES"] == 0
         if process.returncode or not passed:
-            raise RosTestError(worth_reading(output)[-TOLD:], output)
+            raise RosTestError(worth_reading(output)[-TOLD:])
 
     def repr_failure(self, excinfo, style=None):
         if isinstance(excinfo.value, RosTestError):
@@ -113,9 +93,12 @@ class RosTest(pytest.Item):
 
 
 def worth_reading(output):
-    """What a rostest printed, without roslaunch's list of parameters: it fills pages."""
-    lines = output.splitlines(keepends=True)
-    return "".join(line for line in lines if not line.startswith(" * /"))
+    """What a rostest printed until its tests were over, without roslaunch's list of parameters.
+
+    The list fills pages, and so does what nodes say of being ended.
+    """
+    until = output.partition("[ROSTEST]tearDown")[0]
+    return "".join(line for line in until.splitlines(keepends=True) if not line.startswith(" * /"))
 
 
 def wait_for_master(port):
@@ -128,17 +111,13 @@ def wait_for_master(port):
     raise RosTestError(f"roscore did not answer within {START_TIME:g} s")
 
 
-def pytest_terminal_summary(terminalreporter):
-    """Say which rostests were run twice."""
-    if AGAIN:
-        terminalreporter.section("run again, since the machine did not keep up")
-        for line in AGAIN:
-            terminalreporter.line(line)
+def pytest_runtest_logreport(report):
+    """Keep which tests failed, for who runs them again (tests/__main__.py)."""
+    kept = os.environ.get("FAILED_TESTS")
+    if kept and report.failed:
+        with Path(kept).open("a", encoding="utf-8") as lines:
+            lines.write(f"{report.nodeid}\n")
 
 
 class RosTestError(Exception):
     """A rostest failed, ran nothing or did not end."""
-
-    def __init__(self, told, printed=""):
-        super().__init__(told)
-        self.printed = printed
