@@ -3,7 +3,7 @@
 
 Tests with nodes mostly wait, so the others take what they leave of the machine, at a lower
 priority. A robot holds where its machine does not keep up, so what failed in that crowd is run once
-more with nothing beside it; both outcomes are shown, the second one counts. With arguments: one
+more with nothing beside it; both outcomes are shown, the second counts. With arguments: one
 pytest over all tests, with them.
 """
 
@@ -15,7 +15,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -37,28 +37,35 @@ def main(arguments: Sequence[str]) -> int:
         log, failed = Path(scratch) / "log", Path(scratch) / "failed"
         results = [Path(scratch) / name for name in ("a.xml", "b.xml", "again.xml")]
         print("Tests with nodes first; the others run beside them and are shown last.", flush=True)
+        environment = {**os.environ, "FAILED_TESTS": str(failed)}
         with log.open("wb") as file:
             other = subprocess.Popen(
                 [*pytest, *_paths(WITHOUT), f"--junitxml={results[0]}"],
                 stdout=file,
                 stderr=subprocess.STDOUT,
+                env=environment,
                 preexec_fn=_give_way,
             )
         try:
             first = subprocess.call(
                 [*pytest, *_paths(WITH_NODES), f"--junitxml={results[1]}"],
-                env={**os.environ, "FAILED_TESTS": str(failed)},
+                env=environment,
             )
             second = other.wait()
         finally:
             _end(other)
             print(log.read_text(encoding="utf-8", errors="replace"), flush=True)
-        again = _to_run_again(failed) if first == TESTS_FAILED else []
+        again = _to_run_again(failed) if {first, second} <= {0, TESTS_FAILED} else []
         if again:
-            print("Failed beside the others, so once more alone:", *again, sep="\n  ", flush=True)
-            first = subprocess.call([*pytest, *again, f"--junitxml={results[2]}"])
+            print("Failed beside others, so once more alone:", *again, sep="\n  ", flush=True)
+            command = [*pytest, *again, f"--junitxml={results[2]}"]
+            first, second = 0, subprocess.call(command, env=_without(environment, "FAILED_TESTS"))
         _tell([count(file) for file in results], len(again))
     return 1 if first or second else 0
+
+
+def _without(environment: Mapping[str, str], name: str) -> dict[str, str]:
+    return {key: value for key, value in environment.items() if key != name}
 
 
 def _to_run_again(failed: Path) -> list[str]:

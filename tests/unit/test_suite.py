@@ -78,7 +78,9 @@ def test_it(): assert "FAILED_TESTS" not in os.environ  # as if the others were 
         ([PASSES], PASSES, 0, "2 passed, 0 failed, 0 skipped"),
         ([IN_A_CROWD], PASSES, 0, "2 passed, 0 failed, 0 skipped; 1 of them run again alone"),
         ([FAILS], PASSES, 1, "1 passed, 1 failed, 0 skipped; 1 of them run again alone"),
-        ([PASSES], FAILS, 1, "1 passed, 1 failed, 0 skipped"),
+        ([PASSES], IN_A_CROWD, 0, "2 passed, 0 failed, 0 skipped; 1 of them run again alone"),
+        ([PASSES], FAILS, 1, "1 passed, 1 failed, 0 skipped; 1 of them run again alone"),
+        ([IN_A_CROWD], FAILS, 1, "1 passed, 1 failed, 0 skipped; 2 of them run again alone"),
         ([FAILS] * (suite.MOST_AGAIN + 1), PASSES, 1, "1 passed, 6 failed, 0 skipped"),
     ],
 )
