@@ -15,7 +15,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -59,13 +59,9 @@ def main(arguments: Sequence[str]) -> int:
         if again:
             print("Failed beside others, so once more alone:", *again, sep="\n  ", flush=True)
             command = [*pytest, *again, f"--junitxml={results[2]}"]
-            first, second = 0, subprocess.call(command, env=_without(environment, "FAILED_TESTS"))
+            first, second = 0, subprocess.call(command, env={**os.environ, "FAILED_TESTS": ""})
         _tell([count(file) for file in results], len(again))
     return 1 if first or second else 0
-
-
-def _without(environment: Mapping[str, str], name: str) -> dict[str, str]:
-    return {key: value for key, value in environment.items() if key != name}
 
 
 def _to_run_again(failed: Path) -> list[str]:

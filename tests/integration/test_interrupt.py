@@ -46,7 +46,7 @@ def test_the_system_ends_with_who_started_it(tmp_path, request_to_end):
 
 
 def heed():
-    """In the child: heed them, also where these tests run under nohup or in the background."""
+    """In the child: heed both, also where these tests run under nohup or in the background."""
     for request in (signal.SIGHUP, signal.SIGINT):
         signal.signal(request, signal.SIG_DFL)
 

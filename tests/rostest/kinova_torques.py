@@ -56,6 +56,17 @@ class KinovaTorques(unittest.TestCase):
         """The estimate settles near the true tension."""
         self.robot.wait(lambda: abs(self.robot.tension - self.true) < CLOSE, 20.0)
 
+    def say_until_refused(self, command):
+        """Pull so often, six times at most; gives the last reply."""
+        for _ in range(6):
+            done = self.robot.finished(command)
+            reply = self.robot.command(command)
+            if not reply.accepted:
+                break
+            self.robot.wait(lambda done=done: self.robot.finished(command) > done, 60.0)
+            self.assert_told()
+        return reply
+
     def test_1_before_the_jaws_were_open_at_rest_it_is_not_trusted(self):
         self.robot.wait(lambda: self.distrust and self.distrust.startswith("no tare"), START_LIMIT)
         self.robot.wait(lambda: self.home_tool().success, START_LIMIT)
@@ -70,24 +81,13 @@ class KinovaTorques(unittest.TestCase):
 
     def test_3_more_than_the_maximum_is_refused(self):
         before = self.true
-        for _ in range(6):
-            done = self.robot.finished("pull more")
-            reply = self.robot.command("pull more")
-            if not reply.accepted:
-                break
-            self.robot.wait(lambda done=done: self.robot.finished("pull more") > done, 60.0)
-            self.assert_told()
+        reply = self.say_until_refused("pull more")
         self.assertIn("allowed 0.10 to 1.50 N", reply.message)
         self.assertGreater(self.true, before)
 
     def test_4_pull_less_pulls_less(self):
         before = self.true
-        for _ in range(6):  # one step is less than what the torques may be off by
-            done = self.robot.finished("pull less")
-            if not self.robot.command("pull less").accepted:
-                break
-            self.robot.wait(lambda done=done: self.robot.finished("pull less") > done, 60.0)
-            self.assert_told()
+        self.say_until_refused("pull less")  # one step is less than what the torques may be off by
         self.assertLess(self.true, before)
 
     def test_5_release_lets_go_and_nothing_was_ever_torn(self):
