@@ -29,7 +29,7 @@ from voice_assist.hang import HangWatch, waits
 SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
 BURNERS = int(os.environ.get("BURNERS", "6"))
 HANGS = int(os.environ.get("HANGS", "20"))
-LOOK = 0.05  # [s] between looks, as the voice node's heartbeat has it
+LOOK = 0.01  # [s] between looks, as in the voice node
 HELD_WITHIN = 0.5  # [s] demanded; braking takes 0.06 s of it
 LONGEST = 10.0  # [s] for a hang to be noticed
 WORDS = ("hey robot", "they will release the beds before the morning", "pull more", "tense")

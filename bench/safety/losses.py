@@ -39,12 +39,13 @@ EDGE = (
     "action_server command_service controller_node peers presence_watch recording_link "
     "registrar_node"
 )
+HEARING = "node publishers recognition_watch"
 CONCERNED = (  # what decides how soon the robot rests, and how it comes back
     *(f"rst_control/src/rst_control/{name}.py" for name in CORE.split()),
     *(f"rst_control/src/rst_control/ros/{name}.py" for name in EDGE.split()),
     "rst_control/src/rst_control/watchdogs.py",
     "rst_control/src/rst_control/backends/servo.py",
-    *(f"voice_assist/src/voice_assist/ros/{name}.py" for name in ("node", "publishers")),
+    *(f"voice_assist/src/voice_assist/ros/{name}.py" for name in HEARING.split()),
 )
 LOGS = ROOT / ".cache" / "bench" / "safety" / "losses"
 

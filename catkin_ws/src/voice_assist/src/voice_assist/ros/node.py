@@ -39,10 +39,11 @@ from voice_assist.ros.caller import CommandCaller
 from voice_assist.ros.diagnostics import Diagnostics, Health
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
+from voice_assist.ros.recognition_watch import RecognitionWatch
 from voice_assist.ros.speaking import SpeakingTopic
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.spoken_reply import spoken_reply
-from voice_assist.spotter.spotter import Spotted
+from voice_assist.spotter.spotter import Spotted, Spotter
 from voice_assist.spotter.worker import SpotterThread
 from voice_assist.types import (
     RATE,
@@ -59,7 +60,9 @@ from voice_assist.types import (
     frozen_samples,
 )
 
+LOOK = 0.01  # [s] between looks at recognition; what a hang is noticed late by
 HEARTBEAT = 0.05  # [s]
+_HEARTBEAT_EVERY = 5  # looks
 _DIAGNOSTICS_EVERY = 20  # heartbeats
 
 
@@ -94,14 +97,16 @@ class VoiceNode:
         self._over = threading.Event()
         self._stopped = float("-inf")  # [s] when the newest stop was sent
         self._busy_since: float | None = None  # [s] steady clock, at the frame under recognition
-        self._hang_watch = HangWatch(config.recognizer.hung_after)
         self._publish = Publishers()
         self._health = Health(
             f"{recognizer.name} {recognizer.model_hash[:12]}",
             config.audio.source,
             config.audio.queue,
         )
-        self._spotter = self._make_spotter() if config.spotter.is_enabled else None
+        spotting = self._load_spotter() if config.spotter.is_enabled else None
+        self._spotter = None if spotting is None else self._in_thread(spotting)
+        hang_watch = HangWatch(config.recognizer.hung_after)
+        self._watch = RecognitionWatch(hang_watch, spotting, config.spotter)
         facts["spotter_sha256"] = self._health.spotter
         rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
         witness = self._publish.circumstance
@@ -252,9 +257,11 @@ class VoiceNode:
 
     # --- thread 3: the second way to a stop
 
-    def _make_spotter(self) -> SpotterThread:
-        spotter, digest = make_spotter(self._config.spotter)
-        self._health.spotter = digest
+    def _load_spotter(self) -> Spotter:
+        spotter, self._health.spotter = make_spotter(self._config.spotter)
+        return spotter
+
+    def _in_thread(self, spotter: Spotter) -> SpotterThread:
         told = self._spotted, self._spotter_failed
         patience = self._config.spotter.patience
         witness = self._publish.circumstance
@@ -270,29 +277,33 @@ class VoiceNode:
         self._health.spotter_failure = f"spotter: {error}; the recogniser alone hears a stop"
         rospy.logerr("%s", self._health.spotter_failure)
 
-    # --- thread 4: heartbeat and diagnostics
+    # --- thread 4: watch over recognition, heartbeat and diagnostics
 
     def _beat(self) -> None:
         diagnostics = Diagnostics(self._health, _now, self._config.audio.deaf_after)
-        count = 0
-        while not self._over.wait(HEARTBEAT):
+        looks = 0
+        while not self._over.wait(LOOK):
             is_news = self._watch_recognition()
-            if self._health.would_hear(_now(), self._config.audio.deaf_after):
+            if looks % _HEARTBEAT_EVERY == 0 and self._would_hear():
                 self._publish.heartbeat(_now())
-            if is_news or count % _DIAGNOSTICS_EVERY == 0:
+            if is_news or looks % (_HEARTBEAT_EVERY * _DIAGNOSTICS_EVERY) == 0:
                 self._health.controller = self._caller.trouble
                 diagnostics.publish()
-            count += 1
+            looks += 1
+
+    def _would_hear(self) -> bool:
+        return self._health.would_hear(_now(), self._config.audio.deaf_after)
 
     def _watch_recognition(self) -> bool:
         """Stop the robot once recognition hangs; gives whether it has just begun or ended to."""
-        health, was_hung = self._health, bool(self._health.hang)
-        health.hang = self._hang_watch.objection(self._busy_since, _steady())
-        is_hung = bool(health.hang)
-        if is_hung and not was_hung:
+        seen = self._watch(self._busy_since, _steady(), _now())
+        self._health.hang = seen.hang
+        if seen.hang and seen.is_news:
             self._hold()
-            rospy.logerr("%s; the robot is stopped", health.hang)
-        return is_hung != was_hung
+            rospy.logerr("%s; the robot is stopped", seen.hang)
+        if seen.spotted is not None:
+            self._spotted(Spotted(_now(), seen.spotted))
+        return seen.is_news
 
 
 def _load_config() -> VoiceConfig:
