@@ -46,6 +46,7 @@ BESIDE_FILES = (
     *("cli", "listen", "evaluate", "scores", "microphone", "portaudio", "pulse", "worker"),
     *("rehear", "spoken_reply"),
 )
+UNHEARD = {"recognizer__hung_after": 0.35}  # settings of the node alone; any value serves the key
 
 _T = TypeVar("_T")
 Label = dict[str, Any]  # what is known of a scene; JSON
@@ -138,7 +139,7 @@ def identity(model: str = MODEL) -> str:
     config = load_voice_config(CONFIG_DIR, recognizer__model=model)
     network = make_recognizer(config).model_hash
     _, spotter = make_spotter(config.spotter)
-    named = load_voice_config(CONFIG_DIR)  # by what is in the file, not by how it is called
+    named = load_voice_config(CONFIG_DIR, **UNHEARD)  # by what is in the file, not by its name
     return digest(network, spotter, named, code(Path(pipeline.__file__).parent))
 
 

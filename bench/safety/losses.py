@@ -29,6 +29,7 @@ from bench.safety import losses_judge as judge
 from bench.safety.losses_judge import left, ways_of
 from bench.safety.losses_kept import FOLDER, append, earlier, read
 from bench.safety.losses_stage import RULES, stage_for
+from voice_assist.config import load_voice_config
 
 LOSSES = int(os.environ.get("LOSSES", "60"))
 MINUTES = float(os.environ.get("MINUTES", "inf"))
@@ -68,20 +69,22 @@ def measure() -> list[Figure]:
                 raise RuntimeError(
                     f"no loss of the {victim} in {PATIENCE} goes; see {_log(victim)}"
                 )
-    losses = [loss for victim in RULES for loss in read(_kept(victim), key())]
+    losses = [loss for victim in RULES for loss in read(_kept(victim), key(victim))]
     planned = each * sum(len(ways_of(victim)) for victim in RULES)
     return earlier().joined(judge.figures(losses, RULES, planned))
 
 
 @cache
-def key() -> str:
-    """Names the code and settings that losses depend on, as this process began with them."""
+def key(victim: str) -> str:
+    """Names the code and settings that losses of a part depend on, as this process began."""
     packages = ROOT / "catkin_ws" / "src"
     files = [p for p in Path(__file__).parent.glob("losses_*.py") if p.stem != "losses_kept"]
     files += [file for pattern in CONCERNED for file in packages.glob(pattern)]
     digest = hashlib.sha256()
     for file in sorted(files):
         digest.update(file.name.encode() + file.read_bytes())
+    if victim == "recogniser":
+        digest.update(repr(load_voice_config().recognizer.hung_after).encode())
     return digest.hexdigest()[:16]
 
 
@@ -97,24 +100,24 @@ def _wanting(victim: str, each: int) -> list[str]:
     """Ways that are still to be taken, once for each time."""
     before = earlier()
     counted = {way: each - before.count(f"{victim}, {way}") for way in ways_of(victim)}
-    return left(victim, read(_kept(victim), key()), counted)
+    return left(victim, read(_kept(victim), key(victim)), counted)
 
 
 def _has_come_of_it(victim: str, each: int, end: float) -> bool:
     """One go in a process of its own, for rospy knows one master in its life."""
-    before = len(read(_kept(victim), key()))
+    before = len(read(_kept(victim), key(victim)))
     words = (sys.executable, "-m", "bench.safety.losses", victim, str(each), str(end))
     subprocess.run(words, cwd=ROOT, check=False)
-    return len(read(_kept(victim), key())) > before
+    return len(read(_kept(victim), key(victim))) > before
 
 
 def _lose(victim: str, each: int, end: float) -> None:
     """Lose one part again and again, and keep each loss."""
     kept = _kept(victim)
-    with stage_for(victim, len(read(kept, key())), _log(victim)) as stage:
+    with stage_for(victim, len(read(kept, key(victim))), _log(victim)) as stage:
         while (ways := _wanting(victim, each)) and time.monotonic() < end:
             loss = stage.lose(ways[0])
-            append(kept, loss, key())
+            append(kept, loss, key(victim))
             if loss.back is None or not loss.found:
                 return  # the next must not be judged by what this one has broken
 

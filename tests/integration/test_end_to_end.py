@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from heeding import heed
 from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 
@@ -133,11 +134,6 @@ def test_the_recording_says_by_what_it_was_made(session):
     assert urdf.data[4:] == (ROOT / "urdf" / "gen3_openrst.urdf").read_bytes()
 
 
-def _heed_ctrl_c():
-    """Tests that a shell runs in the background inherit that SIGINT is ignored."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
 def test_ctrl_c_ends_everything_and_leaves_a_readable_recording(tmp_path):
     demo = subprocess.Popen(
         [*COMMAND, "--out", str(tmp_path)],
@@ -145,7 +141,7 @@ def test_ctrl_c_ends_everything_and_leaves_a_readable_recording(tmp_path):
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
         stdout=subprocess.PIPE,
         text=True,
-        preexec_fn=_heed_ctrl_c,
+        preexec_fn=heed,
     )
     shown = ""
     while "says" not in shown:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from heeding import heed
 
 ROOT = Path(__file__).resolve().parents[2]
 END = 40.0  # [s] allowed for roscore to end
@@ -43,12 +44,6 @@ def test_the_system_ends_with_who_started_it(tmp_path, request_to_end):
             program.send_signal(signal.SIGTERM)
     assert is_over
     assert [member for group in groups for member in members(group)] == []
-
-
-def heed():
-    """In the child: heed both, also where these tests run under nohup or in the background."""
-    for request in (signal.SIGHUP, signal.SIGINT):
-        signal.signal(request, signal.SIG_DFL)
 
 
 def members(group):

@@ -154,14 +154,23 @@ def test_the_key_is_of_the_pipeline_that_really_runs(monkeypatch):
     assert (seen[0] / "judge.py").is_file()
 
 
+def identity_with(monkeypatch, **changes):
+    plain = voice_chunks.load_voice_config
+    monkeypatch.setattr(
+        voice_chunks, "load_voice_config", lambda *a, **k: plain(*a, **{**changes, **k})
+    )
+    return voice_chunks.identity.__wrapped__("embedded")
+
+
 @pytest.mark.parametrize("change", ["spotter__alone", "recognizer__early__settle"])
 def test_another_setting_gives_another_key(monkeypatch, change):
     before = voice_chunks.identity.__wrapped__("embedded")
-    plain = voice_chunks.load_voice_config
-    monkeypatch.setattr(
-        voice_chunks, "load_voice_config", lambda *a, **k: plain(*a, **{change: 0.0625, **k})
-    )
-    assert voice_chunks.identity.__wrapped__("embedded") != before
+    assert identity_with(monkeypatch, **{change: 0.0625}) != before
+
+
+def test_how_long_the_node_lets_recognition_hang_is_no_part_of_the_key(monkeypatch):
+    before = voice_chunks.identity.__wrapped__("embedded")
+    assert identity_with(monkeypatch, recognizer__hung_after=0.125) == before
 
 
 # --- results on file
