@@ -46,7 +46,7 @@ BESIDE_FILES = (
     *("cli", "listen", "evaluate", "scores", "microphone", "portaudio", "pulse", "worker"),
     *("rehear", "spoken_reply"),
 )
-UNHEARD = {"recognizer__hung_after": 0.35}  # settings of the node alone; any value serves the key
+UNHEARD = {"recognizer__hung_after": 0.35}  # of the node alone; as when rows were first kept
 
 _T = TypeVar("_T")
 Label = dict[str, Any]  # what is known of a scene; JSON

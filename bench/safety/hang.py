@@ -25,11 +25,11 @@ from voice_assist.assembly import limit_threads, make_pipeline
 from voice_assist.audio.source import Framer
 from voice_assist.config import load_voice_config
 from voice_assist.hang import HangWatch, waits
+from voice_assist.ros.node import LOOK
 
 SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
 BURNERS = int(os.environ.get("BURNERS", "6"))
 HANGS = int(os.environ.get("HANGS", "20"))
-LOOK = 0.01  # [s] between looks, as in the voice node
 HELD_WITHIN = 0.5  # [s] demanded; braking takes 0.06 s of it
 LONGEST = 10.0  # [s] for a hang to be noticed
 WORDS = ("hey robot", "they will release the beds before the morning", "pull more", "tense")

@@ -26,7 +26,7 @@ from pathlib import Path
 
 from bench.figures import ROOT, Figure
 from bench.safety import losses_judge as judge
-from bench.safety.losses_judge import left, ways_of
+from bench.safety.losses_judge import Loss, left, ways_of
 from bench.safety.losses_kept import FOLDER, append, earlier, read
 from bench.safety.losses_stage import RULES, stage_for
 from voice_assist.config import load_voice_config
@@ -69,7 +69,7 @@ def measure() -> list[Figure]:
                 raise RuntimeError(
                     f"no loss of the {victim} in {PATIENCE} goes; see {_log(victim)}"
                 )
-    losses = [loss for victim in RULES for loss in read(_kept(victim), key(victim))]
+    losses = [loss for victim in RULES for loss in _so_far(victim)]
     planned = each * sum(len(ways_of(victim)) for victim in RULES)
     return earlier().joined(judge.figures(losses, RULES, planned))
 
@@ -92,6 +92,10 @@ def _kept(victim: str) -> Path:
     return FOLDER / f"{victim}.jsonl"
 
 
+def _so_far(victim: str) -> list[Loss]:
+    return read(_kept(victim), key(victim))
+
+
 def _log(victim: str) -> Path:
     return LOGS / f"{victim}.log"
 
@@ -100,24 +104,23 @@ def _wanting(victim: str, each: int) -> list[str]:
     """Ways that are still to be taken, once for each time."""
     before = earlier()
     counted = {way: each - before.count(f"{victim}, {way}") for way in ways_of(victim)}
-    return left(victim, read(_kept(victim), key(victim)), counted)
+    return left(victim, _so_far(victim), counted)
 
 
 def _has_come_of_it(victim: str, each: int, end: float) -> bool:
     """One go in a process of its own, for rospy knows one master in its life."""
-    before = len(read(_kept(victim), key(victim)))
+    before = len(_so_far(victim))
     words = (sys.executable, "-m", "bench.safety.losses", victim, str(each), str(end))
     subprocess.run(words, cwd=ROOT, check=False)
-    return len(read(_kept(victim), key(victim))) > before
+    return len(_so_far(victim)) > before
 
 
 def _lose(victim: str, each: int, end: float) -> None:
     """Lose one part again and again, and keep each loss."""
-    kept = _kept(victim)
-    with stage_for(victim, len(read(kept, key(victim))), _log(victim)) as stage:
+    with stage_for(victim, len(_so_far(victim)), _log(victim)) as stage:
         while (ways := _wanting(victim, each)) and time.monotonic() < end:
             loss = stage.lose(ways[0])
-            append(kept, loss, key(victim))
+            append(_kept(victim), loss, key(victim))
             if loss.back is None or not loss.found:
                 return  # the next must not be judged by what this one has broken
 

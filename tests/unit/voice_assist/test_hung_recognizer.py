@@ -32,8 +32,8 @@ diagnostics = import_module("voice_assist.ros.diagnostics")
 
 WAIT = 20.0  # [s] for another thread; only a broken one lets it pass
 BEATS = 5  # heartbeats that show that they go on
-LIMIT = load_voice_config().recognizer.hung_after
-MIDDLE = load_voice_config().spotter.middle
+CONFIG = load_voice_config()
+LIMIT, MIDDLE = CONFIG.recognizer.hung_after, CONFIG.spotter.middle
 
 
 class Moody(FakeRecognizer):
