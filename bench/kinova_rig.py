@@ -28,8 +28,8 @@ from rst_control.kinova.tool import ToolState
 from rst_control.kinova_driver import (
     KinovaRobot,
     StandInConfig,
+    as_driven,
     load_stand_in_config,
-    with_tissue_between,
 )
 from rst_control.robot_model import load_robot
 from rst_control.site import PresentSite, Site
@@ -69,7 +69,7 @@ class KinovaRig(LockStep):
         settings = replace(
             simulation,
             scene=motion.scene,
-            simulator=with_tissue_between(simulation.simulator, stand_in.tool),
+            simulator=as_driven(simulation.simulator, stand_in.tool),
         )
         with quiet():
             self.robot = PybulletRobot(settings, start=START)

@@ -44,7 +44,7 @@ BESIDE_HEARING = (
 )  # parts of the package that change nothing that is heard
 BESIDE_FILES = (
     *("cli", "listen", "evaluate", "scores", "microphone", "portaudio", "pulse", "worker"),
-    *("rehear", "spoken_reply"),
+    *("rehear", "spoken_reply", "sound_watch"),
 )
 UNHEARD = {"recognizer__hung_after": 0.35}  # of the node alone; as when rows were first kept
 

@@ -23,6 +23,7 @@ NAMES = (
     "network",  # voice on one host, controller on another, and a bad network between them
     "losses",  # each part of the running system killed or stopped in mid-motion
     "soak",  # a day of commands, talk and faults, in process
+    "sound",  # an hour of sound that is none, and a "stop" after each minute of it
     "stops",  # 10,000 stops at random moments of every state, in process
     "stops_system",  # the same in the running system, by service, topic and cancel, 50 clients
 )

@@ -7,15 +7,19 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 import soundfile
 import soxr
 import yaml
 
 from demo.system import free_port
+from demo.virtual_microphone import VirtualMicrophone
 from tests.unit.voice_assist.fake_speech import say
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -213,6 +217,58 @@ def test_without_a_microphone_it_lives_says_so_and_sends_no_heartbeat(master, tm
     assert any("'no such microphone': not found; microphones found:" in e for e in errors)
     assert seen["diagnostics"][-1][0] == 2
     assert "heartbeat" not in seen
+
+
+def test_a_microphone_that_is_muted_or_overloaded_is_named_and_sends_no_heartbeat(master, tmp_path):
+    rng = np.random.default_rng(1)
+    soundfile.write(tmp_path / "room.wav", 0.01 * rng.standard_normal(3 * 48_000), 48_000)
+    deafening = np.clip(10.0 * rng.standard_normal(3 * 48_000), -1.0, 1.0)
+    soundfile.write(tmp_path / "deafening.wav", deafening, 48_000)
+    with headset() as server:
+        turns = itertools.cycle(["room", "", "room", "deafening"])
+        over = threading.Event()
+
+        def play():
+            for name in turns:
+                player = name and server.play(tmp_path / f"{name}.wav")
+                if over.wait(3.0):
+                    return
+                if player:
+                    player.wait(20.0)
+
+        playing = threading.Thread(target=play)
+        playing.start()
+        settings = {"audio/source": "microphone", "audio/microphone/device": "pulse:headset"}
+        try:
+            seen = watch({**master, **server.environment}, tmp_path, 16, **settings)
+        finally:
+            over.set()
+            playing.join()
+    told = [(words, at) for _, level, words, at in seen["log"] if level == ERROR]
+    assert any("gives one value alone for 1.5 s" in words for words, _ in told), told
+    assert any("is overloaded for 1.5 s" in words for words, _ in told), told
+    well = [at for _, _, words, at in seen["log"] if words == "sound comes in"]
+    beats = [at for *_, at in seen["heartbeat"]]
+    for _, at in told:
+        end = min((one for one in well if one > at), default=at)
+        assert not [beat for beat in beats if at + 0.2 < beat < end - 0.2], "deaf, and it went on"
+    assert any(beat > min(at for _, at in told) for beat in beats), "it came back"
+    assert any("muted, or dead" in entry[1] for entry in seen["diagnostics"])
+
+
+@contextmanager
+def headset():
+    """A PulseAudio server on which the microphone "headset" hears what is played."""
+    with ExitStack() as stack:
+        try:
+            server = stack.enter_context(VirtualMicrophone())
+        except OSError as error:
+            pytest.skip(f"no PulseAudio server: {error}")
+        words = ["pactl", "load-module", "module-remap-source", "source_name=headset"]
+        environment = {**os.environ, **server.environment}
+        words += [f"master={server.device.removeprefix('pulse:')}"]
+        subprocess.run(words, env=environment, check=True, capture_output=True)
+        yield server
 
 
 def test_an_audio_topic_of_another_rate_is_heard_and_its_end_reported(master, tmp_path):

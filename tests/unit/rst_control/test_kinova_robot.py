@@ -9,7 +9,7 @@ from kinova_rig import FakeGoal
 
 from rst_control.backends.pybullet_robot import PybulletRobot
 from rst_control.config import load_simulation_config
-from rst_control.kinova_driver import KinovaRobot, load_stand_in_config, with_tissue_between
+from rst_control.kinova_driver import KinovaRobot, as_driven, load_stand_in_config
 
 PERIOD = 2  # steps of the physics to one of the drivers, as in the node
 
@@ -145,6 +145,6 @@ def test_a_blocked_joint_is_a_fault_of_the_arm_until_it_is_cleared(rig):
 
 def test_tissue_openings_of_the_stand_in_replace_those_of_the_simulator():
     stand_in = load_stand_in_config()
-    changed = with_tissue_between(load_simulation_config().simulator, stand_in.tool)
+    changed = as_driven(load_simulation_config().simulator, stand_in.tool)
     assert changed.closed_opening == stand_in.tool.closed_opening
     assert changed.held_opening == stand_in.tool.held_opening

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -12,7 +14,8 @@ from rst_control.backends.servo import Servo, ServoLimits, ServoState
 from rst_control.config import load_simulation_config
 from rst_control.types import JOINTS, Setpoint
 
-CONFIG = load_simulation_config().simulator.servo
+SHIPPED = load_simulation_config().simulator.servo
+CONFIG = replace(SHIPPED, start_tolerance=0.01)  # so that what happens within it can be seen
 LIMITS = ServoLimits(JOINTS, np.full(10, -2.0), np.full(10, 2.0), np.full(10, 1.3))
 HOME = np.linspace(-0.5, 0.5, 10)
 RATES = np.linspace(-1.0, 1.0, 10)

@@ -65,6 +65,23 @@ def test_words_in_noise_keep_their_level():
     assert level_db(cleaned[inside]) > level_db((noise + word)[inside].astype(np.float32)) - 1.5
 
 
+@pytest.mark.parametrize("loud", [0.03, 0.1, 0.3])
+def test_a_word_said_right_after_loud_noise_keeps_its_level(loud):
+    noise = np.concatenate([hiss(4.0, loud), hiss(1.5, 1e-4)])
+    word = np.zeros(len(noise))
+    first = round(4.3 * RATE)
+    word[first : first + 8000] = sine(700.0, 0.5, 0.05)
+    cleaned = run(SpectralGate(18.0, 6.0, 6.0), noise + word)
+    inside = slice(first + 1000, first + 7000)
+    assert level_db(cleaned[inside]) > level_db(word[inside].astype(np.float32)) - 1.5
+
+
+def test_noise_that_only_varies_is_followed_as_slowly_as_before():
+    varied = hiss(6.0) * (1.0 + 0.3 * np.sin(np.arange(6 * RATE) / RATE * 2.0))
+    cleaned = run(SpectralGate(18.0, 6.0, 6.0), varied)
+    assert level_db(cleaned[RATE:]) < level_db(varied.astype(np.float32)) - 9
+
+
 def test_the_gate_needs_whole_hops():
     with pytest.raises(ValueError, match="multiples of 256"):
         SpectralGate(18.0, 6.0, 6.0)(np.zeros(100, np.float32))

@@ -17,6 +17,8 @@ from voice_assist.types import RATE, Samples
 _WINDOW = 512  # samples, 32 ms
 _HOP = 256
 _NOISE_FALL = 0.03  # share of the way down to a quieter band that the noise floor goes per hop
+_DROP = 0.1  # power over the noise floor below which the noise has ended, not only varied
+_DROP_FALL = 0.3  # the same share then: what is said into the quiet after it must pass
 _POWER_SMOOTHING = 0.7  # of each band from hop to hop
 _GAIN_SMOOTHING = 0.5
 _START_HOPS = 10  # the noise floor is simply the mean of so many first hops
@@ -94,7 +96,8 @@ class SpectralGate:
         if self._hops <= _START_HOPS:
             self._noise += (power - self._noise) / self._hops
             return
-        lower = self._noise + _NOISE_FALL * (self._power - self._noise)
+        fall = np.where(self._power < _DROP * self._noise, _DROP_FALL, _NOISE_FALL)
+        lower = self._noise + fall * (self._power - self._noise)
         higher = np.minimum(np.maximum(self._noise, _QUIETEST) * self._rise, self._power)
         self._noise = np.where(self._power < self._noise, lower, higher)
 

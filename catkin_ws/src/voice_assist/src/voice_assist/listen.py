@@ -14,6 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from voice_assist.assembly import make_pipeline, make_source
+from voice_assist.audio.sound_watch import SoundWatch
 from voice_assist.audio.source import level_db
 from voice_assist.config import VoiceConfig
 from voice_assist.pipeline import Event
@@ -90,9 +91,10 @@ def listen(config: VoiceConfig, mode: Mode) -> None:
 
     with make_source(config.audio, time.time, stop.wait, report) as source:
         console.print("Ctrl-C ends. A spoken stop is no emergency stop.", style="dim")
+        watch = SoundWatch(source, config.audio.deaf_after)
         with Live(screen, console=console, refresh_per_second=12):
             for frame in source:
-                screen.trouble = ""
+                screen.trouble = watch(frame)
                 screen.hear(frame)
                 for event in pipeline(frame):
                     screen.show(event)

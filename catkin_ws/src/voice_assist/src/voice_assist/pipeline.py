@@ -41,6 +41,7 @@ from voice_assist.types import (
 )
 from voice_assist.vad.analyzer import Analyzer
 from voice_assist.vad.cutter import Cutter, Growth
+from voice_assist.vad.deafened import Deafened
 from voice_assist.vad.detector import Detector
 
 if TYPE_CHECKING:
@@ -86,6 +87,7 @@ class Pipeline:
         self._recognizer, self._detector = recognizer, detector
         self._gaps = GapWatch()
         self._denoise = Denoiser(config.audio.denoise)
+        self._deafened = Deafened()
         self._analyze = Analyzer(config.audio.vad)
         self._cut = Cutter(config.audio.vad)
         self._mapper = Mapper(config.commands)
@@ -131,6 +133,7 @@ class Pipeline:
         """Forget the stream so far, and keep the mode."""
         self._gaps = GapWatch()
         self._denoise.reset()
+        self._deafened = Deafened()
         self._detector.reset()
         self._analyze.reset()
         self._cut.reset()
@@ -146,6 +149,8 @@ class Pipeline:
             self._witness(Circumstance(Kind.HEARD, frame.first_sample))
         events = self._check_gap(frame)
         cleaned = self._denoise(frame.samples)
+        if self._deafened.is_over(frame):
+            self._detector.reset()
         endpoint = self._analyze(self._detector(cleaned), frame.duration)
         if self._config.audio.denoise.mode == "on":
             frame = replace(frame, samples=cleaned)

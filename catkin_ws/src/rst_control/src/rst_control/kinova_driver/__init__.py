@@ -3,7 +3,7 @@
 
 from rst_control.kinova_driver.config import StandInConfig, load_stand_in_config
 from rst_control.kinova_driver.goals import Goal, GoalHandle, GoalState
-from rst_control.kinova_driver.simulated_robot import ArmFeedback, KinovaRobot, with_tissue_between
+from rst_control.kinova_driver.simulated_robot import ArmFeedback, KinovaRobot, as_driven
 from rst_control.kinova_driver.waypoints import Point
 
 __all__ = [
@@ -14,6 +14,6 @@ __all__ = [
     "KinovaRobot",
     "Point",
     "StandInConfig",
+    "as_driven",
     "load_stand_in_config",
-    "with_tissue_between",
 ]

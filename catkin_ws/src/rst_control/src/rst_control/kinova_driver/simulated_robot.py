@@ -70,6 +70,9 @@ class ArmFeedback:
     effort: Vector  # [N m]
 
 
+STEP = 0.01  # [rad] that a joint may be sent to from rest at once, as the tool's motors are
+
+
 class KinovaRobot:
     """Leads the simulated robot by its drivers; call `step` before each step of the robot.
 
@@ -150,9 +153,14 @@ class KinovaRobot:
         self.tool.velocity = np.zeros(3)
 
 
-def with_tissue_between(config: SimulatorConfig, tool: OpenRstConfig) -> SimulatorConfig:
-    """The simulator's settings where tissue keeps the jaws open."""
-    return replace(config, closed_opening=tool.closed_opening, held_opening=tool.held_opening)
+def as_driven(config: SimulatorConfig, tool: OpenRstConfig) -> SimulatorConfig:
+    """The simulator's settings where drivers lead it: these judge steps; tissue keeps jaws open."""
+    return replace(
+        config,
+        servo=replace(config.servo, start_tolerance=STEP),
+        closed_opening=tool.closed_opening,
+        held_opening=tool.held_opening,
+    )
 
 
 def arm_limits(config: StandInConfig, limits: LimitsConfig) -> ArmLimits:

@@ -25,7 +25,7 @@ from rst_control.backends.servo import ServoState
 from rst_control.backends.trail import Trail
 from rst_control.config import SimulationConfig
 from rst_control.errors import RstError
-from rst_control.kinova_driver import StandInConfig, with_tissue_between
+from rst_control.kinova_driver import StandInConfig, as_driven
 from rst_control.ros.intake import guard_intake
 from rst_control.ros.kinova_driver_node import KinovaDoor
 from rst_control.ros.priority import ask_for_priority
@@ -185,7 +185,7 @@ def read_parameters(given: dict[str, object]) -> tuple[SimulationConfig, StandIn
     if config.simulator.mode != STRICT:
         return config, None
     stand_in = load_config(StandInConfig, given.get("kinova", {}), "simulator parameters: kinova")
-    simulator = with_tissue_between(config.simulator, stand_in.tool)
+    simulator = as_driven(config.simulator, stand_in.tool)
     return replace(config, simulator=simulator), stand_in
 
 

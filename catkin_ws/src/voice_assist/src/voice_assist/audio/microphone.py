@@ -60,6 +60,11 @@ class Microphone:
         self._framer = Framer()
         self.name = config.device  # of the open device
 
+    @property
+    def is_monitor(self) -> bool:
+        """Whether it hears what the machine plays, which may be nothing for hours."""
+        return self.name.endswith(".monitor")
+
     def __enter__(self) -> Microphone:
         """Do nothing yet: the device is opened, and waited for, by reading."""
         return self

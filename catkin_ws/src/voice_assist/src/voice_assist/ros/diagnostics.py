@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper, Updater
 
-_SMOOTHING = 0.02  # per frame: the real-time factor follows within about 2 s
+_SMOOTHING = 0.02  # per frame: what is smoothed follows within about 2 s
+CLIPPED = 0.01  # [share] of the sound at full scale from which it is worth a warning
 
 
 @dataclass
@@ -28,6 +29,7 @@ class Health:
     spotter_failure: str = ""  # its thread ended by an error
     spotter_dropped: int = 0  # frames that it never heard
     level: float = -100.0  # [dB] of full scale
+    clipped: float = 0.0  # [share] of the sound at full scale, smoothed
     queued: int = 0  # frames
     dropped: int = 0  # frames
     lost: int = 0  # samples
@@ -36,6 +38,11 @@ class Health:
     behind: float = 0.0  # [s] of that frame then
     commanded: float = field(default=float("-inf"))  # [s] when the last command was taken
     last_command: str = ""
+
+    def sounded(self, level: float, clipped: float) -> None:
+        """Note level [dB] and clipped share [0, 1] of one frame."""
+        self.level = level
+        self.clipped += _SMOOTHING * (clipped - self.clipped)
 
     def worked(self, compute: float, duration: float) -> None:
         """Note the time spent on one frame [s]."""
@@ -70,6 +77,7 @@ class Diagnostics:
         status.add("spotter", health.spotter)
         status.add("spotter frames dropped", f"{health.spotter_dropped}")
         status.add("microphone level [dB]", f"{health.level:.1f}")
+        status.add("clipped [%]", f"{100.0 * health.clipped:.1f}")
         status.add("queue [frames]", f"{health.queued}")
         status.add("frames dropped", f"{health.dropped}")
         status.add("samples lost", f"{health.lost}")
@@ -97,4 +105,7 @@ def _summary(health: Health, now: float, deaf_after: float) -> tuple[int, str]:
         return DiagnosticStatus.WARN, health.controller
     if health.queued > health.capacity // 2:
         return DiagnosticStatus.WARN, "recognition falls behind"
+    if health.clipped >= CLIPPED:
+        share = f"{health.clipped:.0%} of the sound, allowed below {CLIPPED:.0%}"
+        return DiagnosticStatus.WARN, f"the microphone clips {share}: turn its gain down"
     return DiagnosticStatus.OK, "listening"

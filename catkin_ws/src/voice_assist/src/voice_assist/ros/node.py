@@ -21,6 +21,7 @@ from voice_assist.assembly import (
     make_source,
     make_spotter,
 )
+from voice_assist.audio.sound_watch import SoundWatch, at_full_scale
 from voice_assist.audio.source import Source, level_db
 from voice_assist.circumstances import Circumstance, Kind
 from voice_assist.config import (
@@ -62,7 +63,7 @@ from voice_assist.types import (
 
 LOOK = 0.01  # [s] between looks at recognition; what a hang is noticed late by
 HEARTBEAT = 0.05  # [s]
-_HEARTBEAT_EVERY = 5  # looks
+_HEARTBEAT_EVERY = round(HEARTBEAT / LOOK)  # looks
 _DIAGNOSTICS_EVERY = 20  # heartbeats
 
 
@@ -148,15 +149,16 @@ class VoiceNode:
 
     def _listen(self) -> None:
         with self._source() as source:
+            watch = SoundWatch(source, self._config.audio.deaf_after)
             for frame in source:
                 if self._over.is_set():
                     return
-                self._trouble("")
+                self._trouble(watch(frame))
                 if self._spotter is not None:
                     self._spotter.feed(frame)
                     self._health.spotter_dropped = self._spotter.dropped
                 self._publish.audio(frame)
-                self._health.level = level_db(frame.samples)
+                self._health.sounded(level_db(frame.samples), at_full_scale(frame.samples))
                 try:
                     self._frames.put_nowait(frame)
                 except Full:
