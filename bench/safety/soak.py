@@ -19,8 +19,6 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-import rst_control
-import voice_assist
 from bench import figures, voice_kept
 from bench.figures import ROOT, Figure
 from bench.pieces import do_pieces
@@ -34,6 +32,7 @@ JOBS = int(os.environ.get("JOBS") or os.cpu_count() or 1)
 MINUTES = float(os.environ.get("MINUTES", "inf"))
 PIECE = 600.0  # [s] of session time
 CACHE = ROOT / ".cache" / "bench" / "safety"
+PACKAGES = ("rst_control", "voice_assist")
 GROWTH = 2.0  # [MiB] in an hour of session time that is borne
 FAMILIES = ("RCM", "tension", "joint speed", "joint acceleration", "joint limits", "mode")
 Report = dict[str, Any]
@@ -53,14 +52,18 @@ def measure() -> list[Figure]:
 
 def identity() -> str:
     """Key of all that decides what happens: code and settings of controller, voice and soak."""
-    parts = [code(Path(str(module.__file__)).parent) for module in (rst_control, voice_assist)]
-    configs = [
-        path.read_bytes()
-        for module in (rst_control, voice_assist)
-        for path in sorted((Path(str(module.__file__)).parents[2] / "config").glob("*.yaml"))
-    ]
     own = [p.read_bytes() for p in sorted(Path(soak_session.__file__).parent.glob("soak_*.py"))]
-    return digest(parts, configs, own)
+    return digest([code(_source(name)) for name in PACKAGES], [_settings(n) for n in PACKAGES], own)
+
+
+def _source(package: str) -> Path:
+    """Its modules; not `__file__`, which in a catkin workspace is that of a relay."""
+    return ROOT / "catkin_ws" / "src" / package / "src" / package
+
+
+def _settings(package: str) -> list[bytes]:
+    folder = ROOT / "catkin_ws" / "src" / package / "config"
+    return [path.read_bytes() for path in sorted(folder.glob("*.yaml"))]
 
 
 def carried(stretches: Sequence[Stretch], folder: Path) -> list[Report]:

@@ -221,9 +221,9 @@ def test_without_a_microphone_it_lives_says_so_and_sends_no_heartbeat(master, tm
 
 def test_a_microphone_that_is_muted_or_overloaded_is_named_and_sends_no_heartbeat(master, tmp_path):
     rng = np.random.default_rng(1)
-    soundfile.write(tmp_path / "room.wav", 0.01 * rng.standard_normal(3 * 48_000), 48_000)
-    deafening = np.clip(10.0 * rng.standard_normal(3 * 48_000), -1.0, 1.0)
-    soundfile.write(tmp_path / "deafening.wav", deafening, 48_000)
+    soundfile.write(tmp_path / "room.wav", 0.01 * rng.standard_normal(3 * 16_000), 16_000)
+    deafening = np.clip(10.0 * rng.standard_normal(3 * 16_000), -1.0, 1.0)
+    soundfile.write(tmp_path / "deafening.wav", deafening, 16_000)
     with headset() as server:
         turns = itertools.cycle(["room", "", "room", "deafening"])
         over = threading.Event()

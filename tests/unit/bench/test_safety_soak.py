@@ -200,3 +200,12 @@ def test_the_summary_counts_every_violation_and_the_growth_of_later_pieces():
     assert found["memory growth, mean"].value == pytest.approx(2.0)
     assert found["session time over processor time"].value == pytest.approx(20.0)
     assert found["violations: RCM"].is_met is False and found["violations: mode"].is_met is True
+
+
+def test_the_key_is_made_of_code_and_settings_of_both_packages(monkeypatch):
+    before = soak.identity()
+    assert all(len(soak._settings(name)) > 5 for name in soak.PACKAGES)
+    assert all(len(list(soak._source(name).rglob("*.py"))) > 50 for name in soak.PACKAGES)
+    settings = {name: soak._settings(name) for name in soak.PACKAGES}
+    monkeypatch.setattr(soak, "_settings", lambda name: [*settings[name][:-1], b"other"])
+    assert soak.identity() != before
