@@ -22,14 +22,14 @@ WORDS, WAKE_WORDS, SENTENCES = "single words", "other devices' words", "talk wit
 
 def measure() -> list[Figure]:
     """Motions, of which there shall be none, and stops per hour; by kind of clip."""
-    clips = _clips()
-    if not clips:
+    spoken = clips()
+    if not spoken:
         print("no human speech in ../shared/speech: false commands left out")
         return []
-    kinds = dict(zip((c.path for c in clips), _kinds(clips), strict=True))
+    kinds = dict(zip((c.path for c in spoken), _kinds(spoken), strict=True))
     records = measured()
     hours = _hours(records)
-    figures = [voice_kept.measured(hours, "h", _length(clips))]
+    figures = [voice_kept.measured(hours, "h", _length(spoken))]
     figures += of_commands("human speech, armed", records, 0.0, 0.5)
     for kind in (SENTENCES, WORDS, WAKE_WORDS):
         some = [r for r in records if kinds[r.label["path"]] == kind]
@@ -42,7 +42,7 @@ def measure() -> list[Figure]:
 
 def measured() -> list[Record]:
     """All clips in which nobody says "stop", armed; none where there are no recordings."""
-    return voice_chunks.measured("armed", {"": chunks(trials_of(_clips()))})[""]
+    return voice_chunks.measured("armed", {"": chunks(trials_of(clips()))})[""]
 
 
 def of_commands(
@@ -90,7 +90,8 @@ def fired(records: Sequence[Record]) -> list[dict[str, Any]]:
     ]
 
 
-def _clips() -> list[Spoken]:
+def clips() -> list[Spoken]:
+    """All of them."""
     return [clip for clip in recorded(TALK, DEV) if clip.text not in STOP]
 
 
