@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from voice_assist.commands_config import CommandConfig
 from voice_assist.config import VoiceConfig
+from voice_assist.damage import damage
 from voice_assist.judge import too_unsure
 from voice_assist.talkback import Talkback
 from voice_assist.tones import glide
@@ -49,6 +50,8 @@ class Objections:
         least = self._config.motion_confidence
         if heard.confidence < least:
             return too_unsure(heard.confidence, least, " of the transcript")
+        if reason := damage(sound):
+            return reason
         moved, least = glide(sound), self._config.motion_glide
         if moved < least:
             return f"a tone, no voice: its pitch moves by {moved:.2f} cent, a voice's by {least:g}"
