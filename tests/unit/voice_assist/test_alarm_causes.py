@@ -18,6 +18,7 @@ from rst_control.types import Measurement, PhaseKind, Reason
 from rst_control.watchdogs import Watched
 from tests.unit.rst_control.executor_rig import Rig
 from tests.unit.voice_assist import alarm_words
+from tests.unit.voice_assist.test_sound_watch import DEAFENING, LONG, objections
 from voice_assist.alarms.causes import (
     GIVE_UPS,
     LATCHES,
@@ -30,6 +31,7 @@ from voice_assist.alarms.causes import (
 )
 from voice_assist.alarms.types import Kind
 from voice_assist.config import load_voice_config
+from voice_assist.damage import damage
 from voice_assist.dialogue import Heard, State, step
 from voice_assist.types import Mode
 
@@ -182,3 +184,11 @@ def test_no_cause_stands_twice_and_none_hides_behind_another(table):
 def test_words_that_nobody_foresaw_get_the_general_next_step():
     assert find(LATCHES, "the moon fell down", UNKNOWN) is UNKNOWN
     assert find(REFUSALS, "because it is Tuesday", NO_REASON) is NO_REASON
+
+
+def test_bad_sound_is_told_with_what_to_do_about_it():
+    muted, deafened = (objections(s)[-1] for s in (np.zeros(LONG), DEAFENING))
+    assert find(PARTS, f"voice: {muted}", UNKNOWN).name == "voice muted"
+    assert find(PARTS, f"voice: {deafened}", UNKNOWN).name == "voice overloaded"
+    broken = damage(np.random.default_rng(1).uniform(-1.0, 1.0, 16_000).astype(np.float32))
+    assert find(UNHEARD, broken, NO_REASON).name == "damaged sound"

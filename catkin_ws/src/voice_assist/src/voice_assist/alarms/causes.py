@@ -199,6 +199,9 @@ UNHEARD: Final = (  # of Utterance.reason: the words of a command were heard, an
         "^not this voice|too short to tell the voice|^the speaker gate",
         "Let the enrolled person say it, or give it by hand.",
     ),
+    _refusal("damaged sound", "^damaged sound", "Check the microphone and its cable."),
+    _refusal("tone", "^a tone, no voice", "Say it again, or give it by hand."),
+    _refusal("robot speaking", "^the robot itself was", "Wait until it has spoken, then repeat."),
     _refusal("same breath", "in the same breath", "Pause, then say the command alone."),
     _refusal("wrong mode", "counts only in active mode", 'Say "hey robot" first.'),
     _refusal("other mode", "counts only in", "Wait for the other mode, then say it again."),
@@ -222,6 +225,16 @@ PARTS: Final = (  # of a part's name and what it says: health reports with an er
     ),
     Cause(
         "voice gone", "voice: no word for", "Stop by hand meanwhile; start the voice node again."
+    ),
+    Cause(
+        "voice muted",
+        "voice: the microphone gives one value",
+        "Stop by hand meanwhile; switch the microphone on.",
+    ),
+    Cause(
+        "voice overloaded",
+        "voice: the microphone is overloaded",
+        "Stop by hand meanwhile; turn noise or gain down.",
     ),
     Cause("voice deaf", "voice: ", "Stop by hand meanwhile; check the microphone."),
     Cause(
