@@ -52,6 +52,7 @@ class Course:
     def turn_jaws(self, q: np.ndarray, opening: float, duration: float = 0.6) -> None:
         """Open or close the jaws while the tip stands still."""
         rate = (opening - self.opening) / duration
+        self._send(robot_joints(q, self.opening), np.zeros(10))  # a motion begins where it holds
         for _ in range(round(duration / PERIOD)):
             self.opening += rate * PERIOD
             velocity = robot_joints(np.zeros(9), rate)
