@@ -20,7 +20,7 @@ class ServoConfig:
     stale_after: float = number(0.002, 1.0, "s")
     lead: float = number(0.0, 10.0, "s")
     buffer: int = integer(4, 10_000)
-    start_tolerance: float = number(1e-6, 0.2, "rad")
+    start_tolerance: float = number(1e-6, 0.02, "rad")
     rest_speed: float = number(1e-6, 0.05, "rad/s")
     following_error: float = number(1e-4, 1.0, "rad")
     brake_deceleration: tuple[float, ...] = number(0.1, 100.0, "rad/s^2")
