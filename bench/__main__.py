@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from rich.console import Console
 
@@ -30,7 +30,8 @@ def main(argv: Sequence[str]) -> int:
     """Run the sets named, or all; returns 2 for a name that is none."""
     unknown = [name for name in argv if not _exists(name)]
     if unknown:
-        print(f"no such set of figures: {', '.join(unknown)}; allowed: {', '.join(SETS)}")
+        for name in unknown:
+            print(f"no such set of figures: {name}; allowed: {', '.join(_allowed(name))}")
         return 2
     console = Console()
     missed = 0
@@ -43,10 +44,16 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _exists(name: str) -> bool:
+    return name in _allowed(name)
+
+
+def _allowed(name: str) -> Sequence[str]:
+    """The sets; those of a part of a known set: the parts of that set."""
     family, _, part = name.partition(".")
     if family not in SETS or not part:
-        return name in SETS
-    return part in getattr(importlib.import_module(f"bench.{family}"), "PARTS", {})
+        return SETS
+    parts: Iterable[str] = getattr(importlib.import_module(f"bench.{family}"), "PARTS", ())
+    return [f"{family}.{one}" for one in parts] or [family]
 
 
 def _measure(name: str) -> Callable[[], list[Figure]]:

@@ -24,6 +24,7 @@ NAMES = (
     "losses",  # each part of the running system killed or stopped in mid-motion
     "soak",  # a day of commands, talk and faults, in process
     "sound",  # an hour of sound that is none, and a "stop" after each minute of it
+    "spoken",  # from the end of a spoken "stop" to the robot at rest, in the running system
     "stops",  # 10,000 stops at random moments of every state, in process
     "stops_system",  # the same in the running system, by service, topic and cancel, 50 clients
 )

@@ -183,10 +183,15 @@ def test_a_command_heard_beside_another_is_not_right():
 
 def test_an_unknown_part_is_refused_and_nothing_is_measured(capsys, monkeypatch):
     monkeypatch.setattr(main_module, "run", lambda *_: pytest.fail("measured"))
-    assert main_module.main(["voice.nonsense"]) == 2
-    assert main_module.main(["nonsense.near"]) == 2
-    assert main_module.main(["motion.near"]) == 2
-    assert "voice.nonsense" in capsys.readouterr().out
+    for name, allowed in [
+        ("voice.nonsense", "voice.armed"),
+        ("nonsense.near", "safety"),
+        ("motion.near", "motion"),
+    ]:
+        assert main_module.main(["motion", name]) == 2
+        told, _, listed = capsys.readouterr().out.partition("; allowed: ")
+        assert name in told
+        assert allowed in listed.rstrip().split(", ")
 
 
 def test_a_part_alone_is_measured_and_written_beside_its_family(monkeypatch):
