@@ -29,7 +29,7 @@ def measure() -> list[Figure]:
     kinds = dict(zip((c.path for c in spoken), _kinds(spoken), strict=True))
     records = measured()
     hours = _hours(records)
-    figures = [voice_kept.measured(hours, "h", _length(spoken))]
+    figures = [voice_kept.measured(round(hours, 3), "h", round(_length(spoken), 3))]
     figures += of_commands("human speech, armed", records, 0.0, 0.5)
     for kind in (SENTENCES, WORDS, WAKE_WORDS):
         some = [r for r in records if kinds[r.label["path"]] == kind]

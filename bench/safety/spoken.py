@@ -44,6 +44,7 @@ PHASES = {"tense": 2.5, "release": 1.0}  # [s] of a motion, at most, before some
 HEARD = 3.0  # [s] from the word's begin on in which a stop has to come
 SETTLED = 0.8  # [s] of quiet after it, in which the robot comes to rest
 LIMIT = 30.0  # [s] for a motion that nobody stopped
+BEFORE = 0.2  # [s] of sound before it; a piece is stamped by its first sample
 SENT = 200  # pieces of sound that are kept: ten seconds
 ATTEMPTS = 8  # at a command that moves the robot
 HUMAN, SYNTHETIC = "human", "synthetic"
@@ -121,13 +122,14 @@ class _Trials:
         """
         time.sleep(self._rng.uniform(0.0, self._into_motion()))
         begun = time.monotonic()
-        self._room.play(read_sound(ROOT / clip.path))
+        sound = read_sound(ROOT / clip.path)
+        self._room.play(sound)
         with suppress(RuntimeError):
             wait_for(lambda: bool(self._since(begun)), "a stop", HEARD)
         time.sleep(SETTLED)
         until = time.monotonic()
         joints, setpoints = self._watcher.joints(), self._watcher.setpoints()
-        end = spoken_judge.end_of_word(self._room.since(begun))
+        end = spoken_judge.end_of_word(self._room.since(begun - BEFORE), sound)
         came = self._since(begun)
         if not came:
             self._watcher.stop()

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+from scipy.signal import correlate
 
 from bench.figures import Figure, percentiles
 from bench.voice_bounds import at_least
@@ -34,18 +36,25 @@ class SpokenStop:
     joints: float  # [s] the same, of arm and jaws as the robot reports them
 
 
-def end_of_word(pieces: Sequence[Piece]) -> float:
-    """When the speech in a stretch of sound ended [s], by the stamp of the piece that it ends in.
+def end_of_word(pieces: Sequence[Piece], clip: Samples) -> float:
+    """When the speech of a clip that was sent ended [s], by the stamp of the piece it ends in.
+
+    Its end is looked for in the clip alone: where that has a background of its own, the end of this
+    would be the end of the word, seen from a room that is quieter still.
 
     Args:
-        pieces: One or more, in order.
+        pieces: That hold the clip, from before it on, in order.
+        clip: As it was spoken. Shape (n,).
 
     Raises:
-        ValueError: There is none.
+        ValueError: There is no piece.
     """
     if not pieces:
         raise ValueError("no sound, of which one piece at least is needed")
-    end = round(end_of_speech(np.concatenate([piece.samples for piece in pieces])) * RATE)
+    sound = np.concatenate([piece.samples for piece in pieces])
+    word = clip[: round(end_of_speech(clip) * RATE)]
+    sound = np.pad(sound, (0, len(word)))  # it may not have been sent whole
+    end = int(np.argmax(correlate(sound, word, mode="valid"))) + len(word)
     for piece in pieces[:-1]:
         if end <= len(piece.samples):
             return piece.stamp + end / RATE
@@ -63,7 +72,7 @@ def figures(stops: Sequence[SpokenStop]) -> list[Figure]:
 
 def _of(name: str, stops: Sequence[SpokenStop]) -> list[Figure]:
     heard = [stop for stop in stops if stop.received is not None]
-    missed = ", ".join(stop.path for stop in stops if stop.received is None)
+    missed = ", ".join(Path(stop.path).name for stop in stops if stop.received is None)
     note = (
         f"({len(heard)} of {len(stops)}, at least {at_least(len(heard), len(stops)):.1%} with 95 %"
     )

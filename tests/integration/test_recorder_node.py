@@ -24,7 +24,7 @@ from mcap_ros1.decoder import DecoderFactory
 from session_log import metadata
 from session_log.reader import SessionReader
 from session_log.survey import survey
-from tests.integration import recorder_talker
+from tests.integration import interrupted_recorder, recorder_talker
 from tests.integration.recorder_talker import FAST, odd_classes, odd_message
 from typed_config import load_yaml
 
@@ -87,12 +87,12 @@ def ros(tmp_path_factory):
 
 
 @contextmanager
-def recorder(ros, folder, screen=None, **changes):
+def recorder(ros, folder, screen=None, script=PACKAGE / "scripts" / "recorder", **changes):
     settings = dict(load_yaml(PACKAGE / "config" / "recorder.yaml"))
     settings |= {"folder": str(folder), "name": ".", **changes}
     ros.master.setParam("/recorder", settings)
     errors = screen.open("wb") if screen else None
-    process = ros.start([sys.executable, str(PACKAGE / "scripts" / "recorder")], stderr=errors)
+    process = ros.start([sys.executable, str(script), str(folder)], stderr=errors)
     try:
         yield process
     finally:
@@ -279,6 +279,13 @@ def test_a_folder_that_cannot_be_written_is_an_error_until_it_can(ros, tmp_path)
         watcher.wait(PATIENCE)
     assert "NOT RECORDING: cannot record to" in (tmp_path / "screen").read_text()
     assert survey(SessionReader(obstacle)).topics["/rosout"].messages > 0
+
+
+def test_it_closes_the_file_whatever_it_does_when_it_is_interrupted(ros, tmp_path):
+    with recorder(ros, tmp_path, script=interrupted_recorder.__file__) as process:
+        assert process.wait(PATIENCE) == 0
+    assert (tmp_path / interrupted_recorder.DONE).exists()
+    assert survey(SessionReader(tmp_path)).condition.is_closed
 
 
 def test_a_wrong_setting_is_named_and_ends_the_node(ros, tmp_path):

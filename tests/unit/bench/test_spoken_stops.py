@@ -13,32 +13,47 @@ CHUNK = RATE // 20
 HEARD = SpokenStop("human", "one.wav", 0.04, True, 0.06, 0.07)
 
 
-def stream(speech_until, seconds=2.0, late=0.0):
-    """A quiet room in which somebody speaks up to a moment; all pieces but the first are late."""
+def clip(word, background=0.0):
+    """A word of so many seconds in the middle of a second, with a background."""
+    rng = np.random.default_rng(2)
+    sound = background * rng.standard_normal(RATE)
+    span = slice(round(0.2 * RATE), round((0.2 + word) * RATE))
+    sound[span] += 0.2 * rng.standard_normal(span.stop - span.start)
+    return sound.astype(np.float32)
+
+
+def stream(said, at, seconds=2.0, late=0.0):
+    """A quiet room in which a clip is said at a moment; all pieces but the first are late."""
     rng = np.random.default_rng(1)
     sound = 1e-3 * rng.standard_normal(round(seconds * RATE))
-    span = slice(round(0.5 * RATE), round(speech_until * RATE))
-    sound[span] += 0.2 * rng.standard_normal(span.stop - span.start)
+    begin = round(at * RATE)
+    sound[begin : begin + len(said)] += said[: len(sound) - begin]
     blocks = sound.astype(np.float32).reshape(-1, CHUNK)
     return [Piece(100.0 + 0.05 * i + (late if i else 0.0), b) for i, b in enumerate(blocks)]
 
 
-@pytest.mark.parametrize("end", [0.7, 0.95, 1.0, 1.43])
-def test_the_word_ends_where_its_sound_does(end):
-    assert end_of_word(stream(end)) == pytest.approx(100.0 + end, abs=0.02)
+@pytest.mark.parametrize("background", [0.0, 0.004])
+@pytest.mark.parametrize("word", [0.25, 0.5])
+@pytest.mark.parametrize("at", [0.0, 0.15, 0.73])
+def test_the_word_ends_where_it_does_in_its_clip(at, word, background):
+    said = clip(word, background)
+    end = end_of_word(stream(said, at), said)
+    assert end == pytest.approx(100.0 + at + 0.2 + word, abs=0.02)
 
 
 def test_the_stamp_of_the_piece_it_ends_in_counts():
-    assert end_of_word(stream(1.02, late=0.3)) == pytest.approx(101.32, abs=0.02)
+    said = clip(0.5)
+    assert end_of_word(stream(said, 0.3, late=0.3), said) == pytest.approx(101.3, abs=0.02)
 
 
-def test_a_word_in_the_last_piece_has_an_end():
-    assert end_of_word(stream(1.0, seconds=1.0)) == pytest.approx(101.0, abs=0.02)
+def test_a_word_that_was_not_sent_whole_has_an_end():
+    said = clip(0.5)
+    assert end_of_word(stream(said, 0.4, seconds=1.0), said) == pytest.approx(101.1, abs=0.02)
 
 
 def test_without_sound_there_is_no_end():
     with pytest.raises(ValueError, match="no sound"):
-        end_of_word([])
+        end_of_word([], clip(0.5))
 
 
 def value(found, ending):

@@ -47,7 +47,7 @@ class TopicSubscriber:
 
     def close(self) -> None:
         """Stop receiving."""
-        for subscriber in self._subscribers.values():
+        for subscriber in list(self._subscribers.values()):  # a look may still add to them
             subscriber.unregister()
 
     def _receive(self, topic: str, message: rospy.AnyMsg) -> None:

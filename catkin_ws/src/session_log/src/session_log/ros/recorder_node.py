@@ -26,6 +26,7 @@ from typed_config import ConfigError, load_config
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
 REPORT_PERIOD = 1.0  # [s] between two statuses in /diagnostics
+TURN_LIMIT = 1.0  # [s] for a turn to end; the master may hang
 URDF_TOPIC = "/robot_description"
 
 
@@ -139,6 +140,7 @@ class RecorderNode:
         self._parameters = ParameterWatcher(self._recorder)
         self._next_report = 0.0
         self._ended = threading.Event()
+        self._turns = threading.Thread(target=self._tell, name="turns", daemon=True)
         add_facts(self._recorder, config, started)
 
     def run(self) -> None:
@@ -148,7 +150,11 @@ class RecorderNode:
         self._recorder.start()
         self._discovery.start()
         rospy.on_shutdown(self.close)
-        while not rospy.is_shutdown():
+        self._turns.start()
+        rospy.spin()  # signals come to this thread: it must hold no lock that closing needs
+
+    def _tell(self) -> None:
+        while not self._ended.is_set():
             try:
                 self._turn()
             except Exception as error:  # top of the node: the recording must go on
@@ -159,10 +165,13 @@ class RecorderNode:
     def close(self) -> None:
         """Stop receiving, write the ending, say how it went."""
         self._ended.set()
-        self._announcer.retire()
-        self._discovery.stop()
-        self._topics.close()
-        error = self._recorder.close()
+        self._turns.join(TURN_LIMIT)  # so that its heartbeat does not follow the last word
+        try:
+            self._announcer.retire()
+            self._discovery.stop()
+            self._topics.close()
+        finally:  # whatever ROS says, the file is closed
+            error = self._recorder.close()
         status = self._recorder.status()
         if error:
             rospy.logerr("the recording is not complete: %s", error)
