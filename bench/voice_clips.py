@@ -64,7 +64,8 @@ class ClipChunk:
                 "end": end,
                 "seconds": seconds,
             }
-            yield label, Scene(sound, Mode(trial.mode), way=trial.way)
+            told = ((0.0, len(sound) / RATE),) if trial.background == "speaking" else ()
+            yield label, Scene(sound, Mode(trial.mode), way=trial.way, robot_speaks=told)
 
 
 def chunks(trials: Sequence[Trial]) -> list[ClipChunk]:

@@ -23,6 +23,7 @@ from voice_assist.types import RATE, Mode
 FULL = 10.0  # [h]
 HOURS = min(FULL, float(os.environ.get("HOURS", "0.2")))
 SECONDS = 300.0  # [s] of one piece
+TOLD = "told"
 
 
 @dataclass(frozen=True)
@@ -32,9 +33,10 @@ class NoiseChunk:
     kind: str  # of voice_noises.KINDS, or RECORDED
     seed: int
     seconds: float = SECONDS
+    is_told: bool = False  # of all of it, that the robot itself speaks
 
     def name(self) -> str:
-        """Digest of kind, seed, length and how they make sound."""
+        """Digest of all this, and of how it makes sound."""
         return f"{self.kind}-{self.seed:04d}-{digest(self, source(voice_noises))}"
 
     def scenes(self) -> Iterator[tuple[Label, Scene]]:
@@ -42,7 +44,9 @@ class NoiseChunk:
         sound = voice_noises.make(self.kind, self.seconds, self.seed)
         label: Label = {"kind": self.kind, "seed": self.seed, "seconds": len(sound) / RATE}
         spans: tuple[tuple[float, float], ...] = ()
-        if self.kind == voice_noises.QUOTING:  # and the lab's speech output tells so
+        if self.is_told:
+            spans = ((0.0, self.seconds),)
+        elif self.kind == voice_noises.QUOTING:  # and the lab's speech output tells so
             spans = voice_noises.when_quoting(self.seconds, self.seed)
         yield label, Scene(sound, Mode.ACTIVE, robot_speaks=spans)
 
@@ -53,12 +57,13 @@ def measure() -> list[Figure]:
     wanted = math.ceil(HOURS * 3600.0 / SECONDS)
     voice_archive.restore("nothing")
     pieces = {
-        "": voice_chunks.up_to("nothing", _plan(kinds), wanted),
+        TOLD: _told(math.ceil(wanted / len(kinds))),
         voice_noises.QUOTING: _quoting(math.ceil(wanted / len(kinds))),
+        "": voice_chunks.up_to("nothing", _plan(kinds), wanted),
     }
     found = voice_chunks.measured("nothing", pieces)
     voice_archive.keep("nothing", [piece for some in pieces.values() for piece in some])
-    records, quoting = found[""], found[voice_noises.QUOTING]
+    records, quoting, told = found[""], found[voice_noises.QUOTING], found[TOLD]
     hours = _hours(records)
     figures = [voice_kept.measured(hours, "h", FULL), _figure("nothing said: taken", records, 0.0)]
     for kind in dict.fromkeys(r.label["kind"] for r in records):
@@ -70,9 +75,11 @@ def measure() -> list[Figure]:
         others = sum(len(r.heard.taken) for r in quoting) - len(stops)
         figures.append(Figure("replies that quote: stops", len(stops), "", note=note))
         figures.append(Figure("replies that quote: other commands", others, "", 0.0))
+    if told:
+        figures.append(_figure("replies that are told of: taken", told))
     compute = sum(r.heard.compute for r in records)
     figures.append(Figure("real-time factor on noise", compute / (3600.0 * hours), ""))
-    data = {"mode": "active", "fired": _fired([*records, *quoting])}
+    data = {"mode": "active", "fired": _fired([*records, *quoting, *told])}
     voice_kept.write_details("nothing_fired", hours, data)
     return figures
 
@@ -88,6 +95,11 @@ def _kinds() -> list[str]:
 
 def _quoting(count: int) -> list[NoiseChunk]:
     return [NoiseChunk(voice_noises.QUOTING, seed) for seed in range(count)]
+
+
+def _told(count: int) -> list[NoiseChunk]:
+    """Replies in which a "stop" over them is looked for all the while."""
+    return [NoiseChunk("replies", seed, is_told=True) for seed in range(count)]
 
 
 def _plan(kinds: Sequence[str]) -> list[NoiseChunk]:

@@ -1,20 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
 
-from tests.unit.voice_assist.fake_speech import frames, say
+from tests.unit.voice_assist.fake_speech import FakeRecognizer, frames, say
 from tests.unit.voice_assist.test_pipeline import COMMANDS, commands, make, refusals, run
 from voice_assist.config import load_voice_config
 from voice_assist.talkback import Spoke, Talkback
 from voice_assist.types import Mode
 
 CONFIG = load_voice_config().audio.talkback
+SILENCE = load_voice_config().recognizer.early.silence_added  # [s] behind what ends
 START = 100.0  # [s] stamp of the first frame
 REASON = "the robot itself was speaking; say it again"
 
 
-def hear(text, *told, mode=Mode.ACTIVE):
+def hear(text, *told, mode=Mode.ACTIVE, recognizer=None):
     """A sentence, and what is told of the loudspeaker at which second of it."""
-    pipeline, clock = make(mode)
+    pipeline, clock = make(mode, recognizer)
     for at, is_speaking in told:
         pipeline.robot_spoke(Spoke(is_speaking, START + at))
     return run(pipeline, clock, frames(say(text), start=START))
@@ -62,3 +63,32 @@ def test_a_beginning_told_again_lasts_longer():
     assert not talkback.is_in(10.1 + CONFIG.longest)
     talkback.reset()
     assert not talkback.is_in(0.0)
+
+
+OVER = "the now mumble 0.3 stop 0.3 mumble the now"
+
+
+def test_a_stop_in_the_midst_of_its_own_voice_counts():
+    assert commands(hear(OVER, (0.0, True))) == ["stop"]
+    assert commands(hear(OVER, (0.0, True), mode=Mode.STANDBY)) == ["stop"]
+
+
+def test_in_the_midst_of_somebody_elses_it_does_not():
+    assert commands(hear(OVER)) == []
+    assert commands(hear(OVER, (-5.0, True), (-CONFIG.tail - 0.1, False))) == []
+
+
+def test_what_is_no_stop_or_unsure_does_not_count_in_its_midst():
+    assert commands(hear(OVER.replace("stop", "tense"), (0.0, True))) == []
+    assert commands(hear(OVER.replace("stop", "pull more"), (0.0, True))) == []
+    unsure = CONFIG.stop_confidence - 0.01
+    assert commands(hear(OVER, (0.0, True), recognizer=FakeRecognizer(confidence=unsure))) == []
+
+
+def test_its_midst_is_looked_at_only_while_it_speaks():
+    recognizer = FakeRecognizer()
+    hear(OVER, recognizer=recognizer)
+    before = len(recognizer.heard)
+    hear(OVER, (0.0, True), recognizer=recognizer)
+    looks = recognizer.heard[before:]
+    assert sum(length <= CONFIG.window + SILENCE for length in looks) > before / 2

@@ -25,7 +25,8 @@ class Hearing:
     Looks are `partial_interval` apart while there is speech. One more comes once it has been quiet
     for `settle`; that one stands until there is speech again, so that at the end of the `pause`
     nothing is left to compute. Of a long utterance only the last `window` is ever heard, so that no
-    look takes long: a command is short, and talk is none.
+    look takes long: a command is short, and talk is none. Where the robot itself talks all the
+    while, a look takes the very last part alone too, in which one word may stand by itself.
     """
 
     def __init__(
@@ -52,6 +53,7 @@ class Hearing:
     def reset(self) -> None:
         """Start with a new utterance."""
         self.heard: Hypothesis | None = None  # newest transcript
+        self.part: Hypothesis | None = None  # of the last part alone, at the same moment
         self.is_window = False  # it is only of the utterance's last part
         self.worded_at = float("-inf")  # [s] stream time of the newest look that heard a word
         self._looked_at: float | None = None  # [s] stream time of the newest look
@@ -66,13 +68,14 @@ class Hearing:
         self.reset()
         self._ignored_until = growth.utterance.speech_end + self._config.shortest_rest
 
-    def __call__(self, growth: Growth, frame: Frame, time: float) -> bool:
+    def __call__(self, growth: Growth, frame: Frame, time: float, part: float = 0.0) -> bool:
         """Follow the utterance by a frame.
 
         Args:
             growth: The utterance with that frame.
             frame: The frame.
             time: Stream time of its end [s].
+            part: Length of the last part that is looked at by itself too [s]; 0: none is.
 
         Returns:
             Whether a decision may have become possible.
@@ -86,7 +89,7 @@ class Hearing:
         self._has_paused |= is_pause
         is_new = self._is_due(growth, frame, time, is_turn)
         if is_new:
-            self._look(growth, time)
+            self._look(growth, time, part)
         return self.heard is not None and (is_new or is_turn)
 
     def is_settled(self, growth: Growth) -> bool:
@@ -119,16 +122,26 @@ class Hearing:
         is_time = time - looked_at >= self._config.partial_interval - _SLACK
         return is_time or is_turn or self.is_settled(growth)
 
-    def _look(self, growth: Growth, time: float) -> None:
+    def _look(self, growth: Growth, time: float, part: float) -> None:
         whole = growth.utterance.samples
-        self._sound = last(whole, self._config.window)
-        self.is_window = len(self._sound) < len(whole)
         is_final = growth.utterance.is_complete or self.is_settled(growth)
-        if is_final:  # the recogniser is surer of a last word that it hears end
-            silence = np.zeros(round(self._config.silence_added * RATE), np.float32)
-            self._sound = frozen_samples(np.concatenate([self._sound, silence]))
+        self._sound = self._end_of(whole, self._config.window, is_final)
+        self.is_window = len(whole) > round(self._config.window * RATE)
         self.heard = self._recognizer.transcribe(self._sound, self._loses)
+        self.part = None
+        if part > 0.0:
+            sound = self._end_of(whole, part, is_final)
+            self.part = self._recognizer.transcribe(sound, self._loses)
         if self.heard.text:
             self.worded_at = time
         self._looked_at, self._scores = time, {}
         self._has_news = not is_final
+
+    def _end_of(self, whole: Samples, seconds: float, is_final: bool) -> Samples:
+        """The last part of a sound, of `seconds` at most. From shape (n,) to (m,)."""
+        sound = last(whole, seconds)
+        if not is_final:
+            return sound
+        silence = np.zeros(round(self._config.silence_added * RATE), np.float32)
+        # the recogniser is surer of a last word that it hears end
+        return frozen_samples(np.concatenate([sound, silence]))

@@ -75,6 +75,20 @@ class Judge:
             return replace(outcome, reason=self._continues())
         return outcome
 
+    def said_over(self, part: Hypothesis | None, least: float) -> Match | None:
+        """A halt that stands alone in the last part of sound that somebody else talks in.
+
+        Args:
+            part: Transcript of that part; None: it was not looked at.
+            least: Confidence from which it counts [0, 1].
+        """
+        if part is None or self._has_halted:
+            return None
+        outcome = self._mapper(part.text)
+        if not isinstance(outcome, Match) or outcome.command not in self._halts:
+            return None
+        return outcome if part.confidence >= max(least, self._halts[outcome.command]) else None
+
     def accept(self, phrase: str) -> None:
         """Note that a command was taken."""
         if phrase in self._halts:

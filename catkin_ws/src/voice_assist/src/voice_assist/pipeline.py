@@ -160,7 +160,8 @@ class Pipeline:
         if growth is None:
             return events
         time = frame.first_sample / RATE + frame.duration
-        if self._hear(growth, frame, time):
+        own = self._talkback.is_in(frame.stamp)
+        if self._hear(growth, frame, time, self._config.audio.talkback.window if own else 0.0):
             events += (*self._partial(frame), *self._decide(growth, frame, time))
             self._forget_noise(growth, time)
         if growth.utterance.is_complete:
@@ -214,7 +215,11 @@ class Pipeline:
         spotted = self._second.best(frame.stamp + frame.duration)
         moment = Moment(time, growth.quiet, utterance.is_complete, is_whole, spotted)
         outcome = self._judge(heard, moment)
-        origin = "recognizer"
+        origin, part = "recognizer", self._hear.part
+        if part and (
+            over := self._judge.said_over(part, self._config.audio.talkback.stop_confidence)
+        ):
+            outcome, heard = over, part
         if not isinstance(outcome, Match) and (fired := self._fire(growth, heard, spotted)):
             outcome, origin = fired, "spotter"
         if outcome is None:

@@ -2,7 +2,8 @@
 """When a loudspeaker of the robot's own speaks, as those say who let it speak.
 
 What it says may quote commands, and the microphone hears it. It can neither move nor wake the
-robot; a "stop" counts all the same, whoever says it.
+robot; a "stop" counts all the same, whoever says it. One that a person says over it is no utterance
+of its own, so meanwhile each look takes the last `window` by itself too.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ class TalkbackConfig:
 
     longest: float = number(0.1, 600.0, "s")
     tail: float = number(0.0, 10.0, "s")
+    window: float = number(0.0, 2.0, "s")
+    stop_confidence: float = number(0.0, 1.0, "")
 
 
 @dataclass(frozen=True)
