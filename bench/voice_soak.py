@@ -3,18 +3,22 @@
 
 Lock-step means: stream time and the CPU time of the work, so that the hour takes a quarter of one
 on an idle core, and what else runs on the machine counts for nothing. Sound is made beforehand,
-minute by minute, and not counted. SOAK=1 is the length [h]; it cannot be done in several goes.
+minute by minute, in another process, and not counted. SOAK=1 is the length [h]; it cannot be done
+in several goes.
 """
 
 from __future__ import annotations
 
 import json
+import multiprocessing
 import os
 import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -225,14 +229,23 @@ def minute(index: int, clips: Sequence[Spoken]) -> tuple[Samples, list[Told]]:
 
 def main() -> None:
     """Print what the hour came to as JSON."""
-    clips = [clip for group in LEAST for clip in clips_of(group)]
     soak = Soak()
     minutes = max(3, round(60.0 * HOURS))
-    for index in range(minutes):
-        soak(*minute(index, clips))
-        if index % 10 == 9:
-            print(f"soak: {index + 1} of {minutes} minutes", file=sys.stderr, flush=True)
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as maker:
+        for index in range(minutes):
+            soak(*maker.submit(_minute, index).result())
+            if index % 10 == 9:
+                print(f"soak: {index + 1} of {minutes} minutes", file=sys.stderr, flush=True)
     print(json.dumps(asdict(soak.result())))
+
+
+@cache
+def _clips() -> tuple[Spoken, ...]:
+    return tuple(clip for group in LEAST for clip in clips_of(group))
+
+
+def _minute(index: int) -> tuple[Samples, list[Told]]:
+    return minute(index, _clips())
 
 
 def _resident() -> int:
