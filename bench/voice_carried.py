@@ -21,7 +21,7 @@ from bench.figures import Figure
 from bench.voice_clips import Trial, chunks, trials_of
 from bench.voice_stream import whole_frames
 from voice_assist import denoise
-from voice_assist.assembly import limit_threads
+from voice_assist.assembly import limit_torch
 from voice_assist.audio.source import Framer
 from voice_assist.config import load_voice_config
 from voice_assist.types import Samples
@@ -34,7 +34,7 @@ EVERY = int(os.environ.get("EVERY", "10"))
 def measure() -> list[Figure]:
     """Of each set: scenes in which one frame changed sides, frames, the largest difference."""
     config = load_voice_config()
-    limit_threads(config)
+    limit_torch(config)
     detector = make_detector(config.audio.vad)
     sets = {f"trials, {name}": some for name, some in voice_trials.conditions(3).items()}
     sets["human speech, armed"] = trials_of(voice_armed.clips())

@@ -28,7 +28,7 @@ from bench import voice_sets
 from bench.pieces import do_pieces
 from bench.voice_stream import Heard, Listener, Scene
 from voice_assist import pipeline
-from voice_assist.assembly import limit_threads, make_recognizer, make_spotter
+from voice_assist.assembly import limit_torch, make_recognizer, make_spotter
 from voice_assist.config import CONFIG_DIR, load_voice_config
 
 MODEL = os.environ.get("MODEL", "embedded")
@@ -184,7 +184,7 @@ _LISTENERS: list[Listener] = []  # one per process, built by its start
 def _prepare(model: str) -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it; an unfinished piece is lost
     threading.Thread(target=_end_with_parent, name="end with parent", daemon=True).start()
-    limit_threads(load_voice_config())
+    limit_torch(load_voice_config())
     _LISTENERS[:] = [Listener(model)]
 
 

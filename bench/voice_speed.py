@@ -18,7 +18,7 @@ import whisper
 from whisper.model import ModelDimensions, Whisper
 
 from bench.figures import Figure
-from voice_assist.assembly import limit_threads, make_recognizer
+from voice_assist.assembly import limit_torch, make_recognizer
 from voice_assist.config import load_voice_config
 from voice_assist.recognizer.checkpoint import Checkpoint
 from voice_assist.recognizer.recognizer import Recognizer
@@ -34,7 +34,7 @@ SHAPES = {"tiny": (384, 6, 4), "base": (512, 8, 6), "small": (768, 12, 12)}  # w
 def measure() -> list[Figure]:
     """Time of the transcript, of the second opinion, and of `whisper.transcribe`."""
     config = load_voice_config()
-    limit_threads(config)
+    limit_torch(config)
     torch.manual_seed(0)
     sound = clip()
     figures = _rows("embedded", make_recognizer(config), sound, config.commands.phrases)

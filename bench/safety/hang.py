@@ -21,7 +21,7 @@ import numpy as np
 
 from bench.figures import Figure, percentiles
 from demo.sound import RATE, speak
-from voice_assist.assembly import limit_threads, make_pipeline
+from voice_assist.assembly import limit_torch, make_pipeline
 from voice_assist.audio.source import Framer
 from voice_assist.config import load_voice_config
 from voice_assist.hang import HangWatch, waits
@@ -69,7 +69,7 @@ def burning(count: int) -> Iterator[None]:
 def recognise(seconds: float, watched: Watched) -> list[float]:
     """Hear words one after the other, in real time; gives the time for each frame [s]."""
     config = load_voice_config()
-    limit_threads(config)
+    limit_torch(config)
     pipeline = make_pipeline(config, time.monotonic)
     said = np.concatenate([np.append(speak(w, "en-us+f2", 150), np.zeros(RATE)) for w in WORDS])
     sound = np.resize(said, round(seconds * RATE)).astype(np.float32)

@@ -24,7 +24,7 @@ from bench.figures import Figure
 from bench.safety import sound_ends
 from bench.safety.sound_kinds import DEAF, KINDS, Block, Sound, frames
 from demo.sound import speak
-from voice_assist.assembly import limit_threads, make_pipeline
+from voice_assist.assembly import limit_torch, make_pipeline
 from voice_assist.audio.microphone import Microphone
 from voice_assist.audio.portaudio import PortAudio
 from voice_assist.audio.sound_watch import SoundWatch
@@ -60,7 +60,7 @@ class Garbage:
 
     def __init__(self) -> None:
         self._config = load_voice_config()
-        limit_threads(self._config)
+        limit_torch(self._config)
         self._clock = StreamClock(time.process_time)
         self._pipeline = make_pipeline(self._config, self._clock)
         self._motions = {c.phrase for c in self._config.commands.commands if c.is_motion}

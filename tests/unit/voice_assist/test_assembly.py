@@ -1,10 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import os
 import subprocess
 
 import pytest
 
 from tests.unit.voice_assist.fake_speech import FakeRecognizer
-from voice_assist.assembly import make_pipeline, make_source
+from voice_assist.assembly import (
+    CODE_KEPT,
+    MOST_KEPT,
+    limit_torch,
+    make_pipeline,
+    make_source,
+)
 from voice_assist.audio import pulse
 from voice_assist.audio.wav_file import WavFile
 from voice_assist.config import load_voice_config
@@ -18,6 +25,15 @@ def test_the_pipeline_takes_the_detector_of_the_settings():
     assert isinstance(make_detector(config.audio.vad), EnergyDetector)
     pipeline = make_pipeline(config, lambda: 0.0, FakeRecognizer())
     assert pipeline.state.mode is Mode.STANDBY
+
+
+@pytest.mark.parametrize(("before", "after"), [(None, str(MOST_KEPT)), ("7", "7")])
+def test_code_that_is_kept_for_lengths_of_sound_is_bounded(monkeypatch, before, after):
+    monkeypatch.setenv(CODE_KEPT, before or "")
+    if before is None:
+        monkeypatch.delenv(CODE_KEPT)
+    limit_torch(load_voice_config())
+    assert os.environ[CODE_KEPT] == after
 
 
 def test_the_source_is_the_one_of_the_settings():

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -22,13 +23,19 @@ if TYPE_CHECKING:
     from voice_assist.speaker.gate import Gate
     from voice_assist.spotter.spotter import Spotter, Spotting
 
+CODE_KEPT = "ONEDNN_PRIMITIVE_CACHE_CAPACITY"
+MOST_KEPT = 64  # 34 MB less after 20 minutes of talk and commands than 1,024, and no slower
 
-def limit_threads(config: VoiceConfig) -> None:
-    """Limit torch to the threads of the settings; each thread that computes must say it anew.
 
-    OpenMP keeps the limit per thread: one that has not set it starts a helper on every core, and
-    they then wait for each other while the machine is busy.
+def limit_torch(config: VoiceConfig) -> None:
+    """Limit torch's threads to those of the settings, and the memory of its oneDNN.
+
+    Each thread that computes must say it anew, for OpenMP keeps the limit per thread: one that has
+    not set it starts a helper on every core, and they then wait for each other while the machine is
+    busy. oneDNN compiles its code for each length of sound anew and keeps the newest 1,024; whoever
+    has set another number beforehand keeps it.
     """
+    os.environ.setdefault(CODE_KEPT, str(MOST_KEPT))  # read when the first is compiled
     import torch
 
     torch.set_num_threads(config.recognizer.threads)
@@ -44,7 +51,7 @@ def make_recognizer(config: VoiceConfig) -> Recognizer:
     from voice_assist.enrolment.in_force import personalise
     from voice_assist.recognizer import load_recognizer
 
-    limit_threads(config)
+    limit_torch(config)
     base = load_recognizer(config.recognizer.model, config.recognizer.device)
     return personalise(config.profile, base)
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from typed_config import ConfigError, load_yaml
-from voice_assist.assembly import limit_threads, make_pipeline, make_spotter
+from voice_assist.assembly import limit_torch, make_pipeline, make_spotter
 from voice_assist.audio.source import FRAME
 from voice_assist.circumstances import Circumstances, Kind, from_text
 from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, voice_config
@@ -173,7 +173,7 @@ def rehear(settings: Mapping[str, Any], notes: Sequence[str], model: str | None)
     """
     try:
         config, warnings = restore_settings(settings, model)
-        limit_threads(config)
+        limit_torch(config)
         past = Circumstances(from_text(note) for note in notes)
         recognizer = _recognizer(config.recognizer.model, config.recognizer.device)
         config, recognizer, missing = _with_profile(config, recognizer)

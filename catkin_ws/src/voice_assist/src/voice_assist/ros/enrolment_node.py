@@ -10,7 +10,7 @@ from dataclasses import replace
 import rospy
 
 from typed_config import ConfigError
-from voice_assist.assembly import limit_threads
+from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 from voice_assist.enrolment.config import load_enrolment_config
 from voice_assist.enrolment.desk import EnrolmentDesk, Told
@@ -42,7 +42,7 @@ class EnrolmentNode:
     def __init__(self) -> None:
         """Load the base recogniser and announce the service."""
         self._voice, config = load_voice_config(), load_enrolment_config()
-        limit_threads(self._voice)
+        limit_torch(self._voice)
         base = load_recognizer(self._voice.recognizer.model, self._voice.recognizer.device)
         root, self._mode = profiles_folder(self._voice.profile.folder), ""
         args = self._voice, config, base, root, self._listen, self._is_armed
@@ -51,7 +51,7 @@ class EnrolmentNode:
         rospy.Service(_SERVICE, Enroll, self._serve)
 
     def _serve(self, request: EnrollRequest) -> EnrollResponse:
-        limit_threads(self._voice)  # each call has a thread of its own
+        limit_torch(self._voice)  # each call has a thread of its own
         return _response(self._desk(request.name, request.action))
 
     def _take_mode(self, message: Mode) -> None:

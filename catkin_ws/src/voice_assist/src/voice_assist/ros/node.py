@@ -15,7 +15,7 @@ import rospy
 
 from typed_config import ConfigError, load_yaml
 from voice_assist.assembly import (
-    limit_threads,
+    limit_torch,
     make_pipeline,
     make_recognizer,
     make_source,
@@ -182,7 +182,7 @@ class VoiceNode:
     # --- thread 2: recognition
 
     def _hear(self) -> None:
-        limit_threads(self._config)
+        limit_torch(self._config)
         self._pipeline.warm_up(_noise())  # what is done only once must not look like a hang
         while not self._over.is_set():
             self._take_told()
