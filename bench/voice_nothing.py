@@ -57,9 +57,9 @@ def measure() -> list[Figure]:
     wanted = math.ceil(HOURS * 3600.0 / SECONDS)
     voice_archive.restore("nothing")
     pieces = {
-        TOLD: _told(math.ceil(wanted / len(kinds))),
-        voice_noises.QUOTING: _quoting(math.ceil(wanted / len(kinds))),
         "": voice_chunks.up_to("nothing", _plan(kinds), wanted),
+        voice_noises.QUOTING: _quoting(math.ceil(wanted / len(kinds))),
+        TOLD: _told(math.ceil(wanted / len(kinds))),
     }
     found = voice_chunks.measured("nothing", pieces)
     voice_archive.keep("nothing", [piece for some in pieces.values() for piece in some])
