@@ -65,7 +65,7 @@ class Timeline:
         """Hear what the voice node hears, from before anything is played.
 
         Args:
-            within: Time [s] for the node to be connected, and again for the first sound.
+            within: Time [s] for the node to listen, be it to silence, and again for the first sound.
             is_file: The node reads a file, whose beginning its samples are counted from; else the
                 first sound is the first that is no silence.
 
@@ -98,7 +98,7 @@ class Timeline:
         subscriber = rospy.Subscriber("voice_assist/audio", AudioChunk, listen)
         try:
             end = time.monotonic() + within
-            while not subscriber.get_num_connections():
+            while heard.empty():  # of what is played before it listens, the beginning is lost
                 if time.monotonic() > end:
                     raise RuntimeError(f"no sound from the voice node within {within:g} s")
                 time.sleep(0.02)
