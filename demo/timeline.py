@@ -3,13 +3,10 @@
 
 from __future__ import annotations
 
-import queue
 import threading
-import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
-import numpy as np
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rich.console import Console
@@ -18,11 +15,10 @@ from rich.text import Text
 from std_msgs.msg import String
 
 from demo.check import Heard, Observed, State
+from demo.first_sound import FirstSound
 from rst_control.msg import ControllerState, Event
 from voice_assist.msg import AudioChunk, Mode, Utterance
 
-SILENT = 3  # of 32767
-SETTLE = 1.0  # [s] of the first sound until its true time shows; words begin later
 VOICE = "voice_assist: voice"  # the voice node's status of itself
 MOTION = "rst_control: motion"  # the controller's status of the robot
 COLOURS = {
@@ -65,7 +61,7 @@ class Timeline:
         """Hear what the voice node hears, from before anything is played.
 
         Args:
-            within: Time [s] for the node to listen, be it to silence, and again for the first sound.
+            within: Time [s] for the node to listen, and again for the first sound.
             is_file: The node reads a file, whose beginning its samples are counted from; else the
                 first sound is the first that is no silence.
 
@@ -73,36 +69,17 @@ class Timeline:
             A function that waits for the first sound, and gives when that was captured [s].
 
         Raises:
-            RuntimeError: The voice node is not there, or stays silent.
+            RuntimeError: The voice node does not listen, or hears nothing.
         """
-        heard: queue.Queue[tuple[float, float | None]] = queue.Queue()
+        sound = FirstSound(is_file)
 
         def listen(chunk: AudioChunk) -> None:
-            began = chunk.header.stamp.to_sec() - chunk.first_sample / chunk.rate
-            loud = np.abs(np.array(chunk.samples, dtype=np.int32)) > SILENT
-            first = (chunk.first_sample + int(loud.argmax())) / chunk.rate if loud.any() else None
-            heard.put((began, 0.0 if is_file else first))
-
-        def first() -> float:
-            began, at, end = float("inf"), None, time.monotonic() + within
-            while time.monotonic() < end:
-                with suppress(queue.Empty):
-                    told, found = heard.get(timeout=0.1)
-                    began = min(began, told)  # what comes late looks as if it were captured late
-                    if at is None and found is not None:
-                        at, end = found, time.monotonic() + SETTLE
-            if at is None:
-                raise RuntimeError(f"the voice node heard nothing within {within:g} s")
-            return began + at
+            sound.push(chunk.header.stamp.to_sec(), chunk.first_sample, chunk.rate, chunk.samples)
 
         subscriber = rospy.Subscriber("voice_assist/audio", AudioChunk, listen)
         try:
-            end = time.monotonic() + within
-            while heard.empty():  # of what is played before it listens, the beginning is lost
-                if time.monotonic() > end:
-                    raise RuntimeError(f"no sound from the voice node within {within:g} s")
-                time.sleep(0.02)
-            yield first
+            sound.wait_until_it_listens(within)
+            yield lambda: sound.wait(within)
         finally:
             subscriber.unregister()
 
