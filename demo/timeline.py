@@ -41,6 +41,7 @@ class Timeline:
         self.voice_ready = threading.Event()
         self.controller_ready = threading.Event()
         self.recorder_ready = threading.Event()
+        self.listening = threading.Event()  # the voice node says that all is well with it
         self._console = console
         self._zero = rospy.Time.now().to_sec()
         self._partial, self._mode = "", "?"
@@ -161,6 +162,7 @@ class Timeline:
     def _on_voice(self, status: DiagnosticStatus) -> None:
         """Say what is wrong with the voice node, such as a missing microphone, and when it ends."""
         trouble = status.message if status.level != DiagnosticStatus.OK else ""
+        (self.listening.clear if trouble else self.listening.set)()
         if trouble != self._trouble:
             self._trouble = trouble
             self.warn(f"voice   {status.message}")

@@ -214,6 +214,11 @@ PARTS: Final = (  # of a part's name and what it says: health reports with an er
         "Speak clearly; start the voice node again at the next pause.",
     ),
     Cause(
+        "voice starting",
+        "voice: no sound has come yet",
+        "Stop by hand meanwhile; look at the microphone if it lasts.",
+    ),
+    Cause(
         "voice slow",
         "voice: recognition does not keep up",
         "Stop by hand meanwhile; close other programs.",

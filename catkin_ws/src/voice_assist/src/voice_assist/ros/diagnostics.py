@@ -97,6 +97,8 @@ def _summary(health: Health, now: float, deaf_after: float) -> tuple[int, str]:
         return DiagnosticStatus.ERROR, health.trouble
     if health.hang:
         return DiagnosticStatus.ERROR, health.hang
+    if health.frame_done == float("-inf"):
+        return DiagnosticStatus.ERROR, "no sound has come yet: a spoken stop is not heard"
     if not health.would_hear(now, deaf_after):
         return DiagnosticStatus.ERROR, "recognition does not keep up: a spoken stop is not heard"
     if health.spotter_failure:

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the voice node says of itself: before the first sound, while all is well, and behind."""
+
+from importlib import import_module
+from pkgutil import extend_path
+
+from diagnostic_msgs.msg import DiagnosticStatus
+
+import voice_assist
+from voice_assist.alarms.causes import PARTS, UNKNOWN, find
+
+voice_assist.__path__ = extend_path(voice_assist.__path__, voice_assist.__name__)
+diagnostics = import_module("voice_assist.ros.diagnostics")
+
+LIMIT = 0.5  # [s]
+
+
+def told(now, **health):
+    health = diagnostics.Health(model="none", source="none", capacity=60, **health)
+    return diagnostics._summary(health, now, LIMIT)
+
+
+def test_an_open_source_without_sound_so_far_is_not_called_slow():
+    level, words = told(10.0, trouble="")
+    assert level == DiagnosticStatus.ERROR and words.startswith("no sound has come yet")
+    assert find(PARTS, f"voice: {words}", UNKNOWN).name == "voice starting"
+
+
+def test_what_is_wrong_with_the_source_goes_before():
+    assert told(10.0) == (DiagnosticStatus.ERROR, "starting")
+
+
+def test_fresh_sound_is_listening_and_old_or_late_sound_is_an_error():
+    assert told(10.0, trouble="", frame_done=9.9) == (DiagnosticStatus.OK, "listening")
+    for late in ({"frame_done": 9.4}, {"frame_done": 9.9, "behind": 0.6}):
+        level, words = told(10.0, trouble="", **late)
+        assert level == DiagnosticStatus.ERROR
+        assert find(PARTS, f"voice: {words}", UNKNOWN).name == "voice slow"
