@@ -32,7 +32,7 @@ SCRIPTS = {  # of each way in which the simulated robot is led
     "kinova_strict": ROOT / "demo" / "kinova_session.yaml",
 }
 SOUND_TIME = 20.0  # [s] allowed for the first sound to be heard
-SETTLE_TIME = 20.0  # [s] allowed for the voice node to keep up after its start
+LISTEN_TIME = 20.0  # [s] allowed for the voice node to say that it listens
 WAV_LEAD = 12.0  # [s] of noise before the script where the voice node plays the file itself
 TAIL = 2.0  # [s] recorded after the last step
 
@@ -113,7 +113,7 @@ def _session(
             return _listen(system, timeline)
         with timeline.first_sound(SOUND_TIME, is_file=microphone is None) as first_sound:
             if microphone:
-                timeline.listening.wait(SETTLE_TIME)  # where it never does, the checks tell
+                timeline.listening.wait(LISTEN_TIME)  # where it never does, the checks tell
                 player = microphone.play(wav)
                 stack.callback(player.terminate)
             timeline.start_clock(first_sound() + lead)

@@ -162,7 +162,10 @@ class Timeline:
     def _on_voice(self, status: DiagnosticStatus) -> None:
         """Say what is wrong with the voice node, such as a missing microphone, and when it ends."""
         trouble = status.message if status.level != DiagnosticStatus.OK else ""
-        (self.listening.clear if trouble else self.listening.set)()
+        if trouble:
+            self.listening.clear()
+        else:
+            self.listening.set()
         if trouble != self._trouble:
             self._trouble = trouble
             self.warn(f"voice   {status.message}")

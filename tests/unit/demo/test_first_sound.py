@@ -9,7 +9,7 @@ import pytest
 from demo.first_sound import FirstSound
 
 RATE = 16000
-BEGAN = 100.0  # [s] the node
+BEGAN = 100.0  # [s] when the node captured its first sample
 
 
 def push(sound, first_sample, samples, late=0.0):

@@ -49,6 +49,11 @@ class Health:
         self.real_time_factor += _SMOOTHING * (compute / duration - self.real_time_factor)
         self.slowest = max(self.slowest, compute)
 
+    @property
+    def has_heard(self) -> bool:
+        """Whether any sound has come yet."""
+        return self.frame_done > float("-inf")
+
     def would_hear(self, now: float, deaf_after: float) -> bool:
         """Whether a spoken stop would be heard in time."""
         is_fresh = now - self.frame_done < deaf_after and self.behind < deaf_after
@@ -97,7 +102,7 @@ def _summary(health: Health, now: float, deaf_after: float) -> tuple[int, str]:
         return DiagnosticStatus.ERROR, health.trouble
     if health.hang:
         return DiagnosticStatus.ERROR, health.hang
-    if health.frame_done == float("-inf"):
+    if not health.has_heard:
         return DiagnosticStatus.ERROR, "no sound has come yet: a spoken stop is not heard"
     if not health.would_hear(now, deaf_after):
         return DiagnosticStatus.ERROR, "recognition does not keep up: a spoken stop is not heard"
