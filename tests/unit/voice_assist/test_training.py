@@ -311,16 +311,24 @@ def test_fine_tuning_keeps_the_encoder_and_a_short_decoder(tmp_path):
         torch.testing.assert_close(first[name], weight)
 
 
+def test_a_balanced_run_hears_more_commands_than_a_mending_one(exported):
+    stages = start_from(str(exported), "balanced").stages
+    (balanced,), (mending,) = stages, CONTINUED["mending"]
+    share = {id(s): s.weights["command"] / sum(s.weights.values()) for s in (balanced, mending)}
+    assert share[id(balanced)] > share[id(mending)]
+
+
 def test_an_exported_checkpoint_is_continued_with_its_ctc_head(model, exported):
     start = start_from(str(exported))
-    assert start.stages == CONTINUED
+    assert start.stages == CONTINUED["mending"]
     for name, weight in model.state_dict().items():
         torch.testing.assert_close(start.model.state_dict()[name], weight, atol=1e-3, rtol=1e-3)
 
 
 def test_a_continued_run_has_one_lesson_with_word_times():
-    assert {stage_of(step, CONTINUED)[0] for step in (0, 1000, 50000)} == {0}
-    assert stage_of(0, CONTINUED)[1].needs_word_times
+    for stages in CONTINUED.values():
+        assert {stage_of(step, stages)[0] for step in (0, 1000, 50000)} == {0}
+        assert stage_of(0, stages)[1].needs_word_times
     assert [stage_of(step)[0] for step in (0, 900, 1400)] == [0, 1, 2]
     assert [stage_of(step, FINE_TUNED)[0] for step in (0, 400)] == [0, 1]
 

@@ -2,7 +2,8 @@
 """The order of lessons: short and clear first, then everything, then in pieces.
 
 A run that continues a checkpoint of an earlier one has a single lesson: pieces again,
-with more of what that checkpoint got wrong, in louder noise. One that starts from a Whisper
+with more of what that checkpoint got wrong, in louder noise; or, once near misses have made
+it slow to write a command in noise, with more commands among them. One that starts from a Whisper
 model, which hears well already, first learns to write in letters, then has that lesson too.
 """
 
@@ -50,6 +51,11 @@ MENDING = {
     **{"human stop": 4, "human rare": 4, "human close": 6, "human word": 6, "sentence": 3},
     **{"human span": 18, "human cut": 4, "cut": 6, "splice": 9, "mined": 5},
 }
+BALANCED = {
+    **{"command": 24, "wake": 6, "variant": 6, "near": 22, "span": 7, "noise": 4},
+    **{"human stop": 4, "human rare": 4, "human close": 6, "human word": 6, "sentence": 3},
+    **{"human span": 16, "human cut": 4, "cut": 6, "splice": 8, "mined": 5},
+}
 HARSH = Strength(snr=(-3.0, 25.0), noise=0.8, warp=0.12, telephone=0.06)
 
 STAGES = (
@@ -58,8 +64,12 @@ STAGES = (
     Stage(1_000_000, PIECES, 80.0, 7.8, Strength(), True),
 )
 
-CONTINUED = (Stage(1_000_000, MENDING, 80.0, 7.8, HARSH, True),)
-FINE_TUNED = (Stage(400, WHOLE, 80.0, 7.8, Strength(), False), *CONTINUED)
+CONTINUED = {
+    "mending": (Stage(1_000_000, MENDING, 80.0, 7.8, HARSH, True),),
+    "balanced": (Stage(1_000_000, BALANCED, 80.0, 7.8, HARSH, True),),
+}
+LESSONS = tuple(CONTINUED)
+FINE_TUNED = (Stage(400, WHOLE, 80.0, 7.8, Strength(), False), *CONTINUED["mending"])
 
 
 def stage_of(step: int, stages: Sequence[Stage] = STAGES) -> tuple[int, Stage]:

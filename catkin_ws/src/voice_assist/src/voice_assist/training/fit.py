@@ -24,7 +24,7 @@ from voice_assist.training.checkpoints import (
     save_progress,
 )
 from voice_assist.training.corpus import Corpus, load_corpus
-from voice_assist.training.curriculum import stage_of
+from voice_assist.training.curriculum import LESSONS, stage_of
 from voice_assist.training.export import export
 from voice_assist.training.mixture import RARE, Aligned, Mixture
 from voice_assist.training.objective import joint_loss
@@ -45,7 +45,7 @@ class Run:
         """Build the model, or restore it where the run was broken off."""
         torch.manual_seed(options.seed)
         self.options, self.corpus = options, corpus
-        start = start_from(options.start) if options.start else start_anew()
+        start = start_from(options.start, options.lesson) if options.start else start_anew()
         self.model, self.stages = start.model, start.stages
         self.schedule = Schedule(options.steps, options.rate, decay=options.decay)
         self.optimiser = torch.optim.AdamW(
@@ -162,6 +162,7 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
     add("--out", type=Path, default=PACKAGE / "models" / "embedded.pt")
     add("--from", dest="start", help="checkpoint to continue, or Whisper model such as base.en")
+    add("--lesson", choices=LESSONS, default=LESSONS[0], help="with which --from continues a run")
     add("--seed", type=int, default=1)
     add("--steps", type=int, default=4000)
     add("--rate", type=float, default=1.5e-3, help="peak learning rate")

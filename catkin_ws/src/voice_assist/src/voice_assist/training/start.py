@@ -48,19 +48,20 @@ def start_anew(dims: ModelDimensions = SMALL) -> Start:
     return Start(model, STAGES)
 
 
-def start_from(name: str) -> Start:
+def start_from(name: str, lesson: str = "mending") -> Start:
     """A model with the weights of a checkpoint, to be trained further.
 
     Args:
         name: A file of an earlier run, which has a CTC head and goes on as it is, or
             what whisper.load_model takes, such as "base.en", to be fine-tuned.
+        lesson: What a file of an earlier run goes on with, one of curriculum.LESSONS.
 
     Raises:
         ModelError: The checkpoint is missing or damaged.
     """
     checkpoint = read_checkpoint(find_checkpoint(name))
     if checkpoint.ctc is not None:
-        return Start(restore(checkpoint), CONTINUED)
+        return Start(restore(checkpoint), CONTINUED[lesson])
     return Start(_narrowed(checkpoint), FINE_TUNED)
 
 
