@@ -62,6 +62,7 @@ $(TINY): .setup/workspace requirements-train.txt
 	@$(RUN) python -m voice_assist.training.openai_file $@
 	@touch $@
 
+MEAN := python -m voice_assist.training.average
 RUNS := .cache/training/run_
 train: $(if $(ARGS),setup,$(TINY)) ## fine-tune Whisper tiny.en into the embedded recogniser; or one run of your own with ARGS; resumes where it was interrupted
 ifneq ($(ARGS),)
@@ -69,7 +70,10 @@ ifneq ($(ARGS),)
 else
 	@$(RUN) $(FIT) --from $(TINY) --out .cache/training/first.pt --rate 4e-4 --steps 2800 --decay 0.75 --measure-every 200
 	@$(RUN) $(FIT) --from $(RUNS)first/step_02800.pt --out .cache/training/longer.pt --rate 2.5e-4 --steps 1000 --decay 0.75 --measure-every 250
-	@$(RUN) python -m voice_assist.training.average $(RUNS)longer/step_00500.pt $(RUNS)longer/step_01000.pt \
+	@$(RUN) $(MEAN) $(RUNS)longer/step_00500.pt $(RUNS)longer/step_01000.pt --out .cache/training/second.pt
+	@$(RUN) $(FIT) --from .cache/training/second.pt --out .cache/training/third.pt --lesson balanced --seed 2 --rate 2.5e-4 --steps 5000 --decay 0.75 --measure-every 500
+	@$(RUN) $(FIT) --from $(RUNS)third/step_05000.pt --out .cache/training/fourth.pt --lesson twins --seed 2 --rate 2e-4 --steps 1600 --decay 0.75
+	@$(RUN) $(MEAN) .cache/training/second.pt $(RUNS)third/step_04000.pt $(RUNS)fourth/step_01600.pt \
 	    --out catkin_ws/src/voice_assist/models/embedded.pt
 endif
 

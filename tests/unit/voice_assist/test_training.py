@@ -241,6 +241,13 @@ def test_batches_stay_within_the_encoders_context():
     assert max(next(batches)[1].mel.shape[2] for _ in range(4)) <= 2 * SMALL.n_audio_ctx
 
 
+def test_twins_are_drawn_from_the_near_misses_by_their_texts():
+    near = [clip("tents", 0.5, "near"), clip("hello robot", 0.5, "near")]
+    mixture = Mixture([*clips(), *near], [], {"twin": 1.0})
+    rng = np.random.default_rng(1)
+    assert {mixture.draw(rng).text for _ in range(20)} == {"tents"}
+
+
 def test_items_with_long_pauses_never_outgrow_the_encoder():
     slow = Aligned(
         clip("one two", 30.0, "sentence"), (WordTime("one", 1, 2), WordTime("two", 27, 28))

@@ -28,7 +28,7 @@ def cast_installed_voice(text, variants, rng):
 def tiny_corpus(tmp_path, monkeypatch):
     monkeypatch.setattr(corpus, "plan_held_out", lambda seed: plan_held_out(seed, 1)[:12])
     monkeypatch.setattr(synthesis, "cast_voice", cast_installed_voice)
-    amounts = Amounts(command=14, variant=3, near=5, hard=3, talk=2, span=3, short=2)
+    amounts = Amounts(command=14, variant=3, near=5, hard=3, talk=2, span=3, short=2, twin=3)
     return corpus.load_corpus(tmp_path / "absent", tmp_path, 1, amounts, 1)
 
 

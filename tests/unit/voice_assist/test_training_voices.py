@@ -12,7 +12,7 @@ import pytest
 from voice_assist.errors import ModelError
 from voice_assist.training import precision, texts, voices
 from voice_assist.training.homophones import same_as_command, sounds
-from voice_assist.training.synthesis import Amounts, plan_training
+from voice_assist.training.synthesis import Amounts, plan_held_out, plan_training, plan_twins
 from voice_assist.training.voices import Prompt, speak
 
 
@@ -51,6 +51,15 @@ def test_training_leaves_whole_engines_and_voices_out() -> None:
     spoken = {prompt.voice for prompt in prompts if prompt.engine == "rhvoice"}
     assert spoken <= set(voices.RHVOICE)
     assert not spoken & set(voices.HELD_OUT_RHVOICE)
+
+
+def test_twins_are_near_misses_in_voices_that_training_may_hear() -> None:
+    assert set(texts.TWINS) <= {*texts.NEAR_MISSES, *texts.HARD}
+    prompts = plan_twins(1, 600)
+    assert {prompt.text for prompt in prompts} <= set(texts.TWINS)
+    assert not [p for p in prompts if same_as_command(p.text, p.engine, p.voice)]
+    held_out = {prompt.voice for prompt in plan_held_out(1)}
+    assert not held_out & {prompt.voice for prompt in prompts}
 
 
 def test_a_missing_engine_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

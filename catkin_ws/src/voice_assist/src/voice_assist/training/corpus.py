@@ -20,6 +20,7 @@ from voice_assist.training.synthesis import (
     Clip,
     plan_held_out,
     plan_training,
+    plan_twins,
     synthesise,
 )
 from voice_assist.training.texts import TALK
@@ -52,6 +53,7 @@ def load_corpus(speech: Path, cache: Path, seed: int, amounts: Amounts, workers:
     sentences = training_sentences(rows) + list(TALK)
     prompts = plan_training(sentences, seed, amounts)
     train = synthesise(prompts, cache / "synthetic", workers)
+    train += synthesise(plan_twins(seed, amounts.twin), cache / "twins", workers)
     human = [c for c in load_speech(rows, "train", recordings) if c.text and c.text.isascii()]
     rng = np.random.default_rng(seed)
     rooms = build_rooms(load_sounds(rows, "rir"), rng)

@@ -3,7 +3,8 @@
 
 A run that continues a checkpoint of an earlier one has a single lesson: pieces again,
 with more of what that checkpoint got wrong, in louder noise; or, once near misses have made
-it slow to write a command in noise, with more commands among them. One that starts from a Whisper
+it slow to write a command in noise, with more commands among them; or with many twins, which
+differ from a command by a sound or two. One that starts from a Whisper
 model, which hears well already, first learns to write in letters, then has that lesson too.
 """
 
@@ -56,6 +57,11 @@ BALANCED = {
     **{"human stop": 4, "human rare": 4, "human close": 6, "human word": 6, "sentence": 3},
     **{"human span": 16, "human cut": 4, "cut": 6, "splice": 8, "mined": 5},
 }
+TWINNED = {
+    **{"command": 28, "wake": 6, "variant": 6, "near": 16, "twin": 10, "span": 6, "noise": 4},
+    **{"human stop": 5, "human rare": 4, "human close": 6, "human word": 6, "sentence": 3},
+    **{"human span": 14, "human cut": 4, "cut": 6, "splice": 8, "mined": 5},
+}
 HARSH = Strength(snr=(-3.0, 25.0), noise=0.8, warp=0.12, telephone=0.06)
 
 STAGES = (
@@ -67,6 +73,7 @@ STAGES = (
 CONTINUED = {
     "mending": (Stage(1_000_000, MENDING, 80.0, 7.8, HARSH, True),),
     "balanced": (Stage(1_000_000, BALANCED, 80.0, 7.8, HARSH, True),),
+    "twins": (Stage(1_000_000, TWINNED, 80.0, 7.8, HARSH, True),),
 }
 LESSONS = tuple(CONTINUED)
 FINE_TUNED = (Stage(400, WHOLE, 80.0, 7.8, Strength(), False), *CONTINUED["mending"])

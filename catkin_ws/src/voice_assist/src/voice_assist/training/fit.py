@@ -35,6 +35,7 @@ from voice_assist.training.synthesis import Amounts, Clip
 
 PACKAGE = Path(__file__).resolve().parents[3]  # catkin_ws/src/voice_assist
 REPOSITORY = PACKAGE.parents[2]
+TWINS = 8000  # clips of them, where the lesson asks for any
 LOG = logging.getLogger("fit")
 
 
@@ -177,7 +178,8 @@ def main() -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     options = parse()
     torch.set_num_threads(options.threads)
-    corpus = load_corpus(options.speech, options.cache, options.seed, Amounts(), options.threads)
+    amounts = Amounts(twin=TWINS if options.lesson == "twins" else 0)
+    corpus = load_corpus(options.speech, options.cache, options.seed, amounts, options.threads)
     LOG.info("%d training clips", len(corpus.train))
     run = Run(options, corpus)
     with disable_sdpa():  # its backward pass is slow on processors

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.random import Generator
 
 from voice_assist.training.synthesis import Clip
+from voice_assist.training.texts import TWINS
 from voice_assist.training.voices import Int16
 from voice_assist.types import RATE
 
@@ -96,6 +97,9 @@ def _sources(clips: Sequence[Clip], aligned: Sequence[Aligned]) -> dict[str, Sou
     wake = [clip for clip in kinds.get("command", []) if clip.text == WAKE]
     if wake:
         sources["wake"] = lambda rng: clipped_onset(_pick(wake, rng), rng)
+    twins = [clip for clip in kinds.get("near", []) if clip.text in TWINS]
+    if twins:
+        sources["twin"] = _whole(twins)
     sources["noise"] = lambda rng: Item(NOTHING, "")
     human = [a for a in aligned if a.clip.kind == "sentence"]
     if human:

@@ -43,6 +43,7 @@ class Amounts:
     talk: int = 2500
     span: int = 12000
     short: int = 4000  # spans of one or two words
+    twin: int = 0  # what is most like a command, for the lesson "twins"
 
 
 def plan_training(sentences: Sequence[str], seed: int, amounts: Amounts) -> list[Prompt]:
@@ -63,6 +64,18 @@ def plan_training(sentences: Sequence[str], seed: int, amounts: Amounts) -> list
         span = texts.word_span(sentences, rng)
         said.append(texts.number_phrase(rng) if is_number else span)
     said += [texts.word_span(sentences, rng, longest=2) for _ in range(amounts.short)]
+    return _cast(said, variants, rng)
+
+
+def plan_twins(seed: int, amount: int) -> list[Prompt]:
+    """Prompts with what is most like a command, grouped by voice; no held-out voice speaks."""
+    rng = Random(seed)
+    variants, _ = voices.espeak_variants()
+    return _cast([texts.TWINS[i % len(texts.TWINS)] for i in range(amount)], variants, rng)
+
+
+def _cast(said: Sequence[str], variants: list[str], rng: Random) -> list[Prompt]:
+    """A voice for each text, but for those that sound like a command in it."""
     cast = (cast_voice(text, variants, rng) for text in said)
     prompts = [p for p in cast if not _is_homophone(p)]
     return sorted(prompts, key=lambda p: (p.engine, p.voice, p.text, p.rate))

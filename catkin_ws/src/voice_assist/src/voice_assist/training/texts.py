@@ -82,6 +82,20 @@ a robot arm|the robot is here|robot vacuum|that robot|say hey robot|hey the robo
     .split("|")
 )
 
+# Of both, those a sound or two away from a command, which are most often taken for it.
+TWINS = tuple(
+    """
+tents|dense|tens|ten|sense|pence|fence|hence|tent|tenth|tenths|tend|tends|dents|pens|tense up
+least|lease|leash|leased|a lease|her lease|we lease|the lease|relief|relieve|relish|releases
+full more|poor more|wool more|bull more|pool more|fool more|poll more|paul moore|pull moor
+pull moors|push more|four more|pulls more|no more|pull mall|pull mortar
+full less|pool less|bull less|pull left|pull us|pull list|pull last|push less|pulls less|no less
+shop|top|stops|stopped|step|stuff|stock|stomp|chop|up|terminal|terminates|germinate|determinate
+""".replace("\n", "|")
+    .strip("|")
+    .split("|")
+)
+
 TALK = tuple(
     """
 can you pass me the scissors please|suction please|more light over here
