@@ -180,7 +180,9 @@ def test_a_phrase_that_can_grow_waits_for_the_end_of_the_utterance():
 def test_the_second_opinion_refuses_a_motion():
     events = hear("pull more", recognizer=FakeRecognizer({"pull more": -3.0}))
     assert commands(events) == []
-    assert "confidence 0.14, allowed: at least 0.80" in refusals(events)[0].reason
+    worth = load_voice_config().recognizer.confidence.scores(-3.0)
+    assert worth < 0.5
+    assert f"confidence {worth:.2f}, allowed: at least 0.80" in refusals(events)[0].reason
 
 
 @pytest.mark.parametrize("text", ["pull more", "tense", "release", "pull less"])

@@ -101,6 +101,21 @@ def test_scores_of_the_sound_just_heard_are_those_of_any_other(embedded):
     assert embedded.score(other, COMMANDS)["tense"] < 0.0  # changed since: heard anew
 
 
+@pytest.mark.parametrize(("doubt", "is_believed"), [(2.9, False), (1.5, True)])
+def test_a_decoder_needs_the_ctc_head_to_believe_a_strange_word(
+    embedded, monkeypatch, doubt, is_believed
+):
+    def opinion(liked):
+        return lambda _model, *rest: torch.tensor(
+            [liked if t == "tense" else 0.0 for t in rest[-1]]
+        )
+
+    monkeypatch.setattr("voice_assist.recognizer.embedded.decoder_likelihoods", opinion(4.4))
+    monkeypatch.setattr("voice_assist.recognizer.embedded.ctc_likelihoods", opinion(-doubt))
+    noise = np.random.default_rng(3).normal(0, 0.01, RATE).astype(np.float32)
+    assert (embedded.score(noise, ["tense", "release"])["tense"] > 0.0) is is_believed
+
+
 def test_the_whisper_library_loads_the_shipped_file():
     model = whisper.load_model(str(EMBEDDED_PATH), device="cpu")
     assert model.dims.n_vocab == 51864

@@ -33,6 +33,7 @@ from voice_assist.types import RATE, Hypothesis, Loses, Samples, never
 EMBEDDING = "decoder.token_embedding.weight"
 FEWEST_FRAMES = 40  # of the spectrogram; shorter sound gets quiet appended
 MOST_ROUNDS = 16  # readings of a draft; each makes at least one more letter greedy
+CTC_SHARE = 0.7  # of the CTC head in a score: a decoder soon takes a strange word for one it knows
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,16 +80,21 @@ class EmbeddedRecognizer:
             return self._decode(heard.states, heard.draft, loses)
 
     def score(self, samples: Samples, phrases: Sequence[str]) -> dict[str, float]:
-        """Mean of the decoder's and the CTC head's opinion; see Recognizer."""
+        """The decoder's and the CTC head's ratio, each to its own best other text, weighed.
+
+        See Recognizer: where one is at most 0 for a phrase, the other has to make up for it.
+        """
         if not is_audible(samples):
             return dict.fromkeys(phrases, float("-inf"))
         with torch.inference_mode():
             heard = self._listen(samples)
             written = self._decode(heard.states, heard.draft, never).text
             texts = list(dict.fromkeys([*phrases, "", heard.draft.strip(), written]))
-            both = decoder_likelihoods(self.model, heard.states, texts).cpu()
-            both = (both + ctc_likelihoods(heard.ctc.cpu(), texts)) / 2
-        return ratios(dict(zip(texts, both.tolist(), strict=True)), phrases)
+            read = decoder_likelihoods(self.model, heard.states, texts).tolist()
+            aligned = ctc_likelihoods(heard.ctc.cpu(), texts).tolist()
+        decoder = ratios(dict(zip(texts, read, strict=True)), phrases)
+        head = ratios(dict(zip(texts, aligned, strict=True)), phrases)
+        return {p: (1.0 - CTC_SHARE) * decoder[p] + CTC_SHARE * head[p] for p in phrases}
 
     def _listen(self, samples: Samples) -> _Listened:
         """Encode a sound; the one that was just heard is not encoded again for its scores."""
