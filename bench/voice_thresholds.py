@@ -29,9 +29,10 @@ from bench.voice_run import THIN
 from voice_assist.calibration import Calibration, log_odds
 from voice_assist.config import load_voice_config
 
-# Harm of a command that nobody gave, in refusals of one that somebody gave. A motion can tear; a
-# wrong "terminate" ends what "hey robot" begins again; a wrong "hey robot" moves nothing by itself.
-FALSE = {"motion": 4.0, "terminate": 1.0, "hey robot": 0.5}
+# Harm of a command that nobody gave, in refusals of one that somebody gave. A motion can tear, and
+# "tense" grasps what nobody holds yet, where the others change what is held; a wrong "terminate"
+# ends what "hey robot" begins again; a wrong "hey robot" moves nothing by itself.
+FALSE = {"motion": 4.0, "tense": 16.0, "terminate": 1.0, "hey robot": 0.5}
 SOURCES = ("transcript", "scores", "spotter")  # of evidence, as in recognizer.yaml
 LIMIT = 0.9999  # beyond it a confidence was rounded, and says only that the evidence was strong
 MOST = (2.0, 4.0, 6.0, 8.0, 12.0, 1000.0)  # [nat] where a curve may become level
@@ -126,7 +127,7 @@ def fit(claims: Sequence[Claim]) -> Calibration:
 
 def least(command: str) -> float:
     """Confidence from which a command is worth taking."""
-    harm = FALSE["motion"] if command in motions() else FALSE.get(command, 1.0)
+    harm = FALSE.get(command, FALSE["motion"] if command in motions() else 1.0)
     return harm / (1.0 + harm)
 
 

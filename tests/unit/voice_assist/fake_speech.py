@@ -71,7 +71,7 @@ class FakeRecognizer:
 
     def score(self, samples, phrases):
         text = self.transcribe(samples).text
-        return {p: self.scores.get(p, 0.0 if p == text else -50.0) for p in phrases}
+        return {p: self.scores.get(p, 20.0 if p == text else -50.0) for p in phrases}
 
     def _words(self, samples):
         block = 80  # 5 ms

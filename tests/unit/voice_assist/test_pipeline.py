@@ -202,7 +202,7 @@ def test_what_moves_nothing_is_not_held_to_the_confidence_of_motions(text):
 
 
 def test_the_second_opinion_refuses_what_sounds_like_another_command():
-    events = hear("pull more", recognizer=FakeRecognizer({"pull less": 1.0}))
+    events = hear("pull more", recognizer=FakeRecognizer({"pull less": 21.0}))
     assert commands(events) == []
     assert "sounds more like 'pull less'" in refusals(events)[0].reason
 

@@ -33,7 +33,7 @@ from voice_assist.types import RATE, Hypothesis, Loses, Samples, never
 EMBEDDING = "decoder.token_embedding.weight"
 FEWEST_FRAMES = 40  # of the spectrogram; shorter sound gets quiet appended
 MOST_ROUNDS = 16  # readings of a draft; each makes at least one more letter greedy
-CTC_SHARE = 0.7  # of the CTC head in a score: a decoder soon takes a strange word for one it knows
+CTC_SHARE = 0.5  # of the CTC head in a score: a decoder soon takes a strange word for one it knows
 
 
 @dataclass(frozen=True, eq=False)
