@@ -75,7 +75,7 @@ RULES = [
     ("audio.yaml", ("source",), "wav", "wav.path is '', allowed: a sound file"),
     ("audio.yaml", ("denoise", "high_pass"), 0.08, "denoise.high_pass is 0.08"),
     ("audio.yaml", ("denoise", "high_pass"), 0, ""),
-    ("audio.yaml", ("vad", "stop"), 0.5, "vad.stop is 0.5, allowed: up to start, 0.4"),
+    ("audio.yaml", ("vad", "stop"), 0.5, "vad.stop is 0.5, allowed: up to resume, 0.4"),
     ("recognizer.yaml", ("early", "settle"), 0.128, "early.settle is 0.128, allowed: below pause"),
     ("recognizer.yaml", ("early", "stop_confidence"), 0.7, "from vote_confidence on, 0.75"),
     ("spotter.yaml", ("agree",), 3.0, "agree is 3.0, allowed: up to middle, 2 nat"),

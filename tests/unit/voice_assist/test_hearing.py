@@ -37,7 +37,7 @@ class Rig:
         samples = frozen_samples(np.zeros(round((seconds or self.now) * RATE)))
         utterance = Utterance(samples, 0.0, self.speech_end, is_complete)
         frame = Frame(samples[:512], 0, self.now - FRAME)
-        self.growth = Growth(utterance, self.quiet, True)
+        self.growth = Growth(utterance, self.quiet, True, 1.0)
         return self.hearing(self.growth, frame, self.now)
 
     @property

@@ -14,6 +14,7 @@ from voice_assist.vad.detector import Either, EnergyDetector, make_detector
 CONFIG = load_voice_config(
     audio__vad__start=0.5,
     audio__vad__stop=0.3,
+    audio__vad__resume=0.5,
     audio__vad__min_speech=0.06,
     audio__vad__hangover=0.32,
     audio__vad__max_utterance=2.0,
@@ -21,8 +22,8 @@ CONFIG = load_voice_config(
 FRAME = 0.032
 
 
-def analyze(probabilities):
-    analyzer = Analyzer(CONFIG)
+def analyze(probabilities, config=CONFIG):
+    analyzer = Analyzer(config)
     return [analyzer(p, FRAME) for p in probabilities]
 
 
@@ -50,12 +51,51 @@ def test_a_short_pause_does_not_end_an_utterance():
 
 
 def test_within_speech_the_lower_threshold_holds_it():
-    ends = analyze([0.9] * 3 + [0.4] * 20)
+    ends = analyze([0.9] * 3 + [0.3] * 20)
     assert all(e.state is SpeechState.SPEAKING for e in ends[2:])
 
 
 def test_the_lower_threshold_does_not_start_speech():
     assert all(e.state is SpeechState.QUIET for e in analyze([0.4] * 20))
+
+
+FAINT = load_voice_config(
+    audio__vad__start=0.2,
+    audio__vad__stop=0.35,
+    audio__vad__resume=0.4,
+    audio__vad__hangover=0.32,
+).audio.vad
+
+
+def test_faint_speech_is_held_by_its_own_measure_and_ends_by_it():
+    ends = analyze([0.3] * 3 + [0.12] * 20 + [0.09] * 12, FAINT)
+    assert all(e.state is SpeechState.SPEAKING for e in ends[2:23])
+    assert [e.is_end for e in ends].index(True) == 23 + 9
+
+
+def test_clear_speech_is_not_held_by_what_would_hold_faint_speech():
+    ends = analyze([0.9] * 3 + [0.3] * 12, FAINT)
+    assert [e.is_end for e in ends].index(True) == 3 + 9
+
+
+def test_speech_that_became_clear_is_measured_by_its_highest_probability():
+    ends = analyze([0.3] * 3 + [0.9] + [0.3] * 12, FAINT)
+    assert [e.is_end for e in ends].index(True) == 4 + 9
+
+
+def test_one_sure_frame_and_fainter_ones_are_speech():
+    assert any(e.is_start for e in analyze([0.0] * 3 + [0.36, 0.14], FAINT))
+    assert not any(e.is_start for e in analyze([0.0] * 3 + [0.36, 0.1, 0.36, 0.1], FAINT))
+
+
+def test_an_utterance_is_not_measured_by_the_one_before_it():
+    ends = analyze([0.9] * 3 + [0.0] * 12 + [0.3] * 3 + [0.12] * 20, FAINT)
+    assert all(e.state is SpeechState.SPEAKING for e in ends[-20:])
+
+
+def test_the_highest_probability_of_an_utterance_is_told():
+    ends = analyze([0.9] * 3 + [0.0] * 12 + [0.2, 0.7, 0.6, 0.8], FAINT)
+    assert [e.clearness for e in ends[-4:]] == [0.2, 0.7, 0.7, 0.8]
 
 
 def test_time_since_the_first_speech_is_counted():

@@ -102,6 +102,7 @@ class VadConfig:
     detector: str = choice("silero", "energy", "either")
     start: float = number(0.01, 0.99, "")
     stop: float = number(0.01, 0.99, "")
+    resume: float = number(0.01, 0.99, "")
     min_speech: float = number(0.0, 1.0, "s")
     hangover: float = number(0.05, 3.0, "s")
     pre_roll: float = number(0.0, 2.0, "s")
@@ -110,7 +111,7 @@ class VadConfig:
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
-        require(self.stop <= self.start, "stop", self.stop, f"up to start, {self.start:g}")
+        require(self.stop <= self.resume, "stop", self.stop, f"up to resume, {self.resume:g}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,6 +180,7 @@ class RecognizerConfig:
     second_opinion: bool = flag()
     motion_confidence: float = number(0.0, NEVER_SURE, "")
     motion_glide: float = number(0.0, 20.0, "cent")
+    motion_speech: float = number(0.0, 0.99, "")
     confidence: ConfidenceConfig
     early: EarlyConfig
 

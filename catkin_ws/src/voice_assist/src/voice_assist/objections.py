@@ -12,6 +12,7 @@ from voice_assist.judge import too_unsure
 from voice_assist.talkback import Talkback
 from voice_assist.tones import glide
 from voice_assist.types import Hypothesis, Samples
+from voice_assist.vad.cutter import Growth
 
 if TYPE_CHECKING:
     from voice_assist.speaker.gate import Gate
@@ -31,7 +32,7 @@ class Objections:
         self._config, self._talkback, self._gate = config.recognizer, talkback, gate
 
     def __call__(
-        self, command: CommandConfig, heard: Hypothesis, sound: Samples, speech_start: float
+        self, command: CommandConfig, heard: Hypothesis, sound: Samples, growth: Growth
     ) -> str:
         """Why a command is not taken; empty: it is.
 
@@ -39,14 +40,16 @@ class Objections:
             command: That was heard.
             heard: As what.
             sound: That it was heard in, shape (n,).
-            speech_start: Clock time of the utterance's first speech [s].
+            growth: The utterance that it was said in.
         """
         wakes = command.then == "active"
-        if (command.is_motion or wakes) and self._talkback.is_in(speech_start):
+        if (command.is_motion or wakes) and self._talkback.is_in(growth.utterance.speech_start):
             return "the robot itself was speaking; say it again"
-        return self._of_motion(heard, sound) if command.is_motion else ""
+        return self._of_motion(heard, sound, growth.clearness) if command.is_motion else ""
 
-    def _of_motion(self, heard: Hypothesis, sound: Samples) -> str:
+    def _of_motion(self, heard: Hypothesis, sound: Samples, clearness: float) -> str:
+        if clearness < self._config.motion_speech:
+            return too_faint(clearness, self._config.motion_speech)
         least = self._config.motion_confidence
         if heard.confidence < least:
             return too_unsure(heard.confidence, least, " of the transcript")
@@ -56,3 +59,9 @@ class Objections:
         if moved < least:
             return f"a tone, no voice: its pitch moves by {moved:.2f} cent, a voice's by {least:g}"
         return self._gate(sound) if self._gate else ""
+
+
+def too_faint(clearness: float, least: float) -> str:
+    """Why a motion is refused in a sound that may be no voice."""
+    told = f"the speech detector gave {clearness:.2f} at most, allowed: at least {least:.2f}"
+    return f"too faint to be surely speech: {told}"

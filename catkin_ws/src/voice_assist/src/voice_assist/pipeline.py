@@ -262,8 +262,7 @@ class Pipeline:
         if confidence < command.least_confidence:
             reason = too_unsure(confidence, command.least_confidence)
             return NoMatch(reason, match.command, match.wer), confidence
-        begun = growth.utterance.speech_start
-        if objection := self._object(command, heard, self._hear.sound, begun):
+        if objection := self._object(command, heard, self._hear.sound, growth):
             return NoMatch(objection, match.command, match.wer), confidence
         return match, confidence
 
@@ -295,7 +294,7 @@ class Pipeline:
         match = Match(self._second.phrase, self._mapper(heard.text).wer)
         confidence = self._config.recognizer.confidence.spotter(spotted.score)
         silent = Utterance(frozen_samples(np.zeros(0)), spotted.time, spotted.time, False)
-        begun = growth or Growth(silent, 0.0, False)
+        begun = growth or Growth(silent, 0.0, False, 0.0)
         decision = self._conclude(match, heard, confidence, begun, "spotter")
         if growth is None:  # endpointing has noticed no speech: what is said next is new
             self._judge.reset()

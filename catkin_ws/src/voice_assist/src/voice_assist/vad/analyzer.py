@@ -29,10 +29,16 @@ class Endpoint:
     is_end: bool  # an utterance was ended by this frame
     quiet: float  # [s] since the last speech frame
     spoken: float  # [s] since the first speech frame of this utterance
+    clearness: float  # highest probability of speech in this utterance, [0, 1]
 
 
 class Analyzer:
-    """Follows the probability of speech with two thresholds and two times."""
+    """Follows the probability of speech with three thresholds and two times.
+
+    One is for the beginning. Where an utterance ends, and goes on after all, is measured by the
+    highest probability so far: in loud noise the detector is never sure of speech, and never sure
+    that it has ended.
+    """
 
     def __init__(self, config: VadConfig) -> None:
         """Start in quiet."""
@@ -43,6 +49,7 @@ class Analyzer:
         """Forget the utterance so far."""
         self._state = SpeechState.QUIET
         self._quiet = self._spoken = 0.0
+        self._peak = 0.0  # highest probability of this utterance
 
     def __call__(self, probability: float, duration: float) -> Endpoint:
         """Take the next frame.
@@ -53,6 +60,7 @@ class Analyzer:
         """
         before = self._state
         is_speech = probability >= self._threshold()
+        self._peak = max(probability, 0.0 if before is SpeechState.QUIET else self._peak)
         self._quiet = 0.0 if is_speech else self._quiet + duration
         self._spoken = duration if self._begins(is_speech) else self._spoken + duration
         self._state = self._next(is_speech)
@@ -62,12 +70,18 @@ class Analyzer:
             is_end=self._is_heard(before) and not self._is_heard(self._state),
             quiet=self._quiet,
             spoken=self._spoken if self._state is not SpeechState.QUIET else 0.0,
+            clearness=self._peak,
         )
 
     def _threshold(self) -> float:
-        """Of the probability from which this frame is speech; lower within speech."""
-        is_inside = self._state in (SpeechState.STARTING, SpeechState.SPEAKING)
-        return self._config.stop if is_inside else self._config.start
+        """Of the probability from which this frame is speech, by where in an utterance it is."""
+        config, state = self._config, self._state
+        if state is SpeechState.QUIET:
+            return config.start
+        held = config.stop * self._peak
+        if state is SpeechState.STARTING:
+            return min(config.start, held)
+        return held if state is SpeechState.SPEAKING else config.resume * self._peak
 
     def _begins(self, is_speech: bool) -> bool:
         return is_speech and self._state is SpeechState.QUIET

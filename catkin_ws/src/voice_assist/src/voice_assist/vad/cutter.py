@@ -22,6 +22,7 @@ class Growth:
     utterance: Utterance
     quiet: float  # [s] since the last speech
     is_whole: bool  # nothing was said in the same breath before it
+    clearness: float  # highest probability of speech in it, [0, 1]
 
 
 class Cutter:
@@ -60,7 +61,7 @@ class Cutter:
         is_complete = endpoint.is_end or self._length() >= self._config.max_utterance
         samples = frozen_samples(np.concatenate([f.samples for f in self._frames]))
         utterance = Utterance(samples, self._speech_start, self._speech_end, is_complete)
-        growth = Growth(utterance, endpoint.quiet, self._is_whole)
+        growth = Growth(utterance, endpoint.quiet, self._is_whole, endpoint.clearness)
         if is_complete:
             self._end(frame, endpoint)
         return growth
