@@ -16,7 +16,6 @@ from bench import (
     voice_accuracy,
     voice_armed,
     voice_calibration,
-    voice_carried,
     voice_denoise,
     voice_idle,
     voice_keywords,
@@ -49,7 +48,6 @@ _MEASURES: dict[str, Callable[[], list[Figure]]] = {
     "nothing": voice_nothing.measure,
     "unarmed": voice_unarmed.measure,
     "soak": voice_soak.measure,
-    "carried": voice_carried.measure,
 }
 PARTS = {name: kept(name, part) for name, part in _MEASURES.items()}
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Speech in noise so loud that the detector is never sure of it: a stop counts, a motion does not."""
+"""Noise so loud that the detector is never sure of speech: a stop counts, a motion does not."""
 
 import pytest
 

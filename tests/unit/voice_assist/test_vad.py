@@ -199,7 +199,8 @@ def test_silero_hears_no_speech_in_noise_and_keeps_the_threads_of_torch():
     finally:
         torch.set_num_threads(threads)
     noise = 0.02 * np.random.default_rng(0).standard_normal(RATE)
-    assert max(detector(f.samples) for f in frames(noise.astype(np.float32))) < 0.4
+    heard = [detector(f.samples) for f in frames(noise.astype(np.float32))]
+    assert max(heard) < load_voice_config().audio.vad.start
     with pytest.raises(ValueError, match="allowed: 512"):
         detector(np.zeros(100, np.float32))
 
