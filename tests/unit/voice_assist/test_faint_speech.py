@@ -3,10 +3,9 @@
 
 import pytest
 
-from tests.unit.voice_assist.fake_speech import FakeRecognizer, frames, make_detector, say
-from tests.unit.voice_assist.test_pipeline import StreamClock, commands, refusals, run
+from tests.unit.voice_assist.fake_speech import frames, make_detector, say
+from tests.unit.voice_assist.test_pipeline import commands, make, refusals, run
 from voice_assist.config import load_voice_config
-from voice_assist.pipeline import Pipeline
 from voice_assist.types import Mode
 
 VAD = load_voice_config().audio.vad
@@ -28,9 +27,7 @@ class Unsure:
 
 
 def hear(text, most, mode=Mode.ACTIVE):
-    clock = StreamClock()
-    pipeline = Pipeline(load_voice_config(), FakeRecognizer(), Unsure(most), clock)
-    pipeline.set_mode(mode, "test")
+    pipeline, clock = make(mode, detector=Unsure(most))
     return run(pipeline, clock, frames(say(text)))
 
 

@@ -34,10 +34,11 @@ class StreamClock:
         return self.now
 
 
-def make(mode=Mode.ACTIVE, recognizer=None, **changes):
+def make(mode=Mode.ACTIVE, recognizer=None, detector=None, **changes):
     clock = StreamClock()
     config = load_voice_config(**changes)
-    pipeline = Pipeline(config, recognizer or FakeRecognizer(), make_detector(), clock)
+    hearer, detector = recognizer or FakeRecognizer(), detector or make_detector()
+    pipeline = Pipeline(config, hearer, detector, clock)
     pipeline.set_mode(mode, "test")
     return pipeline, clock
 

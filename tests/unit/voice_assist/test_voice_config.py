@@ -57,7 +57,7 @@ def test_a_missing_file_is_named(tmp_path):
 
 
 def test_single_settings_can_be_replaced_and_are_checked():
-    assert load_voice_config(audio__vad__start=0.5).audio.vad.start == 0.5
+    assert load_voice_config(audio__vad__start=0.7).audio.vad.start == 0.7
     with pytest.raises(ConfigError, match="detector"):
         load_voice_config(audio__vad__detector="magic")
 
