@@ -16,7 +16,9 @@ from bench import voice_archive, voice_chunks, voice_kept
 from bench.figures import Figure
 from bench.voice_armed import of_commands
 from bench.voice_chunks import Record
+from bench.voice_count import motions
 from bench.voice_talk import SECONDS, TalkChunk, Who, deck
+from bench.voice_trials import STOP
 
 FULL = 30.0  # [h]
 HOURS = min(FULL, float(os.environ.get("HOURS", "0.2")))
@@ -33,6 +35,7 @@ def measure() -> list[Figure]:
     hours = sum(r.heard.streamed for r in records) / 3600.0
     figures = [voice_kept.measured(hours, "h", FULL)]
     figures += of_commands("talk, unarmed", records, 0.0)
+    figures.append(_reaching(records))
     for who in ("human", "synthetic"):
         some = [r for r in records if r.label["who"] == who]
         if some:
@@ -67,6 +70,27 @@ def fired(record: Record) -> list[dict[str, Any]]:
                 }
             )
     return found
+
+
+def reaching(records: Sequence[Record]) -> int:
+    """Motions taken while no "stop" is latched: what the robot would not refuse as halted.
+
+    The controller latches every "stop", in standby too, and refuses all motion until the next
+    "hey robot"; the voice mode stays as it is meanwhile.
+    """
+    count = 0
+    for record in records:
+        is_halted = False
+        for command in record.heard.taken:
+            if command in (*STOP, "hey robot"):
+                is_halted = command in STOP
+            count += command in motions() and not is_halted
+    return count
+
+
+def _reaching(records: Sequence[Record]) -> Figure:
+    note = "(the others came after a \"stop\", which halts it until \"hey robot\")"
+    return Figure("talk, unarmed: motions to a robot not halted", reaching(records), "", note=note)
 
 
 def _plan() -> list[TalkChunk]:

@@ -139,6 +139,26 @@ def test_what_fires_in_talk_is_listed_with_the_utterance_begun_last():
     assert (fired["said"], fired["voice"]) == ("where is the trocar", "w")
 
 
+@pytest.mark.parametrize(
+    ("taken", "reaches"),
+    [
+        (["hey robot", "tense"], 1),
+        (["stop", "tense", "pull more"], 0),
+        (["hey robot", "stop", "tense"], 0),
+        (["stop", "hey robot", "tense", "stop", "release"], 1),
+        (["stop", "terminate", "tense"], 0),
+    ],
+)
+def test_a_motion_after_a_stop_reaches_no_robot_before_the_next_hey_robot(taken, reaches):
+    talk = record("", *(said(command) for command in taken))
+    assert voice_unarmed.reaching([talk]) == reaches
+
+
+def test_a_stop_of_one_piece_of_talk_halts_nothing_in_the_next():
+    pieces = [record("", said("stop")), record("", said("tense"))]
+    assert voice_unarmed.reaching(pieces) == 1
+
+
 # --- near misses
 
 
