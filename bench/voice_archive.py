@@ -53,9 +53,10 @@ def _rows(part: str, folder: Path, model: str) -> list[dict[str, Any]]:
 
 
 def _short(record: dict[str, Any]) -> dict[str, Any]:
-    """Without what was said and not taken; what was said in the sound stays where it is needed."""
+    """Without what was not taken; of the utterances, those begun last before something was."""
     heard, label = dict(record["heard"]), dict(record["label"])
     heard["said"] = [one for one in heard["said"] if one["is_taken"]]
-    if not heard["said"] and "spans" in label:
-        label["spans"] = []
+    if "spans" in label:
+        begun = [sum(span[0] <= one["at"] for span in label["spans"]) for one in heard["said"]]
+        label["spans"] = [label["spans"][n - 1] for n in sorted(set(begun)) if n]
     return {"label": label, "heard": heard}

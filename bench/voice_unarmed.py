@@ -89,7 +89,7 @@ def reaching(records: Sequence[Record]) -> int:
 
 
 def _reaching(records: Sequence[Record]) -> Figure:
-    note = "(the others came after a \"stop\", which halts it until \"hey robot\")"
+    note = '(the others came after a "stop", which halts it until "hey robot")'
     return Figure("talk, unarmed: motions to a robot not halted", reaching(records), "", note=note)
 
 

@@ -88,6 +88,21 @@ def test_of_a_piece_that_is_kept_only_what_was_taken_is_left(listened, tmp_path,
     assert next(turns, None) is None
 
 
+def test_of_what_was_said_in_a_piece_that_is_kept_what_was_taken_is_left(listened, tmp_path):
+    said = [(0.1, "up", "v", "a"), (1.0, "no", "w", "b"), (2.0, "go", "v", "c"), (3.0, "", "", "")]
+    taken = tuple(Said(at, "stop", True, 0.9, "", "stop", "") for at in (0.05, 2.5))
+    record = {"label": {"spans": said}, "heard": Heard(taken, 4.0, 0.1, 0.0).to_json()}
+    plan = [Piece(0)]
+    path = voice_chunks.folder_of("part", "") / f"{plan[0].name()}.json"
+    path.write_text(json.dumps([record]), encoding="utf-8")
+    voice_archive.keep("part", plan, tmp_path / "kept", "")
+    path.unlink()
+    voice_archive.restore("part", tmp_path / "kept", "")
+    (found,) = voice_chunks.read(path)
+    assert found.label["spans"] == [[2.0, "go", "v", "c"]]
+    assert found.heard.taken == ("stop", "stop")
+
+
 def test_another_model_or_another_part_begins_anew(listened):
     voice_chunks.measured("part", {"": [Piece(0)]}, "one")
     voice_chunks.measured("part", {"": [Piece(0)]}, "one")
