@@ -54,7 +54,8 @@ class Told:
     """A command in the stream."""
 
     text: str
-    end: float  # [s] stream time of its end of speech
+    begin: float  # [s] stream time of its clip's beginning
+    end: float  # [s] of its end of speech
 
 
 @dataclass(frozen=True)
@@ -174,7 +175,9 @@ class Soak:
                 for e in decided
                 if isinstance(e.outcome, Match)
             ]
-        shifted = [Told(one.text, one.end + self._streamed) for one in told]
+        shifted = [
+            Told(one.text, one.begin + self._streamed, one.end + self._streamed) for one in told
+        ]
         self.answers += answers_to(shifted, matches)
         self.told += len(told)
         self._streamed += len(sound) / RATE
@@ -203,9 +206,10 @@ def answers_to(told: Sequence[Told], matches: Sequence[tuple[float, str]]) -> li
     """
     found = []
     for one in told:
-        near = [at for at, command in matches if command == one.text and abs(at - one.end) < EVERY]
-        if near:
-            found.append(Answer(one.text, near[0], near[0] - one.end))
+        until = one.begin + EVERY
+        own = [at for at, command in matches if command == one.text and one.begin < at < until]
+        if own:
+            found.append(Answer(one.text, own[0], own[0] - one.end))
     return found
 
 
@@ -223,7 +227,8 @@ def minute(index: int, clips: Sequence[Spoken]) -> tuple[Samples, list[Told]]:
         speech = read_sound(ROOT / clip.path)[: round((EVERY - 1.0) * RATE)]
         start = round((turn * EVERY + 0.5) * RATE)
         quiet[start : start + len(speech)] += speech
-        told.append(Told(clip.text, IDLE + TALK + start / RATE + end_of_speech(speech)))
+        begin = IDLE + TALK + start / RATE
+        told.append(Told(clip.text, begin, begin + end_of_speech(speech)))
     return whole_frames(np.concatenate([idle, chatter, quiet])), told
 
 

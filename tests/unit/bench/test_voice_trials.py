@@ -219,9 +219,15 @@ def test_drift_is_found_where_there_is_one_and_not_where_there_is_none():
 
 
 def test_an_answer_belongs_to_the_command_said_just_before_it():
-    told = [Told("tense", 10.0), Told("stop", 12.5), Told("tense", 60.0)]
+    told = [Told("tense", 9.4, 10.0), Told("stop", 11.9, 12.5), Told("tense", 59.4, 60.0)]
     found = answers_to(told, [(10.2, "tense"), (12.4, "stop"), (30.0, "tense")])
     assert [(a.text, round(a.latency, 3)) for a in found] == [("tense", 0.2), ("stop", -0.1)]
+
+
+def test_a_command_said_again_is_answered_by_its_own_match_and_not_by_the_one_before():
+    told = [Told("release", 9.5, 10.2), Told("release", 12.0, 12.7), Told("release", 14.5, 15.2)]
+    found = answers_to(told, [(10.4, "release"), (12.95, "release")])
+    assert [round(a.latency, 3) for a in found] == [0.2, 0.25]
 
 
 def test_commands_that_differ_in_latency_are_no_drift():
