@@ -48,6 +48,16 @@ def keep(part: str, plan: Sequence[Chunk], folder: Path = FOLDER, model: str = M
     return len(new)
 
 
+def begun_last(spans: Sequence[Sequence[Any]], at: float) -> Sequence[Any] | None:
+    """The utterance that was last begun; None before the first.
+
+    Args:
+        spans: Utterances in their order, each with its beginning [s] first.
+        at: In the same sound [s].
+    """
+    return next((span for span in reversed(spans) if span[0] <= at), None)
+
+
 def _rows(part: str, folder: Path, model: str) -> list[dict[str, Any]]:
     return rows_of(folder / f"{part}.jsonl", "key", voice_chunks.identity(model))
 
@@ -57,6 +67,6 @@ def _short(record: dict[str, Any]) -> dict[str, Any]:
     heard, label = dict(record["heard"]), dict(record["label"])
     heard["said"] = [one for one in heard["said"] if one["is_taken"]]
     if "spans" in label:
-        begun = [sum(span[0] <= one["at"] for span in label["spans"]) for one in heard["said"]]
-        label["spans"] = [label["spans"][n - 1] for n in sorted(set(begun)) if n]
+        told = [begun_last(label["spans"], one["at"]) for one in heard["said"]]
+        label["spans"] = [span for span in label["spans"] if span in told]
     return {"label": label, "heard": heard}

@@ -53,8 +53,8 @@ def fired(record: Record) -> list[dict[str, Any]]:
     found = []
     for one in record.heard.said:
         if one.is_taken:
-            begun = [span for span in record.label["spans"] if span[0] <= one.at]
-            _, text, voice, path = begun[-1] if begun else (0.0, "", "", "")
+            begun = voice_archive.begun_last(record.label["spans"], one.at)
+            _, text, voice, path = begun or (0.0, "", "", "")
             found.append(
                 {
                     "taken": one.command,
