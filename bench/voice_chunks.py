@@ -2,7 +2,8 @@
 """Long measurements in pieces that are kept, so that they can be made in several goes.
 
 What a piece came to lies under .cache/bench/chunks/<key>/, where the key is made of the networks,
-the settings and the code that hears: whatever changes one of them begins anew. In the environment:
+the settings and what the pipeline decides on a fixed set of clips: whatever changes one of them
+begins anew, and a move of code does not. In the environment:
 MODEL another model than the shipped one, JOBS the processes, MINUTES after which no more pieces are
 begun, SHARE the part of a plan to take (0.02: one in fifty, to try).
 """
@@ -24,7 +25,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Protocol, TypeVar
 
-from bench import voice_sets
+from bench import hearing_fingerprint, voice_sets
 from bench.pieces import do_pieces
 from bench.voice_stream import Heard, Listener, Scene
 from voice_assist import pipeline
@@ -135,12 +136,16 @@ def source(*modules: ModuleType) -> str:
 
 @cache
 def identity(model: str = MODEL) -> str:
-    """Key of all that decides what is heard: networks, settings, code."""
+    """Key of all that decides what is heard: networks, settings, and decisions on fixed clips."""
     config = load_voice_config(CONFIG_DIR, recognizer__model=model)
     network = make_recognizer(config).model_hash
     _, spotter = make_spotter(config.spotter)
     named = load_voice_config(CONFIG_DIR, **UNHEARD)  # by what is in the file, not by its name
-    return digest(network, spotter, named, code(Path(pipeline.__file__).parent))
+    settings = hearing_fingerprint.values(named)
+    now = digest(network, spotter, settings, code(Path(pipeline.__file__).parent))
+    folder = voice_sets.CACHE / "fingerprints"
+    decided = hearing_fingerprint.fingerprint(model, now, folder)
+    return digest(network, spotter, settings, decided)
 
 
 def code(folder: Path) -> str:

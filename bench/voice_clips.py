@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from random import Random
 from typing import Literal
 
@@ -13,7 +12,8 @@ import numpy as np
 
 from bench import voice_noises, voice_sets
 from bench.figures import ROOT
-from bench.voice_chunks import Label, digest, share_of, source
+from bench.hearing_fingerprint import outline
+from bench.voice_chunks import Label, digest, share_of
 from bench.voice_spoken import Spoken
 from bench.voice_stream import Scene, Way
 from voice_assist.audio.wav_file import read_sound
@@ -49,7 +49,8 @@ class ClipChunk:
 
     def name(self) -> str:
         """Digest of all that is streamed, and how."""
-        return digest(self.trials, source(sys.modules[__name__], voice_noises))
+        sound, _, _ = stream_of(self.trials[0])
+        return digest([astuple(trial) for trial in self.trials], outline(sound))
 
     def scenes(self) -> Iterator[tuple[Label, Scene]]:
         """One per trial."""

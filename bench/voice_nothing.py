@@ -11,18 +11,21 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from functools import cache
 
 from bench import voice_archive, voice_chunks, voice_kept, voice_noises
 from bench.figures import Figure
+from bench.hearing_fingerprint import outline
 from bench.voice_bounds import rate_at_most
-from bench.voice_chunks import Label, Record, digest, source
+from bench.voice_chunks import Label, Record, digest
 from bench.voice_stream import Scene
 from voice_assist.types import RATE, Mode
 
 FULL = 10.0  # [h]
 HOURS = min(FULL, float(os.environ.get("HOURS", "0.2")))
 SECONDS = 300.0  # [s] of one piece
+OUTLINED = 10.0  # [s] of a kind of noise, whose outline names the way it is made
 TOLD = "told"
 
 
@@ -36,8 +39,8 @@ class NoiseChunk:
     is_told: bool = False  # of all of it, that the robot itself speaks
 
     def name(self) -> str:
-        """Digest of all this, and of how it makes sound."""
-        return f"{self.kind}-{self.seed:04d}-{digest(self, source(voice_noises))}"
+        """Digest of all this, and of how its kind sounds."""
+        return f"{self.kind}-{self.seed:04d}-{digest(astuple(self), _outline(self.kind))}"
 
     def scenes(self) -> Iterator[tuple[Label, Scene]]:
         """One."""
@@ -49,6 +52,11 @@ class NoiseChunk:
         elif self.kind == voice_noises.QUOTING:  # and the lab's speech output tells so
             spans = voice_noises.when_quoting(self.seconds, self.seed)
         yield label, Scene(sound, Mode.ACTIVE, robot_speaks=spans)
+
+
+@cache
+def _outline(kind: str) -> str:
+    return outline(voice_noises.make(kind, OUTLINED, 0))
 
 
 def measure() -> list[Figure]:

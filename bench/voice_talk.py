@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cache
 from typing import Literal
 
@@ -16,8 +15,9 @@ from scipy.signal import fftconvolve
 
 from bench import voice_noises
 from bench.figures import ROOT
+from bench.hearing_fingerprint import outline
 from bench.voice_cast import natives, spread
-from bench.voice_chunks import Label, digest, source
+from bench.voice_chunks import Label, digest
 from bench.voice_phrases import DENIED, IN_A_SENTENCE
 from bench.voice_spoken import DEV, TALK, Spoken, recorded, spoken
 from bench.voice_stream import Scene
@@ -29,6 +29,7 @@ from voice_assist.types import RATE, Mode, Samples
 Who = Literal["synthetic", "human"]
 SECONDS = 180.0  # [s] of one piece
 SEED = 6
+OUTLINED = 20.0  # [s] of talk whose outline names the way it is made
 GAPS, PAUSES = (0.15, 2.0), (3.0, 8.0)  # [s] between utterances; now and then
 PAUSE_EVERY = 12  # utterances
 SPEEDS = (0.9, 1.1)  # pitch with it
@@ -48,8 +49,8 @@ class TalkChunk:
     seconds: float = SECONDS
 
     def name(self) -> str:
-        """Digest of who talks, and of all that can be said."""
-        return f"{self.who}-{self.seed:04d}-{digest(self, _deck_digest(self.who), _code())}"
+        """Digest of who talks, of all that can be said, and of a stretch of it as it sounds."""
+        return f"{self.who}-{self.seed:04d}-{digest(astuple(self), _sound_digest(self.who))}"
 
     def scenes(self) -> Iterator[tuple[Label, Scene]]:
         """One."""
@@ -93,12 +94,9 @@ def deck(who: Who) -> tuple[Spoken, ...]:
 
 
 @cache
-def _deck_digest(who: Who) -> str:
-    return digest(deck(who))
-
-
-def _code() -> str:
-    return source(sys.modules[__name__], voice_noises)
+def _sound_digest(who: Who) -> str:
+    said = [(clip.text, clip.engine, clip.voice) for clip in deck(who)]
+    return digest(said, outline(talk(who, SEED, OUTLINED)[0]))
 
 
 def _changed(speech: Samples, rng: np.random.Generator) -> NDArray[np.float64]:
