@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.voice_stream import Listener, Scene
-from demo.sound import LEVEL, speak, theatre_noise
+from demo.theatre_sound import LEVEL, speak, theatre_noise
 from voice_assist.types import RATE, Mode, Samples
 
 PHRASES = (

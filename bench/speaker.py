@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from bench.figures import Figure
 from bench.voice_bounds import at_least, at_most
 from bench.voice_sets import SPEECH
-from demo.sound import theatre_noise
+from demo.theatre_sound import theatre_noise
 from voice_assist.config import load_voice_config
 from voice_assist.mixing import add_noise
 from voice_assist.speaker.cohort import Cohort, read_cohort

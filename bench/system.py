@@ -20,8 +20,8 @@ import soundfile
 from diagnostic_msgs.msg import DiagnosticArray
 
 from bench.figures import ROOT, Figure
-from demo.sound import LEVEL, RATE, speak, theatre_noise
 from demo.system import System
+from demo.theatre_sound import LEVEL, RATE, speak, theatre_noise
 from rst_control.msg import ControllerState
 from rst_control.srv import Command
 from voice_assist.msg import Mode, Utterance

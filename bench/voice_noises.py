@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.voice_sets import SPEECH
-from demo.sound import speak, theatre_noise
+from demo.theatre_sound import speak, theatre_noise
 from voice_assist.config import load_voice_config
 from voice_assist.spoken_reply import spoken_reply
 from voice_assist.training.human import read_int16, read_manifest

@@ -11,7 +11,7 @@ import numpy as np
 import soundfile
 
 from bench.figures import ROOT
-from demo.sound import theatre_noise
+from demo.theatre_sound import theatre_noise
 from voice_assist.training.human import read_manifest
 from voice_assist.training.synthesis import Clip, plan_held_out, synthesise
 from voice_assist.types import RATE

@@ -21,8 +21,9 @@ from demo.check import Verdict, verdicts, worst_rcm_error
 from demo.film import Camera, take_picture, write_film
 from demo.interrupt import end_as_by_ctrl_c
 from demo.script import Script, load_script
-from demo.sound import RATE, render
+from demo.sound import render
 from demo.system import System
+from demo.theatre_sound import RATE
 from demo.timeline import Timeline
 from demo.virtual_microphone import VirtualMicrophone
 

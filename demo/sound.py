@@ -3,60 +3,11 @@
 
 from __future__ import annotations
 
-import io
-import subprocess
-
 import numpy as np
-import soundfile
-import soxr
 from numpy.typing import NDArray
 
 from demo.script import Script, Speech
-
-RATE = 16_000  # [Hz]
-LEVEL = 0.08  # RMS of speech, full scale 1
-
-
-def speak(words: str, voice: str, words_per_minute: int) -> NDArray[np.float32]:
-    """Synthesise words with espeak-ng.
-
-    Returns:
-        Sound at 16 kHz with RMS `LEVEL` over its loud parts. Shape (n,).
-
-    Raises:
-        RuntimeError: espeak-ng is missing or refuses the voice.
-    """
-    command = ["espeak-ng", "-v", voice, "-s", str(words_per_minute), "--stdout", words]
-    try:
-        wav = subprocess.run(command, check=True, capture_output=True).stdout
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise RuntimeError(f"espeak-ng could not say {words!r} as {voice!r}: {error}") from error
-    samples, rate = soundfile.read(io.BytesIO(wav), dtype="float32")
-    samples = soxr.resample(samples, rate, RATE)
-    loud = samples[np.abs(samples) > 0.02]
-    return (samples * (LEVEL / np.sqrt(np.mean(loud**2)))).astype(np.float32)
-
-
-def theatre_noise(seconds: float, rms: float, seed: int) -> NDArray[np.float32]:
-    """Fans (pink noise), mains hum and a monitor that beeps every second.
-
-    Args:
-        seconds: Length [s].
-        rms: Of the whole, full scale 1.
-        seed: Of the random part.
-
-    Returns:
-        Sound at 16 kHz. Shape (n,).
-    """
-    n = int(seconds * RATE)
-    t = np.arange(n) / RATE
-    spectrum = np.fft.rfft(np.random.default_rng(seed).standard_normal(n))
-    frequency = np.maximum(np.fft.rfftfreq(n, 1 / RATE), 20.0)
-    fans = np.fft.irfft(spectrum / np.sqrt(frequency), n)
-    hum = np.sin(2 * np.pi * 100 * t) + 0.5 * np.sin(2 * np.pi * 200 * t)
-    beep = np.sin(2 * np.pi * 880 * t) * (np.mod(t, 1.0) < 0.12)
-    noise = fans / np.std(fans) + 0.2 * hum + 0.3 * beep
-    return (noise * (rms / np.sqrt(np.mean(noise**2)))).astype(np.float32)
+from demo.theatre_sound import LEVEL, RATE, speak, theatre_noise
 
 
 def render(script: Script, lead: float = 0.0) -> NDArray[np.float32]:

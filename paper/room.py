@@ -14,7 +14,7 @@ from types import TracebackType
 import numpy as np
 import soundfile
 
-from demo.sound import LEVEL, RATE, theatre_noise
+from demo.theatre_sound import LEVEL, RATE, theatre_noise
 from demo.virtual_microphone import VirtualMicrophone
 from paper.speaker import Spoken
 

@@ -13,7 +13,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from demo.sound import LEVEL
+from demo.theatre_sound import LEVEL
 from paper.config import ExperimentConfig, VoiceConfig
 from voice_assist.training import voices
 from voice_assist.types import RATE

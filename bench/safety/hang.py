@@ -20,7 +20,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from bench.figures import Figure, percentiles
-from demo.sound import RATE, speak
+from demo.theatre_sound import RATE, speak
 from voice_assist.assembly import limit_torch, make_pipeline
 from voice_assist.audio.source import Framer
 from voice_assist.config import load_voice_config

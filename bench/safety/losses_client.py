@@ -14,7 +14,7 @@ import rospy
 from numpy.typing import NDArray
 
 from bench.safety.losses_parts import SIGNALS
-from demo.sound import RATE, speak
+from demo.theatre_sound import RATE, speak
 from voice_assist.msg import AudioChunk
 
 CONNECT_TIME = 30.0  # [s] for the client to find the controller

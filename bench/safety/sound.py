@@ -23,7 +23,7 @@ import numpy as np
 from bench.figures import Figure
 from bench.safety import sound_ends
 from bench.safety.sound_kinds import DEAF, KINDS, Block, Sound, frames
-from demo.sound import speak
+from demo.theatre_sound import speak
 from voice_assist.assembly import limit_torch, make_pipeline
 from voice_assist.audio.microphone import Microphone
 from voice_assist.audio.portaudio import PortAudio

@@ -11,7 +11,7 @@ from bench import voice_noises
 from bench.figures import Figure
 from bench.safety.sound_kinds import VOICES, Sound
 from bench.voice_bounds import at_least
-from demo.sound import speak
+from demo.theatre_sound import speak
 from voice_assist.audio.source import Framer
 from voice_assist.evaluation import StreamClock
 from voice_assist.pipeline import Pipeline

@@ -10,7 +10,7 @@ import soxr
 from numpy.typing import NDArray
 
 from bench import voice_noises
-from demo.sound import speak
+from demo.theatre_sound import speak
 from voice_assist.audio.source import Framer
 from voice_assist.types import RATE, Frame
 

@@ -18,8 +18,9 @@ import soundfile
 import yaml
 
 from demo.script import load_script
-from demo.sound import RATE, render
+from demo.sound import render
 from demo.system import free_port
+from demo.theatre_sound import RATE
 from session_log.decoder import Decoder
 from session_log.reader import SessionReader
 

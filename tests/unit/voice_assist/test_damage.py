@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from bench.safety.sound_kinds import byte_swapped, crackle, talk
-from demo.sound import speak, theatre_noise
+from demo.theatre_sound import speak, theatre_noise
 from tests.unit.voice_assist import fake_speech
 from tests.unit.voice_assist.test_pipeline import commands, make, refusals, run
 from voice_assist.damage import damage, smoothness, spikes

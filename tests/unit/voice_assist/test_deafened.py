@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from demo.sound import speak
+from demo.theatre_sound import speak
 from voice_assist.assembly import make_pipeline
 from voice_assist.audio.source import FRAME, Framer
 from voice_assist.config import load_voice_config

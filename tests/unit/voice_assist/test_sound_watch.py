@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from demo.sound import speak
+from demo.theatre_sound import speak
 from voice_assist.audio.microphone import Microphone
 from voice_assist.audio.sound_watch import SoundWatch
 from voice_assist.audio.source import FRAME, Framer

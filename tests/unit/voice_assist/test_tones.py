@@ -4,7 +4,7 @@ import itertools
 import numpy as np
 import pytest
 
-from demo.sound import speak
+from demo.theatre_sound import speak
 from tests.unit.voice_assist import fake_speech
 from tests.unit.voice_assist.test_pipeline import commands, hear, make, refusals, run
 from voice_assist.config import load_voice_config
