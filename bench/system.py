@@ -19,11 +19,11 @@ import rospy
 import soundfile
 from diagnostic_msgs.msg import DiagnosticArray
 
-from bench.figures import ROOT, Figure
-from demo.system import System
-from demo.theatre_sound import LEVEL, RATE, speak, theatre_noise
 from rst_control.msg import ControllerState
 from rst_control.srv import Command
+from support.figures import ROOT, Figure
+from support.launched_system import System
+from support.theatre_sound import LEVEL, RATE, speak, theatre_noise
 from voice_assist.msg import Mode, Utterance
 
 SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))

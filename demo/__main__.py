@@ -19,13 +19,13 @@ from rich.table import Table
 
 from demo.check import Verdict, verdicts, worst_rcm_error
 from demo.film import Camera, take_picture, write_film
-from demo.interrupt import end_as_by_ctrl_c
 from demo.script import Script, load_script
 from demo.sound import render
-from demo.system import System
-from demo.theatre_sound import RATE
 from demo.timeline import Timeline
 from demo.virtual_microphone import VirtualMicrophone
+from support.interrupt import end_as_by_ctrl_c
+from support.launched_system import System
+from support.theatre_sound import RATE
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = {  # of each way in which the simulated robot is led

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from demo.script import Script, Speech
-from demo.theatre_sound import LEVEL, RATE, speak, theatre_noise
+from support.theatre_sound import LEVEL, RATE, speak, theatre_noise
 
 
 def render(script: Script, lead: float = 0.0) -> NDArray[np.float32]:

@@ -109,7 +109,7 @@ workspace() {
     set -u
     .venv/bin/python -c 'from rst_control.config import load_motion_config
 from rst_control.assembly import make_site
-from rst_control.robot_model import load_robot
+from rst_control.kinematics.robot_model import load_robot
 make_site(load_motion_config(), load_robot())'
 }
 

@@ -16,8 +16,6 @@ from pathlib import Path
 import rospy
 from rich.console import Console
 
-from bench.figures import RESULTS, ROOT
-from demo.interrupt import end_as_by_ctrl_c
 from paper import session, triangulation
 from paper.config import (
     ExperimentConfig,
@@ -36,6 +34,8 @@ from paper.trials import read
 from session_log.cli import CONFIG as REPORT
 from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
+from support.figures import RESULTS, ROOT
+from support.interrupt import end_as_by_ctrl_c
 from typed_config import ConfigError, load_config, load_yaml
 
 VOICES = "4"

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paper.trials import Trial
-from session_log.decoder import Decoder
-from session_log.reader import SessionReader
+from session_log.mcap_file.decoder import Decoder
+from session_log.mcap_file.reader import SessionReader
 
 AUDIO, JOINTS = "/voice_assist/audio", "/joint_states"
 UTTERANCE, EVENT, DIAGNOSTICS = "/voice_assist/utterance", "/rst_control/event", "/diagnostics"

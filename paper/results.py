@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.figures import Figure
-from bench.voice_bounds import at_least, at_most
 from paper.config import VoiceConfig
 from paper.outcomes import Outcome
 from paper.plan import COMMANDS, MOTIONS, STOP
+from support.exact_bounds import at_least, at_most
+from support.figures import Figure
 
 SYNTHETIC = "synthetic voices"
 ACTION = {STOP: "braking", **dict.fromkeys(MOTIONS, "first motion")}  # others: answer

@@ -14,9 +14,9 @@ from types import TracebackType
 import numpy as np
 import soundfile
 
-from demo.theatre_sound import LEVEL, RATE, theatre_noise
 from demo.virtual_microphone import VirtualMicrophone
 from paper.speaker import Spoken
+from support.theatre_sound import LEVEL, RATE, theatre_noise
 
 SINK = "surgeon"
 LOOP = 60.0  # [s] of noise, then the same again; whole seconds, so that hum and beeps go on

@@ -13,11 +13,11 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from bench.figures import Figure, machine
 from paper.demonstration import Shown
 from paper.plan import COMMANDS
 from paper.recording import VERDICT
 from paper.results import Row, Told, row
+from support.figures import Figure, machine
 
 
 def write(figures: Sequence[Figure], told: Sequence[Told], path: Path) -> None:

@@ -13,9 +13,9 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from demo.theatre_sound import LEVEL
 from paper.config import ExperimentConfig, VoiceConfig
-from voice_assist.training import voices
+from support.theatre_sound import LEVEL
+from voice_assist.training.data import voices
 from voice_assist.types import RATE
 
 PROGRAMS = {

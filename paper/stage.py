@@ -11,12 +11,12 @@ from pathlib import Path
 
 import rospy
 
-from demo.system import System
 from paper.config import ExperimentConfig
 from paper.room import Room
 from paper.speaker import Spoken
 from paper.trials import Trial, append
 from paper.watch import Watch
+from support.launched_system import System
 
 SOUND_TIME = 20.0  # [s] allowed for the first sound to be heard
 SOUNDS = "phrases"  # folder of what was played

@@ -14,9 +14,11 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from demo.system import free_port
+from support.launched_system import free_port
 
 ROOT = Path(__file__).resolve().parent.parent
+# scripts that tests start import `support` and `tests` as well
+os.environ["PYTHONPATH"] = os.pathsep.join((str(ROOT), os.environ.get("PYTHONPATH", "")))
 START_TIME = 30.0  # [s] allowed for roscore to answer
 TOLD = 8000  # characters of a failed rostest's output
 TIME_LIMIT = 240.0  # [s] for one .test file, start and end of its nodes included

@@ -1,6 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures of the robot's motion: planning, control, braking, tension and triangulation."""
-
-from bench.motion.everything import measure
-
-__all__ = ["measure"]

@@ -15,15 +15,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.figures import Figure
-from bench.motion.rig import Rig, random_poses, with_layer, with_speed
+from bench.common.rig import Rig, random_poses, with_layer, with_speed
 from rst_control.config import MotionConfig, SimulationConfig
 from rst_control.errors import Infeasible
-from rst_control.orders import Order
-from rst_control.path import Path
-from rst_control.planner import Planner
-from rst_control.robot_model import load_robot
-from rst_control.types import Command, Phase, PhaseKind, Plan
+from rst_control.execution.orders import Order
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.plan import Phase, PhaseKind, Plan
+from rst_control.planning.planner import Planner
+from rst_control.trajectory.path import Path
+from rst_control.types import Command
+from support.figures import Figure
 
 FAST = 0.050  # [m/s]
 REST = 2e-4  # [rad/s] joints slower than this are at rest

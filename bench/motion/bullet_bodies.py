@@ -8,8 +8,8 @@ import pybullet
 from numpy.typing import NDArray
 
 from bench.motion.bullet_robot import BulletRobot
-from rst_control.collision_config import BodyConfig, CollisionConfig
-from rst_control.configuration import robot_joints
+from rst_control.config.collision import BodyConfig, CollisionConfig
+from rst_control.kinematics.configuration import robot_joints
 from rst_control.types import JOINTS
 
 Array = NDArray[np.float64]

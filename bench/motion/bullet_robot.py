@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-from rst_control.backends.bullet_world import BulletWorld
-from rst_control.backends.physics import load_robot
 from rst_control.config import URDF_FILE
+from rst_control.simulation.physics import BulletWorld, load_robot
 
 
 class BulletRobot(BulletWorld):

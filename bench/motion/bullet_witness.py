@@ -10,10 +10,10 @@ import pybullet
 from numpy.typing import NDArray
 
 from bench.motion.bullet_robot import BulletRobot
-from rst_control.backends.physics import joint_indices, link_indices
 from rst_control.config import MotionConfig
-from rst_control.configuration import robot_joints
-from rst_control.rcm import rcm_error
+from rst_control.kinematics.configuration import robot_joints
+from rst_control.kinematics.rcm import rcm_error
+from rst_control.simulation.physics import joint_indices, link_indices
 
 Array = NDArray[np.float64]
 TOOL = ("interface_link", "pitch_link", "finger_left_link")

@@ -8,14 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.figures import Figure
-from bench.motion.rig import Rig, random_poses
+from bench.common.rig import Rig, random_poses
 from rst_control.config import MotionConfig, SimulationConfig
-from rst_control.configuration import planning_joints, robot_joints
 from rst_control.errors import Infeasible
-from rst_control.path import Path, speed_bounds
-from rst_control.profile import Bounds, Profile
+from rst_control.kinematics.configuration import planning_joints, robot_joints
+from rst_control.trajectory.path import Path, speed_bounds
+from rst_control.trajectory.profile import Bounds, Profile
 from rst_control.types import PathState, Setpoint
+from support.figures import Figure
 
 SPEEDS = (0.020, 0.050)  # [m/s]
 LOAD = np.array([0.0, 0.0, -2.0])  # [N] on the tip, besides gravity

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.common.rig import random_poses
 from bench.motion.near_cases import (
     CROWDED,
     STRETCHED,
@@ -17,18 +18,18 @@ from bench.motion.near_cases import (
     with_manipulability,
     working_at,
 )
-from bench.motion.rig import random_poses
-from rst_control import manipulability
-from rst_control.collision import CollisionModel
+from rst_control.commands.verifier import Verifier
 from rst_control.config import MotionConfig
-from rst_control.configuration import Configuration, robot_joints
 from rst_control.errors import Infeasible
-from rst_control.grasp_ways import turned
-from rst_control.planner import Planner
-from rst_control.rcm import rcm_state
-from rst_control.robot_model import load_robot
-from rst_control.types import Grasp, Measurement, Reason, Request, Situation
-from rst_control.verification import Verifier
+from rst_control.kinematics import manipulability
+from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.kinematics.rcm import rcm_state
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.collision import CollisionModel
+from rst_control.planning.plan import Grasp, Request, Situation
+from rst_control.planning.planner import Planner
+from rst_control.tissue.grasp_candidates import turned
+from rst_control.types import Measurement, Reason
 
 Array = NDArray[np.float64]
 NOW = 100.0  # [s]

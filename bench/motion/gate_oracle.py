@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 
 from bench.motion.bullet_bodies import BulletBodies
 from bench.motion.gate_cases import Case
-from rst_control.collision_config import CollisionConfig
-from rst_control.collision_kernels import RESOLUTION
-from rst_control.configuration import planning_joints
-from rst_control.grasp_ways import grasp_ways, turned
-from rst_control.limits import make_limits
-from rst_control.robot_model import RobotModel, kdl_chain, load_robot
-from rst_control.types import Phase, Plan, Reason
+from rst_control.config.collision import CollisionConfig
+from rst_control.kinematics.configuration import planning_joints
+from rst_control.kinematics.joint_limits import make_limits
+from rst_control.kinematics.robot_model import RobotModel, kdl_chain, load_robot
+from rst_control.planning.collision_kernels import RESOLUTION
+from rst_control.planning.plan import Phase, Plan
+from rst_control.tissue.grasp_candidates import grasp_ways, turned
+from rst_control.types import Reason
 
 Array = NDArray[np.float64]
 JAW, WRIST = 0.015, 0.0115  # [m] from the tip to the jaws' axis, from there to the pitch axis

@@ -15,26 +15,19 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.figures import Figure
+from bench.common.rig import Rig
 from bench.motion.bullet_witness import BulletWitness, Sight
-from bench.motion.rig import Rig
+from rst_control.commands.verifier import Verifier
 from rst_control.config import MotionConfig, SimulationConfig
-from rst_control.configuration import robot_joints
-from rst_control.path import Path
-from rst_control.planner import Planner
-from rst_control.profile import Bounds, Profile
-from rst_control.rcm import rcm_error
-from rst_control.robot_model import load_robot
-from rst_control.types import (
-    Measurement,
-    PathState,
-    Phase,
-    PhaseKind,
-    Rejected,
-    Request,
-    Situation,
-)
-from rst_control.verification import Verifier
+from rst_control.kinematics.configuration import robot_joints
+from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.plan import Phase, PhaseKind, Rejected, Request, Situation
+from rst_control.planning.planner import Planner
+from rst_control.trajectory.path import Path
+from rst_control.trajectory.profile import Bounds, Profile
+from rst_control.types import Measurement, PathState
+from support.figures import Figure
 
 Array = NDArray[np.float64]
 NOW = 100.0  # [s]

@@ -8,13 +8,13 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.figures import Figure
 from rst_control.config import MotionConfig
-from rst_control.configuration import Configuration
 from rst_control.errors import TrocarDrift
-from rst_control.planner import Planner
-from rst_control.rcm import rcm_state
-from rst_control.robot_model import load_robot
+from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.rcm import rcm_state
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.planner import Planner
+from support.figures import Figure
 
 Array = NDArray[np.float64]
 

@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rst_control import chain
 from rst_control.config import MotionConfig
-from rst_control.configuration import Configuration
-from rst_control.robot_model import RobotModel
+from rst_control.kinematics import forward
+from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.robot_model import RobotModel
 
 Array = NDArray[np.float64]
 STRAY: Final = 0.02  # [rad] of each joint from the postures below
@@ -63,7 +63,7 @@ def working_at(
 ) -> MotionConfig:
     """The same settings where the robot works at q: a trocar round its shaft, tissue before it."""
     scene, frames = config.scene, Configuration(model, q).frames
-    along, T = frames[chain.SHAFT, :, 2], frames[chain.TIP]
+    along, T = frames[forward.SHAFT, :, 2], frames[forward.TIP]
     approach = _unit(-T[:, 1] + rng.uniform(-TILT, TILT, 3))
     back, grasp = -approach, T[:, 3] + 2.0 * scene.clearance * approach
     tissue = replace(
@@ -77,7 +77,7 @@ def working_at(
     scene = replace(
         scene,
         tissue=tissue,
-        trocar=_point(frames[chain.SHAFT, :, 3] + rng.uniform(*DEPTH) * along),
+        trocar=_point(frames[forward.SHAFT, :, 3] + rng.uniform(*DEPTH) * along),
         home=tuple(q.tolist()),
         workspace_centre=_point(T[:, 3]),
         grasp_point=_point(grasp),

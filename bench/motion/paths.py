@@ -10,19 +10,19 @@ import pybullet
 import PyKDL
 from numpy.typing import NDArray
 
-from bench.figures import Figure
-from bench.motion.rig import random_poses
-from rst_control.backends.physics import joint_indices, link_indices, load_robot
+from bench.common.rig import random_poses
 from rst_control.config import URDF_FILE, MotionConfig
-from rst_control.configuration import robot_joints
 from rst_control.errors import Infeasible
-from rst_control.path import Path
-from rst_control.planner import Planner
-from rst_control.profile import Profile
-from rst_control.rcm import rcm_error
-from rst_control.robot_model import kdl_chain
-from rst_control.robot_model import load_robot as load_model
+from rst_control.kinematics.configuration import robot_joints
+from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.robot_model import kdl_chain
+from rst_control.kinematics.robot_model import load_robot as load_model
+from rst_control.planning.planner import Planner
+from rst_control.simulation.physics import joint_indices, link_indices, load_robot
+from rst_control.trajectory.path import Path
+from rst_control.trajectory.profile import Profile
 from rst_control.types import PathState
+from support.figures import Figure
 
 Array = NDArray[np.float64]
 Ends = tuple[Array, Array]  # of the shaft, base frame [m]

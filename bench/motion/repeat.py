@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.figures import Figure
-from bench.motion.rig import Rig
+from bench.common.rig import Rig
 from rst_control.config import MotionConfig, SimulationConfig
+from support.figures import Figure
 
 SESSION = ("tense", "pull more", "pull less", "release")
 

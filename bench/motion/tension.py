@@ -14,11 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.figures import Figure
+from bench.common.rig import Rig, with_tissue
 from bench.motion import tissue_laws
-from bench.motion.rig import Rig, with_tissue
 from rst_control.config import MotionConfig, SimulationConfig
-from rst_control.types import PhaseKind
+from rst_control.planning.plan import PhaseKind
+from support.figures import Figure
 
 Array = NDArray[np.float64]
 

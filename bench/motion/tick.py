@@ -10,14 +10,15 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.figures import Figure
-from bench.motion.rig import Rig, random_poses
+from bench.common.rig import Rig, random_poses
 from rst_control.config import MotionConfig, SimulationConfig
-from rst_control.configuration import Configuration
 from rst_control.errors import Infeasible
-from rst_control.orders import Order
-from rst_control.path import Path
-from rst_control.types import Command, Measurement, PhaseKind, Plan
+from rst_control.execution.orders import Order
+from rst_control.kinematics.configuration import Configuration
+from rst_control.planning.plan import PhaseKind, Plan
+from rst_control.trajectory.path import Path
+from rst_control.types import Command, Measurement
+from support.figures import Figure
 
 Array = NDArray[np.float64]
 WARM_UP = 200  # ticks that are not counted

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.figures import Figure
 from rst_control.config import ControllerConfig
-from rst_control.profile import Bounds
-from rst_control.tension import TensionControl
+from rst_control.tension.control import TensionControl
+from rst_control.trajectory.profile import Bounds
 from rst_control.types import PathState
+from support.figures import Figure
 
 Law = Callable[[float], float]  # tension [N] at a displacement [m]
 

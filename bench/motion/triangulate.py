@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Item 8: random sheets of tissue, grasped, pulled and judged by `rst_control.triangulation`.
+"""Item 8: random sheets of tissue, grasped, pulled and judged by `tissue.triangulation`.
 
 The controller's own verification chooses how to take each sheet and plans reach, pull and retreat;
 its tension control pulls, and the simulator's tissue answers. Between set-points the joints are
@@ -18,28 +18,22 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.figures import Figure
-from rst_control import chain
-from rst_control.backends.tissue import Tissue
+from rst_control.commands.verifier import Verifier
 from rst_control.config import MotionConfig, TissueConfig
-from rst_control.configuration import Configuration, robot_joints
-from rst_control.grasp_ways import turned
-from rst_control.path import Path
-from rst_control.planner import Planner
-from rst_control.profile import Bounds
-from rst_control.robot_model import load_robot
-from rst_control.sheet import rest_points, rim_nodes
-from rst_control.tension import TensionControl
-from rst_control.triangulation import pull_direction, triangulation
-from rst_control.types import (
-    Accepted,
-    Measurement,
-    PathState,
-    Phase,
-    Request,
-    Situation,
-)
-from rst_control.verification import Verifier
+from rst_control.kinematics import forward
+from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.plan import Accepted, Phase, Request, Situation
+from rst_control.planning.planner import Planner
+from rst_control.simulation.tissue import Tissue
+from rst_control.tension.control import TensionControl
+from rst_control.tissue.grasp_candidates import turned
+from rst_control.tissue.sheet import rest_points, rim_nodes
+from rst_control.tissue.triangulation import pull_direction, triangulation
+from rst_control.trajectory.path import Path
+from rst_control.trajectory.profile import Bounds
+from rst_control.types import Measurement, PathState
+from support.figures import Figure
 
 Array = NDArray[np.float64]
 
@@ -210,8 +204,8 @@ def _pulled(planner: Planner, phase: Phase, path: Path, tissue: Tissue) -> tuple
         if control.is_settled or control.is_at_limit:
             break
         state = control.step(float(np.linalg.norm(force)), period)
-        chain.forward(planner.model.chain, path.evaluate(state.s).q, frames)
-        last, tip = tip, frames[chain.TIP, :, 3].copy()
+        forward.forward(planner.model.chain, path.evaluate(state.s).q, frames)
+        last, tip = tip, frames[forward.TIP, :, 3].copy()
         tissue.advance(0.5 * (last + tip))
         force = tissue.advance(tip)
     for _ in range(200):

@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 import rospy
 
-from bench.figures import ROOT, Figure, percentiles
 from bench.system import Loop, Observer
-from demo.system import System
 from rst_control.srv import Command
-from tests.rostest.raw_peer import Flood, process_of, resident_memory
+from support.figures import ROOT, Figure, percentiles
+from support.launched_system import System
+from support.raw_peer import Flood, process_of, resident_memory
 
 SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
 CALLERS, RATE = 50, 10_000.0  # [1/s], of all together

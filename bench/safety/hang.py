@@ -19,13 +19,13 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from bench.figures import Figure, percentiles
-from demo.theatre_sound import RATE, speak
+from support.figures import Figure, percentiles
+from support.theatre_sound import RATE, speak
 from voice_assist.assembly import limit_torch, make_pipeline
 from voice_assist.audio.source import Framer
 from voice_assist.config import load_voice_config
-from voice_assist.hang import HangWatch, waits
-from voice_assist.ros.node import LOOK
+from voice_assist.pipeline.hang_detection import HangWatch, waits
+from voice_assist.ros.voice_node import LOOK
 
 SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
 BURNERS = int(os.environ.get("BURNERS", "6"))

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from bench.figures import Figure
+from support.figures import Figure
 
 
 def gather(folder: Path, parts: Sequence[str]) -> list[Figure]:

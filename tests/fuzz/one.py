@@ -6,9 +6,23 @@ import sys
 import atheris
 
 READERS = (
-    *("rst_control.desk", "rst_control.callers", "rst_control.intake", "rst_control.ros.intake"),
-    *("rst_control.ros.wire", "rst_control.ros.command_service", "rst_control.msg"),
-    *("rst_control.srv", "voice_assist.normalize", "voice_assist.mapper", "voice_assist.wer"),
+    *(
+        "rst_control.admission.command_queue",
+        "rst_control.admission.callers",
+        "rst_control.host.message_limits",
+        "rst_control.ros.common.message_limits",
+    ),
+    *(
+        "rst_control.ros.common.serialization",
+        "rst_control.ros.controller.command_service",
+        "rst_control.msg",
+    ),
+    *(
+        "rst_control.srv",
+        "voice_assist.text.normalize",
+        "voice_assist.intent.mapper",
+        "voice_assist.text.wer",
+    ),
     *("voice_assist.msg", "voice_assist.ros.topic_source", "voice_assist.audio.source"),
     *("rosgraph.network", "sensor_msgs", "std_msgs", "actionlib_msgs", "tests.fuzz.targets"),
 )

@@ -23,25 +23,26 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String, Time
 from std_srvs.srv import TriggerRequest
 
-from rst_control.callers import LONGEST_NAME, MOST_CALLERS, Doorkeeper, caller_name
-from rst_control.callers_config import CallersConfig
-from rst_control.desk import LONGEST, CommandDesk, is_stop, read_command, unknown
-from rst_control.intake import has_whole_header, split_messages
+from rst_control.admission.callers import LONGEST_NAME, MOST_CALLERS, Doorkeeper, caller_name
+from rst_control.admission.command_queue import LONGEST, CommandDesk, is_stop, read_command, unknown
+from rst_control.config.callers import CallersConfig
+from rst_control.host.message_limits import has_whole_header, split_messages
 from rst_control.msg import AssistActionGoal, ControllerState, Event
-from rst_control.ros.command_service import WordsCommand
-from rst_control.ros.intake import _read_messages
-from rst_control.ros.wire import BadMessage, JointStateReader, read_force
+from rst_control.planning.plan import Request
+from rst_control.ros.common.message_limits import _read_messages
+from rst_control.ros.common.serialization import BadMessage, JointStateReader, read_force
+from rst_control.ros.controller.command_service import WordsCommand
 from rst_control.srv import CommandRequest, FitTrocarRequest, SetTrocarRequest
-from rst_control.types import JOINTS, Command, Request
+from rst_control.types import JOINTS, Command
 from tests.fuzz.names import NAMES
-from tests.nobody import Nobody
+from tests.support.null_executor import Nobody
 from voice_assist.audio.source import FRAME, Framer
 from voice_assist.config import TopicConfig, load_voice_config
-from voice_assist.mapper import Mapper
+from voice_assist.intent.mapper import Mapper
 from voice_assist.msg import AudioChunk
-from voice_assist.normalize import foreign, normalize
 from voice_assist.ros.messages import pcm
 from voice_assist.ros.topic_source import TopicSource
+from voice_assist.text.normalize import foreign, normalize
 from voice_assist.types import Match
 
 logging.getLogger("rosout.rst_control.intake").setLevel(logging.CRITICAL)

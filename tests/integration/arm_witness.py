@@ -17,11 +17,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
 from std_srvs.srv import Trigger
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "rostest"))
-from raw_peer import process_of
-from robot_client import START_LIMIT, RobotClient
-
 from rst_control.types import ARM_JOINTS
+from support.raw_peer import process_of
+from tests.rostest.robot_client import START_LIMIT, RobotClient
 
 MOVING = 0.02  # [rad/s] of the fastest joint, in whose midst the bridge dies
 WATCHED = 6.0  # [s] after that

@@ -13,8 +13,7 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import JointState
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "rostest"))
-from robot_client import RobotClient
+from tests.rostest.robot_client import RobotClient
 
 JUMPS = (0.3, 30.0, -3.0)  # [s] each in a motion, and back again at rest
 MOVING = 5e-3  # [rad/s] of the fastest joint, in whose midst the clock is set

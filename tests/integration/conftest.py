@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
-from ros_host import Host
+
+from tests.integration.ros_host import Host
 
 
 @pytest.fixture

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The voice node with a recogniser that hears tones; for test_voice_node.py."""
 
-from tests.unit.voice_assist.fake_speech import FakeRecognizer, make_detector
-from voice_assist.pipeline import Pipeline
-from voice_assist.ros import node
-from voice_assist.spotter.second_way import SecondWay
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, make_detector
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.ros import voice_node
+from voice_assist.spotter.fusion import SecondWay
 
-node.make_recognizer = lambda config: FakeRecognizer()
-node.make_pipeline = lambda config, clock, recognizer, spotting, witness: Pipeline(
+voice_node.make_recognizer = lambda config: FakeRecognizer()
+voice_node.make_pipeline = lambda config, clock, recognizer, spotting, witness: Pipeline(
     config, recognizer, make_detector(), clock, SecondWay(config.spotter, spotting), witness
 )
-node.main()
+voice_node.main()

@@ -8,7 +8,7 @@ import signal
 import sys
 from pathlib import Path
 
-from session_log.recorder import Recorder
+from session_log.recording.recorder import Recorder
 from session_log.ros.recorder_node import main
 
 DONE = "was_interrupted"  # file in the folder that is the only argument

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import rosgraph
 
-from demo.system import end_group, free_port
+from support.launched_system import end_group, free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 ROSTEST = ROOT / "tests" / "rostest"

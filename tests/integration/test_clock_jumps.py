@@ -12,7 +12,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from ros_host import ROSTEST, until
+
+from tests.integration.ros_host import ROSTEST, until
 
 CLOCK = Path(__file__).with_name("other_clock")
 STEP = 5e-3  # [rad] that no joint goes from one joint state to the next, 2 ms later

@@ -11,14 +11,14 @@ from pathlib import Path
 
 import pytest
 import yaml
-from heeding import heed
 from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 
 from demo.check import REST
-from session_log import metadata
-from session_log.reader import SessionReader
-from tests.recorded_topics import ON_REQUEST, TYPES
+from session_log.mcap_file.reader import SessionReader
+from session_log.recording import metadata
+from tests.integration.heeding import heed
+from tests.support.recorded_topics import ON_REQUEST, TYPES
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "tests" / "data" / "short_session.yaml"

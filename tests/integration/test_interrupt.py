@@ -9,15 +9,16 @@ import sys
 from pathlib import Path
 
 import pytest
-from heeding import heed
+
+from tests.integration.heeding import heed
 
 ROOT = Path(__file__).resolve().parents[2]
 END = 40.0  # [s] allowed for roscore to end
 PROGRAM = """
 import sys, time
 from pathlib import Path
-from demo.interrupt import end_as_by_ctrl_c
-from demo.system import System
+from support.interrupt import end_as_by_ctrl_c
+from support.launched_system import System
 
 end_as_by_ctrl_c()
 with System(Path(sys.argv[1]), {}) as system:

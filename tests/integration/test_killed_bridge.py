@@ -7,7 +7,7 @@ import json
 import sys
 from pathlib import Path
 
-from ros_host import ROSTEST, until
+from tests.integration.ros_host import ROSTEST, until
 
 LIMITS = ROSTEST.parents[1] / "catkin_ws/src/rst_control/config/kinova_limits.yaml"
 TROCAR = {"trocar_x": 0.406, "trocar_y": -0.024, "trocar_z": 0.415}

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import time
 
-from ros_host import END, ROSTEST, WAIT, until
+from tests.integration.ros_host import END, ROSTEST, WAIT, until
 
 
 def said(*words):

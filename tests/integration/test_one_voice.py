@@ -12,7 +12,7 @@ from voice_assist.config import load_voice_config
 from voice_assist.speaker.cohort import read_cohort
 from voice_assist.speaker.network import VoiceNetwork
 from voice_assist.speaker.voiceprint import make_voiceprint
-from voice_assist.training.voices import Prompt, speak
+from voice_assist.training.data.voices import Prompt, speak
 from voice_assist.types import RATE, Call, Decision, Halt, Mode, NoMatch
 
 SURGEON, VISITOR = "en-us+m3", "en-us+f4"

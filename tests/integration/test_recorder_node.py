@@ -21,9 +21,9 @@ import yaml
 from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 
-from session_log import metadata
-from session_log.reader import SessionReader
-from session_log.survey import survey
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import survey
+from session_log.recording import metadata
 from tests.integration import interrupted_recorder, recorder_talker
 from tests.integration.recorder_talker import FAST, odd_classes, odd_message
 from typed_config import load_yaml

@@ -19,10 +19,10 @@ import yaml
 
 from demo.script import load_script
 from demo.sound import render
-from demo.system import free_port
-from demo.theatre_sound import RATE
-from session_log.decoder import Decoder
-from session_log.reader import SessionReader
+from session_log.mcap_file.decoder import Decoder
+from session_log.mcap_file.reader import SessionReader
+from support.launched_system import free_port
+from support.theatre_sound import RATE
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent

@@ -18,9 +18,9 @@ import soundfile
 import soxr
 import yaml
 
-from demo.system import free_port
 from demo.virtual_microphone import VirtualMicrophone
-from tests.unit.voice_assist.fake_speech import say
+from support.launched_system import free_port
+from tests.unit.voice_assist.support.fake_speech import say
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent

@@ -11,8 +11,8 @@ import pybullet
 import PyKDL
 
 from rst_control.config import CONFIG_FOLDER, MotionConfig
-from rst_control.rcm import rcm_error
-from rst_control.robot_model import RobotModel, kdl_chain, load_robot
+from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.robot_model import RobotModel, kdl_chain, load_robot
 from rst_control.types import JOINTS
 from typed_config import load_config, load_yaml, overlaid
 

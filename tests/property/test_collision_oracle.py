@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bench.motion.bullet_bodies import BulletBodies
-from rst_control import chain
-from rst_control import collision_kernels as kernels
-from rst_control.collision import CollisionModel
-from rst_control.path import Path
-from rst_control.robot_facts import load_facts
+from rst_control.description.facts import load_facts
+from rst_control.kinematics import forward
+from rst_control.planning import collision_kernels as kernels
+from rst_control.planning.collision import CollisionModel
+from rst_control.trajectory.path import Path
 
 COUNT = 1000
 PLACES = 500
@@ -168,7 +168,7 @@ def test_what_is_left_out_is_joined_or_cannot_meet_within_the_joint_limits(
                 pairs.append((a, b))
     frames, ends = np.empty((12, 3, 4)), np.empty((len(bodies), 6))
     for q in joints(planner, 3000, seed=6):
-        chain.forward(robot.chain, q, frames)
+        forward.forward(robot.chain, q, frames)
         kernels.place(frames, model.shapes, ends)
         for a, b in pairs:
             links = frozenset((bodies[a].link, bodies[b].link))
@@ -228,7 +228,7 @@ def test_no_body_moves_further_than_the_bound_of_its_path(planner, robot, model,
     frames, ends = np.empty((12, 3, 4)), np.empty((2, len(model.shapes.capsules), 6))
     for k in range(len(samples.s) - 1):
         for n in range(2):
-            chain.forward(robot.chain, samples.q[k + n, 0], frames)
+            forward.forward(robot.chain, samples.q[k + n, 0], frames)
             kernels.place(frames, model.shapes, ends[n])
         moved = np.linalg.norm((ends[1] - ends[0]).reshape(-1, 3), axis=1).max()
         bound = kernels.motion_bound(samples.q, k, samples.s[1], model.shapes.reach)

@@ -12,8 +12,8 @@ import pytest
 import torch
 from whisper.model import ModelDimensions, Whisper
 
-from voice_assist import plain_weights
 from voice_assist.errors import ModelError
+from voice_assist.recognizer import safe_weights
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.recognizer.vocabulary import BLANK
 from voice_assist.recognizer.whisper_shapes import whisper_shapes
@@ -222,7 +222,7 @@ def test_an_archive_that_unpacks_to_more_than_memory_is_refused_unopened(
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("archive/data.pkl", bytes(1_000_001))
     assert path.stat().st_size < 2000
-    monkeypatch.setattr(plain_weights, "LARGEST", 1_000_000)
+    monkeypatch.setattr(safe_weights, "LARGEST", 1_000_000)
     words = refusal(read, path)
     assert "bomb.pt unpacks to 1000001 bytes, allowed: at most 1000000" in words
 

@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from typed_config import ConfigError
-from voice_assist.enrolment import settings as thresholds
-from voice_assist.enrolment.manifest import COMMAND, Manifest, Take, from_bytes, to_bytes
-from voice_assist.enrolment.profile import Profile, ProfileError, create_profile, open_profile
 from voice_assist.errors import VoiceError
+from voice_assist.profile import thresholds
+from voice_assist.profile.manifest import COMMAND, Manifest, Take, from_bytes, to_bytes
+from voice_assist.profile.profile import Profile, ProfileError, create_profile, open_profile
 
 FILES = ("profile.json", "takes/0001.wav", "settings.json")
 

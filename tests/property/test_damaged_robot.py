@@ -15,7 +15,7 @@ import pytest
 
 from rst_control.config import URDF_FILE
 from rst_control.errors import RobotModelError
-from rst_control.robot_model import load_robot, parse_robot
+from rst_control.kinematics.robot_model import load_robot, parse_robot
 
 TEXT = URDF_FILE.read_text(encoding="utf-8")
 WHOLE = parse_robot(TEXT)

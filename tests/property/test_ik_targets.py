@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rst_control import chain
-from rst_control.configuration import Configuration
 from rst_control.errors import TrocarDrift
-from rst_control.rcm import rcm_state
-from rst_control.robot_model import rotation
+from rst_control.kinematics import forward
+from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.rcm import rcm_state
+from rst_control.kinematics.robot_model import rotation
 
 COUNT = 400
 LEAST_STEEPNESS = 0.3  # cosine of the shaft from straight down
@@ -33,7 +33,7 @@ def reachable(planner):
         q[turning] = (q[turning] + np.pi) % (2.0 * np.pi) - np.pi
         configuration = Configuration(planner.model, q)
         depth = rcm_state(configuration, planner.trocar).insertion
-        steepness = -configuration.frames[chain.SHAFT, 2, 2]
+        steepness = -configuration.frames[forward.SHAFT, 2, 2]
         is_inside = planner.limits.violation(q) is None and 0.05 < depth < 0.25
         if is_inside and steepness > LEAST_STEEPNESS:
             found.append(Configuration(planner.model, q))

@@ -6,12 +6,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bench.common.rig import random_poses
 from bench.motion.bullet_witness import BulletWitness
 from bench.motion.insertion import Judge, outside_starts, situation
-from bench.motion.rig import random_poses
+from rst_control.commands.verifier import Verifier
 from rst_control.errors import Infeasible
-from rst_control.types import PhaseKind, Rejected, Request
-from rst_control.verification import Verifier
+from rst_control.planning.plan import PhaseKind, Rejected, Request
 
 STARTS = 100
 LOOKS = 25  # places of each phase

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from bench.motion.gate_oracle import Kdl
-from rst_control import chain, manipulability, newton, tracking
-from rst_control.configuration import Configuration
 from rst_control.errors import Infeasible
-from rst_control.robot_model import load_robot, rotation
+from rst_control.kinematics import constrained_ik, continuation, forward, manipulability
+from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.robot_model import load_robot, rotation
 
 STEP = 1e-6  # [rad] of finite differences
 TROCAR = np.array([0.406, -0.024, 0.415])
@@ -34,8 +34,8 @@ def differences(function, q, step=STEP):
 
 def constraints(model, q):
     frames, J = np.empty((12, 3, 4)), np.zeros((8, 9))
-    chain.forward(model.chain, q, frames)
-    newton.constraints(frames, TROCAR, J)
+    forward.forward(model.chain, q, frames)
+    constrained_ik.constraints(frames, TROCAR, J)
     return frames, J
 
 
@@ -82,7 +82,7 @@ def test_the_free_direction_moves_neither_tool_nor_shaft(q, is_straight):
     model, free = load_robot(), np.empty(9)
     if manipulability.measure(model.chain, q, TROCAR) < 1e-9 and not is_straight:
         return  # more than one direction is free, or nearly so
-    tracking.free_direction(model.chain, q, TROCAR, is_straight, free)
+    continuation.free_direction(model.chain, q, TROCAR, is_straight, free)
     assert np.linalg.norm(free) == pytest.approx(1.0)
     h = 1e-5
     ahead, behind = (Configuration(model, q + sign * h * free) for sign in (1.0, -1.0))
@@ -90,18 +90,18 @@ def test_the_free_direction_moves_neither_tool_nor_shaft(q, is_straight):
     if is_straight:
         assert_allclose(free[7:], 0.0, atol=1e-9)
     else:
-        lateral = [chain.rcm_offset(c.frames, TROCAR)[:2] for c in (ahead, behind)]
+        lateral = [forward.rcm_offset(c.frames, TROCAR)[:2] for c in (ahead, behind)]
         assert_allclose(*lateral, atol=1e-8)
 
 
 @given(configurations)
 def test_small_joint_steps_change_what_a_straight_wrist_misses_by_minus_its_rows(q):
     J = np.full((8, 9), np.nan)
-    newton.hold_wrist(q, np.empty(8), J)
+    constrained_ik.hold_wrist(q, np.empty(8), J)
 
     def missing(joints):
         r = np.empty(8)
-        newton.hold_wrist(joints, r, np.empty((8, 9)))
+        constrained_ik.hold_wrist(joints, r, np.empty((8, 9)))
         return r[:2]
 
     assert_allclose(-J[:2], differences(missing, q), atol=1e-9)
@@ -113,7 +113,7 @@ def test_small_joint_steps_change_what_a_straight_wrist_misses_by_minus_its_rows
 def posture_cost(q, posture):
     reference, weight, lower, upper = posture
     x = (q - 0.5 * (lower + upper)) / (0.5 * (upper - lower))
-    power = newton.LIMIT_POWER + 1
+    power = constrained_ik.LIMIT_POWER + 1
     return float((0.5 * weight * (q - reference) ** 2).sum() + (x**power).sum() / power)
 
 
@@ -127,8 +127,8 @@ def test_the_posture_step_goes_down_the_gradient_of_its_cost_within_the_free_mot
     if values[-1] < 1e-3:
         return
     L, step = np.zeros((8, 8)), np.zeros(9)
-    newton.factor(J, 0.0, L)
-    length = newton.posture_step(J, L, q, posture, step)
+    constrained_ik.factor(J, 0.0, L)
+    length = constrained_ik.posture_step(J, L, q, posture, step)
     gradient = differences(lambda x: np.array(posture_cost(x, posture)), q)
     free = np.linalg.svd(J)[2][-1]
     downhill = -free * float(free @ gradient)
@@ -141,7 +141,7 @@ def test_the_posture_step_goes_down_the_gradient_of_its_cost_within_the_free_mot
         lambda x: differences(lambda y: np.array(posture_cost(y, posture)), x, 1e-4), q, 1e-4
     )
     newton_length = norm / float(free @ bend @ free)
-    assert length == pytest.approx(min(newton_length, newton.SWING_LIMIT), rel=1e-3)
+    assert length == pytest.approx(min(newton_length, constrained_ik.SWING_LIMIT), rel=1e-3)
 
 
 # Paths: the slopes at their knots are those of the joints that solve the way, q'(s).
@@ -186,5 +186,5 @@ def test_slopes_at_knots_lead_the_tool_along_its_way_and_the_shaft_through_the_t
                 - Configuration(planner.model, path.start).tip
             )
             assert_allclose((ahead.tip - behind.tip) / (2.0 * h), way / path.length, atol=1e-5)
-            lateral = [chain.rcm_offset(c.frames, planner.trocar)[:2] for c in (ahead, behind)]
+            lateral = [forward.rcm_offset(c.frames, planner.trocar)[:2] for c in (ahead, behind)]
             assert_allclose(np.subtract(*lateral) / (2.0 * h), 0.0, atol=1e-5)

@@ -8,10 +8,10 @@ import pybullet
 import PyKDL
 import pytest
 
-from rst_control import chain
 from rst_control.config import URDF_FILE
-from rst_control.configuration import Configuration, robot_joints
-from rst_control.robot_model import kdl_chain
+from rst_control.kinematics import forward
+from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.kinematics.robot_model import kdl_chain
 from rst_control.types import JOINTS
 
 COUNT = 10_000
@@ -107,7 +107,7 @@ def test_kernels_kdl_and_pybullet_agree_over_ten_thousand_configurations(robot, 
         bullet.place(q)
         other = bullet.pose("tool_tip")
         for name, error in (
-            ("kernel pose", ours.frames[chain.TIP] - pose),
+            ("kernel pose", ours.frames[forward.TIP] - pose),
             ("kernel J", ours.J_tip - J),
             ("tip", pose[:, 3] - other[:, 3]),
             ("turn", pose[:, :3] - other[:, :3]),
@@ -123,7 +123,7 @@ def test_kernels_kdl_and_pybullet_agree_over_ten_thousand_configurations(robot, 
 
 @pytest.mark.parametrize("link", ["tool0", "interface_link", "pitch_link"])
 def test_every_named_frame_is_where_pybullet_and_kdl_see_it(robot, planner, bullet, link):
-    rows = {"tool0": chain.TOOL0, "interface_link": chain.SHAFT, "pitch_link": chain.PITCH}
+    rows = {"tool0": forward.TOOL0, "interface_link": forward.SHAFT, "pitch_link": forward.PITCH}
     kdl = Kdl(robot, link)
     for q in random_joints(planner.limits, 200):
         bullet.place(q)
@@ -136,5 +136,5 @@ def test_the_shaft_is_straight_and_as_long_as_thought(robot, planner):
     assert robot.shaft_length == pytest.approx(0.28, abs=1e-12)
     for q in random_joints(planner.limits, 50):
         frames = Configuration(robot, q).frames
-        end = frames[chain.SHAFT, :, 3] + 0.28 * frames[chain.SHAFT, :, 2]
-        np.testing.assert_allclose(end, frames[chain.PITCH, :, 3], atol=1e-12)
+        end = frames[forward.SHAFT, :, 3] + 0.28 * frames[forward.SHAFT, :, 2]
+        np.testing.assert_allclose(end, frames[forward.PITCH, :, 3], atol=1e-12)

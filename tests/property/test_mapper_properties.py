@@ -3,8 +3,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from voice_assist.config import load_voice_config
-from voice_assist.mapper import Mapper
-from voice_assist.normalize import NEGATIONS, normalize
+from voice_assist.intent.mapper import Mapper
+from voice_assist.text.normalize import NEGATIONS, normalize
 from voice_assist.types import Match
 
 CONFIG = load_voice_config().commands

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from rst_control.pivot import TooLittleSpread, fit_pivot
-from rst_control.rcm import rcm_error
-from rst_control.robot_model import rotation
+from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.robot_model import rotation
+from rst_control.registration.pivot_calibration import TooLittleSpread, fit_pivot
 
 STEP = 1e-6  # [m] of finite differences
 TILT = 0.3  # [rad] of the shafts that are drawn, at most

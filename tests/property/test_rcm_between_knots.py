@@ -8,9 +8,9 @@ import PyKDL
 import pytest
 
 from rst_control.errors import Infeasible
-from rst_control.path import speed_bounds
-from rst_control.rcm import rcm_error
-from rst_control.robot_model import kdl_chain, rotation
+from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.robot_model import kdl_chain, rotation
+from rst_control.trajectory.path import speed_bounds
 
 PATHS = 60
 TOLERANCE = 1e-6  # [m]

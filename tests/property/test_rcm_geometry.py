@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from rst_control import chain, newton
-from rst_control.configuration import Configuration, planning_joints, robot_joints
-from rst_control.rcm import rcm_error, rcm_jacobian, rcm_state
-from rst_control.robot_model import load_robot, rotation
+from rst_control.kinematics import constrained_ik, forward
+from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinematics.rcm import rcm_error, rcm_jacobian, rcm_state
+from rst_control.kinematics.robot_model import load_robot, rotation
 
 STEP = 1e-6  # [rad] of finite differences
 TROCAR = np.array([0.406, -0.024, 0.415])
@@ -96,17 +96,17 @@ def test_tip_jacobian_equals_finite_differences(q):
 def test_small_joint_steps_change_the_residual_by_minus_the_constraints(q, is_straight):
     model = load_robot()
     frames, r, J = np.empty((12, 3, 4)), np.empty(8), np.zeros((8, 9))
-    chain.forward(model.chain, q, frames)
-    target = frames[chain.TIP].copy()
-    newton.constraints(frames, TROCAR, J)
+    forward.forward(model.chain, q, frames)
+    target = frames[forward.TIP].copy()
+    constrained_ik.constraints(frames, TROCAR, J)
     if is_straight:
-        newton.hold_wrist(q, r, J)
+        constrained_ik.hold_wrist(q, r, J)
 
     def missing(joints):
-        chain.forward(model.chain, joints, frames)
-        newton.residual(frames, target, TROCAR, r)
+        forward.forward(model.chain, joints, frames)
+        constrained_ik.residual(frames, target, TROCAR, r)
         if is_straight:
-            newton.hold_wrist(joints, r, np.empty((8, 9)))
+            constrained_ik.hold_wrist(joints, r, np.empty((8, 9)))
         return r.copy()
 
     assert_allclose(-J, differences(missing, q), atol=1e-7)
@@ -116,7 +116,7 @@ def test_small_joint_steps_change_the_residual_by_minus_the_constraints(q, is_st
 @given(points, points)
 def test_turn_between_two_frames_turns_one_into_the_other(a, b):
     first, second, turn = rotation(3.0 * a), rotation(3.0 * b), np.empty(3)
-    chain.turn_between(first, second, turn)
+    forward.turn_between(first, second, turn)
     angle = np.linalg.norm(turn)
     assert angle <= np.pi + 1e-9
     axis = turn / angle if angle > 1e-12 else np.array([0.0, 0.0, 1.0])
@@ -128,7 +128,7 @@ def test_turn_between_two_frames_turns_one_into_the_other(a, b):
 def test_turn_between_opposite_frames_is_half_a_turn():
     for axis in np.eye(3):
         turn = np.empty(3)
-        chain.turn_between(np.eye(3), 2.0 * np.outer(axis, axis) - np.eye(3), turn)
+        forward.turn_between(np.eye(3), 2.0 * np.outer(axis, axis) - np.eye(3), turn)
         assert_allclose(np.abs(turn), np.pi * axis, atol=1e-9)
 
 

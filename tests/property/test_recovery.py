@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 
-from session_log.reader import SessionReader
-from session_log.recover import recover
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.recover import recover
+from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message, Source
-from session_log.writer import SessionWriter
 
 NOW = 1_795_200_000_000_000_000  # [ns]
 SOURCES = [

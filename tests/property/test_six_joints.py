@@ -7,23 +7,24 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from six_joints import EXAMPLE, URDF, BulletShaft, KdlShaft, example
 
-from bench.motion.rig import random_poses
-from rst_control import chain, manipulability
+from bench.common.rig import random_poses
+from rst_control.admission.command_queue import CommandDesk
 from rst_control.assembly import make_executor, make_site
-from rst_control.backends.fake import FakeRobot, LinearSpring
-from rst_control.configuration import Configuration, planning_joints, robot_joints
-from rst_control.desk import CommandDesk
+from rst_control.description.facts import load_facts
+from rst_control.description.urdf_writer import urdf_text
 from rst_control.errors import Infeasible, RobotModelError
-from rst_control.planner import Planner
-from rst_control.profile import Profile
-from rst_control.rcm import rcm_jacobian
-from rst_control.robot_facts import load_facts
-from rst_control.robot_model import parse_robot
-from rst_control.site import PresentSite
-from rst_control.types import PathState, Request
-from rst_control.urdf import urdf_text
+from rst_control.kinematics import forward, manipulability
+from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinematics.rcm import rcm_jacobian
+from rst_control.kinematics.robot_model import parse_robot
+from rst_control.planning.plan import Request
+from rst_control.planning.planner import Planner
+from rst_control.registration.site import PresentSite
+from rst_control.trajectory.profile import Profile
+from rst_control.types import PathState
+from tests.property.six_joints import EXAMPLE, URDF, BulletShaft, KdlShaft, example
+from tests.support.fake_robot import FakeRobot, LinearSpring
 
 PATHS = 100
 MOST_ERROR = 1e-6  # [m]
@@ -189,6 +190,6 @@ def test_all_commands_are_carried_out_in_the_trocar(planner):
 
 def test_frames_of_joints_that_turn_are_rotations(planner):
     frames = Configuration(planner.model, planner.config.scene.home).frames
-    for row in (*range(LACKING), chain.PITCH, chain.SHAFT, chain.TOOL0, chain.TIP):
+    for row in (*range(LACKING), forward.PITCH, forward.SHAFT, forward.TOOL0, forward.TIP):
         R = frames[row, :, :3]
         np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-12)

@@ -16,10 +16,9 @@ import rostest
 from robot_client import START_LIMIT, RobotClient
 from sensor_msgs.msg import JointState
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
+from tests.support.doc_lines import all_lines, marker_of
 
-from doc_lines import all_lines, marker_of  # noqa: E402
+ROOT = Path(__file__).resolve().parents[2]
 
 SESSIONS = ROOT / ".cache" / "doc_examples"
 A_SESSION = re.compile(r"^sessions/\S+$")

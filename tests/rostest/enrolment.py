@@ -15,7 +15,7 @@ import rostest
 
 from voice_assist.msg import AudioChunk, Mode
 from voice_assist.srv import Enroll
-from voice_assist.training.voices import HELD_OUT_ACCENT, Prompt, speak
+from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
 
 RATE, CHUNK = 16_000, 512
 NOISE = 10.0  # of 32767: a quiet room

@@ -14,12 +14,12 @@ from contextlib import ExitStack, suppress
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
-from raw_peer import Flood, Peer, process_of, resident_memory
 from robot_client import RobotClient
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, String, Time
 
 from rst_control.msg import AssistActionGoal
+from support.raw_peer import Flood, Peer, process_of, resident_memory
 
 FLOOD_TIME = 4.0  # [s]
 GROWTH = 60.0  # [MB] that the controller may hold more after a second flood than after the first

@@ -11,17 +11,17 @@ import numpy as np
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
-from raw_peer import process_of
 from robot_client import START_LIMIT, RobotClient
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
-from rst_control.configuration import Configuration, planning_joints
-from rst_control.rcm import rcm_state
-from rst_control.robot_model import load_robot
+from rst_control.kinematics.configuration import Configuration, planning_joints
+from rst_control.kinematics.rcm import rcm_state
+from rst_control.kinematics.robot_model import load_robot
 from rst_control.types import JOINTS
+from support.raw_peer import process_of
 
 TROCAR = np.array([0.406, -0.024, 0.415])
 MODEL = load_robot()

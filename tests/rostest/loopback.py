@@ -14,7 +14,7 @@ import rospy
 import rostest
 from robot_client import RobotClient
 
-from rst_control.listening import inodes_of, listeners, warnings
+from rst_control.host.listening_sockets import inodes_of, listeners, warnings
 
 NODES = {"/controller", "/robot", "/voice_assist", "/recorder", "/robot_state_publisher"}
 # Nodes in C++: the XML-RPC server of roscpp listens on every address, whatever ROS_IP says.

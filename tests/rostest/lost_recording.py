@@ -15,8 +15,8 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from robot_client import RobotClient
 
-from session_log.reader import SessionReader
-from session_log.survey import survey
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import survey
 from typed_config import load_yaml
 
 PACKAGE = Path(__file__).resolve().parents[2] / "catkin_ws" / "src" / "session_log"

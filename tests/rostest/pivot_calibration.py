@@ -16,9 +16,9 @@ from std_msgs.msg import Empty, String
 from std_srvs.srv import Trigger
 
 from rst_control.config import load_motion_config
-from rst_control.configuration import Configuration, planning_joints, robot_joints
-from rst_control.robot_model import load_robot
-from rst_control.site import Site
+from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.registration.site import Site
 from rst_control.srv import FitTrocar
 from rst_control.types import JOINTS
 

@@ -12,9 +12,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, PointStamped
 from robot_client import RobotClient
 
-from rst_control.configuration import Configuration, planning_joints
-from rst_control.rcm import rcm_error
-from rst_control.robot_model import load_robot
+from rst_control.kinematics.configuration import Configuration, planning_joints
+from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.robot_model import load_robot
 from rst_control.srv import SetTrocar
 
 ASIDE = 4e-4  # [m] of the new trocar from the shaft

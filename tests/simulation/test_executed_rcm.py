@@ -8,15 +8,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 
-from rst_control.backends.pybullet_robot import PybulletRobot
-from rst_control.backends.servo import ServoState
 from rst_control.config import load_motion_config, load_simulation_config
-from rst_control.configuration import Configuration, planning_joints, robot_joints
-from rst_control.path import Path
-from rst_control.planner import Planner
-from rst_control.profile import Bounds, Profile
-from rst_control.rcm import rcm_error
-from rst_control.robot_model import load_robot
+from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.planner import Planner
+from rst_control.robot.setpoint_servo import ServoState
+from rst_control.simulation.pybullet_robot import PybulletRobot
+from rst_control.trajectory.path import Path
+from rst_control.trajectory.profile import Bounds, Profile
 from rst_control.types import PathState, Setpoint
 
 MOTION = load_motion_config()

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from bench.common.rig import Rig
 from bench.motion.insertion import Run, outside_starts
-from bench.motion.rig import Rig
 from rst_control.config import load_motion_config, load_simulation_config
-from rst_control.planner import Planner
-from rst_control.robot_model import load_robot
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.planner import Planner
 
 WORST = 10e-6  # [m] of the shaft from the trocar, after every step of the physics
 

@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bench.common.rig import Rig
 from bench.motion.insertion import Run
-from bench.motion.rig import Rig
+from rst_control.commands.camera_step import WAYS
 from rst_control.config import load_motion_config, load_simulation_config
-from rst_control.lifecycle import State
-from rst_control.look_plans import WAYS
+from rst_control.execution.state_machine import State
 from rst_control.types import LOOKS
 
 WORST = 20e-6  # [m] of the shaft from the trocar, after every step of the physics

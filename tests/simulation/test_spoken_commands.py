@@ -8,7 +8,7 @@ import pytest
 from voice_assist.assembly import make_pipeline
 from voice_assist.audio.wav_file import read_sound
 from voice_assist.config import load_voice_config
-from voice_assist.evaluation import Clip, Evaluator
+from voice_assist.evaluation.evaluator import Clip, Evaluator
 from voice_assist.types import Mode
 
 COMMANDS = ("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate")

@@ -7,9 +7,9 @@ import pytest
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
-from session_log.reader import SessionReader
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message, Source
-from session_log.writer import SessionWriter
 
 SOURCE = Source("/t", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data", "/w")
 BEGIN = 1_795_200_000 * 10**9  # [ns]

@@ -11,17 +11,17 @@ import numpy as np
 import pybullet
 import pytest
 
-from bench.figures import Figure, percentiles
 from demo.check import Observed, worst_rcm_error
-from rst_control.backends.physics import joint_indices
-from rst_control.backends.pybullet_robot import PybulletRobot
-from rst_control.backends.tissue import Tissue
 from rst_control.config import load_motion_config, load_simulation_config
 from rst_control.errors import RstError, TrocarDrift
-from rst_control.path import Path
-from rst_control.planner import Planner
-from rst_control.robot_model import load_robot
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.planner import Planner
+from rst_control.simulation.physics import joint_indices
+from rst_control.simulation.pybullet_robot import PybulletRobot
+from rst_control.simulation.tissue import Tissue
+from rst_control.trajectory.path import Path
 from rst_control.types import JOINTS
+from support.figures import Figure, percentiles
 from typed_config import ConfigError
 
 SIMULATION, MOTION = load_simulation_config(), load_motion_config()

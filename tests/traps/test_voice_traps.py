@@ -14,23 +14,29 @@ import pytest
 import torch
 import whisper
 
-from tests.unit.voice_assist.fake_speech import FakeRecognizer, frames, make_detector, say, silence
-from tests.unit.voice_assist.test_microphone import BUILT_IN, USB, FakeSound, blocks, listen
-from tests.unit.voice_assist.test_pipeline import StreamClock, commands, run
-from tests.unit.voice_assist.test_recognizer import COMMANDS
-from tests.unit.voice_assist.test_recognizer import say as espeak
+from tests.unit.voice_assist.audio.test_microphone import BUILT_IN, USB, FakeSound, blocks, listen
+from tests.unit.voice_assist.pipeline.test_pipeline import StreamClock, commands, run
+from tests.unit.voice_assist.recognizer.test_recognizer import COMMANDS
+from tests.unit.voice_assist.recognizer.test_recognizer import say as espeak
+from tests.unit.voice_assist.support.fake_speech import (
+    FakeRecognizer,
+    frames,
+    make_detector,
+    say,
+    silence,
+)
 from voice_assist.audio.portaudio import choose
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.errors import DeviceError
-from voice_assist.mapper import Mapper
-from voice_assist.normalize import normalize
-from voice_assist.pipeline import Pipeline
+from voice_assist.intent.mapper import Mapper
+from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.recognizer import NOTHING_SAID
 from voice_assist.recognizer.vocabulary import PROMPT
+from voice_assist.text.normalize import normalize
+from voice_assist.text.wer import wer
 from voice_assist.types import RATE, Match, Mode, NoMatch, never
 from voice_assist.vad.detector import make_detector as real_detector
-from voice_assist.wer import wer
 
 needs_espeak = pytest.mark.skipif(shutil.which("espeak-ng") is None, reason="needs espeak-ng")
 SECONDS = 1.6

@@ -4,21 +4,21 @@
 import numpy as np
 import pytest
 
-from bench.safety import sound
-from bench.safety.sound_kinds import DEAF, KINDS, frames
+from bench.safety.sound import suite
+from bench.safety.sound.kinds import DEAF, KINDS, frames
 from voice_assist.audio.source import Framer
 from voice_assist.types import RATE
 
 
 @pytest.fixture(scope="module")
 def garbage():
-    return sound.Garbage()
+    return suite.Garbage()
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_moves_nothing_and_a_stop_after_it_is_heard(garbage, kind, monkeypatch):
-    monkeypatch.setattr(sound, "PIECE", 4.0)
-    tally = garbage.tally = sound.Tally()
+    monkeypatch.setattr(suite, "PIECE", 4.0)
+    tally = garbage.tally = suite.Tally()
     garbage.hear(kind, 1)
     assert garbage.moved == 0, tally.taken
     assert tally.stops == [(kind, True)]

@@ -12,10 +12,10 @@ import pytest
 
 from bench.motion.bullet_witness import BulletWitness
 from bench.motion.insertion import Judge
-from rst_control.approach import Approach
-from rst_control.insertion import Insertion
-from rst_control.phases import along
-from rst_control.types import PhaseKind
+from rst_control.planning.free_space import Approach
+from rst_control.planning.insertion import Insertion
+from rst_control.planning.plan import PhaseKind
+from rst_control.planning.planner import along
 
 LOOKS = 40
 

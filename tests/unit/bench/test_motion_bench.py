@@ -11,16 +11,17 @@ import pytest
 
 pytest.importorskip("PyKDL")
 
+from bench.common.ideal_robot import LightRobot
+from bench.common.rig import Rig, random_poses
 from bench.motion import inverse, paths, tension, triangulate
 from bench.motion.gate_cases import Cases
 from bench.motion.gate_oracle import Judge
-from bench.motion.light_robot import LightRobot
 from bench.motion.near_cases import with_clearance, with_manipulability
-from bench.motion.rig import Rig, random_poses
-from rst_control.backends.pybullet_robot import PybulletRobot
 from rst_control.config import load_motion_config, load_simulation_config
-from rst_control.grasp_ways import turned
-from rst_control.types import Accepted, Reason, Rejected
+from rst_control.planning.plan import Accepted, Rejected
+from rst_control.simulation.pybullet_robot import PybulletRobot
+from rst_control.tissue.grasp_candidates import turned
+from rst_control.types import Reason
 
 MOTION, SIMULATION = load_motion_config(), load_simulation_config()
 

@@ -7,7 +7,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from bench.safety.losses_judge import (
+from bench.safety.losses.judge import (
     GAP,
     STILL,
     Loss,
@@ -22,7 +22,7 @@ from bench.safety.losses_judge import (
     objections,
     speed,
 )
-from bench.safety.losses_kept import append, earlier, read
+from bench.safety.losses.kept import append, earlier, read
 
 PERIOD = 0.002
 CRUISE = 0.05  # [rad/s]

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.safety import network, network_hosts
-from bench.safety.network_judge import Trial, figures, judge, rest
-from bench.safety.network_relay import Conditions, Link, Way, from_line, to_line
-from bench.safety.stops_judge import Course
+from bench.safety.network import hosts, suite
+from bench.safety.network.judge import Trial, figures, judge, rest
+from bench.safety.network.relay import Conditions, Link, Way, from_line, to_line
+from bench.safety.stops.judge import Course
 
 PERIOD = 0.002
 FAULT = 1.0  # [s]
@@ -185,11 +185,11 @@ def test_conditions_reach_the_relay_as_they_are():
 @pytest.mark.parametrize("lacking", ["iproute2", "root"])
 def test_what_is_missing_is_said_and_nothing_is_measured(monkeypatch, capsys, lacking):
     if lacking == "iproute2":
-        monkeypatch.setattr(network_hosts.shutil, "which", lambda _: None)
+        monkeypatch.setattr(hosts.shutil, "which", lambda _: None)
     else:
-        monkeypatch.setattr(network_hosts.shutil, "which", lambda _: "ip")
-        monkeypatch.setattr(network_hosts.os, "geteuid", lambda: 1000)
-    monkeypatch.setattr(network, "Hosts", None)  # making them would raise
-    found = network.measure()
+        monkeypatch.setattr(hosts.shutil, "which", lambda _: "ip")
+        monkeypatch.setattr(hosts.os, "geteuid", lambda: 1000)
+    monkeypatch.setattr(suite, "Hosts", None)  # making them would raise
+    found = suite.measure()
     assert lacking in found[0].note and found[0].is_met is None
     assert "not measured" in capsys.readouterr().out

@@ -7,15 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.safety import soak
-from bench.safety.soak_check import SETTLED, Bounds, Checker, Moment
-from bench.safety.soak_events import FAULTS, TALK, Chance, Standing
-from bench.safety.soak_session import Stretch, carried_out, make_bounds
-from rst_control.backends.servo import ServoLimits
-from rst_control.lifecycle import Life, State
-from rst_control.orders import View
-from rst_control.patient import Placement
-from rst_control.types import JOINTS, Command, Measurement, Phase, PhaseKind, Plan, Setpoint
+from bench.safety.soak import suite
+from bench.safety.soak.check import SETTLED, Bounds, Checker, Moment
+from bench.safety.soak.events import FAULTS, TALK, Chance, Standing
+from bench.safety.soak.session import Stretch, carried_out, make_bounds
+from rst_control.execution.orders import View
+from rst_control.execution.state_machine import Life, State
+from rst_control.planning.patient_surface import Placement
+from rst_control.planning.plan import Phase, PhaseKind, Plan
+from rst_control.robot.setpoint_servo import ServoLimits
+from rst_control.types import JOINTS, Command, Measurement, Setpoint
 
 ZERO, ONES = np.zeros(10), np.ones(10)
 LIMITS = ServoLimits(JOINTS, -ONES, ONES, ONES)
@@ -177,9 +178,9 @@ def test_a_short_stretch_breaks_nothing_and_is_the_same_again():
 
 def test_pieces_that_are_there_are_read_and_those_that_are_missing_are_done(tmp_path, monkeypatch):
     done = []
-    monkeypatch.setattr(soak, "_do", lambda jobs: done.extend(one.seed for one, _ in jobs))
+    monkeypatch.setattr(suite, "_do", lambda jobs: done.extend(one.seed for one, _ in jobs))
     (tmp_path / "1_5.json").write_text('{"ticks": 7}')
-    found = soak.carried([Stretch(n, 5.0) for n in range(3)], tmp_path)
+    found = suite.carried([Stretch(n, 5.0) for n in range(3)], tmp_path)
     assert done == [0, 2] and found == [{"ticks": 7}]
 
 
@@ -194,7 +195,7 @@ def test_the_summary_counts_every_violation_and_the_growth_of_later_pieces():
         }
 
     reports = [report(False, 180.0, {}), report(True, 101.0, {"RCM: true shaft": 2, "x": 1})]
-    found = {figure.name: figure for figure in soak.summary(reports)}
+    found = {figure.name: figure for figure in suite.summary(reports)}
     assert found["violations of any invariant"].value == 3
     assert found["violations: RCM"].value == 2 and found["violations: others"].value == 1
     assert found["memory growth, mean"].value == pytest.approx(2.0)
@@ -203,9 +204,9 @@ def test_the_summary_counts_every_violation_and_the_growth_of_later_pieces():
 
 
 def test_the_key_is_made_of_code_and_settings_of_both_packages(monkeypatch):
-    before = soak.identity()
-    assert all(len(soak._settings(name)) > 5 for name in soak.PACKAGES)
-    assert all(len(list(soak._source(name).rglob("*.py"))) > 50 for name in soak.PACKAGES)
-    settings = {name: soak._settings(name) for name in soak.PACKAGES}
-    monkeypatch.setattr(soak, "_settings", lambda name: [*settings[name][:-1], b"other"])
-    assert soak.identity() != before
+    before = suite.identity()
+    assert all(len(suite._settings(name)) > 5 for name in suite.PACKAGES)
+    assert all(len(list(suite._source(name).rglob("*.py"))) > 50 for name in suite.PACKAGES)
+    settings = {name: suite._settings(name) for name in suite.PACKAGES}
+    monkeypatch.setattr(suite, "_settings", lambda name: [*settings[name][:-1], b"other"])
+    assert suite.identity() != before

@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from bench.safety import stops
-from bench.safety.stops_judge import Course, Stop, figures, latency, objection, rest
+from bench.safety.stops import suite
+from bench.safety.stops.judge import Course, Stop, figures, latency, objection, rest
 
 PERIOD = 0.002
 CRUISE = 0.1  # [rad/s]
@@ -117,18 +117,18 @@ def test_chunks_that_are_kept_are_not_made_again(tmp_path, monkeypatch):
     for number in range(3):
         fields = stop(situation=f"chunk {number}").__dict__
         (tmp_path / f"{number:05d}.json").write_text(json.dumps([[fields, fields], []]))
-    monkeypatch.setattr(stops, "make_chunk", None)  # making one would raise
-    found, failures = stops.gather(tmp_path, 5, 1, 0.0)
+    monkeypatch.setattr(suite, "make_chunk", None)  # making one would raise
+    found, failures = suite.gather(tmp_path, 5, 1, 0.0)
     assert [s.situation for s in found] == [f"chunk {n}" for n in (0, 0, 1, 1, 2, 2)]
     assert failures == []
-    assert len(stops.gather(tmp_path, 4, 1, 0.0)[0]) == 4
+    assert len(suite.gather(tmp_path, 4, 1, 0.0)[0]) == 4
 
 
 def test_after_the_time_is_up_no_chunk_is_begun(tmp_path):
-    assert stops.gather(tmp_path, 5, 1, -1.0) == ([], [])
+    assert suite.gather(tmp_path, 5, 1, -1.0) == ([], [])
 
 
 def test_other_code_of_the_bench_begins_anew(tmp_path, monkeypatch):
-    before = stops.key()
-    monkeypatch.setattr(stops, "OWN", stops.OWN[:-1])
-    assert before == before.lower() and stops.key() != before
+    before = suite.key()
+    monkeypatch.setattr(suite, "OWN", suite.OWN[:-1])
+    assert before == before.lower() and suite.key() != before

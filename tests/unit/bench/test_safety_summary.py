@@ -3,9 +3,9 @@
 
 from rich.console import Console
 
-from bench import figures
-from bench.figures import Figure
 from bench.safety.summary import gather
+from support import figures
+from support.figures import Figure
 
 
 def test_each_part_is_told_with_its_date_and_its_figures(tmp_path, monkeypatch):

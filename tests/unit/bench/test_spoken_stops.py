@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.safety.spoken_judge import Piece, SpokenStop, end_of_word, figures
+from bench.safety.spoken.judge import Piece, SpokenStop, end_of_word, figures
 from voice_assist.types import RATE
 
 CHUNK = RATE // 20

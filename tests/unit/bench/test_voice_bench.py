@@ -8,17 +8,17 @@ from scipy.stats import binom, poisson
 from whisper.model import ModelDimensions, Whisper
 
 from bench import __main__ as main_module
-from bench import voice_denoise, voice_noises, voice_run, voice_speed
-from bench.voice_bounds import at_least, at_most, rate_at_most
-from bench.voice_calibration import KINDS, Reliability, claims_of, draw, reliability
-from bench.voice_keywords import count
-from bench.voice_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
-from bench.voice_run import Evaluated, Row, changed_config, read_rows
+from bench.voice import denoise, evaluate_once, speed, theatre_noise
+from bench.voice.baseline_pocketsphinx import count
+from bench.voice.calibration import KINDS, Reliability, claims_of, draw, reliability
+from bench.voice.confusable_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
+from bench.voice.evaluate_once import Evaluated, Row, changed_config, read_rows
+from support.exact_bounds import at_least, at_most, rate_at_most
 from voice_assist.config import load_voice_config
-from voice_assist.evaluation import Claim
-from voice_assist.mapper import Mapper
-from voice_assist.normalize import is_negated, normalize
+from voice_assist.evaluation.evaluator import Claim
+from voice_assist.intent.mapper import Mapper
 from voice_assist.recognizer.whisper import OpenAIRecognizer
+from voice_assist.text.normalize import is_negated, normalize
 from voice_assist.types import RATE, Match
 
 CONFIG = load_voice_config()
@@ -127,21 +127,21 @@ def test_near_misses_of_the_requirement_are_all_there():
 
 
 @pytest.mark.parametrize(
-    "kind", sorted(set(voice_noises.KINDS) - {"replies", "speaking", "recorded", "quoting"})
+    "kind", sorted(set(theatre_noise.KINDS) - {"replies", "speaking", "recorded", "quoting"})
 )
 def test_noise_is_the_same_from_the_same_seed_and_stays_in_range(kind):
-    sound = voice_noises.make(kind, 3.0, 5)
+    sound = theatre_noise.make(kind, 3.0, 5)
     assert sound.shape == (3 * RATE,)
     assert sound.dtype == np.float32
     assert np.abs(sound).max() <= 1.0
-    assert np.array_equal(sound, voice_noises.make(kind, 3.0, 5))
-    assert not np.array_equal(sound, voice_noises.make(kind, 3.0, 6))
+    assert np.array_equal(sound, theatre_noise.make(kind, 3.0, 5))
+    assert not np.array_equal(sound, theatre_noise.make(kind, 3.0, 6))
     assert np.std(sound) > 1e-4
 
 
 def test_silence_is_quieter_than_any_other_noise():
-    made = set(voice_noises.KINDS) - {"replies", "speaking", "recorded", "quoting"}
-    loud = {k: np.std(voice_noises.make(k, 3.0, 1)) for k in made}
+    made = set(theatre_noise.KINDS) - {"replies", "speaking", "recorded", "quoting"}
+    loud = {k: np.std(theatre_noise.make(k, 3.0, 1)) for k in made}
     assert min(loud, key=loud.get) == "silence"
 
 
@@ -166,9 +166,9 @@ def test_details_of_an_evaluation_are_read_back(tmp_path):
     assert Evaluated("x", {}, (first, second)).hours == pytest.approx(2.0 / 3600)
 
 
-@pytest.mark.parametrize("mode", voice_denoise.MODES)
+@pytest.mark.parametrize("mode", denoise.MODES)
 def test_changed_settings_differ_in_that_one_alone(tmp_path, monkeypatch, mode):
-    monkeypatch.setattr(voice_run.voice_sets, "CACHE", tmp_path)
+    monkeypatch.setattr(evaluate_once.voice_sets, "CACHE", tmp_path)
     folder = changed_config((("audio.denoise.mode", mode),))
     assert load_voice_config(folder) == load_voice_config(audio__denoise__mode=mode)
 
@@ -200,9 +200,9 @@ def test_a_part_alone_is_measured_and_written_beside_its_family(monkeypatch):
         main_module, "run", lambda name, measure, _: ran.append((name, measure)) or []
     )
     assert main_module.main(["voice.near"]) == 0
-    from bench import voice
+    from bench.voice import suite
 
-    assert ran == [("voice/near", voice.PARTS["near"])]
+    assert ran == [("voice/near", suite.PARTS["near"])]
 
 
 # --- speed
@@ -215,9 +215,9 @@ def test_both_ways_of_whisper_write_as_few_tokens_as_asked_for():
     with torch.no_grad():
         model.decoder.positional_embedding.normal_(std=0.02)
     steps = []
-    ours = OpenAIRecognizer("small", voice_speed.checkpoint(model), most_tokens=3)
+    ours = OpenAIRecognizer("small", speed.checkpoint(model), most_tokens=3)
     ours.model.decoder.register_forward_hook(lambda *_: steps.append("ours"))
-    ours.transcribe(voice_speed.clip())
+    ours.transcribe(speed.clip())
     model.decoder.register_forward_hook(lambda *_: steps.append("theirs"))
-    voice_speed.transcribe(model, voice_speed.clip(), 3)
+    speed.transcribe(model, speed.clip(), 3)
     assert [steps.count("ours"), steps.count("theirs")] == [3, 3]

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bench import figures, voice_archive, voice_cast, voice_chunks, voice_clips, voice_kept
-from bench.figures import Figure
-from bench.voice_cast import Voice, spread
-from bench.voice_clips import Trial, stream_of, twice
-from bench.voice_spoken import Spoken
-from bench.voice_stream import Heard, Said, Scene
+from bench.voice import held_out_voices, merge_results, mixing, resumable, resumable_archive
+from bench.voice.held_out_voices import Voice, spread
+from bench.voice.mixing import Trial, stream_of, twice
+from bench.voice.replay_stream import Heard, Said, Scene
+from bench.voice.synthesis import Spoken
+from support import figures
+from support.figures import Figure
 from voice_assist.types import RATE, Mode
 
 
@@ -37,18 +38,18 @@ def listened(tmp_path, monkeypatch):
         seen.append(scene)
         return Heard((Said(0.1, "stop", True, 0.9, "spotter", "stop", ""),), 0.032, 0.001, 0.032)
 
-    monkeypatch.setattr(voice_chunks.voice_sets, "CACHE", tmp_path)
-    monkeypatch.setattr(voice_chunks, "_pool", lambda model, jobs: ThreadPoolExecutor(jobs))
-    monkeypatch.setattr(voice_chunks, "_LISTENERS", [hear])
-    monkeypatch.setattr(voice_chunks, "identity", lambda model="": f"key-of-{model}")
+    monkeypatch.setattr(resumable.voice_sets, "CACHE", tmp_path)
+    monkeypatch.setattr(resumable, "_pool", lambda model, jobs: ThreadPoolExecutor(jobs))
+    monkeypatch.setattr(resumable, "_LISTENERS", [hear])
+    monkeypatch.setattr(resumable, "identity", lambda model="": f"key-of-{model}")
     return seen
 
 
 def test_only_the_pieces_that_are_not_there_are_streamed(listened):
     plan = [Piece(seed) for seed in range(3)]
-    first = voice_chunks.measured("part", {"": plan[:2]})[""]
+    first = resumable.measured("part", {"": plan[:2]})[""]
     assert (len(first), len(listened)) == (2, 2)
-    again = voice_chunks.measured("part", {"": plan})[""]
+    again = resumable.measured("part", {"": plan})[""]
     assert len(listened) == 3
     assert [r.label["seed"] for r in again] == [0, 1, 2]
     assert again[0].heard == first[0].heard
@@ -59,14 +60,14 @@ def test_pieces_kept_beside_the_results_are_counted_on_another_machine(
     listened, tmp_path, monkeypatch
 ):
     plan = [Piece(seed) for seed in range(3)]
-    first = voice_chunks.measured("part", {"": plan[:2]}, "")[""]
+    first = resumable.measured("part", {"": plan[:2]}, "")[""]
     kept = tmp_path / "kept"
-    assert voice_archive.keep("part", plan, kept, "") == 2
-    assert voice_archive.keep("part", plan, kept, "") == 0
-    monkeypatch.setattr(voice_chunks.voice_sets, "CACHE", tmp_path / "elsewhere")
-    assert voice_archive.restore("part", kept, "another") == 0
-    assert voice_archive.restore("part", kept, "") == 2
-    again = voice_chunks.measured("part", {"": plan}, "")[""]
+    assert resumable_archive.keep("part", plan, kept, "") == 2
+    assert resumable_archive.keep("part", plan, kept, "") == 0
+    monkeypatch.setattr(resumable.voice_sets, "CACHE", tmp_path / "elsewhere")
+    assert resumable_archive.restore("part", kept, "another") == 0
+    assert resumable_archive.restore("part", kept, "") == 2
+    again = resumable.measured("part", {"": plan}, "")[""]
     assert len(listened) == 3
     assert [r.heard for r in again[:2]] == [r.heard for r in first]
 
@@ -75,14 +76,14 @@ def test_of_a_piece_that_is_kept_only_what_was_taken_is_left(listened, tmp_path,
     said = (Said(0.1, "stop", True, 0.9, "", "stop", ""), Said(0.2, "", False, 0.9, "", "a", "b"))
     heard = [Heard(said[:1], 1.0, 0.1, 0.0), Heard(said, 1.0, 0.1, 0.0), Heard(said[1:], 1, 0, 0)]
     turns = iter(heard)
-    monkeypatch.setattr(voice_chunks, "_LISTENERS", [lambda scene: next(turns)])
-    monkeypatch.setattr(voice_chunks, "JOBS", 1)
+    monkeypatch.setattr(resumable, "_LISTENERS", [lambda scene: next(turns)])
+    monkeypatch.setattr(resumable, "JOBS", 1)
     plan = [Piece(seed) for seed in range(3)]
-    voice_chunks.measured("part", {"": plan}, "")
-    voice_archive.keep("part", plan, tmp_path / "kept", "")
-    monkeypatch.setattr(voice_chunks.voice_sets, "CACHE", tmp_path / "elsewhere")
-    voice_archive.restore("part", tmp_path / "kept", "")
-    found = voice_chunks.measured("part", {"": plan}, "")[""]
+    resumable.measured("part", {"": plan}, "")
+    resumable_archive.keep("part", plan, tmp_path / "kept", "")
+    monkeypatch.setattr(resumable.voice_sets, "CACHE", tmp_path / "elsewhere")
+    resumable_archive.restore("part", tmp_path / "kept", "")
+    found = resumable.measured("part", {"": plan}, "")[""]
     assert [r.heard.taken for r in found] == [("stop",), ("stop",), ()]
     assert [len(r.heard.said) for r in found] == [1, 1, 0]
     assert next(turns, None) is None
@@ -93,31 +94,31 @@ def test_of_what_was_said_in_a_piece_that_is_kept_what_was_taken_is_left(listene
     taken = tuple(Said(at, "stop", True, 0.9, "", "stop", "") for at in (0.05, 2.5))
     record = {"label": {"spans": said}, "heard": Heard(taken, 4.0, 0.1, 0.0).to_json()}
     plan = [Piece(0)]
-    path = voice_chunks.folder_of("part", "") / f"{plan[0].name()}.json"
+    path = resumable.folder_of("part", "") / f"{plan[0].name()}.json"
     path.write_text(json.dumps([record]), encoding="utf-8")
-    voice_archive.keep("part", plan, tmp_path / "kept", "")
+    resumable_archive.keep("part", plan, tmp_path / "kept", "")
     path.unlink()
-    voice_archive.restore("part", tmp_path / "kept", "")
-    (found,) = voice_chunks.read(path)
+    resumable_archive.restore("part", tmp_path / "kept", "")
+    (found,) = resumable.read(path)
     assert found.label["spans"] == [[2.0, "go", "v", "c"]]
     assert found.heard.taken == ("stop", "stop")
 
 
 def test_another_model_or_another_part_begins_anew(listened):
-    voice_chunks.measured("part", {"": [Piece(0)]}, "one")
-    voice_chunks.measured("part", {"": [Piece(0)]}, "one")
+    resumable.measured("part", {"": [Piece(0)]}, "one")
+    resumable.measured("part", {"": [Piece(0)]}, "one")
     assert len(listened) == 1
-    voice_chunks.measured("part", {"": [Piece(0)]}, "another")
-    voice_chunks.measured("other part", {"": [Piece(0)]}, "one")
+    resumable.measured("part", {"": [Piece(0)]}, "another")
+    resumable.measured("other part", {"": [Piece(0)]}, "one")
     assert len(listened) == 3
 
 
 def test_no_piece_is_begun_once_the_minutes_are_over(listened, monkeypatch):
-    monkeypatch.setattr(voice_chunks, "MINUTES", 0.0)
-    monkeypatch.setattr(voice_chunks, "JOBS", 2)
+    monkeypatch.setattr(resumable, "MINUTES", 0.0)
+    monkeypatch.setattr(resumable, "JOBS", 2)
     plan = [Piece(seed) for seed in range(9)]
-    assert len(voice_chunks.measured("part", {"": plan})[""]) == 2
-    assert len(voice_chunks.measured("part", {"": plan})[""]) == 4
+    assert len(resumable.measured("part", {"": plan})[""]) == 2
+    assert len(resumable.measured("part", {"": plan})[""]) == 4
     assert len(listened) == 4
 
 
@@ -125,26 +126,26 @@ def test_a_piece_that_failed_leaves_nothing_behind(listened, monkeypatch):
     def fail(_):
         raise ValueError("no sound")
 
-    monkeypatch.setattr(voice_chunks, "_LISTENERS", [fail])
+    monkeypatch.setattr(resumable, "_LISTENERS", [fail])
     with pytest.raises(ValueError, match="no sound"):
-        voice_chunks.measured("part", {"": [Piece(0)]})
-    monkeypatch.setattr(voice_chunks, "_LISTENERS", [lambda _: Heard((), 1.0, 0.1, 1.0)])
-    assert len(voice_chunks.measured("part", {"": [Piece(0)]})[""]) == 1
+        resumable.measured("part", {"": [Piece(0)]})
+    monkeypatch.setattr(resumable, "_LISTENERS", [lambda _: Heard((), 1.0, 0.1, 1.0)])
+    assert len(resumable.measured("part", {"": [Piece(0)]})[""]) == 1
     assert listened == []
 
 
 def test_pieces_of_earlier_goes_count_beyond_those_asked_for(listened):
     plan = [Piece(seed) for seed in range(5)]
-    voice_chunks.measured("part", {"": [plan[0], plan[3]]})
-    assert voice_chunks.up_to("part", plan, 1) == [plan[0], plan[3]]
-    assert voice_chunks.up_to("part", plan, 2) == [plan[0], plan[1], plan[3]]
+    resumable.measured("part", {"": [plan[0], plan[3]]})
+    assert resumable.up_to("part", plan, 1) == [plan[0], plan[3]]
+    assert resumable.up_to("part", plan, 2) == [plan[0], plan[1], plan[3]]
     assert len(listened) == 2
 
 
 def test_code_digest_follows_the_code_and_not_its_comments(tmp_path):
     def digest_of(text):
         (tmp_path / "a.py").write_text(text)
-        return voice_chunks.code(tmp_path)
+        return resumable.code(tmp_path)
 
     plain = digest_of("x = 1\n")
     assert digest_of('"""Says."""\n# why\nx  =  1\n') == plain
@@ -154,37 +155,37 @@ def test_code_digest_follows_the_code_and_not_its_comments(tmp_path):
 def test_code_that_hears_nothing_changes_no_digest(tmp_path):
     (tmp_path / "training").mkdir()
     (tmp_path / "pipeline.py").write_text("x = 1\n")
-    before = voice_chunks.code(tmp_path)
+    before = resumable.code(tmp_path)
     (tmp_path / "training" / "fit.py").write_text("y = 1\n")
     (tmp_path / "cli.py").write_text("y = 1\n")
-    assert voice_chunks.code(tmp_path) == before
+    assert resumable.code(tmp_path) == before
     (tmp_path / "judge.py").write_text("y = 1\n")
-    assert voice_chunks.code(tmp_path) != before
+    assert resumable.code(tmp_path) != before
 
 
 def test_the_key_is_of_the_pipeline_that_really_runs(monkeypatch):
     seen = []
-    monkeypatch.setattr(voice_chunks, "code", lambda folder: seen.append(folder) or "x")
-    voice_chunks.identity.__wrapped__("embedded")
+    monkeypatch.setattr(resumable, "code", lambda folder: seen.append(folder) or "x")
+    resumable.identity.__wrapped__("embedded")
     assert (seen[0] / "judge.py").is_file()
 
 
 def identity_with(monkeypatch, **changes):
-    plain = voice_chunks.load_voice_config
+    plain = resumable.load_voice_config
     monkeypatch.setattr(
-        voice_chunks, "load_voice_config", lambda *a, **k: plain(*a, **{**changes, **k})
+        resumable, "load_voice_config", lambda *a, **k: plain(*a, **{**changes, **k})
     )
-    return voice_chunks.identity.__wrapped__("embedded")
+    return resumable.identity.__wrapped__("embedded")
 
 
 @pytest.mark.parametrize("change", ["spotter__alone", "recognizer__early__settle"])
 def test_another_setting_gives_another_key(monkeypatch, change):
-    before = voice_chunks.identity.__wrapped__("embedded")
+    before = resumable.identity.__wrapped__("embedded")
     assert identity_with(monkeypatch, **{change: 0.0625}) != before
 
 
 def test_how_long_the_node_lets_recognition_hang_is_no_part_of_the_key(monkeypatch):
-    before = voice_chunks.identity.__wrapped__("embedded")
+    before = resumable.identity.__wrapped__("embedded")
     assert identity_with(monkeypatch, recognizer__hung_after=0.125) == before
 
 
@@ -193,8 +194,8 @@ def test_how_long_the_node_lets_recognition_hang_is_no_part_of_the_key(monkeypat
 
 @pytest.fixture
 def on_file(tmp_path, monkeypatch):
-    monkeypatch.setattr(voice_kept, "PLACE", tmp_path / "results")
-    monkeypatch.setattr(voice_kept, "ASIDE", tmp_path / "aside")
+    monkeypatch.setattr(merge_results, "PLACE", tmp_path / "results")
+    monkeypatch.setattr(merge_results, "ASIDE", tmp_path / "aside")
     monkeypatch.setattr(figures, "RESULTS", tmp_path / "results")
     monkeypatch.delenv("FORCE", raising=False)
     path = tmp_path / "results" / "voice" / "x.json"
@@ -206,25 +207,25 @@ def on_file(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("amount", "where"), [(40.0, "aside"), (100.0, "results")])
 def test_a_result_that_rests_on_less_is_written_aside(on_file, amount, where):
-    measure = voice_kept.kept("x", lambda: [voice_kept.measured(amount, "h", 100.0)])
+    measure = merge_results.kept("x", lambda: [merge_results.measured(amount, "h", 100.0)])
     measure()
     assert on_file / where == figures.RESULTS
 
 
 def test_a_whole_result_after_a_part_goes_to_its_place_again(on_file):
-    voice_kept.kept("x", lambda: [voice_kept.measured(1.0, "h", 100.0)])()
-    voice_kept.kept("y", lambda: [Figure("other", 1.0, "")])()
+    merge_results.kept("x", lambda: [merge_results.measured(1.0, "h", 100.0)])()
+    merge_results.kept("y", lambda: [Figure("other", 1.0, "")])()
     assert on_file / "results" == figures.RESULTS
 
 
 def test_force_writes_whatever_is_on_file(on_file, monkeypatch):
     monkeypatch.setenv("FORCE", "1")
-    assert voice_kept.place("voice/x.json", 1.0) == on_file / "results"
+    assert merge_results.place("voice/x.json", 1.0) == on_file / "results"
 
 
 def test_details_follow_the_same_rule(on_file):
-    voice_kept.write_details("d", 10.0, {"fired": [1]})
-    voice_kept.write_details("d", 3.0, {"fired": []})
+    merge_results.write_details("d", 10.0, {"fired": [1]})
+    merge_results.write_details("d", 3.0, {"fired": []})
     path = on_file / "results" / "voice" / "d.json"
     assert json.loads(path.read_text()) == {"measured": 10.0, "fired": [1]}
     assert (on_file / "aside" / "voice" / "d.json").is_file()
@@ -246,8 +247,8 @@ def test_every_voice_says_every_text_equally_often():
 
 
 def test_voices_that_cannot_speak_are_named_and_left_out(monkeypatch, capsys):
-    monkeypatch.setattr(voice_cast, "_speaks", lambda voice: voice.engine != "pico")
-    cast = voice_cast._sorted_out([Voice("pico", "en-US"), Voice("espeak", "b")])
+    monkeypatch.setattr(held_out_voices, "_speaks", lambda voice: voice.engine != "pico")
+    cast = held_out_voices._sorted_out([Voice("pico", "en-US"), Voice("espeak", "b")])
     assert cast.present == (Voice("espeak", "b"),)
     assert cast.missing == (Voice("pico", "en-US"),)
     assert "pico:en-US" in capsys.readouterr().out
@@ -257,7 +258,7 @@ def test_voices_that_cannot_speak_are_named_and_left_out(monkeypatch, capsys):
 def beep(tmp_path, monkeypatch):
     import soundfile
 
-    monkeypatch.setattr(voice_clips, "ROOT", tmp_path)
+    monkeypatch.setattr(mixing, "ROOT", tmp_path)
     t = np.arange(RATE // 2) / RATE
     for name in "abc":
         soundfile.write(tmp_path / f"{name}.wav", 0.5 * np.sin(2 * np.pi * 440 * t), RATE)
@@ -288,7 +289,7 @@ def test_background_lies_as_far_below_the_speech_as_asked_for(beep):
 
 
 def test_a_share_of_a_plan_is_its_beginning_and_at_least_one(monkeypatch):
-    monkeypatch.setattr(voice_chunks, "SHARE", 0.01)
-    assert voice_chunks.share_of([7, 8, 9]) == [7]
-    monkeypatch.setattr(voice_chunks, "SHARE", 1.0)
-    assert voice_chunks.share_of([7, 8, 9]) == [7, 8, 9]
+    monkeypatch.setattr(resumable, "SHARE", 0.01)
+    assert resumable.share_of([7, 8, 9]) == [7]
+    monkeypatch.setattr(resumable, "SHARE", 1.0)
+    assert resumable.share_of([7, 8, 9]) == [7, 8, 9]

@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bench.voice_chunks import Record
-from bench.voice_stream import Heard, Said
-from bench.voice_thresholds import Claim, claims_of, fit, halves, least
-from voice_assist.calibration import log_odds, logistic
+from bench.voice.replay_stream import Heard, Said
+from bench.voice.resumable import Record
+from bench.voice.thresholds import Claim, claims_of, fit, halves, least
 from voice_assist.config import load_voice_config
+from voice_assist.config.calibration import log_odds, logistic
 
 
 def _claims(slope: float, offset: float, count: int = 4000) -> list[Claim]:

@@ -4,12 +4,21 @@
 import pytest
 from scipy.stats import binom, poisson
 
-from bench import voice_armed, voice_near, voice_unarmed
-from bench.voice_chunks import Record
-from bench.voice_count import by, engine, is_opposite, latencies, motions, others, tally, verdict
-from bench.voice_soak import Answer, Soaked, Told, answers_to, drift
-from bench.voice_soak import figures as soak_figures
-from bench.voice_stream import Heard, Said
+from bench.voice import armed, near_misses, unarmed
+from bench.voice.outcomes import (
+    by,
+    engine,
+    is_opposite,
+    latencies,
+    motions,
+    others,
+    tally,
+    verdict,
+)
+from bench.voice.replay_stream import Heard, Said
+from bench.voice.resumable import Record
+from bench.voice.soak import Answer, Soaked, Told, answers_to, drift
+from bench.voice.soak import figures as soak_figures
 
 MOTIONS = ("tense", "release", "pull more", "pull less")
 
@@ -65,7 +74,7 @@ def test_right_needs_the_command_and_no_other():
 
 
 def test_all_motions_of_the_settings_have_a_sense():
-    from bench.voice_count import SENSE
+    from bench.voice.outcomes import SENSE
 
     assert {command for command, sense in SENSE.items() if sense} == motions() == set(MOTIONS)
 
@@ -114,7 +123,7 @@ def test_latency_is_of_the_first_command_taken_in_right_trials_alone():
 def test_false_commands_are_counted_by_hours_of_sound_with_exact_bounds():
     records = [record("", said("stop"), seconds=1800.0), record("", seconds=1800.0)]
     records += [record("", said("tense", is_taken=False), seconds=3600.0)]
-    found = {f.name: f for f in voice_armed.of_commands("talk", records, 0.0, 0.5)}
+    found = {f.name: f for f in armed.of_commands("talk", records, 0.0, 0.5)}
     assert found["talk: false motions"].value == 0
     assert found["talk: false motions"].is_met
     assert found["talk: false stops"].value == pytest.approx(0.5)
@@ -125,17 +134,17 @@ def test_false_commands_are_counted_by_hours_of_sound_with_exact_bounds():
 
 def test_a_false_motion_misses_its_target_and_is_listed_with_who_said_what():
     records = [record("archie", said("tense", confidence=0.7), voice="v"), record("joke")]
-    found = voice_armed.of_commands("talk", records, 0.0)
+    found = armed.of_commands("talk", records, 0.0)
     assert found[0].is_met is False
     assert "tense: 1" in found[0].note
-    (fired,) = voice_armed.fired(records)
+    (fired,) = armed.fired(records)
     assert (fired["taken"], fired["text"], fired["voice"]) == ("tense", "archie", "v")
 
 
 def test_what_fires_in_talk_is_listed_with_the_utterance_begun_last():
     spans = [(0.5, "suction please", "v", "a"), (3.0, "where is the trocar", "w", "b")]
     talk = record("", said("hey robot", 4.2), spans=spans, who="synthetic", seed=3)
-    (fired,) = voice_unarmed.fired(talk)
+    (fired,) = unarmed.fired(talk)
     assert (fired["said"], fired["voice"]) == ("where is the trocar", "w")
 
 
@@ -151,12 +160,12 @@ def test_what_fires_in_talk_is_listed_with_the_utterance_begun_last():
 )
 def test_a_motion_after_a_stop_reaches_no_robot_before_the_next_hey_robot(taken, reaches):
     talk = record("", *(said(command) for command in taken))
-    assert voice_unarmed.reaching([talk]) == reaches
+    assert unarmed.reaching([talk]) == reaches
 
 
 def test_a_stop_of_one_piece_of_talk_halts_nothing_in_the_next():
     pieces = [record("", said("stop")), record("", said("tense"))]
-    assert voice_unarmed.reaching(pieces) == 1
+    assert unarmed.reaching(pieces) == 1
 
 
 # --- near misses
@@ -173,8 +182,8 @@ def test_what_sounds_the_same_in_its_voice_is_counted_apart():
         record("illuminate"),
         record("don't stop"),
     ]
-    assert [voice_near.is_same(r) for r in records] == [True, False, False, False]
-    found = {f.name: f for f in voice_near.figures(records)}
+    assert [near_misses.is_same(r) for r in records] == [True, False, False, False]
+    found = {f.name: f for f in near_misses.figures(records)}
     assert found["near misses: taken as motion"].value == 0.0
     assert found["near misses: taken as motion"].is_met
     assert found["same sounds as a command: taken as motion"].value == 1.0
@@ -184,7 +193,7 @@ def test_what_sounds_the_same_in_its_voice_is_counted_apart():
 
 def test_a_stop_taken_from_a_denied_stop_is_no_motion():
     records = [record("don't stop", said("stop")), record("tents"), record("illuminate")]
-    found = {f.name: f for f in voice_near.figures(records)}
+    found = {f.name: f for f in near_misses.figures(records)}
     assert found["near misses: taken as motion"].value == 0.0
     assert found["denied: taken as motion"].is_met
     assert found["denied: taken as stop"].value == 1.0
@@ -193,14 +202,14 @@ def test_a_stop_taken_from_a_denied_stop_is_no_motion():
 
 def test_a_denied_command_that_moves_misses_its_target():
     records = [record("don't pull more", said("pull more")), record("tents")]
-    found = {f.name: f for f in voice_near.figures(records)}
+    found = {f.name: f for f in near_misses.figures(records)}
     assert found["denied: taken as motion"].is_met is False
     assert '"don\'t pull more"' in found["denied: taken as motion"].note
 
 
 def test_phrases_taken_are_listed_motions_first_with_voice_and_confidence():
     records = [record("shop", said("stop")), record("tents", said("tense", confidence=0.62))]
-    first, second = voice_near.taken(records)
+    first, second = near_misses.taken(records)
     assert (first["said"], first["taken"], first["confidence"]) == ("tents", "tense", 0.62)
     assert first["voice"] == "espeak:en-gb-x-gbcwmd+f2"
     assert (first["is_motion"], second["is_motion"]) == (True, False)

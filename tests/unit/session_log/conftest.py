@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import pytest
 
-from bench.story import write_session
 from session_log.cli import CONFIG
 from session_log.config import RecorderConfig, ReportConfig
+from support.story import write_session
 from typed_config import load_config, load_yaml
 
 

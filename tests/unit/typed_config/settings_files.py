@@ -18,17 +18,17 @@ import yaml
 from demo.script import Script
 from paper.config import ExperimentConfig
 from rst_control.config import LimitsConfig, MotionConfig, SimulationConfig
+from rst_control.config.torque_tension import TorqueTensionConfig
+from rst_control.description.facts_config import RobotSettings
 from rst_control.kinova.config import BridgeConfig
-from rst_control.kinova_driver import StandInConfig
-from rst_control.robot_config import RobotSettings
-from rst_control.torque_tension_config import TorqueTensionConfig
+from rst_control.kinova.stand_in import StandInConfig
 from session_log.config import RecorderConfig, ReportConfig
-from session_log.replay_config import ReplayConfig
+from session_log.replay.config import ReplayConfig
 from typed_config import load_config
 from typed_config.fields import RULE, Rule
-from voice_assist.alarms.config import AlarmsConfig
 from voice_assist.config import CommandsConfig, VoiceConfig
-from voice_assist.enrolment.config import EnrolmentConfig
+from voice_assist.config.alarms import AlarmsConfig
+from voice_assist.config.enrolment import EnrolmentConfig
 
 ROOT = Path(__file__).resolve().parents[3]
 SOURCE = ROOT / "catkin_ws" / "src"

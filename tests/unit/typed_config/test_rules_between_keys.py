@@ -168,6 +168,6 @@ def test_a_body_has_one_shape_and_a_link_one_inertia():
 
 def test_the_calls_that_a_command_may_make_are_those_that_the_controller_takes_from_a_voice():
     from rst_control.types import BY_HAND, Command
-    from voice_assist.commands_config import CALLS
+    from voice_assist.config.commands import CALLS
 
     assert set(CALLS) == {command.value for command in Command if command not in BY_HAND}

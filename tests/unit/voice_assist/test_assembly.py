@@ -4,7 +4,7 @@ import subprocess
 
 import pytest
 
-from tests.unit.voice_assist.fake_speech import FakeRecognizer
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
 from voice_assist.assembly import (
     CODE_KEPT,
     MOST_KEPT,

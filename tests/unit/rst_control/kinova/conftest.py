@@ -1,20 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rst_control.config import CONFIG_FOLDER, LimitsConfig
-from rst_control.configuration import robot_joints
+from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinova.config import load_kinova_config
-from rst_control.planner import Planner
+from rst_control.planning.planner import Planner
 from typed_config import load_config, load_yaml
 
-sys.path.insert(0, str(Path(__file__).parent))
 LIMITS = load_config(LimitsConfig, load_yaml(CONFIG_FOLDER / "kinova_limits.yaml"))
 
 
@@ -31,7 +28,7 @@ def soft_planner(robot, motion_config):
 
 @pytest.fixture
 def hardware(kinova, motion_config):
-    from fake_hardware import FakeHardware
+    from tests.unit.rst_control.kinova.fake_hardware import FakeHardware
 
     made = FakeHardware(robot_joints(np.array(motion_config.scene.home), 0.6))
     made.ready(kinova)

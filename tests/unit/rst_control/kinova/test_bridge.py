@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_hardware import FakeHardware
 
-from rst_control.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinova.bridge import Lead
 from rst_control.kinova.tool import ToolState
-from rst_control.profile import Profile
-from rst_control.rcm import rcm_state
+from rst_control.trajectory.profile import Profile
 from rst_control.types import PathState
+from tests.unit.rst_control.kinova.fake_hardware import FakeHardware
 
 OPENING = 0.6
 

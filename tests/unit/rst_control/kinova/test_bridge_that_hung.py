@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from bench.kinova_rig import KinovaRig, kinova_motion
+from bench.kinova.rig import KinovaRig, kinova_motion
 
 
 @pytest.fixture

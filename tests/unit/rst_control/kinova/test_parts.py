@@ -12,7 +12,7 @@ from rst_control.config import CONFIG_FOLDER
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, unwrapped
 from rst_control.kinova.guard import StopGuard
-from rst_control.kinova.ramp import Ramp, feasible_share, velocity_for
+from rst_control.kinova.velocity_ramp import Ramp, feasible_share, velocity_for
 from typed_config import ConfigError, load_config, load_yaml
 
 NAMES = ("a", "b", "c")

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.kinova_rig import kinova_motion
-from rst_control.configuration import planning_joints, robot_joints
-from rst_control.sensors import SensorWatch, greatest_speed
+from bench.kinova.rig import kinova_motion
+from rst_control.kinematics.configuration import planning_joints, robot_joints
+from rst_control.supervision.plausibility import SensorWatch, greatest_speed
 from rst_control.types import Measurement
 
 CONFIG = kinova_motion()

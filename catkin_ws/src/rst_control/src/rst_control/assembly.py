@@ -6,14 +6,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rst_control.config import MotionConfig
-from rst_control.executor import Executor
-from rst_control.motion import MotionMaker
-from rst_control.mover import Mover
-from rst_control.presence import Presence
-from rst_control.robot_model import RobotModel
-from rst_control.sensors import SensorWatch, greatest_speed
-from rst_control.site import PresentSite, Site
-from rst_control.watchdogs import WatchdogLimits, Watchdogs
+from rst_control.execution.executor import Executor
+from rst_control.execution.motion import MotionMaker
+from rst_control.execution.setpoint import Mover
+from rst_control.kinematics.robot_model import RobotModel
+from rst_control.registration.site import PresentSite, Site
+from rst_control.supervision.plausibility import SensorWatch, greatest_speed
+from rst_control.supervision.presence import Presence
+from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
 
 
 def make_executor(

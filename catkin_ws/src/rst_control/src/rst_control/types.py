@@ -6,13 +6,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-if TYPE_CHECKING:
-    from rst_control.path import Path
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -117,135 +113,68 @@ LOOKS = tuple(command for command in Command if command.value.startswith("look "
 
 
 class Reason(Enum):
-    """Why a command is refused; the value is for logs, the words of `Rejected` are for people."""
+    """Why a command is refused, or a motion stopped or given up.
 
-    UNKNOWN_COMMAND = "unknown command"
-    WRONG_MODE = "wrong mode"
+    The value is the `reason_code` of the messages, for programs; sentences beside it are for people.
+    """
+
+    # a command is refused
+    UNKNOWN_COMMAND = "unknown_command"
+    WRONG_MODE = "wrong_mode"
     HALTED = "halted"
     BUSY = "busy"
-    NOT_AT_REST = "not at rest"
-    NOTHING_GRASPED = "nothing grasped"
-    ALREADY_GRASPED = "already grasped"
-    ALREADY_THERE = "already there"
-    NOT_INSERTED = "not inserted"
+    NOT_AT_REST = "not_at_rest"
+    BY_HAND_ONLY = "by_hand_only"
+    MAY_NOT_COMMAND = "may_not_command"
+    TOO_MANY_CALLS = "too_many_calls"
+    BAD_AMOUNT = "bad_amount"
+    QUEUE_FULL = "queue_full"
+    SITUATION_CHANGING = "situation_changing"
+    CHECK_FAILED = "check_failed"
+    WITHDRAWN = "withdrawn"
+    NOTHING_GRASPED = "nothing_grasped"
+    ALREADY_GRASPED = "already_grasped"
+    ALREADY_THERE = "already_there"
+    NOT_INSERTED = "not_inserted"
     UNREACHABLE = "unreachable"
-    JOINT_LIMIT = "joint limit"
-    RCM_TOLERANCE = "rcm tolerance"
+    NO_GRASP = "no_grasp"
+    JOINT_LIMIT = "joint_limit"
+    RCM_TOLERANCE = "rcm_tolerance"
     WORKSPACE = "workspace"
-    INSERTION_DEPTH = "insertion depth"
+    INSERTION_DEPTH = "insertion_depth"
     COLLISION = "collision"
-    SINGULAR = "near singular"
-    TENSION_LIMIT = "tension limit"
-    DISPLACEMENT_LIMIT = "displacement limit"
-    TILT_LIMIT = "tilt limit"
-    NOT_CONNECTED = "not connected"
-    FAULTED = "faulted"
-    STALE = "joint states stale"
-    NOT_RECORDED = "not recorded"
-    NOT_CONFIRMED = "not confirmed"
-
-
-class PhaseKind(Enum):
-    """Parts of a motion, as `ControllerState.phase` names them."""
-
-    REACH = "reach"
-    CLOSE = "close"
-    PULL = "pull"
-    STEP = "step"
-    OPEN = "open"
-    EASE = "ease"
-    APPROACH = "approach"
-    ALIGN = "align"
-    INSERT = "insert"
-    WITHDRAW = "withdraw"
-    LOOK = "look"
-
-
-@dataclass(frozen=True, eq=False)
-class Phase:
-    """One part of a motion: along a path, or the jaws while the tip stands still.
-
-    A phase with a path goes from wherever the robot is on it to `target`; a phase without moves the
-    jaws to `opening`. With a `tension` the target of s is a limit: the motion ends where the
-    tension is reached, or there.
-    """
-
-    kind: PhaseKind
-    path: Path | None = None  # None: the tip stands still
-    start: float = 0.0  # [m], s at the start; ignored where the robot already is on the path
-    target: float = 0.0  # [m], s at the end, or the furthest s when a tension is asked for
-    speed: float = 0.0  # [m/s] of s, not to be exceeded
-    acceleration: float = (
-        0.0  # [m/s^2] of s, not to be exceeded: what the joints can do on this path
-    )
-    braking: float = 0.0  # [m/s^2] of s, hardest that a stop may be; 0: as `acceleration`
-    opening: float | None = None  # [rad] of the jaws at the end; None: as it is
-    tension: float | None = None  # [N] to reach and hold; None: none asked for
-
-    @property
-    def least_time(self) -> float:
-        """Time that the way takes at the phase's speed [s]."""
-        return abs(self.target - self.start) / self.speed if self.speed > 0.0 else 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Grasp:
-    """What is remembered while tissue is held: the ways out and the pull so far."""
-
-    pull: Path  # from the grasp point along the pull direction, over all its allowed range
-    retreat: Path  # from the grasp point to clear of the tissue
-    s: float = 0.0  # [m] on `pull`: target if moving, else where it stands
-    tension: float | None = None  # [N] target; None: placed by distance
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """A verified command: its phases in order, and what to remember once they are done.
-
-    Without phases nothing moves but by the controller's own state: "hey robot", "stop",
-    "terminate".
-    """
-
-    command: Command
-    words: str  # what will be done, for people
-    phases: tuple[Phase, ...] = ()
-    grasp: Grasp | None = None  # to remember when this plan starts; None after "release"
-
-
-@dataclass(frozen=True, eq=False)
-class Accepted:
-    """The command may run."""
-
-    plan: Plan
-
-
-@dataclass(frozen=True)
-class Rejected:
-    """The command may not run."""
-
-    reason: Reason
-    words: str  # names the value and what was allowed
-
-
-@dataclass(frozen=True, eq=False)
-class Request:
-    """A command with its parameters."""
-
-    words: str  # as spoken
-    tension: float = 0.0  # [N] target of "tense", step of the pulls; 0: as configured
-    distance: float = 0.0  # [m] step of the pulls, or furthest pull of "tense"; 0: as configured
-
-
-@dataclass(frozen=True, eq=False)
-class Situation:
-    """All that decides whether a command may run."""
-
-    measurement: Measurement | None  # None: the robot never spoke
-    now: float  # [s], same clock as the measurement
-    setpoint: Vector | None = (
-        None  # (10,), [rad]; plans start there. None: from the measured joints
-    )
-    is_active: bool = False
-    is_moving: bool = False
-    halt_reason: str = ""  # empty: not halted
-    grasp: Grasp | None = None
+    SINGULAR = "near_singular"
+    TENSION_LIMIT = "tension_limit"
+    DISPLACEMENT_LIMIT = "displacement_limit"
+    TILT_LIMIT = "tilt_limit"
+    NOT_CONFIRMED = "not_confirmed"
+    NOT_THE_TROCAR = "not_the_trocar"
+    # a command is refused, or a motion braked and latched
+    NOT_CONNECTED = "not_connected"
+    FAULTED = "robot_fault"
+    STALE = "joint_states_stale"
+    NOT_RECORDED = "not_recorded"
+    NO_MASTER = "no_master"
+    NODE_LOST = "node_lost"
+    VOICE_SILENT = "voice_silent"
+    SENSOR_FAULT = "sensor_fault"
+    # a motion is braked and latched
+    STOP_TOPIC = "stop_topic"
+    STOP_COMMAND = "stop_command"
+    STOP_CANCEL = "stop_cancel"
+    SHUTDOWN = "shutdown"
+    SETPOINTS_STOPPED = "setpoints_stopped"
+    SETPOINT_REFUSED = "setpoint_refused"
+    TENSION_SENSOR = "tension_sensor"
+    JOINT_MESSAGES = "joint_messages"
+    OFF_SETPOINT = "off_setpoint"
+    OFF_TROCAR = "off_trocar"
+    OVER_TENSION = "over_tension"
+    SLIPPED = "slipped"
+    OVERTIME = "overtime"
+    LOOP_ERROR = "loop_error"
+    # a motion is given up; nothing is latched
+    NO_RESPONSE_TO_PULL = "no_response_to_pull"
+    CLOSED_ON_NOTHING = "closed_on_nothing"
+    CAUGHT_TISSUE = "caught_tissue"
+    TERMINATED = "terminated"

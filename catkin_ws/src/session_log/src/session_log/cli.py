@@ -13,10 +13,10 @@ from pathlib import Path
 
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed, SessionLogError
-from session_log.reader import SessionReader
-from session_log.replay_options import add_replay_options
-from session_log.report_options import add_options
-from session_log.survey import Survey, survey
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import Survey, survey
+from session_log.replay.command import add_replay_options
+from session_log.report.command import add_options
 from typed_config import ConfigError, load_config, load_yaml
 
 CONFIG = Path(__file__).resolve().parents[2] / "config" / "report.yaml"
@@ -45,7 +45,7 @@ def _info(arguments: argparse.Namespace) -> int:
 
 
 def _recover(arguments: argparse.Namespace) -> int:
-    from session_log.recover import recover
+    from session_log.mcap_file.recover import recover
 
     reader = SessionReader(arguments.session, tolerant=True)
     target = arguments.out or reader.path.with_name(reader.path.stem + "_recovered.mcap")
@@ -59,7 +59,7 @@ def _recover(arguments: argparse.Namespace) -> int:
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    from session_log.export import FORMATS, Format, export
+    from session_log.export.export import FORMATS, Format, export
 
     config = _config(arguments.config)
     topics = config.topics
@@ -80,7 +80,7 @@ def _export(arguments: argparse.Namespace) -> int:
 
 
 def _replay(arguments: argparse.Namespace) -> int:
-    from session_log.replay_command import run
+    from session_log.replay.command import run
 
     return run(arguments)
 

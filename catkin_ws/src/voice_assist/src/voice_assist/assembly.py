@@ -11,11 +11,11 @@ from voice_assist.audio.microphone import Microphone, Pause
 from voice_assist.audio.portaudio import PortAudio
 from voice_assist.audio.source import Clock, Report, Source
 from voice_assist.audio.wav_file import WavFile
-from voice_assist.circumstances import Witness, ignore
 from voice_assist.config import AudioConfig, SpotterConfig, VoiceConfig
 from voice_assist.errors import AudioError
-from voice_assist.pipeline import Pipeline
-from voice_assist.spotter.second_way import SecondWay
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.side_inputs import Witness, ignore
+from voice_assist.spotter.fusion import SecondWay
 from voice_assist.vad.detector import make_detector
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def make_recognizer(config: VoiceConfig) -> Recognizer:
         ModelError: The model is missing or damaged.
         ProfileError: The profile is missing, damaged, not active, or of another model.
     """
-    from voice_assist.enrolment.in_force import personalise
+    from voice_assist.profile.active import personalise
     from voice_assist.recognizer import load_recognizer
 
     limit_torch(config)
@@ -92,7 +92,7 @@ def make_pipeline(
         ModelError: A network is missing or damaged.
         ProfileError: The profile in force cannot be used.
     """
-    from voice_assist.enrolment.in_force import with_profile
+    from voice_assist.profile.active import with_profile
 
     recognizer = recognizer or make_recognizer(config)
     config, own = with_profile(config)

@@ -19,13 +19,13 @@ from typing import Protocol
 
 import numpy as np
 
-from rst_control.backends.servo import Servo, ServoLimits, ServoState, warm_up
-from rst_control.configuration import planning_joints, robot_joints
+from rst_control.kinematics.configuration import planning_joints, robot_joints
+from rst_control.kinematics.joint_limits import layer_in_force
 from rst_control.kinova.config import ARM_COUNT, KinovaConfig
 from rst_control.kinova.feedback import JointFeedback
-from rst_control.kinova.follower import Follower
 from rst_control.kinova.tool import Grip, Tool
-from rst_control.limits import layer_in_force
+from rst_control.kinova.velocity_follower import Follower
+from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, warm_up
 from rst_control.types import JOINTS, Measurement, Setpoint, Vector
 
 STARTING = "the arm's driver never told its joints: is it running?"

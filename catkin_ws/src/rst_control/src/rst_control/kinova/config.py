@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rst_control.config import CONFIG_FOLDER, LimitsConfig
-from rst_control.simulator_config import ServoConfig
+from rst_control.config.simulator import ServoConfig
 from typed_config import choice, flag, load_config, load_yaml, number, require, text
 
 Seven = tuple[float, float, float, float, float, float, float]

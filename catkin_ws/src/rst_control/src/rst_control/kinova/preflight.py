@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 
 from rst_control.config import CONFIG_FOLDER, LimitsConfig, RcmConfig, SceneConfig
-from rst_control.configuration import Configuration
 from rst_control.errors import RstError
-from rst_control.rcm import rcm_state
-from rst_control.robot_model import load_robot
+from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.rcm import rcm_state
+from rst_control.kinematics.robot_model import load_robot
 from typed_config import ConfigError, load_config, load_yaml
 
 REACH = 1.6  # [m] from base_link, beyond which no trocar is

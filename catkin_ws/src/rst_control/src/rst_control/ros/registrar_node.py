@@ -20,8 +20,8 @@ from typing import Final, cast
 import rosgraph
 import rospy
 
-from rst_control.registrations import Registrations, missing_parameters, pairs_of
-from rst_control.ros.rpc import FAILURES, ask, master, value_of
+from rst_control.host.master_registrations import Registrations, missing_parameters, pairs_of
+from rst_control.ros.common.xmlrpc import FAILURES, ask, master, value_of
 
 log = logging.getLogger("rosout.rst_control.registrar")
 

@@ -14,11 +14,11 @@ from geometry_msgs.msg import PointStamped, WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, String
 
+from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.errors import RstError
-from rst_control.ros.network import warn_of_listeners
-from rst_control.sent_times import SentTimes
-from rst_control.torque_tension import TensionEstimate, TorqueTension
-from rst_control.torque_tension_config import TorqueTensionConfig
+from rst_control.ros.common.exposure_warning import warn_of_listeners
+from rst_control.tension.clock_offset import SentTimes
+from rst_control.tension.torque_estimator import TensionEstimate, TorqueTension
 from rst_control.types import JOINTS, Measurement, Vector
 from typed_config import ConfigError, load_config
 

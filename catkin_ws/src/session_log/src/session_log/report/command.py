@@ -9,10 +9,10 @@ from pathlib import Path
 
 from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
-from session_log.reader import SessionReader
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.session_folder import FILE_NAME
 from session_log.report.many_sessions import FolderReport, folder
 from session_log.report.one_session import Report, write_report
-from session_log.session_folder import FILE_NAME
 
 
 class OutputUnclear(SessionLogError):
@@ -70,3 +70,25 @@ def _many(named: list[Path], arguments: argparse.Namespace, config: ReportConfig
         print(f"not read: {unread.path}: {unread.reason}", file=sys.stderr)
     print(f"{report.sessions} sessions read, {len(report.unread)} not readable")
     return report
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add what the subcommand takes beside its settings file."""
+    parser.add_argument(
+        "sessions",
+        type=Path,
+        nargs="+",
+        metavar="SESSION|FOLDER",
+        help="an MCAP file, the folder of a session, or a folder with sessions below it",
+    )
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder; default: what was named")
+    parser.add_argument("--latex", action="store_true", help="also the tables, with booktabs")
+    parser.add_argument(
+        "--no-pages", action="store_true", help="of a folder: no page for each session of it"
+    )
+    parser.add_argument(
+        "--jobs", type=int, default=1, metavar="N", help="of a folder: processes (needs dask)"
+    )
+    parser.add_argument(
+        "--cluster", default="", metavar="ADDRESS", help="of a folder: dask scheduler, host:port"
+    )

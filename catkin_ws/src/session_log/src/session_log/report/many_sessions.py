@@ -11,15 +11,15 @@ from pathlib import Path
 
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed, SessionLogError, SessionMissing
+from session_log.mcap_file.session_folder import FILE_NAME
 from session_log.report.drawing import draw
 from session_log.report.figures import POOL_FIGURES
 from session_log.report.folder_page import folder_page
 from session_log.report.latex import write_latex
 from session_log.report.one_session import PAGE_NAME, Report, reduce_session
+from session_log.report.parallel import spread
 from session_log.report.pool import Pool, Unread
-from session_log.report.spread import spread
 from session_log.report.summary import SessionSummary
-from session_log.session_folder import FILE_NAME
 
 PAGES_FOLDER = "sessions"  # below the output, where that is not beside the recordings
 RECOVERED = "_recovered"

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
-from session_log.analysis import command_rows
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed
-from session_log.extract import extract
-from session_log.reader import SessionReader
+from session_log.mcap_file.reader import SessionReader
 from session_log.report import cache, page, pool_tables, tables
+from session_log.report.analysis import command_rows
 from session_log.report.drawing import draw
+from session_log.report.extract import extract
 from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, Material, ReportFigure
 from session_log.report.latex import write_latex
 from session_log.report.pool import Pool

@@ -10,7 +10,7 @@ import numpy as np
 
 from session_log.config import ReportConfig
 from session_log.report.kinematics import ModelUnfit, poses
-from session_log.session_data import SessionData, Span, Track
+from session_log.report.session_data import SessionData, Span, Track
 
 MOVING = ("moving", "stopping")
 NO_TRACK: Track = np.empty(0)

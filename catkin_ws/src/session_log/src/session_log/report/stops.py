@@ -7,8 +7,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from session_log.report.session_data import Event, Span
 from session_log.report.text_table import NONE, TextTable, seconds
-from session_log.session_data import Event, Span
 
 KINDS = ("stop_received", "at_rest", "halted")  # of the diary, that tell of a stop
 LATCHED = ("halted", "faulted")  # states of the controller

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from session_log.analysis import CommandRow, loop_timing
 from session_log.config import ReportConfig
-from session_log.report.margins import joint_margins
+from session_log.report.analysis import CommandRow, loop_timing
+from session_log.report.joint_margins import joint_margins
+from session_log.report.session_data import SessionData, Track
 from session_log.report.shaft import JointRcm
 from session_log.report.trials import Trial, trials
-from session_log.session_data import SessionData, Track
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import math
 
-from session_log.analysis import CommandRow
+from session_log.report.analysis import CommandRow
 from session_log.report.figures import Material
+from session_log.report.session_data import Heard
 from session_log.report.text_table import NONE, TextTable, seconds, size_words
-from session_log.session_data import Heard
 
 LEVELS = {0: "ok", 1: "warning", 2: "error", 3: "stale"}
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from session_log.config import ReportConfig
-from session_log.session_data import Heard, Intended, SessionData
+from session_log.report.session_data import Heard, Intended, SessionData
 
 NO_COMMAND = "no command"  # meant: words that are none
 NOT_SAID = "not said"  # nothing was meant to be said, or what was said is accounted for

@@ -9,7 +9,7 @@ import diagnostic_updater
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from session_log.config import RecorderConfig
-from session_log.recorder import Recorder, RecorderStatus
+from session_log.recording.recorder import Recorder, RecorderStatus
 
 
 class RecorderDiagnostics:

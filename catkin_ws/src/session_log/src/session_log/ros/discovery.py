@@ -11,7 +11,7 @@ from functools import partial
 import rosgraph
 import rospy
 
-from session_log.recorder import Recorder, Tally
+from session_log.recording.recorder import Recorder, Tally
 from session_log.types import Source
 
 RECEIVE_BUFFER = 1 << 20  # [B] taken from a socket at once

@@ -16,7 +16,7 @@ import rosgraph
 import rospy
 
 from session_log.errors import SessionLogError
-from session_log.reader import SessionReader
+from session_log.mcap_file.reader import SessionReader
 from session_log.types import Message, Source
 
 URDF_TOPIC = "/robot_description"

@@ -15,12 +15,12 @@ import rosgraph
 import rospy
 from std_msgs.msg import String, Time
 
-from session_log import metadata
 from session_log.config import RecorderConfig
-from session_log.recorder import Recorder
+from session_log.mcap_file.session_folder import open_session
+from session_log.recording import metadata
+from session_log.recording.recorder import Recorder
 from session_log.ros.diagnostics import RecorderDiagnostics
 from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
-from session_log.session_folder import open_session
 from session_log.types import Source
 from typed_config import ConfigError, load_config
 

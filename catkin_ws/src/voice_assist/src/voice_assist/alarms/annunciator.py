@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from voice_assist.alarms.board import Standing
-from voice_assist.alarms.config import SoundConfig
 from voice_assist.alarms.earcons import PATTERNS
 from voice_assist.alarms.types import Alarm, Kind, Priority
+from voice_assist.config.alarms import SoundConfig
 
 GAP = 0.25  # [s] of silence between two sounds
 TOO_LATE = 1.5  # [s] after which a notice or a refusal that had to wait is no longer news

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from voice_assist.alarms.config import BoardConfig
 from voice_assist.alarms.presenter import (
     HEY_ROBOT,
     event_alarm,
@@ -18,6 +17,7 @@ from voice_assist.alarms.presenter import (
     unheard_alarm,
 )
 from voice_assist.alarms.types import Alarm, DiaryEvent, Kind, PartHealth, RobotState, Utterance
+from voice_assist.config.alarms import BoardConfig
 
 _LATCH, _GIVE_UP, _REFUSAL, _NOTICE = "latch", "give-up", "refusal", "notice"
 _PART_OF = {  # name of a status in diagnostics, without the node's name space, to the part

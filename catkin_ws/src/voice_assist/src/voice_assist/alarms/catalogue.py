@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from voice_assist.alarms.appearance import LOOKS, headline
 from voice_assist.alarms.causes import GIVE_UPS, LATCHES, PARTS, REFUSALS, UNHEARD, Cause
 from voice_assist.alarms.earcons import PATTERNS
-from voice_assist.alarms.look import LOOKS, headline
 from voice_assist.alarms.types import Earcon, Kind, Priority, Told
 
 

@@ -3,7 +3,7 @@
 
 Causes arrive as the words that the controller, the recogniser or a health report chose for people.
 A pattern finds the entry; the first that fits counts. `UNKNOWN` is for words that nobody foresaw:
-tests/unit/voice_assist/test_alarm_causes.py shows that none of the controller's is among them.
+test_alarm_causes.py shows that none of the controller's is among them.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from datetime import datetime
 from rich.console import Group
 from rich.text import Text
 
-from voice_assist.alarms.look import LOOKS, headline, is_lit, line
+from voice_assist.alarms.appearance import LOOKS, headline, is_lit, line
 from voice_assist.alarms.types import Told
 
 _ROWS = 10  # alarms of the past shown at once

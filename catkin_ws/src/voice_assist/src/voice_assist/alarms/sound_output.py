@@ -14,9 +14,9 @@ from typing import Final
 import numpy as np
 import soundfile
 
-from voice_assist.alarms.config import SoundConfig
 from voice_assist.alarms.earcons import PATTERNS, samples_of
 from voice_assist.alarms.types import Earcon
+from voice_assist.config.alarms import SoundConfig
 from voice_assist.errors import AudioError
 from voice_assist.types import RATE
 

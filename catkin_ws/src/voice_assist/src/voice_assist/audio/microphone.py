@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voice_assist.audio.portaudio import Backend, Device, Stream, choose
-from voice_assist.audio.rate import Resampler
+from voice_assist.audio.resample import Resampler
 from voice_assist.audio.source import Clock, Framer, Report
 from voice_assist.config import MicrophoneConfig
 from voice_assist.errors import DeviceError

@@ -11,7 +11,7 @@ import numpy as np
 import soundfile
 import soxr
 
-from voice_assist.audio.rate import Resampler, to_mono
+from voice_assist.audio.resample import Resampler, to_mono
 from voice_assist.audio.source import FRAME, Clock, Framer
 from voice_assist.errors import AudioError
 from voice_assist.types import RATE, Frame, Samples

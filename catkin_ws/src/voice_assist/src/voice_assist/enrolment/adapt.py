@@ -19,13 +19,13 @@ from numpy.random import Generator
 from torch import Tensor
 from torch.nn import functional
 
-from voice_assist.enrolment.config import AdaptConfig
+from voice_assist.config.enrolment import AdaptConfig
 from voice_assist.enrolment.examples import Example
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import encode
-from voice_assist.training.batches import IGNORED, teacher_tensors
-from voice_assist.training.objective import CTC_SHARE, SMOOTHING, ctc_loss
+from voice_assist.training.data.batches import IGNORED, teacher_tensors
+from voice_assist.training.fit.objective import CTC_SHARE, SMOOTHING, ctc_loss
 
 _CLIPPED = 1.0  # norm of a step's gradient
 _LENGTHS_OF_OTHERS = 0.2  # of the steps, so that talk, longer than any command, is not forgotten

@@ -10,21 +10,22 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from voice_assist.config import VoiceConfig
-from voice_assist.enrolment import model_file, report, settings
+from voice_assist.config.enrolment import EnrolmentConfig
+from voice_assist.config.profile import NOBODY
+from voice_assist.config.speaker import OFF
+from voice_assist.enrolment import report
 from voice_assist.enrolment.checks import TakeCheck
-from voice_assist.enrolment.config import EnrolmentConfig
-from voice_assist.enrolment.in_force import with_spellings
 from voice_assist.enrolment.learn import Learned, Material, learn, material_of, others_for
-from voice_assist.enrolment.manifest import ACTIVE, NOBODY, RECORDING, REFUSED
-from voice_assist.enrolment.profile import Profile, ProfileError
-from voice_assist.enrolment.recognizer import PersonalRecognizer
 from voice_assist.enrolment.selfcheck import SelfCheck, Verdict, wrong_words
-from voice_assist.enrolment.spellings import put_spellings
+from voice_assist.enrolment.voiceprint import put_voiceprint
 from voice_assist.errors import VoiceError
+from voice_assist.profile import model_file, thresholds
+from voice_assist.profile.active import PersonalRecognizer, with_spellings
+from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED
+from voice_assist.profile.profile import Profile, ProfileError
+from voice_assist.profile.spellings import put_spellings
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.recognizer.recognizer import Recognizer
-from voice_assist.speaker.config import OFF
-from voice_assist.speaker.enrol import put_voiceprint
 from voice_assist.speaker.voiceprint import FILE as VOICEPRINT
 
 FEWEST = 3  # takes of each command
@@ -115,7 +116,7 @@ def _write(
     else:
         data = model_file.to_bytes(learned.state, profile.manifest.base_sha256)
         profile.put(model_file.NAME, data)
-    profile.put(settings.NAME, settings.to_bytes(verdict.settings))
+    profile.put(thresholds.NAME, thresholds.to_bytes(verdict.settings))
     told_of = profile.manifest, verdict, problems, effort
     profile.put(report.JSON, report.as_json(*told_of))
     profile.put(report.MARKDOWN, report.as_markdown(*told_of))

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from voice_assist.enrolment.config import CheckConfig
-from voice_assist.enrolment.loudness import BLOCK, level_and_snr, speech_of, spoken_blocks
-from voice_assist.enrolment.manifest import ROOM, TALK
-from voice_assist.mapper import Mapper
+from voice_assist.config.enrolment import CheckConfig
+from voice_assist.intent.mapper import Mapper
+from voice_assist.profile.loudness import BLOCK, level_and_snr, speech_of, spoken_blocks
+from voice_assist.profile.manifest import ROOM, TALK
 from voice_assist.types import RATE, Match, Samples
 
 if TYPE_CHECKING:

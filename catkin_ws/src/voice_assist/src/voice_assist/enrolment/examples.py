@@ -12,14 +12,14 @@ import numpy as np
 import torch
 from numpy.random import Generator
 
-from voice_assist.enrolment.loudness import speech_of
+from voice_assist.profile.loudness import speech_of
 from voice_assist.recognizer.ctc import best_alignment
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import encode
-from voice_assist.training import texts, voices
-from voice_assist.training.noise import coloured
-from voice_assist.training.voices import Engine, Prompt, espeak_variants, speak
+from voice_assist.training.data import texts, voices
+from voice_assist.training.data.noise import coloured
+from voice_assist.training.data.voices import Engine, Prompt, espeak_variants, speak
 from voice_assist.types import RATE, Samples
 
 GRID = 5120  # samples of which lengths are multiples, so that many examples share one

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voice_assist.enrolment.checks import Checked
-from voice_assist.enrolment.manifest import COMMAND, TALK
-from voice_assist.enrolment.session import Session, Step
+from voice_assist.enrolment.script import Session, Step
 from voice_assist.errors import ManifestError, VoiceError
-from voice_assist.normalize import normalize
+from voice_assist.profile.manifest import COMMAND, TALK
+from voice_assist.text.normalize import normalize
 from voice_assist.types import RATE, Samples, frozen_samples
 
 COLUMNS = ("number", "time", "seconds", "heard", "command", "said")

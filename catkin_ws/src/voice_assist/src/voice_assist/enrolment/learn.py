@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from torch import Tensor
 
+from voice_assist.config.enrolment import AdaptConfig
 from voice_assist.enrolment.adapt import adapt
-from voice_assist.enrolment.config import AdaptConfig
 from voice_assist.enrolment.examples import (
     Example,
     broken_off,
@@ -19,8 +19,8 @@ from voice_assist.enrolment.examples import (
     take_example,
     varied,
 )
-from voice_assist.enrolment.manifest import COMMAND, TALK
-from voice_assist.enrolment.profile import Profile
+from voice_assist.profile.manifest import COMMAND, TALK
+from voice_assist.profile.profile import Profile
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.recognizer.recognizer import LONGEST
 from voice_assist.types import RATE, Samples

@@ -6,8 +6,8 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 
-from voice_assist.enrolment.manifest import Manifest
 from voice_assist.enrolment.selfcheck import Trial, Verdict
+from voice_assist.profile.manifest import Manifest
 
 JSON, MARKDOWN = "report.json", "report.md"  # in a profile
 

@@ -7,16 +7,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from voice_assist.config import VoiceConfig
+from voice_assist.config.enrolment import EnrolmentConfig
 from voice_assist.enrolment.checks import Checked
-from voice_assist.enrolment.config import EnrolmentConfig
-from voice_assist.enrolment.ear import Ear, Heard
 from voice_assist.enrolment.examples import Example, other_voices
 from voice_assist.enrolment.learn import Material, Spoken, learn
-from voice_assist.enrolment.manifest import COMMAND
-from voice_assist.enrolment.recognizer import PersonalRecognizer
-from voice_assist.enrolment.settings import Settings, overlay
+from voice_assist.enrolment.pipeline_probe import Ear, Heard
 from voice_assist.enrolment.thresholds import Evidence, Expected, choose, expect
-from voice_assist.evaluation import Claim
+from voice_assist.evaluation.evaluator import Claim
+from voice_assist.profile.active import PersonalRecognizer
+from voice_assist.profile.manifest import COMMAND
+from voice_assist.profile.thresholds import Settings, overlay
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.types import Samples
 

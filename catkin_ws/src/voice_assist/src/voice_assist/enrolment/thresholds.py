@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from scipy.stats import beta, chi2
 
-from voice_assist.commands_config import NEVER_SURE, CommandConfig
-from voice_assist.enrolment.settings import Setting
+from voice_assist.config.commands import NEVER_SURE, CommandConfig
+from voice_assist.profile.thresholds import Setting
 
 SURE = 0.95  # of each bound
 _LOWEST_HALT = 0.5  # [0, 1] a halt is never taken from less

@@ -12,8 +12,8 @@ from torch import Tensor
 from whisper.model import ModelDimensions
 
 from voice_assist.errors import ModelError
-from voice_assist.plain_weights import check_weights, read_weights
 from voice_assist.recognizer.recognizer import LONGEST
+from voice_assist.recognizer.safe_weights import check_weights, read_weights
 from voice_assist.recognizer.vocabulary import BLANK
 from voice_assist.recognizer.whisper_shapes import read_dims, whisper_shapes
 

@@ -12,11 +12,11 @@ import rospy
 from typed_config import ConfigError
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
-from voice_assist.enrolment.config import load_enrolment_config
-from voice_assist.enrolment.desk import EnrolmentDesk, Told
-from voice_assist.enrolment.profile import profiles_folder
+from voice_assist.config.enrolment import load_enrolment_config
+from voice_assist.enrolment.remote_session import EnrolmentDesk, Told
 from voice_assist.errors import VoiceError
 from voice_assist.msg import Mode
+from voice_assist.profile.profile import profiles_folder
 from voice_assist.recognizer import load_recognizer
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.srv import Enroll, EnrollRequest, EnrollResponse

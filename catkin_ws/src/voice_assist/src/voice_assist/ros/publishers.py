@@ -8,11 +8,11 @@ import time
 import rospy
 from std_msgs.msg import Empty, String, Time
 
-from voice_assist.circumstances import Circumstance, to_text
 from voice_assist.msg import AudioChunk
 from voice_assist.msg import Mode as ModeMessage
 from voice_assist.msg import Utterance as UtteranceMessage
 from voice_assist.ros import messages
+from voice_assist.side_inputs import Circumstance, to_text
 from voice_assist.types import Decision, Frame, Mode, Partial
 
 # [s] after a stop without heartbeats; more than the controller's watchdogs.voice_heartbeat_age.

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from voice_assist.config import SpotterConfig
-from voice_assist.hang import HangWatch
+from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.spotter.spotter import Spotting
 
 

@@ -10,7 +10,7 @@ from types import TracebackType
 
 import rospy
 
-from voice_assist.audio.rate import Resampler
+from voice_assist.audio.resample import Resampler
 from voice_assist.audio.source import Framer, Report
 from voice_assist.config import TopicConfig
 from voice_assist.msg import AudioChunk

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from voice_assist.config.speaker import SpeakerConfig
 from voice_assist.errors import VoiceError
 from voice_assist.speaker.cohort import Cohort, read_cohort
-from voice_assist.speaker.config import SpeakerConfig
 from voice_assist.speaker.network import VoiceNetwork
 from voice_assist.speaker.speech import spoken
 from voice_assist.speaker.voiceprint import Embed, Voiceprint, VoiceprintError

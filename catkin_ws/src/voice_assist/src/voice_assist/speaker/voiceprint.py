@@ -9,9 +9,9 @@ from io import BytesIO
 
 import numpy as np
 
+from voice_assist.config.speaker import SpeakerConfig
 from voice_assist.errors import VoiceError
 from voice_assist.speaker.cohort import Cohort
-from voice_assist.speaker.config import SpeakerConfig
 from voice_assist.speaker.network import PIECE, WIDTH, Vector, unit
 from voice_assist.speaker.speech import piece_up, spoken
 from voice_assist.types import RATE, Samples

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor, nn
 
 from voice_assist.errors import ModelError
-from voice_assist.plain_weights import check_weights, read_weights
+from voice_assist.recognizer.safe_weights import check_weights, read_weights
 from voice_assist.spotter.features import WIDTH, Embeddings
 
 PATH = Path(__file__).resolve().parents[3] / "models" / "spotter.pt"

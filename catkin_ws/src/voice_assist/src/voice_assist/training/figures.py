@@ -10,13 +10,13 @@ from scipy.stats import beta
 
 from voice_assist.recognizer.checkpoint import find_checkpoint, read_checkpoint
 from voice_assist.recognizer.embedded import restore
-from voice_assist.training.corpus import Corpus
-from voice_assist.training.fit import REPOSITORY
-from voice_assist.training.human import load_sounds, load_speech, read_manifest
+from voice_assist.training.data.corpus import Corpus
+from voice_assist.training.data.human import load_sounds, load_speech, read_manifest
+from voice_assist.training.data.noise import Surroundings
+from voice_assist.training.data.synthesis import Clip, plan_held_out, synthesise
+from voice_assist.training.data.texts import COMMANDS
+from voice_assist.training.fit.fit import REPOSITORY
 from voice_assist.training.measure import Tally, in_noise, tally, transcripts
-from voice_assist.training.noise import Surroundings
-from voice_assist.training.synthesis import Clip, plan_held_out, synthesise
-from voice_assist.training.texts import COMMANDS
 
 
 def interval(right: int, n: int, level: float = 0.95) -> tuple[float, float]:

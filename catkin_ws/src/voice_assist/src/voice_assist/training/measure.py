@@ -13,10 +13,10 @@ from torch import Tensor
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import END, PROMPT, decode
-from voice_assist.training.noise import Surroundings, background
+from voice_assist.training.data.noise import Surroundings, background
+from voice_assist.training.data.synthesis import Clip
+from voice_assist.training.data.texts import COMMANDS
 from voice_assist.training.precision import cheap_numbers
-from voice_assist.training.synthesis import Clip
-from voice_assist.training.texts import COMMANDS
 from voice_assist.types import RATE, Samples
 
 LETTERS = 24  # decoded at most; longer texts cannot come out as a command

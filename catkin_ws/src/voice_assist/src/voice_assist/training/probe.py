@@ -22,12 +22,12 @@ from voice_assist.recognizer.checkpoint import find_checkpoint, read_checkpoint
 from voice_assist.recognizer.embedded import restore
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.mel import log_mel
-from voice_assist.training import voices
-from voice_assist.training.augment import Strength, add_background, colour, place
+from voice_assist.training.data import voices
+from voice_assist.training.data.augment import Strength, add_background, colour, place
+from voice_assist.training.data.noise import build_rooms
+from voice_assist.training.data.synthesis import Clip, synthesise
+from voice_assist.training.data.voices import Int16, Prompt
 from voice_assist.training.figures import held_out_corpus, parse
-from voice_assist.training.noise import build_rooms
-from voice_assist.training.synthesis import Clip, synthesise
-from voice_assist.training.voices import Int16, Prompt
 from voice_assist.types import RATE
 
 WORDS = ("yes", "no", "up", "down", "left", "right", "on", "off", "go", "stop")

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 from voice_assist.recognizer.hybrid import HybridWhisper
-from voice_assist.training.corpus import Corpus
+from voice_assist.training.data.corpus import Corpus
+from voice_assist.training.data.noise import Surroundings
+from voice_assist.training.data.synthesis import Clip
 from voice_assist.training.measure import Tally, in_noise, tally, transcripts
-from voice_assist.training.noise import Surroundings
-from voice_assist.training.synthesis import Clip
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from voice_assist.audio.source import level_db
 from voice_assist.config import VadConfig
-from voice_assist.types import Samples
+from voice_assist.types import Frame, Samples
 
 _STEEPNESS = 0.5  # [1/dB] of the probability around the margin
 _FALL = 0.3  # share of the way down to a quieter room that the floor goes per frame
@@ -86,3 +86,27 @@ def make_detector(config: VadConfig) -> Detector:
 
     silero = SileroDetector()
     return silero if config.detector == "silero" else Either(silero, energy)
+
+
+LOUD_DB = -6.0  # of full scale, RMS of a frame; speech that is not clipped stays below
+QUIET_DB = -26.0  # from which it is over
+LONG = 0.5  # [s] of loud frames that are too much for the detector
+REST = 0.2  # [s] of quiet ones, longer than the closure of a consonant
+
+
+class Deafened:
+    """Is shown one frame after the other."""
+
+    def __init__(self) -> None:
+        self._loud = 0.0  # [s]
+        self._quiet = 0.0  # [s]
+
+    def is_over(self, frame: Frame) -> bool:
+        """Whether deafening sound has just ended; told once."""
+        level = level_db(frame.samples)
+        self._loud += frame.duration if level >= LOUD_DB else 0.0
+        self._quiet = self._quiet + frame.duration if level <= QUIET_DB else 0.0
+        if self._quiet < REST:
+            return False
+        was_deafened, self._loud = self._loud >= LONG, 0.0
+        return was_deafened

@@ -9,13 +9,13 @@ from typing import Generic, TypeVar
 
 from matplotlib.figure import Figure
 
-from session_log.analysis import CommandRow
 from session_log.config import ReportConfig
+from session_log.report.analysis import CommandRow
 from session_log.report.pool import Pool
+from session_log.report.session_data import SessionData
 from session_log.report.shaft import JointRcm
 from session_log.report.style import Layout
 from session_log.report.trials import Trial
-from session_log.session_data import SessionData
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from session_log.report.figures.figure import Material, SessionFigure
-from session_log.report.margins import joint_limits, joint_margins
+from session_log.report.joint_margins import joint_limits, joint_margins
+from session_log.report.session_data import Track
 from session_log.report.style import BLUE, INK, PALE, QUIET, RED, Layout, new_figure
-from session_log.session_data import Track
 
 CLOSE = math.radians(5.0)  # a margin below this is drawn as a warning
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from session_log.analysis import loop_timing
+from session_log.report.analysis import loop_timing
 from session_log.report.figures.figure import Material, SessionFigure
 from session_log.report.style import BLUE, ORANGE, Layout, new_figure
 

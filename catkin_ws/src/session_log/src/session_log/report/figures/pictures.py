@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from session_log.report.figures.figure import Material, SessionFigure
+from session_log.report.session_data import Picture
 from session_log.report.style import Layout, new_figure
-from session_log.session_data import Picture
 
 
 class Pictures(SessionFigure):

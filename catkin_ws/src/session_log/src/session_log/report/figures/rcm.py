@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from session_log.analysis import rcm_while_moving, statistics
+from session_log.report.analysis import rcm_while_moving, statistics
 from session_log.report.figures.figure import Material, SessionFigure
+from session_log.report.session_data import Track
 from session_log.report.style import (
     BLUE,
     ORANGE,
@@ -20,7 +21,6 @@ from session_log.report.style import (
     time_axis,
 )
 from session_log.report.text_table import length
-from session_log.session_data import Track
 
 SMALL = 20.0  # an error this many times below the limit is drawn on a logarithmic scale
 LEAST = 1e-6  # [µm] where that scale begins at the latest

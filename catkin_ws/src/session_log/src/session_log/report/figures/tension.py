@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from session_log.analysis import tension_error, tension_statistics
+from session_log.report.analysis import tension_error, tension_statistics
 from session_log.report.figures.figure import Material, SessionFigure
+from session_log.report.session_data import Table
 from session_log.report.style import (
     BLUE,
     INK,
@@ -17,7 +18,6 @@ from session_log.report.style import (
     thin,
     time_axis,
 )
-from session_log.session_data import Table
 
 
 class Tension(SessionFigure):

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from session_log.report.figures.figure import Material, SessionFigure
+from session_log.report.session_data import Span
 from session_log.report.style import (
     GREEN,
     INK,
@@ -26,7 +27,6 @@ from session_log.report.style import (
     thin,
 )
 from session_log.report.trials import NOT_SAID, NOTHING, Trial
-from session_log.session_data import Span
 
 MOST_ROWS = 6
 LANES = 4

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One surgeon enrolled with so many repetitions, and what base and profile then hear."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from typing import Any
+
+from bench.enrolment.cast import Material as Recorded
+from bench.enrolment.cast import Said, Surgeon, material
+from bench.voice.resumable import digest, source
+from support.figures import ROOT
+from voice_assist.config import CONFIG_DIR, VoiceConfig, load_voice_config
+from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
+from voice_assist.enrolment import adapt, examples, learn
+from voice_assist.enrolment.checks import TakeCheck
+from voice_assist.enrolment.examples import Example
+from voice_assist.enrolment.pipeline_probe import Ear
+from voice_assist.profile.active import PersonalRecognizer
+from voice_assist.profile.manifest import COMMAND
+from voice_assist.recognizer import load_recognizer
+from voice_assist.recognizer.embedded import EmbeddedRecognizer
+
+FOLDER = ROOT / ".cache" / "enrolment" / "pieces"
+_OTHER = 6  # sentences and near misses of each surgeon; hearing them takes most of the time
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What was taken."""
+
+    n: int  # sounds
+    right: int  # the command that was said, and no other
+    another: int  # a command that was not said
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A surgeon after so many repetitions; 0: the base."""
+
+    surgeon: str
+    repetitions: int
+    tested: Counts  # commands that were not enrolled
+    talk: Counts  # talk that was not enrolled
+    near: Counts  # near misses
+    stranger: Counts  # another's first commands, with this profile; of the base its own first ones
+    refused: int = 0  # takes that the check asked for again
+    seconds: float = 0.0  # [s] of CPU time to learn
+    memory: float = 0.0  # [MB] largest resident set
+
+    @staticmethod
+    def from_json(data: dict[str, Any]) -> Piece:
+        """What was written of it."""
+        counts = {k: Counts(**data[k]) for k in ("tested", "talk", "near", "stranger")}
+        return Piece(**{**data, **counts})
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """What every piece needs, loaded once."""
+
+    voice: VoiceConfig
+    config: EnrolmentConfig
+    base: EmbeddedRecognizer
+    others: list[Example]
+    check: TakeCheck
+
+
+@cache
+def bench() -> Bench:
+    """The shipped model and settings."""
+    voice, config = load_voice_config(), load_enrolment_config()
+    base = load_recognizer()
+    if not isinstance(base, EmbeddedRecognizer):
+        raise TypeError(f"{type(base).__name__}, allowed: the embedded recogniser")
+    phrases = voice.commands.phrases
+    others = learn.others_for(phrases, config.adapt)
+    return Bench(voice, config, base, others, TakeCheck(config.checks, voice.commands, base))
+
+
+def piece(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> Piece:
+    """Measure a surgeon, or find it measured."""
+    path = FOLDER / key() / f"{str(surgeon).replace(':', '_')}-{repetitions}.json"
+    if not path.is_file():
+        found = _measure(surgeon, stranger, repetitions)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished = path.with_suffix(f".{os.getpid()}.tmp")
+        unfinished.write_text(json.dumps(asdict(found), indent=1), encoding="utf-8")
+        unfinished.rename(path)
+    return Piece.from_json(json.loads(path.read_text(encoding="utf-8")))
+
+
+def is_done(surgeon: Surgeon, repetitions: int) -> bool:
+    """Whether a piece is there."""
+    return (FOLDER / key() / f"{str(surgeon).replace(':', '_')}-{repetitions}.json").is_file()
+
+
+@cache
+def key() -> str:
+    """Of model, settings of learning, and code that learns; what hears may change in between."""
+    sha = load_recognizer().model_hash
+    settings = (CONFIG_DIR / "enrolment.yaml").read_text(encoding="utf-8")
+    wanted = load_enrolment_config().adapt
+    return digest(sha, wanted, len(settings) and source(adapt, examples, learn))
+
+
+def enrolled(said: Sequence[Said], repetitions: int, is_fit: Callable[[Said], bool]) -> list[Said]:
+    """The first takes of each command that pass the check; the others are said again."""
+    kept: list[Said] = []
+    for one in said:
+        count = sum(take.text == one.text for take in kept)
+        if count < repetitions and is_fit(one):
+            kept.append(one)
+    return kept
+
+
+def spoken(takes: Sequence[Said], talk: Sequence[Said]) -> learn.Material:
+    """As a profile would hold them."""
+    return learn.Material(
+        tuple(learn.Spoken(f"{i}", take.text, take.samples) for i, take in enumerate(takes)),
+        tuple(learn.Spoken(f"talk {i}", "", take.samples) for i, take in enumerate(talk)),
+    )
+
+
+def count(ear: Ear, said: Sequence[Said], phrases: Sequence[str]) -> Counts:
+    """Hear all of it."""
+    taken = [(set(ear(one.samples).taken), one.text) for one in said]
+    right = sum(found == {text} for found, text in taken)
+    another = sum(bool(found - ({text} & set(phrases))) for found, text in taken)
+    return Counts(len(said), right, another)
+
+
+def _measure(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> Piece:
+    shared = bench()
+    recorded, phrases = material(surgeon), shared.voice.commands.phrases
+    if repetitions == 0:
+        return _heard(Ear(shared.voice, shared.base), surgeon, recorded, (), phrases)
+
+    def is_fit(said: Said) -> bool:
+        checked = shared.check(COMMAND, said.text, said.samples)
+        return checked.is_good or checked.is_unlike  # the second time it is taken as it is
+
+    takes = enrolled(recorded.enrolled, repetitions, is_fit)
+    refused = sum(not is_fit(said) for said in recorded.enrolled)
+    learned = learn.learn(
+        shared.base, spoken(takes, recorded.talk), shared.others, shared.config.adapt
+    )
+    ear = Ear(shared.voice, PersonalRecognizer(shared.base, learned.state))
+    found = _heard(ear, surgeon, recorded, material(stranger).tested, phrases)
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    return replace(
+        found, repetitions=repetitions, refused=refused, seconds=learned.seconds, memory=memory
+    )
+
+
+def _heard(
+    ear: Ear, surgeon: Surgeon, recorded: Recorded, stranger: Sequence[Said], phrases: Sequence[str]
+) -> Piece:
+    half, one_each = len(recorded.other) // 2, len(phrases)  # talk first, then near misses
+    first = count(ear, recorded.tested[:one_each], phrases)
+    return Piece(
+        surgeon=str(surgeon),
+        repetitions=0,
+        tested=_sum(first, count(ear, recorded.tested[one_each:], phrases)),
+        talk=count(ear, recorded.other[:half][:_OTHER], phrases),
+        near=count(ear, recorded.other[half:][:_OTHER], phrases),
+        stranger=count(ear, stranger[:one_each], phrases) if stranger else first,
+    )
+
+
+def _sum(one: Counts, other: Counts) -> Counts:
+    return Counts(one.n + other.n, one.right + other.right, one.another + other.another)

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Enrolment of stand-in surgeons: errors before and after, loss on others, time and memory.
+
+All go through the pipeline of the node in quiet to moderate noise, armed. What is measured is kept
+under .cache/enrolment/, so it goes on where it was interrupted. In the environment: SHARE the part
+of the surgeons to take, MINUTES after which no more are begun, REPETITIONS a list such as "3,5,10".
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from itertools import product
+
+import torch
+
+from bench.enrolment import people
+from bench.enrolment.cast import Surgeon, surgeons
+from bench.enrolment.pieces import Counts, Piece, is_done, piece
+from bench.voice.resumable import MINUTES, share_of
+from support.exact_bounds import at_most
+from support.figures import RESULTS, Figure
+
+REPETITIONS = tuple(int(n) for n in os.environ.get("REPETITIONS", "3,5,10").split(","))
+FEWEST = 20  # surgeons
+PARTS: dict[str, Callable[[], list[Figure]]] = {}
+
+
+def measure() -> list[Figure]:
+    """Measure all that is asked for, and give the figures of all that there is."""
+    torch.set_num_threads(1)
+    began, cast = time.monotonic(), share_of(surgeons())
+    first, *more = REPETITIONS
+    order = [*product(range(len(cast)), (0, first))]  # surgeon by surgeon: a part is worth most
+    order += [(index, repetitions) for repetitions, index in product(more, range(len(cast)))]
+    for index, repetitions in order:
+        surgeon, stranger = cast[index], cast[(index + 1) % len(cast)]
+        is_over = time.monotonic() - began > 60.0 * MINUTES
+        if is_over and not is_done(surgeon, repetitions):
+            continue
+        found = piece(surgeon, stranger, repetitions)
+        print(f"{repetitions:2} {surgeon}: {found.tested.right} of {found.tested.n}", flush=True)
+    figures = _all(cast)
+    return figures + people.measure(began)
+
+
+def _all(cast: Sequence[Surgeon]) -> list[Figure]:
+    """Figures of those surgeons of whom base and so many repetitions are there."""
+    figures, details = [], []
+    for repetitions in REPETITIONS:
+        done = [
+            s
+            for s, t in zip(cast, [*cast[1:], cast[0]], strict=True)
+            if _is_whole(s, t, repetitions)
+        ]
+        if not done:
+            continue
+        pairs = [(piece(s, s, 0), piece(s, s, repetitions)) for s in done]
+        theirs = [cast[(cast.index(s) + 1) % len(cast)] for s in done]
+        strangers = [piece(s, s, 0).stranger for s in theirs]
+        figures += _of(repetitions, pairs, strangers)
+        details += [asdict(after) for _, after in pairs]
+    details += [asdict(piece(s, s, 0)) for s in cast if is_done(s, 0)]
+    path = RESULTS / "enrolment_surgeons.json"
+    path.write_text(json.dumps(details, indent=1) + "\n", encoding="utf-8")
+    return figures
+
+
+def _is_whole(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> bool:
+    """Whether all is there that a comparison needs."""
+    return is_done(surgeon, 0) and is_done(surgeon, repetitions) and is_done(stranger, 0)
+
+
+def _of(
+    repetitions: int, pairs: Sequence[tuple[Piece, Piece]], strangers: Sequence[Counts]
+) -> list[Figure]:
+    """Figures after so many repetitions; `strangers` is what the base hears of their voices."""
+    of = f"{repetitions} repetitions"
+    worst = sorted(pairs, key=lambda pair: _error([pair[0].tested]), reverse=True)
+    worst = worst[: max(len(pairs) // 4, 1)]
+    before, after = (_error([p[i].tested for p in pairs]) for i in (0, 1))
+    worst_before, worst_after = (_error([p[i].tested for p in worst]) for i in (0, 1))
+    lost = _error([p[1].stranger for p in pairs]) - _error(strangers)
+    figures = [
+        Figure(f"{of}: surgeons", len(pairs), "", FEWEST, at_most=False),
+        _share(f"{of}: error of all, base", before, [p[0].tested for p in pairs]),
+        _share(f"{of}: error of all, profile", after, [p[1].tested for p in pairs]),
+        _share(f"{of}: worst quarter, base", worst_before, [p[0].tested for p in worst]),
+        _share(f"{of}: worst quarter, profile", worst_after, [p[1].tested for p in worst]),
+        Figure(
+            f"{of}: worst quarter, profile over base",
+            worst_after / max(worst_before, 1e-9),
+            "",
+            0.5,
+        ),
+        Figure(f"{of}: error on another's voice, profile less base", 100.0 * lost, "points", 1.0),
+    ]
+    for name, who in (("base", 0), ("profile", 1)):
+        tested = [p[who].tested for p in pairs]
+        talk, near = [p[who].talk for p in pairs], [p[who].near for p in pairs]
+        figures += [
+            _another(f"{of}: another command, {name}", tested),
+            _another(f"{of}: false commands in talk, {name}", talk),
+            _another(f"{of}: false commands in near misses, {name}", near),
+        ]
+    seconds = [after.seconds for _, after in pairs]
+    return [
+        *figures,
+        Figure(f"{of}: to learn, longest", max(seconds), "s of CPU", 300.0),
+        Figure(f"{of}: to learn, mean", sum(seconds) / len(seconds), "s of CPU"),
+        Figure(f"{of}: memory, largest", max(after.memory for _, after in pairs), "MB"),
+        Figure(f"{of}: takes refused", sum(after.refused for _, after in pairs), ""),
+    ]
+
+
+def _error(counts: Sequence[Counts]) -> float:
+    n = sum(c.n for c in counts)
+    return 1.0 - sum(c.right for c in counts) / max(n, 1)
+
+
+def _share(name: str, value: float, counts: Sequence[Counts]) -> Figure:
+    n = sum(c.n for c in counts)
+    wrong = n - sum(c.right for c in counts)
+    note = f"({wrong} of {n}, at most {at_most(wrong, n):.3f} with 95 %)"
+    return Figure(name, value, "of commands", note=note)
+
+
+def _another(name: str, counts: Sequence[Counts]) -> Figure:
+    n, wrong = sum(c.n for c in counts), sum(c.another for c in counts)
+    return Figure(name, wrong / max(n, 1), "of sounds", note=f"({wrong} of {n})")

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Controller, bridge and the drivers' strict simulation in one process and in lock-step.
+
+No ROS, no real time. Time goes on only by `tick`, one period of the control loop. What ROS itself
+takes from process to process, some tenths of a millisecond, is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+
+from bench.common.lockstep import START, Array, LockStep, do_nothing
+from bench.common.quiet import quiet
+from rst_control.admission.command_queue import CommandDesk
+from rst_control.assembly import make_executor
+from rst_control.config import CONFIG_FOLDER, MotionConfig, load_simulation_config
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.kinova.bridge import Bridge
+from rst_control.kinova.config import KinovaConfig, load_kinova_config
+from rst_control.kinova.feedback import FeedbackReader
+from rst_control.kinova.guard import StopGuard
+from rst_control.kinova.homing import home
+from rst_control.kinova.stand_in import KinovaRobot, StandInConfig, as_driven, load_stand_in_config
+from rst_control.kinova.tool import ToolState
+from rst_control.registration.site import PresentSite, Site
+from rst_control.simulation.pybullet_robot import PybulletRobot
+from typed_config import load_config, load_yaml, overlaid
+
+Loss = Literal["controller", "bridge", "feedback"]
+STEP = 0.001  # [s] of the physics
+FILES = ("limits", "rcm", "scene", "controller", "collision")
+
+
+def kinova_motion(scale: float = 1.0) -> MotionConfig:
+    """Settings of the controller as launch/kinova.launch has them, at a scale of all speeds."""
+    files: dict[str, Any] = {name: load_yaml(CONFIG_FOLDER / f"{name}.yaml") for name in FILES}
+    files["limits"] = load_yaml(CONFIG_FOLDER / "kinova_limits.yaml")
+    merged = overlaid(files, load_yaml(CONFIG_FOLDER / "kinova_controller.yaml"))
+    changes = {"controller": {"speed": {"scale": scale}}}
+    return load_config(MotionConfig, overlaid(merged, changes), "kinova settings")
+
+
+def _quick_to_home(config: StandInConfig) -> StandInConfig:
+    """The same drivers with a tool that homes in seconds: that is not what is measured."""
+    return replace(config, tool=replace(config.tool, homing_speed=1.4, homing_dwell=0.05))
+
+
+class KinovaRig(LockStep):
+    """The whole way from a command to the joints; a context manager.
+
+    Args:
+        motion: Settings of the controller.
+        bridge: Settings of the bridge; its limits are those of `motion`.
+    """
+
+    def __init__(self, motion: MotionConfig, bridge: KinovaConfig | None = None) -> None:
+        self.config, self.period = motion, 1.0 / motion.controller.rate
+        stand_in, simulation = _quick_to_home(load_stand_in_config()), load_simulation_config()
+        self._limits = simulation.limits  # the driver's own layers
+        settings = replace(
+            simulation,
+            scene=motion.scene,
+            simulator=as_driven(simulation.simulator, stand_in.tool),
+        )
+        with quiet():
+            self.robot = PybulletRobot(settings, start=START)
+        self.drivers = KinovaRobot(stand_in, self._limits, self.robot)
+        kinova = replace(bridge or load_kinova_config(), limits=motion.limits)
+        self.bridge = Bridge(kinova, self)
+        arm, tool = kinova.bridge.arm, kinova.bridge.tool
+        self._read_arm = FeedbackReader(arm.joints, (1.0,) * 7, turns=True)
+        self._read_tool = FeedbackReader(tool.joints, tool.signs, turns=False)
+        self.arm_names, self._tool_names = arm.joints, tool.joints
+        self._steps, self._is_sending = 0, False
+        self._guard = StopGuard(kinova.bridge.guard)
+        self.lost: Loss | None = None  # what fails from now on
+        site = PresentSite(Site(motion, load_robot()))
+        self.planner, self._gauge = site.site.planner, site.placement
+        self.executor = make_executor(motion, site, lambda: self.bridge.clear_fault(self.now))
+        self.desk = CommandDesk(self.executor, site.verify, lambda: self.now)
+
+    # As the bridge's hardware.
+
+    def send_speeds(self, speeds: Array) -> None:
+        """Turn the arm's joints at these speeds [rad/s]."""
+        self.drivers.driver.take_speeds(dict(enumerate(np.float32(speeds).tolist())))
+
+    def send_tool(self, joints: Array) -> None:
+        """Send pitch and jaws to these angles [rad]."""
+        self.drivers.tool.take_command(joints.tolist())
+
+    def stop(self) -> None:
+        """Stop the arm."""
+        self.drivers.driver.take_stop()
+
+    def clear_faults(self) -> None:
+        """Ask the arm to clear its faults."""
+        self.drivers.driver.take_clear_faults()
+
+    # Time.
+
+    @property
+    def now(self) -> float:
+        """Time [s]."""
+        return self.robot.now
+
+    def tick(self, each: Callable[[], None] = do_nothing) -> None:
+        """One period of the control loop; `each` is called after every step of the physics."""
+        setpoint = self.executor.tick(self.now, self.bridge.measured)
+        if self.lost == "controller":
+            setpoint = None
+        elif setpoint is not None:
+            self.bridge.servo_jp(setpoint, self.now)
+        elif self._is_sending:
+            self.bridge.hold(self.now)
+        self._is_sending = setpoint is not None and self.lost != "controller"
+        for _ in range(round(self.period / STEP)):
+            self.step()
+            each()
+
+    def step(self) -> None:
+        """One step of the physics, and what drivers and bridge do in it."""
+        self._steps += 1
+        self.drivers.step()
+        self.robot.step()
+        now, count = self.now, self._steps
+        self.bridge.on_force(self.robot.force, now)
+        if count % 8 == 0:
+            self._tell_tool(now)
+        if count % 25 == 0 and self.lost not in ("feedback", "bridge"):  # nobody would hear of it
+            arm = self.drivers.arm_feedback()
+            values = {"position": arm.position, "velocity": arm.velocity, "effort": arm.effort}
+            self.bridge.on_arm(self._read_arm.read(self.arm_names, values, now))
+        if count % 20 == 0:
+            self.bridge.on_guard(now)
+        if count % 5 == 0 and self.lost != "bridge":
+            self.bridge.step(now)
+            self._guard.heard(now)
+        if count % 10 == 0 and self._guard.is_stop_due(now):
+            self.stop()
+
+    def _tell_tool(self, now: float) -> None:
+        self.bridge.tool.tell_state(int(self.drivers.tool.state))
+        told = self.drivers.tool_feedback()
+        if told is not None:
+            values = {"position": told[0], "velocity": told[1], "effort": ()}
+            self.bridge.on_tool(self._read_tool.read(self._tool_names, values, now))
+
+    # Commands.
+
+    def home(self) -> None:
+        """Home the tool, as robot/home_tool does."""
+
+        def request(message: str) -> bool:
+            answers: list[bool] = []
+            self.drivers.tool.request(message, answers.append)
+            self.until(lambda: bool(answers))
+            return answers == [True]
+
+        def wait(condition: Callable[[], bool], limit: float) -> bool:
+            return self.until(condition, limit)
+
+        home(request, lambda: self.bridge.tool.state or ToolState.UNINITIALIZED, wait)
+        self.bridge.tool.is_homed = True
+        self.run(0.3)
+
+    # What truly is.
+
+    @property
+    def rcm_error(self) -> float:
+        """Distance of the shaft from the trocar [m]."""
+        return self._gauge(self.robot.reading.position).error
+
+    @property
+    def speed(self) -> float:
+        """Of the fastest joint of the arm [rad/s]."""
+        return float(np.abs(self.robot.reading.velocity[:7]).max())
+
+    @property
+    def tip(self) -> Array:
+        """Tool tip, base frame, [m]. Shape (3,)."""
+        return self.tip_at(self.robot.reading.position)
+
+    @property
+    def tension(self) -> float:
+        """Pull of the tissue [N]."""
+        return float(np.linalg.norm(self.robot.force))

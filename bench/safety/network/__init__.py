@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Voice and controller on two hosts, and a bad network between them."""

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The voice of the soak: transcripts through the real mapper and dialogue to the controller's desk.
+
+Sound and recognition are left out; `bench.voice.soak` measures those.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+from rst_control.admission.command_queue import CommandDesk, Ticket
+from rst_control.execution.executor import Executor
+from rst_control.planning.plan import Request
+from voice_assist.config import CommandsConfig
+from voice_assist.intent.dialogue import AT_START, Answered, Heard, State, step
+from voice_assist.intent.mapper import Mapper
+from voice_assist.types import Call, Halt, Match, Mode
+
+NODE = "/voice_assist"
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a transcript came to."""
+
+    command: str  # that was taken; empty: none
+    has_acted: bool
+
+
+class Voice:
+    """Hears transcripts; calls one command after the other, as `command_client` does.
+
+    Args:
+        commands: Settings.
+        desk: Takes the commands.
+        executor: Takes the stops.
+    """
+
+    def __init__(self, commands: CommandsConfig, desk: CommandDesk, executor: Executor) -> None:
+        self._commands, self._mapper = commands, Mapper(commands)
+        self._desk, self._executor = desk, executor
+        self.state: State = AT_START
+        self.is_alive = True  # its heartbeat goes on
+        self._calls: deque[str] = deque()
+        self._ticket: Ticket | None = None
+
+    def hear(self, transcript: str) -> Said:
+        """One utterance."""
+        outcome = self._mapper(transcript)
+        if not isinstance(outcome, Match):
+            return Said("", has_acted=False)
+        done = step(self.state, Heard(self._commands.get(outcome.command)))
+        self.state = done.state
+        for action in done.actions:
+            if isinstance(action, Halt):
+                self._executor.stop(f"stop topic, from {NODE}")
+                self._calls.clear()
+            elif isinstance(action, Call):
+                self._calls.append(action.command)
+        return Said(outcome.command, bool(done.actions))
+
+    def call(self) -> str:
+        """Give the next command where the last one was answered; which one, or an empty string."""
+        if self._ticket is not None:
+            if not self._ticket.reply.done():
+                return ""
+            self._take_answer(self._ticket)
+        if not self._calls:
+            return ""
+        words = self._calls.popleft()
+        self._ticket = self._desk.take(Request(words), NODE, self.is_alive, is_by_hand=False)
+        return words
+
+    def restart(self) -> None:
+        """As after its process was started anew."""
+        self.state, self.is_alive = AT_START, True
+        self._calls.clear()
+        self._ticket = None
+
+    @property
+    def is_active(self) -> bool:
+        """Spoken motions count."""
+        return self.state.mode is Mode.ACTIVE
+
+    def _take_answer(self, ticket: Ticket) -> None:
+        reply, self._ticket = ticket.reply.result(0), None
+        answer = Answered(ticket.request.words, reply.accepted, reply.message)
+        self.state = step(self.state, answer).state

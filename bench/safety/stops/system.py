@@ -1,0 +1,292 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Item 1, in the running system: stops by service, topic and action cancel, from one and from many.
+
+Controller and simulated robot as nodes. Received is a stop when the controller's transport hands it
+over: that time is the stamp of its entry in the diary (`rst_control/event`). Answered it is by the
+first set-point due after it that is slower than the one before. Both carry the controller's own
+stamps; how long the answer truly took on its way is told beside, from the moment a client sent its
+stop to the arrival of that set-point at this process.
+
+In one motion after the other: "hey robot", a pull as an action goal, the stop at a random moment.
+Fifty clients at once make fifty stops of one motion, so 10,000 of them take about ten minutes. In
+the environment: STOPS of them (10,000), CLIENTS at once (50).
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections import Counter, deque
+from pathlib import Path
+
+import actionlib
+import numpy as np
+import rospy
+from sensor_msgs.msg import JointState
+
+from bench.safety.stops import judge
+from bench.safety.stops.clients import WAYS, Clients
+from bench.safety.stops.judge import Course, Stop, latency, objection, rest
+from rst_control.assembly import make_site
+from rst_control.config import load_motion_config
+from rst_control.kinematics.configuration import planning_joints
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.msg import AssistAction, AssistGoal, ControllerState, Event
+from rst_control.srv import Command
+from rst_control.types import JOINTS
+from support.figures import ROOT, Figure, percentiles
+from support.launched_system import System
+
+STOPS = int(os.environ.get("STOPS", "10000"))
+CLIENTS = int(os.environ.get("CLIENTS", "50"))
+SEED = 6
+READY_TIME = 90.0  # [s] for the nodes to start
+ALLOWED = 0.1  # [s] for set-points to rest; 45 ms along a path, jaws from full speed 55 ms
+WATCHED = 0.5  # [s] after a stop
+KEPT = 4000  # messages of each stream: eight seconds
+LONGEST = 0.6  # [s] of a pull before its stop
+AT_REST = 0.15  # share of the stops that come at rest
+LOW, HIGH, STEP = 0.5, 1.5, 0.4  # [N] between which pulls are kept, and one pull
+LEAD = 0.03  # [s] before its moment that a client is told
+LIMIT = 20.0  # [s] for anything to happen
+AT_ONCE = 0.01  # [s]
+TRIES = 5  # to grasp: a watchdog may halt the robot where the machine pauses
+RESTING = ("active", "halted", "faulted")
+
+
+class Watcher:
+    """Keeps what the controller and the robot send."""
+
+    def __init__(self) -> None:
+        self.state: ControllerState | None = None
+        self.events: deque[Event] = deque(maxlen=KEPT)
+        self.setpoints: deque[tuple[float, JointState]] = deque(maxlen=KEPT)  # arrival [s], message
+        self.joints: deque[tuple[float, JointState]] = deque(maxlen=KEPT)
+        self._subscribers = [
+            rospy.Subscriber("rst_control/state", ControllerState, self._on_state),
+            rospy.Subscriber("rst_control/event", Event, self.events.append),
+            self._stream("robot/servo_jp", self.setpoints),
+            self._stream("joint_states", self.joints),
+        ]
+
+    def received(self) -> list[float]:
+        """Times at which the controller received the stops that its diary tells [s]."""
+        return [e.header.stamp.to_sec() for e in list(self.events) if e.kind == "stop_received"]
+
+    def course(self) -> tuple[Course, list[float]]:
+        """Set-points of the last seconds, and when each arrived here [s]."""
+        kept = list(self.setpoints)
+        course = Course(
+            np.array([message.header.stamp.to_sec() for _, message in kept]),
+            np.array([message.position for _, message in kept]),
+            np.array([message.velocity for _, message in kept]),
+        )
+        return course, [arrived for arrived, _ in kept]
+
+    def clear(self) -> None:
+        """Forget all events."""
+        self.events.clear()
+
+    def wait(self, *states: str) -> None:
+        """Wait until the controller is in one of some states.
+
+        Raises:
+            RuntimeError: It never was.
+        """
+        end = time.monotonic() + LIMIT
+        while self.state is None or self.state.state not in states:
+            if time.monotonic() > end:
+                raise RuntimeError(f"never {' or '.join(states)}; the controller says {self.state}")
+            time.sleep(0.005)
+
+    def _on_state(self, state: ControllerState) -> None:
+        self.state = state
+
+    @staticmethod
+    def _stream(name: str, kept: deque[tuple[float, JointState]]) -> rospy.Subscriber:
+        def keep(message: JointState) -> None:
+            kept.append((time.time(), message))
+
+        return rospy.Subscriber(name, JointState, keep, tcp_nodelay=True)
+
+
+class Session:
+    """The robot, led from motion to motion, and stopped in each.
+
+    Args:
+        clients: Who stop.
+        seed: Chooses moments.
+    """
+
+    def __init__(self, clients: Clients, seed: int) -> None:
+        self.watcher, self._clients = Watcher(), clients
+        self._rng = np.random.default_rng(seed)
+        self._command = rospy.ServiceProxy("rst_control/command", Command)
+        self._goals = actionlib.SimpleActionClient("rst_control/execute", AssistAction)
+        self._site = make_site(load_motion_config(), load_robot())
+        if not self._goals.wait_for_server(rospy.Duration(READY_TIME)):
+            raise RuntimeError("the controller did not start")
+        self.seen: list[float] = []  # [s] from the first client's call to its answer's arrival
+        self.halts: list[
+            str
+        ] = []  # by a watchdog before the stop was given, which then says nothing
+
+    def grasp(self) -> None:
+        """Take tissue, once.
+
+        Raises:
+            RuntimeError: It was not taken.
+        """
+        for _ in range(TRIES):
+            self._wake()
+            self._goals.send_goal_and_wait(AssistGoal(command="tense"), rospy.Duration(60.0))
+            self.watcher.wait(*RESTING)
+            if self.watcher.state is not None and self.watcher.state.tissue_held:
+                return
+            self._note_halt()
+        raise RuntimeError(f"no tissue was grasped in {TRIES} tries: {self.halts}")
+
+    def stops(self, way: str, count: int) -> list[Stop]:
+        """Stop by one way, with as many clients at once, in motion or at rest."""
+        is_moving = way == "cancel" or self._rng.random() > AT_REST  # at rest nothing is to cancel
+        self._wake()
+        self.watcher.clear()
+        if is_moving and not self._pull():
+            return []
+        first = time.monotonic() + LEAD + float(self._rng.uniform(0.0, LONGEST if is_moving else 0))
+        moments = (first + self._rng.uniform(0.0, 0.004, count)).tolist()
+        sent = self._clients.stop(way, moments)
+        time.sleep(max(0.0, max(sent) + WATCHED - time.monotonic()))
+        received = sorted(self.watcher.received())
+        if (received or way == "cancel") and self._was_halted(min(received, default=np.inf)):
+            return []
+        return self._judged(way, count, received, sent)
+
+    def _judged(self, way: str, count: int, received: list[float], sent: list[float]) -> list[Stop]:
+        (course, arrivals), state = self.watcher.course(), self.watcher.state
+        missed = "" if state is not None and state.halted else "not halted after the stop"
+        if not received:
+            return [self._stop(way, count, None, None, 0.0, "not in the diary")] * count
+        rcm = self._rcm_error(received[0], received[-1] + WATCHED)
+        stops = [
+            self._stop(
+                way,
+                count,
+                latency(course, moment),
+                rest(course, moment),
+                rcm,
+                missed or objection(course, moment, ALLOWED - 0.05),
+            )
+            for moment in received
+        ]
+        self._note_arrival(course, arrivals, received[0], min(sent))
+        lost = count - len(received)  # a cancelled goal is over: later cancels find none
+        if lost > 0 and way != "cancel":
+            stops += [self._stop(way, count, None, None, rcm, "not in the diary")] * lost
+        return stops
+
+    @staticmethod
+    def _stop(
+        way: str,
+        count: int,
+        late: float | None,
+        ended: float | None,
+        rcm: float,
+        words: str,
+    ) -> Stop:
+        situation = "at rest" if late is None else "in motion"
+        return Stop(situation, way, count, late, ended, rcm, words)
+
+    def _note_arrival(
+        self, course: Course, arrivals: list[float], received: float, sent: float
+    ) -> None:
+        late = latency(course, received)
+        if late is None or not np.isfinite(late):
+            return
+        answer = int(np.searchsorted(course.stamps, received + late - 1e-6))
+        wall = time.time() - time.monotonic()
+        self.seen.append(arrivals[answer] - (sent + wall))
+
+    def _rcm_error(self, since: float, until: float) -> float:
+        """Largest RCM error of the joints measured meanwhile [m]."""
+        errors = [0.0]
+        for _, message in list(self.watcher.joints):
+            if since <= message.header.stamp.to_sec() <= until:
+                by_name = dict(zip(message.name, message.position, strict=True))
+                joints = np.array([by_name[name] for name in JOINTS])
+                errors.append(
+                    self._site.planner.patient.placement(planning_joints(joints)[0]).rcm_error
+                )
+        return max(errors)
+
+    def _wake(self) -> None:
+        end = time.monotonic() + LIMIT
+        while not self._command("hey robot").accepted:
+            if time.monotonic() > end:
+                raise RuntimeError(
+                    f'"hey robot" is refused; the controller says {self.watcher.state}'
+                )
+            time.sleep(0.02)
+        self.watcher.wait("active", "moving")
+
+    def _pull(self) -> bool:
+        """Set off with a pull, as an action goal, so that it can be cancelled; tells whether."""
+        state = self.watcher.state
+        if state is None or not state.tissue_held:
+            self.grasp()
+        is_low = state is None or state.tension < 0.5 * (LOW + HIGH)
+        self._goals.send_goal(AssistGoal("pull more" if is_low else "pull less", STEP, 0.0))
+        self.watcher.wait("moving", "halted", "faulted")
+        return not self._was_halted()
+
+    def _was_halted(self, before: float = np.inf) -> bool:
+        """Whether a watchdog halted the robot before a moment [s]; notes which one."""
+        events = list(self.watcher.events)
+        limit = before - AT_ONCE  # a stop at rest halts with the stamp of the tick that it came in
+        found = any(e.kind == "halted" and e.header.stamp.to_sec() < limit for e in events)
+        if found:
+            self._note_halt()
+        return found
+
+    def _note_halt(self) -> None:
+        state = self.watcher.state
+        self.halts.append(state.halt_reason if state is not None else "")
+
+
+def measure() -> list[Figure]:
+    """Run the controller and the robot, and stop them again and again.
+
+    Raises:
+        RuntimeError: The system did not start, or a part of it ended.
+    """
+    with tempfile.TemporaryDirectory() as name, System(Path(name) / "launch.log", {}) as system:
+        rospy.init_node("bench", anonymous=True, disable_signals=True)
+        system.launch(ROOT / "launch" / "robot.launch")
+        system.launch(ROOT / "launch" / "controller.launch", on_recording_loss="ignore")
+        with Clients(CLIENTS) as clients:
+            return _measured(system, Session(clients, SEED))
+
+
+def _measured(system: System, session: Session) -> list[Figure]:
+    session.grasp()
+    stops: list[Stop] = []
+    begin, done = time.monotonic(), 0
+    while len(stops) < STOPS:
+        if not system.is_running():
+            raise RuntimeError("a part of the system ended")
+        way, count = WAYS[done % len(WAYS)], CLIENTS if done % 8 >= 6 else 1
+        stops += session.stops(way, count)
+        done += 1
+    period = 1.0 / load_motion_config().controller.rate
+    figures = judge.figures("running system", stops, STOPS, period)
+    if session.seen:
+        what = "running system: stop sent by a client to its answer arrived elsewhere"
+        figures += percentiles(what, [seconds * 1e3 for seconds in session.seen], "ms")
+    minutes = (time.monotonic() - begin) / 60.0
+    halts = Counter(words.split(",")[0] for words in session.halts)
+    told = "; ".join(f"{count} {words}" for words, count in halts.most_common())
+    what = "running system: motions that a watchdog halted before their stop, left out"
+    figures.append(Figure(what, len(session.halts), "", note=f"({told})" if told else ""))
+    note = f"({done} motions and rests, {CLIENTS} clients)"
+    return [*figures, Figure("running system: time taken", minutes, "min", note=note)]

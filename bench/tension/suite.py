@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`make bench ONLY=torque_tension`: how well joint torques tell the tissue's pull, in PyBullet.
+
+PyBullet holds the arm, pulls at the jaws and leans on the shaft with forces that are known, and
+says what the motors give. To that come the errors of `torque_tension.yaml`, drawn anew for each
+trial; they are assumptions about a Gen3, not measurements of one. The estimator's own model knows
+none of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from bench.common.quiet import quiet
+from bench.common.rig import random_poses
+from bench.tension.pulls import measure_pulls
+from bench.tension.strict import measure_strict
+from rst_control.config import URDF_FILE, MotionConfig, load_motion_config
+from rst_control.config.torque_tension import TorqueTensionConfig, load_torque_tension
+from rst_control.kinematics import forward
+from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.kinematics.inverse_dynamics import InverseDynamics
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.planner import Planner
+from rst_control.simulation.physics import WRIST, RobotPhysics
+from rst_control.tension.torque_covariance import TorqueErrors
+from rst_control.tension.torque_estimator import (
+    TorqueTension,
+    least_squares,
+    load_matrix,
+    unit,
+)
+from rst_control.types import Measurement
+from support.figures import Figure
+
+Array = NDArray[np.float64]
+TRIALS = 120
+PERIOD = 0.025  # [s] of the Gen3 driver's feedback, 40 Hz
+WINDOW = 1.0  # [s] at rest before the pull, and under it
+SETTLING = 40  # steps of PyBullet until the motors carry the load
+STEP = 0.001  # [s]
+MOST_PULL, MOST_WAY = 2.0, 0.020  # [N], [m]
+LEAN = 2.0  # [N] standard deviation of the trocar on the shaft, each way across it
+SEAL = 1.0  # [N] of friction in a trocar's seal, in the trials that show what it does
+TURN = 0.8  # [rad] of the pull away from the configured one
+OPEN, CLOSED = 0.6, 0.0  # [rad] between the jaws
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A grasp, a pull, and what is wrong with the arm's torques and masses."""
+
+    q: Array  # (2, 9), [rad] before and under the pull
+    pull: Array  # (3,), unit
+    force: float  # [N]
+    lean: Array  # (2,), [N] of the trocar across the shaft under the pull
+    offset: Array  # (7,), [N m]
+    friction: Array  # (2, 7), [N m] before and under the pull
+    gain: Array  # (7,), [-]
+    masses: Array  # (7,), [-] share by which gravity on each joint is off
+    tool_mass: float  # [kg]
+
+
+class LoadedArm(RobotPhysics):
+    """PyBullet's arm at rest under forces at its jaws and on its shaft."""
+
+    def torques(self, q: Array, on_jaws: Array, on_shaft: Array, place: Array) -> Array:
+        """Torques of the arm's motors once they carry the loads [N m]. Shape (7,)."""
+        joints = robot_joints(q, CLOSED)
+        for joint, angle in zip(self._joints, joints, strict=True):
+            pybullet.resetJointState(self._robot, joint, float(angle), 0.0, **self._on)
+        self._tips = self._tips_at(joints)
+        for _ in range(SETTLING):
+            self.drive(joints, np.zeros(len(joints)))
+            self.push_jaws(on_jaws)
+            pybullet.applyExternalForce(
+                self._robot,
+                self._links[WRIST],
+                on_shaft.tolist(),
+                place.tolist(),
+                pybullet.WORLD_FRAME,
+                **self._on,
+            )
+            reading = self.step()
+        return reading.effort[:7]
+
+
+class Bench:
+    """Draws trials and lets the estimator judge them.
+
+    Args:
+        motion: Scene and limits.
+        config: Of the estimator.
+    """
+
+    def __init__(self, motion: MotionConfig, config: TorqueTensionConfig) -> None:
+        self._config, self._rng = config, np.random.default_rng(11)
+        self._planner, self._motion = Planner(load_robot(), motion), motion
+        self._text = URDF_FILE.read_text(encoding="utf-8")
+        self._dynamics = InverseDynamics(self._text)
+        self._trocar = self._planner.trocar
+        with quiet():
+            self._arm = LoadedArm(URDF_FILE, robot_joints(np.array(motion.scene.home), 0.0), STEP)
+
+    def close(self) -> None:
+        """End PyBullet."""
+        self._arm.close()
+
+    def trials(self, count: int) -> Iterator[Trial]:
+        """Grasps all over the workspace, each pulled another way."""
+        rng, error, made = self._rng, self._config.error, 0
+        for pose in random_poses(self._motion, 20 * count, seed=5):
+            pull = self._pull()
+            moved = pose.copy()
+            moved[:3, 3] += pull * rng.uniform(0.0, MOST_WAY)
+            first = self._planner.solver.search(pose, self._trocar)
+            last = self._planner.solver.settle(first.q, moved, self._trocar)
+            if not (first.is_solved and last.is_solved):
+                continue
+            made += 1
+            yield Trial(
+                q=np.array([first.q, last.q]),
+                pull=pull,
+                force=rng.uniform(0.0, MOST_PULL),
+                lean=rng.normal(size=2) * LEAN,
+                offset=rng.normal(size=7) * error.offset,
+                friction=rng.normal(size=(2, 7)) * error.friction,
+                gain=1.0 + rng.normal(size=7) * error.gain,
+                masses=rng.normal(size=7) * error.model,
+                tool_mass=rng.normal() * error.tool_mass,
+            )
+            if made == count:
+                return
+        raise RuntimeError(f"only {made} of {count} grasps could be solved")
+
+    def told(
+        self, trial: Trial, is_tared: bool, has_lean: bool, seal: float = 0.0
+    ) -> tuple[float, float, str]:
+        """Error of the estimate [N], its standard deviation as told [N], and why no trust."""
+        config = replace(self._config, pull_direction=tuple(trial.pull.tolist()))
+        estimator = TorqueTension(config, self._text)
+        now = 0.0
+        for stage in (0, 1) if is_tared else (1,):
+            motors = self._motors(trial, stage, has_lean, seal)
+            joints = robot_joints(trial.q[stage], OPEN if stage == 0 else CLOSED)
+            for _ in range(round(WINDOW / PERIOD)):
+                now += PERIOD
+                noise = self._rng.normal(size=7) * self._config.error.noise
+                effort = np.append(motors + noise, np.zeros(3))
+                reading = Measurement(joints, np.zeros(10), effort, now, gripped=stage == 1)
+                found = estimator.update(reading, self._trocar)
+        return found.tension - trial.force, found.sigma, found.distrust
+
+    def ignoring_the_trocar(self, trial: Trial) -> float:
+        """Error [N] where a tared estimator takes all load for the pull's."""
+        before, under = (self._motors(trial, stage, True, 0.0) for stage in (0, 1))
+        seen = under - self._dynamics(trial.q[1]) - before + self._dynamics(trial.q[0])
+        errors = TorqueErrors(self._config, self._dynamics, self._text)
+        A = load_matrix(self._dynamics.model, trial.q[1], self._trocar, trial.pull)
+        spread = errors(trial.q[1], A, np.zeros(7), 0.2, None)
+        found, *_ = least_squares(A[:, :1], seen, spread)
+        return float(found[0]) - trial.force
+
+    def _pull(self) -> Array:
+        """The configured way of the pull, turned by up to TURN about a way across it."""
+        along = unit(self._config.pull_direction)
+        across = np.cross(along, self._rng.normal(size=3))
+        across /= np.linalg.norm(across)
+        angle = self._rng.uniform(0.0, TURN)
+        turned: Array = np.cos(angle) * along + np.sin(angle) * np.cross(across, along)
+        return turned
+
+    def _motors(self, trial: Trial, stage: int, has_lean: bool, seal: float) -> Array:
+        """What the arm reports without noise: PyBullet's motors and all that is wrong with them."""
+        q = trial.q[stage]
+        shaft = Configuration(self._planner.model, q).frames[forward.SHAFT]
+        lean = shaft[:, :2] @ trial.lean * (stage == 1 and has_lean)
+        drag = -seal * float(shaft[:, 2] @ trial.pull) * shaft[:, 2] * (stage == 1)
+        on_jaws = -trial.force * trial.pull * (stage == 1)
+        motors = self._arm.torques(q, on_jaws, lean + drag, self._trocar)
+        weight = InverseDynamics(self._text, 1.0)(q) - self._dynamics(q)
+        motors = motors + trial.masses * self._dynamics(q) + trial.tool_mass * weight
+        gained: Array = trial.gain * motors + trial.offset + trial.friction[stage]
+        return gained
+
+
+def measure() -> list[Figure]:
+    """Pull in many postures and ways, with a tare and without, with a trocar's load and without."""
+    bench = Bench(load_motion_config(), load_torque_tension())
+    try:
+        trials = list(bench.trials(TRIALS))
+        cases = {
+            "tared, shaft leans on the trocar": [bench.told(t, True, True) for t in trials],
+            "tared, shaft free in the trocar": [bench.told(t, True, False) for t in trials],
+            "not tared, shaft leans on the trocar": [bench.told(t, False, True) for t in trials],
+        }
+        ignored = [bench.ignoring_the_trocar(t) for t in trials]
+        sealed = [bench.told(t, True, True, SEAL)[0] for t in trials]
+    finally:
+        bench.close()
+    figures = [f for name, told in cases.items() for f in _figures(name, told)]
+    figures += _spread("tared, trocar taken for no load at all", ignored)
+    figures += _spread(f"tared, {SEAL:g} N of friction in the trocar's seal", sealed)
+    delay = load_torque_tension().filter_time
+    figures.append(Figure("delay of the estimate", delay, "s", note="(of its filter)"))
+    return [*figures, *measure_pulls(), *measure_strict()]
+
+
+def _figures(name: str, told: Sequence[tuple[float, float, str]]) -> list[Figure]:
+    errors, sigmas = [t[0] for t in told], np.array([t[1] for t in told])
+    within = float(np.mean(np.abs(errors) <= 2.0 * sigmas))
+    is_tared = name.startswith("tared")
+    trusted = float(np.mean([not t[2] for t in told]))
+    note = "" if is_tared else "(nothing is trusted without a tare)"
+    return [
+        *_spread(name, errors),
+        Figure(f"{name}: sigma as told, median", float(np.median(sigmas)), "N"),
+        Figure(f"{name}: errors within twice the sigma told", within, "", 0.95, False),
+        Figure(f"{name}: trusted", trusted, "", None if is_tared else 0.0, note=note),
+        *(_spread(f"{name}, where trusted", [t[0] for t in told if not t[2]]) if trusted else ()),
+    ]
+
+
+def _spread(name: str, errors: Sequence[float]) -> list[Figure]:
+    note = f"({len(errors)} postures and ways, 0 to {MOST_PULL:g} N, assumed errors of the arm)"
+    return [
+        Figure(f"{name}: bias", float(np.mean(errors)), "N", note=note),
+        Figure(f"{name}: sigma of the error", float(np.std(errors)), "N"),
+        Figure(f"{name}: 95 % of errors below", float(np.quantile(np.abs(errors), 0.95)), "N"),
+    ]

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""False commands, armed, in all human speech that is kept for measuring."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import soundfile
+
+from bench.voice import merge_results, resumable
+from bench.voice.mixing import chunks, trials_of
+from bench.voice.outcomes import motions, rate
+from bench.voice.resumable import Record
+from bench.voice.synthesis import DEV, TALK, Spoken, recorded
+from bench.voice.trials import STOP
+from support.figures import ROOT, Figure
+
+WORDS, WAKE_WORDS, SENTENCES = "single words", "other devices' words", "talk without transcript"
+
+
+def measure() -> list[Figure]:
+    """Motions, of which there shall be none, and stops per hour; by kind of clip."""
+    spoken = clips()
+    if not spoken:
+        print("no human speech in ../shared/speech: false commands left out")
+        return []
+    kinds = dict(zip((c.path for c in spoken), _kinds(spoken), strict=True))
+    records = measured()
+    hours = _hours(records)
+    figures = [merge_results.measured(round(hours, 3), "h", round(_length(spoken), 3))]
+    figures += of_commands("human speech, armed", records, 0.0, 0.5)
+    for kind in (SENTENCES, WORDS, WAKE_WORDS):
+        some = [r for r in records if kinds[r.label["path"]] == kind]
+        if some:
+            figures += of_commands(f"{kind}, armed", some)
+    data = {"fired": fired(records), "clips": Counter(kinds.values())}
+    merge_results.write_details("armed_fired", hours, data)
+    return figures
+
+
+def measured() -> list[Record]:
+    """All clips in which nobody says "stop", armed; none where there are no recordings."""
+    return resumable.measured("armed", {"": chunks(trials_of(clips()))})[""]
+
+
+def of_commands(
+    name: str,
+    records: Sequence[Record],
+    motion: float | None = None,
+    stop: float | None = None,
+) -> list[Figure]:
+    """Commands taken where none was said.
+
+    Args:
+        name: Of the set.
+        records: Its scenes, each with its length in its label.
+        motion: Most motions; None: no target.
+        stop: Most stops [1/h]; None: no target.
+    """
+    hours = _hours(records)
+    taken = Counter(command for r in records for command in r.heard.taken)
+    moved = sum(taken[command] for command in motions())
+    which = ", ".join(f"{command}: {taken[command]}" for command in sorted(motions() & set(taken)))
+    bound = rate("", moved, hours).note
+    figures = [
+        Figure(f"{name}: false motions", moved, "", motion, note=f"{bound} {which}".strip()),
+        rate(f"{name}: false stops", taken["stop"], hours, stop),
+        rate(f"{name}: hey robot taken", taken["hey robot"], hours),
+        rate(f"{name}: terminate taken", taken["terminate"], hours),
+    ]
+    return figures
+
+
+def fired(records: Sequence[Record]) -> list[dict[str, Any]]:
+    """Every command taken where none was said, with what was said and by whom."""
+    return [
+        {
+            "taken": one.command,
+            "confidence": one.confidence,
+            "origin": one.origin,
+            "heard": one.text,
+            "at": one.at,
+            **{k: record.label[k] for k in ("text", "engine", "voice", "path")},
+        }
+        for record in records
+        for one in record.heard.said
+        if one.is_taken
+    ]
+
+
+def clips() -> list[Spoken]:
+    """All of them."""
+    return [clip for clip in recorded(TALK, DEV) if clip.text not in STOP]
+
+
+def _kinds(clips: Sequence[Spoken]) -> list[str]:
+    """Kind of each: words of `dev`, talk that nobody wrote down, or what wakes other devices."""
+    words = {clip.path for clip in recorded(DEV)}
+    return [
+        WORDS if clip.path in words else WAKE_WORDS if clip.text else SENTENCES for clip in clips
+    ]
+
+
+def _hours(records: Sequence[Record]) -> float:
+    return sum(r.label["seconds"] for r in records) / 3600.0
+
+
+def _length(clips: Sequence[Spoken]) -> float:
+    """Of all clips [h]."""
+    return sum(soundfile.info(ROOT / clip.path).duration for clip in clips) / 3600.0

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Hours in which nobody gives a command, armed; HOURS=10 for the record.
+
+Pieces that are there are counted, those of other machines too (`voice_archive`), so that it can
+be done in several goes.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple, dataclass
+from functools import cache
+
+from bench.voice import merge_results, resumable, resumable_archive, theatre_noise
+from bench.voice.fingerprint import outline
+from bench.voice.replay_stream import Scene
+from bench.voice.resumable import Label, Record, digest
+from support.exact_bounds import rate_at_most
+from support.figures import Figure
+from voice_assist.types import RATE, Mode
+
+FULL = 10.0  # [h]
+HOURS = min(FULL, float(os.environ.get("HOURS", "0.2")))
+SECONDS = 300.0  # [s] of one piece
+OUTLINED = 10.0  # [s] of a kind of noise, whose outline names the way it is made
+TOLD = "told"
+
+
+@dataclass(frozen=True)
+class NoiseChunk:
+    """Some minutes of one kind of noise."""
+
+    kind: str  # of voice_noises.KINDS, or RECORDED
+    seed: int
+    seconds: float = SECONDS
+    is_told: bool = False  # of all of it, that the robot itself speaks
+
+    def name(self) -> str:
+        """Digest of all this, and of how its kind sounds."""
+        return f"{self.kind}-{self.seed:04d}-{digest(astuple(self), _outline(self.kind))}"
+
+    def scenes(self) -> Iterator[tuple[Label, Scene]]:
+        """One."""
+        sound = theatre_noise.make(self.kind, self.seconds, self.seed)
+        label: Label = {"kind": self.kind, "seed": self.seed, "seconds": len(sound) / RATE}
+        spans: tuple[tuple[float, float], ...] = ()
+        if self.is_told:
+            spans = ((0.0, self.seconds),)
+        elif self.kind == theatre_noise.QUOTING:  # and the lab's speech output tells so
+            spans = theatre_noise.when_quoting(self.seconds, self.seed)
+        yield label, Scene(sound, Mode.ACTIVE, robot_speaks=spans)
+
+
+@cache
+def _outline(kind: str) -> str:
+    return outline(theatre_noise.make(kind, OUTLINED, 0))
+
+
+def measure() -> list[Figure]:
+    """As much of each kind; beside them replies that quote commands, where a "stop" is one."""
+    kinds = _kinds()
+    wanted = math.ceil(HOURS * 3600.0 / SECONDS)
+    resumable_archive.restore("nothing")
+    pieces = {
+        "": resumable.up_to("nothing", _plan(kinds), wanted),
+        theatre_noise.QUOTING: _quoting(math.ceil(wanted / len(kinds))),
+        TOLD: _told(math.ceil(wanted / len(kinds))),
+    }
+    found = resumable.measured("nothing", pieces)
+    resumable_archive.keep("nothing", [piece for some in pieces.values() for piece in some])
+    records, quoting, told = found[""], found[theatre_noise.QUOTING], found[TOLD]
+    hours = _hours(records)
+    figures = [
+        merge_results.measured(hours, "h", FULL),
+        _figure("nothing said: taken", records, 0.0),
+    ]
+    for kind in dict.fromkeys(r.label["kind"] for r in records):
+        some = [r for r in records if r.label["kind"] == kind]
+        figures.append(_figure(f"{kind}: taken", some))
+    if quoting:
+        stops = [c for r in quoting for c in r.heard.taken if c == "stop"]
+        note = f"(in {_hours(quoting):.2f} h; told of, so that only a stop may be taken)"
+        others = sum(len(r.heard.taken) for r in quoting) - len(stops)
+        figures.append(Figure("replies that quote: stops", len(stops), "", note=note))
+        figures.append(Figure("replies that quote: other commands", others, "", 0.0))
+    if told:
+        figures.append(_figure("replies that are told of: taken", told))
+    compute = sum(r.heard.compute for r in records)
+    figures.append(Figure("real-time factor on noise", compute / (3600.0 * hours), ""))
+    data = {"mode": "active", "fired": _fired([*records, *quoting, *told])}
+    merge_results.write_details("nothing_fired", hours, data)
+    return figures
+
+
+def _kinds() -> list[str]:
+    """Of sound in which nobody says a command."""
+    kinds = [kind for kind in theatre_noise.KINDS if kind != theatre_noise.QUOTING]
+    if not theatre_noise.recordings():
+        print("no recorded noise in ../shared/speech: made noise alone")
+        kinds.remove(theatre_noise.RECORDED)
+    return kinds
+
+
+def _quoting(count: int) -> list[NoiseChunk]:
+    return [NoiseChunk(theatre_noise.QUOTING, seed) for seed in range(count)]
+
+
+def _told(count: int) -> list[NoiseChunk]:
+    """Replies in which a "stop" over them is looked for all the while."""
+    return [NoiseChunk("replies", seed, is_told=True) for seed in range(count)]
+
+
+def _plan(kinds: Sequence[str]) -> list[NoiseChunk]:
+    count = math.ceil(FULL * 3600.0 / SECONDS)
+    return [NoiseChunk(kinds[i % len(kinds)], i // len(kinds)) for i in range(count)]
+
+
+def _figure(name: str, records: Sequence[Record], target: float | None = None) -> Figure:
+    taken = Counter(command for r in records for command in r.heard.taken)
+    hours = _hours(records)
+    which = "".join(f", {command}: {count}" for command, count in taken.items())
+    note = f"(in {hours:.2f} h, at most {rate_at_most(taken.total(), hours):.2f}/h{which})"
+    return Figure(name, float(taken.total()), "commands", target, note=note)
+
+
+def _hours(records: Sequence[Record]) -> float:
+    return sum(r.heard.streamed for r in records) / 3600.0
+
+
+def _fired(records: Sequence[Record]) -> list[dict[str, object]]:
+    return [
+        {
+            "kind": record.label["kind"],
+            "seed": record.label["seed"],
+            "at": one.at,
+            "taken": one.command,
+            "heard": one.text,
+            "confidence": one.confidence,
+            "origin": one.origin,
+        }
+        for record in records
+        for one in record.heard.said
+        if one.is_taken
+    ]

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the pipeline decides on a fixed set of clips: its behaviour as a short key.
+
+Kept measurements carry this key. Code that moves, or changes its names, keeps them; code that
+decides otherwise on one of the clips does not.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple, is_dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.voice.replay_stream import Listener, Scene
+from support.theatre_sound import LEVEL, speak, theatre_noise
+from voice_assist.types import RATE, Mode, Samples
+
+PHRASES = (
+    *("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate", "stop stop"),
+    *("stopped", "tents", "release the clamp", "hey robert", "stop it", "pull it", "more or less"),
+    *("please pull more gently", "the past tense of the verb", "we should stop by the shop"),
+)
+VOICES = ("en-us", "en-gb+f3")
+SNRS = (40.0, 6.0)  # [dB]
+QUIET = 0.8  # [s] before and after the words
+WINDOWS = 20  # of an outline
+DIGITS = 3  # of full scale, in an outline
+
+
+def decisions(model: str) -> list[list[object]]:
+    """Decisions on each clip: command, whether it was taken, origin, text, rounded confidence."""
+    listener = Listener(model)
+    return [
+        [[s.command, s.is_taken, s.origin, s.text, round(s.confidence, 1)] for s in heard.said]
+        for heard in map(listener, scenes())
+    ]
+
+
+def scenes() -> Iterator[Scene]:
+    """The clips: every phrase in two voices, in quiet and in noise, armed and in standby."""
+    for i, phrase in enumerate(PHRASES):
+        for voice in VOICES:
+            for snr in SNRS:
+                mode = Mode.STANDBY if i % 4 == 3 else Mode.ACTIVE
+                yield Scene(_in_noise(speak(phrase, voice, 150), snr, i), mode)
+
+
+def fingerprint(model: str, code: str, folder: Path) -> str:
+    """Digest of the decisions; kept by the code that made them, since they take half a minute.
+
+    Args:
+        model: That listens.
+        code: Digest of model, settings and code, as they are now.
+        folder: Where decisions are kept.
+    """
+    kept = folder / f"{model}-{code}.json"
+    if not kept.is_file():
+        folder.mkdir(parents=True, exist_ok=True)
+        kept.write_text(json.dumps(decisions(model)), encoding="utf-8")
+    return hashlib.sha256(kept.read_bytes()).hexdigest()[:16]
+
+
+def values(settings: object) -> object:
+    """What settings hold, without the names of their fields and classes."""
+    return astuple(settings) if is_dataclass(settings) else settings  # type: ignore[arg-type]
+
+
+def outline(sound: Samples | NDArray[np.float64]) -> str:
+    """Digest of how loud a sound is over time; the same on every processor."""
+    parts = np.array_split(np.asarray(sound, np.float64), WINDOWS)
+    levels: Sequence[float] = [round(float(np.sqrt(np.mean(p**2))), DIGITS) for p in parts]
+    return hashlib.sha256(repr(levels).encode()).hexdigest()[:16]
+
+
+def _in_noise(speech: NDArray[np.float32], snr: float, seed: int) -> Samples:
+    quiet = np.zeros(round(QUIET * RATE), np.float32)
+    sound = np.concatenate([quiet, speech, quiet])
+    noise = theatre_noise(len(sound) / RATE + 0.01, LEVEL * 10 ** (-snr / 20), seed)
+    return (sound + noise[: len(sound)]).astype(np.float32)

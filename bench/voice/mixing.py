@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Short clips with a background: what is said, over what, in which mode, heard by whom."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple, dataclass, replace
+from random import Random
+from typing import Literal
+
+import numpy as np
+
+from bench.voice import clips as voice_sets
+from bench.voice import theatre_noise
+from bench.voice.fingerprint import outline
+from bench.voice.replay_stream import Scene, Way
+from bench.voice.resumable import Label, digest, share_of
+from bench.voice.synthesis import Spoken
+from support.figures import ROOT
+from voice_assist.audio.mixing import add_noise, end_of_speech
+from voice_assist.audio.wav_file import read_sound
+from voice_assist.evaluation.evaluator import AFTER, BEFORE, QUIET_DB, read_noises
+from voice_assist.types import RATE, Mode, Samples
+
+Background = Literal["", "theatre", "servo", "speaking"]
+GAPS = (0.1, 0.4)  # [s] between a word and the same word again
+BACKGROUND_SECONDS = 20.0  # [s] of one piece of background
+PIECES = 8  # of background, one of which is drawn for each clip
+PER_CHUNK = 60  # clips: half a minute of work
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One clip as it is streamed."""
+
+    clip: Spoken
+    index: int  # seeds the chance in it
+    again: Spoken | None = None  # said after a short gap
+    background: Background = ""
+    snr: float = 0.0  # [dB] of the speech over the background
+    mode: str = Mode.ACTIVE.value
+    way: Way = "both"
+
+
+@dataclass(frozen=True)
+class ClipChunk:
+    """Some trials in one piece."""
+
+    trials: tuple[Trial, ...]
+
+    def name(self) -> str:
+        """Digest of all that is streamed, and how."""
+        sound, _, _ = stream_of(self.trials[0])
+        return digest([astuple(trial) for trial in self.trials], outline(sound))
+
+    def scenes(self) -> Iterator[tuple[Label, Scene]]:
+        """One per trial."""
+        for trial in self.trials:
+            sound, end, seconds = stream_of(trial)
+            clip = trial.clip
+            label: Label = {
+                "path": clip.path,
+                "text": clip.text,
+                "engine": clip.engine,
+                "voice": clip.voice,
+                "end": end,
+                "seconds": seconds,
+            }
+            told = ((0.0, len(sound) / RATE),) if trial.background == "speaking" else ()
+            yield label, Scene(sound, Mode(trial.mode), way=trial.way, robot_speaks=told)
+
+
+def chunks(trials: Sequence[Trial]) -> list[ClipChunk]:
+    """Trials in pieces, SHARE of them; in an order by chance, so that a part is like the whole."""
+    mixed = list(trials)
+    Random(0).shuffle(mixed)
+    some = share_of(mixed)
+    return [ClipChunk(tuple(some[i : i + PER_CHUNK])) for i in range(0, len(some), PER_CHUNK)]
+
+
+def trials_of(clips: Sequence[Spoken]) -> list[Trial]:
+    """Each clip once, in quiet, armed."""
+    return [Trial(clip, index) for index, clip in enumerate(clips)]
+
+
+def twice(clips: Sequence[Spoken]) -> list[Trial]:
+    """Each clip followed by another of the same voice and text, or by itself where it has none."""
+    following: dict[Spoken, Spoken] = {}
+    groups: dict[tuple[str, str, str], list[Spoken]] = {}
+    for clip in clips:
+        groups.setdefault((clip.engine, clip.voice, clip.text), []).append(clip)
+    for group in groups.values():
+        following.update(zip(group, [*group[1:], group[0]], strict=True))
+    return [replace(trial, again=following[trial.clip]) for trial in trials_of(clips)]
+
+
+def stream_of(trial: Trial) -> tuple[Samples, float, float]:
+    """Sound of a trial, the end of the first word's speech in it and the clip's length [s]."""
+    rng = np.random.default_rng(trial.index)
+    first = read_sound(ROOT / trial.clip.path)
+    end = BEFORE + end_of_speech(first)
+    speech = first
+    if trial.again is not None:
+        gap = np.zeros(round(rng.uniform(*GAPS) * RATE), np.float32)
+        speech = np.concatenate([first, gap, read_sound(ROOT / trial.again.path)])
+    quiet = 10.0 ** (QUIET_DB / 20.0)
+    stream = quiet * rng.standard_normal(round((BEFORE + AFTER) * RATE) + len(speech))
+    start = round(BEFORE * RATE)
+    stream[start : start + len(speech)] += speech
+    if trial.background:
+        pieces = _backgrounds(trial.background)
+        piece = pieces[int(rng.integers(len(pieces)))]
+        stream = add_noise(stream, piece, first, trial.snr, rng)
+    return np.asarray(stream, np.float32), end, len(speech) / RATE
+
+
+_PIECES: dict[str, list[Samples]] = {}  # per process, since making them takes seconds
+
+
+def _backgrounds(kind: Background) -> list[Samples]:
+    if kind not in _PIECES:
+        if kind == "theatre":
+            _PIECES[kind] = read_noises(voice_sets.theatre())
+        else:
+            seeds = range(100, 100 + PIECES)
+            _PIECES[kind] = [theatre_noise.make(kind, BACKGROUND_SECONDS, seed) for seed in seeds]
+    return _PIECES[kind]

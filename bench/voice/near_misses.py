@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Near misses, denied commands and commands inside sentences, in held-out voices.
+
+"pull moor" is "pull more" in some accents: what has the sounds of a command in the very voice that
+says it cannot be told from it by anybody, and is counted apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from bench.voice import clips, merge_results, resumable
+from bench.voice.confusable_phrases import ALL, NAMED, TRAINED, plan
+from bench.voice.evaluate_once import THIN, Evaluated, Row
+from bench.voice.held_out_voices import natives, spread
+from bench.voice.mixing import Trial, chunks, trials_of
+from bench.voice.outcomes import motions
+from bench.voice.resumable import Record
+from bench.voice.synthesis import spoken
+from support.exact_bounds import at_most
+from support.figures import Figure
+from voice_assist.evaluation.evaluator import Claim
+from voice_assist.training.data.homophones import same_as_command
+
+FULL = 12  # voices per phrase at THIN=1
+SEED = 7
+PHRASES, OWN = "phrases", "named"
+
+
+def near() -> Evaluated:
+    """The phrases through the pipeline, armed, as the calibration wants them."""
+    return Evaluated("near_misses", {}, tuple(map(_row, measured()[PHRASES])))
+
+
+def measure() -> list[Figure]:
+    """Share of them taken as a motion; stops apart, since they are safe."""
+    found = measured()
+    done, full = sum(map(len, found.values())), sum(map(len, _trials().values()))
+    merge_results.write_details("near_taken", done, {k: taken(r) for k, r in found.items()})
+    return [
+        merge_results.measured(done, "trials", full),
+        *figures(found[PHRASES]),
+        *of_named(found[OWN]),
+    ]
+
+
+def figures(records: Sequence[Record]) -> list[Figure]:
+    """What was taken of phrases that are no command."""
+    moved = motions()
+    told, same = _apart(records)
+    found = [
+        _share("near misses: taken as motion", told, moved, 0.005),
+        _share("near misses, those that sound the same too: taken as motion", records, moved),
+    ]
+    if same:
+        found.append(_share("same sounds as a command: taken as motion", same, moved))
+    new = [r for r in told if r.label["text"] not in TRAINED]
+    found.append(_share("near misses, words never trained on: taken as motion", new, moved))
+    for name, phrases in ALL.items():
+        some = [r for r in told if r.label["text"] in phrases]
+        target = 0.0 if name == "denied" else None
+        found.append(_share(f"{name}: taken as motion", some, moved, target))
+        found.append(_share(f"{name}: taken as stop", some, {"stop"}))
+    found.append(_share("near misses: taken as hey robot", told, {"hey robot"}))
+    found.append(_share("near misses: taken as terminate", told, {"terminate"}))
+    return [f for f in found if f.unit]
+
+
+def of_named(records: Sequence[Record]) -> list[Figure]:
+    """The list of the requirement, each phrase in every held-out voice."""
+    told, same = _apart(records)
+    name = "tents, dense, least ... terminal in every voice"
+    found = [
+        _share(f"{name}: taken as motion", told, motions(), 0.005),
+        _share(f"{name}: taken as stop", told, {"stop"}),
+    ]
+    if same:
+        title = f"{name}, same sounds as a command: taken as motion"
+        found.append(_share(title, same, motions()))
+    return [f for f in found if f.unit]
+
+
+def is_same(record: Record) -> bool:
+    """Whether it has the sounds of a command in the voice that says it."""
+    label = record.label
+    return same_as_command(label["text"], label["engine"], label["voice"])
+
+
+def taken(records: Iterable[Record]) -> list[dict[str, Any]]:
+    """Every phrase that was taken for a command, motions first."""
+    found = [
+        {
+            "said": r.label["text"],
+            "voice": f"{r.label['engine']}:{r.label['voice']}",
+            "taken": one.command,
+            "is_motion": one.command in motions(),
+            "confidence": one.confidence,
+            "origin": one.origin,
+            "heard": one.text,
+            "same_sounds": is_same(r),
+            "path": r.label["path"],
+        }
+        for r in records
+        for one in r.heard.said
+        if one.is_taken
+    ]
+    return sorted(found, key=lambda one: (not one["is_motion"], one["said"]))
+
+
+def measured() -> dict[str, list[Record]]:
+    """Phrases and the requirement's own list through the pipeline, armed."""
+    plans = {name: chunks(trials) for name, trials in _trials().items()}
+    return resumable.measured("near", plans)
+
+
+def _trials() -> dict[str, list[Trial]]:
+    prompts = plan(clips.SEED, max(1, FULL // (2 * THIN)))
+    own = spread(NAMED, natives().present, 1, SEED)
+    return {PHRASES: trials_of(spoken(prompts)), OWN: trials_of(spoken(own))}
+
+
+def _apart(records: Sequence[Record]) -> tuple[list[Record], list[Record]]:
+    """Those that can be told from a command, and those that sound the same."""
+    told = [r for r in records if not is_same(r)]
+    return told, [r for r in records if is_same(r)]
+
+
+def _row(record: Record) -> Row:
+    label, heard = record.label, record.heard
+    claims = (Claim(s.command, s.confidence, s.origin, s.is_taken) for s in heard.said if s.command)
+    return Row(label["path"], label["text"], "", heard.taken, label["seconds"], tuple(claims))
+
+
+def _share(
+    name: str, records: Sequence[Record], commands: Iterable[str], target: float | None = None
+) -> Figure:
+    """A figure without a unit where there are no records."""
+    if not records:
+        return Figure(name, 0.0, "")
+    wrong = [r for r in records if not set(commands).isdisjoint(r.heard.taken)]
+    said = ", ".join(sorted({f"{r.label['text']!r}" for r in wrong}))
+    bound = at_most(len(wrong), len(records))
+    note = f"({len(wrong)} of {len(records)}, at most {bound:.4f} with 95 %{said and ': ' + said})"
+    return Figure(name, len(wrong) / len(records), "of all", target, note=note)

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What came of trials: right, nothing, another command, or the opposite of what was said."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Literal
+
+import numpy as np
+
+from bench.voice.resumable import Record
+from support.exact_bounds import at_least, at_most, rate_at_most
+from support.figures import Figure
+from voice_assist.config import load_voice_config
+
+# The sense in which a command moves: more pull, less pull, or an end to it all.
+SENSE = {
+    **{"tense": 1, "pull more": 1, "release": -1, "pull less": -1},
+    **{"stop": 0, "terminate": 0},
+}
+Verdict = Literal["right", "nothing", "wrong", "opposite"]
+
+
+@cache
+def motions() -> frozenset[str]:
+    """Commands that make the robot move."""
+    return frozenset(c.phrase for c in load_voice_config().commands.commands if c.is_motion)
+
+
+def is_opposite(said: str, taken: str) -> bool:
+    """Whether a command would move the robot against what was said.
+
+    So do "pull less" for "pull more", "release" for "tense", "release" for "pull more", and any
+    motion for "stop" or "terminate". "hey robot" asks for no sense, so none is against it.
+    """
+    if taken not in motions() or said not in SENSE:
+        return False
+    return SENSE[taken] != SENSE[said]
+
+
+def verdict(said: str, taken: Iterable[str]) -> Verdict:
+    """The worst that came of a clip in which a command is said."""
+    commands = set(taken)
+    if any(is_opposite(said, command) for command in commands):
+        return "opposite"
+    if commands - {said}:
+        return "wrong"
+    return "right" if commands else "nothing"
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Verdicts of some trials."""
+
+    n: int
+    right: int
+    nothing: int
+    wrong: int  # another command, the opposite too
+    opposite: int
+
+    def to_json(self) -> dict[str, Any]:
+        """With exact one-sided bounds at 95 % each."""
+        return {
+            "n": self.n,
+            "right": self.right,
+            "nothing": self.nothing,
+            "wrong": self.wrong,
+            "opposite": self.opposite,
+            "right_at_least": at_least(self.right, self.n),
+            "wrong_at_most": at_most(self.wrong, self.n),
+            "opposite_at_most": at_most(self.opposite, self.n),
+        }
+
+
+def tally(records: Iterable[Record]) -> Tally:
+    """Count trials, each of which says a command."""
+    found = Counter(verdict(r.label["text"], r.heard.taken) for r in records)
+    wrong = found["wrong"] + found["opposite"]
+    return Tally(found.total(), found["right"], found["nothing"], wrong, found["opposite"])
+
+
+def by(records: Sequence[Record], key: Callable[[Record], str]) -> dict[str, Tally]:
+    """A tally for each group, by its name."""
+    groups: dict[str, list[Record]] = {}
+    for record in records:
+        groups.setdefault(key(record), []).append(record)
+    return {name: tally(groups[name]) for name in sorted(groups)}
+
+
+def engine(record: Record) -> str:
+    """Engine that spoke it."""
+    return str(record.label["engine"])
+
+
+def text(record: Record) -> str:
+    """What was said."""
+    return str(record.label["text"])
+
+
+def voice(record: Record) -> str:
+    """Engine and voice that spoke it."""
+    return f"{record.label['engine']}:{record.label['voice']}"
+
+
+def right(name: str, count: Tally, target: float | None = None) -> Figure:
+    """Share that was right."""
+    note = f"({count.right} of {count.n}, at least {at_least(count.right, count.n):.4f} with 95 %)"
+    return Figure(f"{name}: right", count.right / count.n, "of all", target, False, note)
+
+
+def others(name: str, count: Tally, targets: bool = False) -> list[Figure]:
+    """Share of another command, and how many of these go against what was said."""
+    most = at_most(count.wrong, count.n)
+    note = f"({count.wrong} of {count.n}, at most {most:.4f} with 95 %)"
+    limit = 0.001 if targets else None
+    most = at_most(count.opposite, count.n)
+    against = f"(of {count.n}, at most {most:.4f} of all with 95 %)"
+    return [
+        Figure(f"{name}: another command", count.wrong / count.n, "of all", limit, note=note),
+        Figure(f"{name}: opposite", count.opposite, "", 0.0 if targets else None, note=against),
+    ]
+
+
+def latencies(records: Iterable[Record]) -> dict[str, list[float]]:
+    """Times from the end of speech to the first decision of the trials that were right [ms]."""
+    found: dict[str, list[float]] = {}
+    for record in records:
+        label = record.label
+        if verdict(label["text"], record.heard.taken) == "right":
+            first = next(one for one in record.heard.said if one.is_taken)
+            found.setdefault(label["text"], []).append(1e3 * (first.at - label["end"]))
+    return found
+
+
+def quantiles(times: Sequence[float]) -> dict[str, float]:
+    """Percentiles of times."""
+    return {f"p{q}": float(np.percentile(times, q)) for q in (50, 95, 99)}
+
+
+def rate(name: str, count: int, hours: float, target: float | None = None) -> Figure:
+    """Events per hour with the exact bound of a Poisson process."""
+    note = f"({count} in {hours:.2f} h, at most {rate_at_most(count, hours):.2f}/h with 95 %)"
+    return Figure(name, count / hours, "per h", target, note=note)
+
+
+def misses(records: Iterable[Record]) -> list[dict[str, Any]]:
+    """Trials that were not right, to be listened to."""
+    return [
+        {
+            "verdict": verdict(r.label["text"], r.heard.taken),
+            **{key: r.label[key] for key in ("text", "engine", "voice", "path")},
+            "taken": r.heard.taken,
+            "heard": [one.text for one in r.heard.said],
+            "why": [one.why for one in r.heard.said if one.why],
+            "confidence": [one.confidence for one in r.heard.said],
+        }
+        for r in records
+        if verdict(r.label["text"], r.heard.taken) != "right"
+    ]

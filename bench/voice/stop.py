@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The word "stop": said twice, in standby, while the robot moves or speaks, by each way alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from bench.voice import merge_results, outcomes, resumable
+from bench.voice.evaluate_once import THIN
+from bench.voice.mixing import Trial, chunks, trials_of, twice
+from bench.voice.outcomes import latencies, quantiles, right, tally
+from bench.voice.replay_stream import WAYS
+from bench.voice.resumable import Record
+from bench.voice.synthesis import DEV, Spoken, recorded
+from bench.voice.trials import STOP, WHOLE, clips_of
+from support.figures import Figure
+from voice_assist.types import Mode
+
+TWICE = "said twice"
+ROBOT = (  # [dB] below the word
+    *(("servo", 10.0), ("servo", 0.0)),
+    *(("speaking", 12.0), ("speaking", 6.0), ("speaking", 0.0)),
+)
+NAMES = {"servo": "over the robot's joints", "speaking": "over the robot's replies"}
+TARGETS = {  # least share heard
+    f"stop, synthetic, {TWICE}": 0.999,
+    f"stop, human, {TWICE}": 0.999,
+    "stop, synthetic, quiet, both ways": 0.995,
+    "stop, human, quiet, both ways": 0.95,
+}
+HARD = ("theatre", 0.0)  # background and SNR [dB] in which each way is tried alone, beside quiet
+
+
+def measure() -> list[Figure]:
+    """Share heard and nothing else taken; synthetic voices and people apart."""
+    plans = {name: chunks(plan) for name, plan in _plans(THIN)}
+    every = resumable.measured("stop", plans)
+    found = {name: records for name, records in every.items() if records}
+    done = sum(map(len, found.values()))
+    full = sum(len(plan) for _, plan in _plans(min(THIN, WHOLE)))
+    figures = [merge_results.measured(done, "trials", full)]
+    for name, records in found.items():
+        figures.append(right(name, tally(records), TARGETS.get(name)))
+        figures += _latency(name, records)
+    missed = {name: outcomes.misses(records) for name, records in found.items()}
+    merge_results.write_details("stop_missed", done, missed)
+    return figures
+
+
+def people() -> list[Spoken]:
+    """People who say "stop"; none where there are no recordings."""
+    return [clip for clip in recorded(DEV) if clip.text in STOP]
+
+
+def _plans(thin: int) -> Iterator[tuple[str, list[Trial]]]:
+    synthetic = list(clips_of(STOP))
+    yield f"stop, synthetic, {TWICE}", twice(synthetic)
+    yield from _conditions("stop, synthetic", trials_of(synthetic)[::thin])
+    if humans := people():
+        yield f"stop, human, {TWICE}", twice(humans)
+        yield from _conditions("stop, human", trials_of(humans))
+    else:
+        print("no human speech in ../shared/speech: people left out")
+
+
+def _conditions(who: str, trials: Sequence[Trial]) -> Iterator[tuple[str, list[Trial]]]:
+    for way in WAYS:
+        yield f"{who}, quiet, {_ears(way)}", [replace(t, way=way) for t in trials]
+    background, snr = HARD
+    for way in WAYS:
+        noisy = [replace(t, background=background, snr=snr, way=way) for t in trials]  # type: ignore[arg-type]
+        yield f"{who}, {background} {snr:g} dB, {_ears(way)}", noisy
+    yield f"{who}, standby", [replace(t, mode=Mode.STANDBY.value) for t in trials]
+    for kind, level in ROBOT:
+        over = [replace(t, background=kind, snr=level) for t in trials]  # type: ignore[arg-type]
+        yield f"{who}, {NAMES[kind]}, {level:g} dB below", over
+
+
+def _ears(way: str) -> str:
+    return "both ways" if way == "both" else f"{way} alone"
+
+
+def _latency(name: str, records: Sequence[Record]) -> list[Figure]:
+    times = latencies(records).get("stop")
+    if not times:
+        return []
+    values = quantiles(times)
+    return [Figure(f"{name}: {q}", values[q], "ms") for q in ("p50", "p99")]

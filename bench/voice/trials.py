@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Thousands of commands in voices that training never used, in quiet and in theatre noise.
+
+Every voice says every command of a group equally often. THIN=3: in noise one trial in three, which
+is the whole plan; more is a part of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+from bench.voice import merge_results, outcomes, resumable
+from bench.voice.evaluate_once import THIN
+from bench.voice.held_out_voices import Voice, foreigners, natives, spread
+from bench.voice.mixing import Trial, chunks, trials_of
+from bench.voice.outcomes import by, latencies, others, quantiles, right, tally
+from bench.voice.resumable import Record
+from bench.voice.synthesis import Spoken, spoken
+from support.exact_bounds import at_least
+from support.figures import Figure
+
+SEED = 5
+MOTIONS = ("tense", "release", "pull more", "pull less")
+STOP, OTHERS = ("stop",), ("hey robot", "terminate")
+LEAST = {MOTIONS: 3000, STOP: 1000, OTHERS: 500}  # trials of each group
+WHOLE = 3  # THIN from which on the plan counts as whole
+FOREIGN_EACH = 4  # times that each foreign voice says each command
+SNRS = (10, 6, 0)  # [dB]
+TARGETS = {  # least share right; the condition's name, the group
+    ("quiet", MOTIONS): 0.995,
+    ("6 dB", MOTIONS): 0.98,
+    ("0 dB", MOTIONS): 0.90,
+    ("quiet", STOP): 0.995,
+    ("10 dB", STOP): 0.99,
+    ("0 dB", STOP): 0.97,
+}
+NAMES = {MOTIONS: "motion commands", STOP: "stop", OTHERS: "hey robot and terminate"}
+
+
+def measure() -> list[Figure]:
+    """Right, nothing, another command and the opposite; by engine, by command, by noise."""
+    plans = {name: chunks(trials) for name, trials in conditions(THIN).items() if trials}
+    every = resumable.measured("trials", plans)
+    found = {name: records for name, records in every.items() if records}
+    done = sum(map(len, found.values()))
+    figures = [merge_results.measured(done, "trials", full())]
+    for condition, records in found.items():
+        figures += _of_condition(condition, records)
+    figures += _latency(found.get("quiet", ()))
+    missing = (*natives().missing, *foreigners().missing)
+    names = ", ".join(map(str, missing))
+    figures.append(Figure("voices missing here", len(missing), "", note=f"({names or 'none'})"))
+    merge_results.write_details("trials_table", done, {k: _table(r) for k, r in found.items()})
+    missed = {name: outcomes.misses(records) for name, records in found.items()}
+    merge_results.write_details("trials_missed", done, missed)
+    return figures
+
+
+@cache
+def clips_of(commands: tuple[str, ...]) -> tuple[Spoken, ...]:
+    """A group of commands in all held-out native voices.
+
+    Args:
+        commands: A key of LEAST.
+    """
+    cast = natives().present
+    each = math.ceil(LEAST[commands] / (len(commands) * len(cast)))
+    return tuple(spoken(spread(commands, cast, each, SEED)))
+
+
+@cache
+def foreign() -> tuple[Spoken, ...]:
+    """All commands in the voices of other languages."""
+    cast: Sequence[Voice] = foreigners().present
+    commands = (*MOTIONS, *STOP, *OTHERS)
+    return tuple(spoken(spread(commands, cast, FOREIGN_EACH, SEED))) if cast else ()
+
+
+def conditions(thin: int) -> dict[str, list[Trial]]:
+    """Trials by their condition.
+
+    Args:
+        thin: In noise one trial in so many.
+    """
+    quiet = [trial for group in LEAST for trial in trials_of(clips_of(group))]
+    found = {"quiet": quiet}
+    for snr in SNRS:
+        some = quiet[::thin]
+        found[f"{snr} dB"] = [replace(t, background="theatre", snr=float(snr)) for t in some]
+    found["foreign accents"] = trials_of(foreign())
+    return found
+
+
+def full() -> int:
+    """Trials of the whole plan."""
+    return sum(map(len, conditions(min(THIN, WHOLE)).values()))
+
+
+def _of_condition(condition: str, records: Sequence[Record]) -> list[Figure]:
+    figures = []
+    for group, name in NAMES.items():
+        some = [r for r in records if r.label["text"] in group]
+        if not some:
+            continue
+        count, title = tally(some), f"{name}, {condition}"
+        figures.append(right(title, count, TARGETS.get((condition, group))))
+        if group == MOTIONS and condition == "quiet":
+            least = at_least(count.right, count.n)
+            figures.append(Figure(f"{title}: right at least, 95 %", least, "of all", 0.99, False))
+        for command in group if len(group) > 1 else ():
+            said = [r for r in some if r.label["text"] == command]
+            if said:
+                figures.append(right(f"{command}, {condition}", tally(said)))
+    figures += others(f"all commands, {condition}", tally(records), condition == "quiet")
+    if condition == "quiet":
+        groups = by(records, outcomes.engine)
+        figures += [right(f"{engine}, {condition}", count) for engine, count in groups.items()]
+    return figures
+
+
+def _latency(records: Sequence[Record]) -> list[Figure]:
+    figures = []
+    for command, times in latencies(records).items():
+        is_stop = command in STOP
+        limits = {"p50": 150.0, "p99": 300.0} if is_stop else {"p50": 250.0, "p95": 500.0}
+        for name, value in quantiles(times).items():
+            note = f"({len(times)} trials; stream time and CPU time)" if name == "p50" else ""
+            figures.append(Figure(f"{command}: {name}", value, "ms", limits.get(name), note=note))
+    return figures
+
+
+def _table(records: Sequence[Record]) -> dict[str, Any]:
+    """Counts with bounds by engine, by command, and of both, and by voice."""
+    keys = {
+        "by_engine": outcomes.engine,
+        "by_command": outcomes.text,
+        "by_voice": outcomes.voice,
+        "by_engine_and_command": lambda r: f"{outcomes.engine(r)}, {outcomes.text(r)}",
+    }
+    tables = {
+        name: {group: count.to_json() for group, count in by(records, key).items()}
+        for name, key in keys.items()
+    }
+    return {"all": tally(records).to_json(), **tables}

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Shows the first motion and asks before it: what moves is seen before it moves for the first time.
+
+Until a person has confirmed, every command that would move the robot is planned, verified and
+shown, and then refused. The confirmation is for the command that was shown last, from the place
+where it was shown, and for a while. Once that command was accepted, nothing asks any more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from rst_control.admission.command_queue import Verify
+from rst_control.execution.orders import Reply
+from rst_control.planning.plan import Accepted, Plan, Rejected, Request, Situation
+from rst_control.types import Reason, Vector
+
+VALID_FOR: Final = 60.0  # [s] that a confirmation holds
+SAME_PLACE: Final = 5e-3  # [rad] that joints may have moved since the path was shown
+ASK: Final = (
+    'dry run: "{command}" {words}; its path is shown on rst_control/preview. Look at it, call '
+    'rst_control/confirm, then say "{command}" again'
+)
+NOTHING: Final = 'nothing to confirm: no path was shown yet; give the command first, as "tense"'
+ALREADY: Final = "nothing to confirm: the first motion was confirmed before"
+
+
+class FirstMotion:
+    """Verification that asks before the first motion; confirmed from any thread.
+
+    Args:
+        verify: Decides everything else.
+        show: Shows a plan, or with None no more.
+        clock: Time [s].
+    """
+
+    def __init__(
+        self, verify: Verify, show: Callable[[Plan | None], None], clock: Callable[[], float]
+    ) -> None:
+        self._verify, self._show, self._clock = verify, show, clock
+        self._shown: tuple[Plan, Vector] | None = None  # with the joints where it begins
+        self._confirmed: float | None = None  # [s] when
+        self._is_free = False
+
+    def __call__(self, request: Request, situation: Situation) -> Accepted | Rejected:
+        """Decide; see the module."""
+        decision = self._verify(request, situation)
+        measured = situation.measurement
+        if self._is_free or isinstance(decision, Rejected) or measured is None:
+            return decision
+        plan = decision.plan
+        if not plan.phases:
+            return decision
+        if self._is_confirmed(plan, measured.position):
+            self._is_free = True
+            self._show(None)
+            return decision
+        self._shown, self._confirmed = (plan, measured.position), None
+        self._show(plan)
+        words = ASK.format(command=plan.command.value, words=plan.words)
+        return Rejected(Reason.NOT_CONFIRMED, words)
+
+    def confirm(self) -> Reply:
+        """Let the motion shown last set off when it is asked for again."""
+        if self._is_free:
+            return Reply(False, ALREADY)
+        if self._shown is None:
+            return Reply(False, NOTHING)
+        self._confirmed = self._clock()
+        command = self._shown[0].command.value
+        return Reply(True, f'confirmed: say "{command}" again within {VALID_FOR:.0f} s')
+
+    def _is_confirmed(self, plan: Plan, place: Vector) -> bool:
+        if self._shown is None or self._confirmed is None:
+            return False
+        shown, where = self._shown
+        is_same = shown.command is plan.command
+        is_near = float(np.abs(place - where).max()) <= SAME_PLACE
+        return is_same and is_near and self._clock() - self._confirmed <= VALID_FOR

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Settings: one frozen dataclass per YAML file."""
+
+from rst_control.config.motion import (
+    CONFIG_FOLDER,
+    PACKAGE,
+    URDF_FILE,
+    ControllerConfig,
+    LimitLayer,
+    LimitsConfig,
+    MotionConfig,
+    RcmConfig,
+    SimulationConfig,
+    SolverConfig,
+    TensionConfig,
+    WatchdogConfig,
+    load_motion_config,
+    load_simulation_config,
+)
+from rst_control.config.scene import (
+    SceneConfig,
+    TissueConfig,
+    TriangulationConfig,
+)
+from rst_control.config.simulator import (
+    CameraConfig,
+    ServoConfig,
+    SimulatorConfig,
+)
+
+__all__ = [
+    "CONFIG_FOLDER",
+    "PACKAGE",
+    "URDF_FILE",
+    "CameraConfig",
+    "ControllerConfig",
+    "LimitLayer",
+    "LimitsConfig",
+    "MotionConfig",
+    "RcmConfig",
+    "SceneConfig",
+    "ServoConfig",
+    "SimulationConfig",
+    "SimulatorConfig",
+    "SolverConfig",
+    "TensionConfig",
+    "TissueConfig",
+    "TriangulationConfig",
+    "WatchdogConfig",
+    "load_motion_config",
+    "load_simulation_config",
+]

@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Settings of the package: a frozen dataclass per YAML file of `config/`; no key has a default."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from rst_control.config.callers import CallersConfig
+from rst_control.config.camera import LookConfig
+from rst_control.config.collision import CollisionConfig
+from rst_control.config.recording import RecordingConfig
+from rst_control.config.scene import SceneConfig, TissueConfig, TriangulationConfig
+from rst_control.config.sensors import SensorConfig
+from rst_control.config.simulator import CameraConfig, ServoConfig, SimulatorConfig
+from typed_config import (
+    choice,
+    integer,
+    items,
+    load_config,
+    load_yaml,
+    number,
+    require,
+    require_rising,
+    text,
+)
+
+__all__ = [
+    "CONFIG_FOLDER",
+    "PACKAGE",
+    "URDF_FILE",
+    "CameraConfig",
+    "CollisionConfig",
+    "ControllerConfig",
+    "JawsConfig",
+    "LimitLayer",
+    "LimitsConfig",
+    "LookConfig",
+    "MotionConfig",
+    "RcmConfig",
+    "RecordingConfig",
+    "RegistrationConfig",
+    "SceneConfig",
+    "ServoConfig",
+    "SimulationConfig",
+    "SimulatorConfig",
+    "SolverConfig",
+    "SpeedConfig",
+    "TensionConfig",
+    "TissueConfig",
+    "TriangulationConfig",
+    "WatchdogConfig",
+    "load_motion_config",
+    "load_simulation_config",
+]
+
+PACKAGE = Path(__file__).resolve().parents[3]
+CONFIG_FOLDER = PACKAGE / "config"
+URDF_FILE = PACKAGE / "urdf" / "gen3_openrst.urdf"
+
+T = TypeVar("T")
+Arm = tuple[float, float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitLayer:
+    """One set of joint limits; joint_7 is the last of the arm."""
+
+    name: str = text()
+    arm_velocity: Arm = number(0.01, 10.0, "rad/s")
+    arm_acceleration: Arm = number(0.01, 100.0, "rad/s^2")
+    tool_velocity: float = number(0.01, 10.0, "rad/s")
+    tool_acceleration: float = number(0.01, 100.0, "rad/s^2")
+    stopping_time: float = number(0.005, 10.0, "s")
+    stopping_distance: float = number(5e-5, 0.1, "m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitsConfig:
+    """limits.yaml: how far and how fast joints may move."""
+
+    layer: str = text()
+    layers: tuple[LimitLayer, ...] = items(1, 8)
+    arm_lower: Arm = number(-6.2832, 0.0, "rad")
+    arm_upper: Arm = number(0.0, 6.2832, "rad")
+    position_margin: float = number(0.0, 0.5, "rad")
+    pitch: float = number(0.1, 1.5708, "rad")
+    finger: float = number(0.1, 1.65, "rad")
+    least_manipulability: float = number(0.0, 1e-5, "(m/rad)^8")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        names = [layer.name for layer in self.layers]
+        require(len(set(names)) == len(names), "layers", names, "names that differ")
+        require(self.layer in names, "layer", self.layer, f"one of {', '.join(names)}")
+        for joint, (low, high) in enumerate(zip(self.arm_lower, self.arm_upper, strict=True)):
+            room = high - low - 2.0 * self.position_margin
+            allowed = f"below the range of joint_{joint + 1}, {low:g} to {high:g} rad, by half"
+            require(room > 0.0, "position_margin", self.position_margin, allowed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolverConfig:
+    """Numbers of the inverse kinematics."""
+
+    tolerance: float = number(1e-12, 1e-8, "m")
+    damping: float = number(0.0, 1.0, "")
+    max_iterations: int = integer(1, 1000)
+    max_step: float = number(0.01, 3.2, "rad")
+    restarts: int = integer(0, 10_000)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RegistrationConfig:
+    """How the trocar may be set anew, and fitted to recorded poses of the shaft."""
+
+    tolerance: float = number(1e-6, 1e-2, "m")
+    least_poses: int = integer(3, 1000)
+    least_spread: float = number(0.001, 1.0, "rad")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RcmConfig:
+    """rcm.yaml: the remote centre of motion and how it is kept."""
+
+    planned_tolerance: float = number(1e-9, 1e-4, "m")
+    measured_tolerance: float = number(1e-6, 1e-2, "m")
+    insertion: tuple[float, float] = number(0.0, 0.6, "m")
+    knot_spacing: float = number(1e-4, 2e-3, "m")
+    rotation_radius: float = number(1e-3, 1.0, "m")
+    solver: SolverConfig
+    registration: RegistrationConfig
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        require_rising("insertion", self.insertion)
+        planned, most = self.planned_tolerance, self.measured_tolerance
+        allowed = f"up to measured_tolerance, {most}"
+        require(planned <= most, "planned_tolerance", planned, allowed)
+        tolerance = self.registration.tolerance  # else a trocar could be set that motion refuses
+        require(tolerance <= most, "registration.tolerance", tolerance, allowed)
+        allowed = f"up to planned_tolerance, {planned}"
+        solved = self.solver.tolerance
+        require(solved <= planned, "solver.tolerance", solved, allowed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedConfig:
+    """Speed profile along the path."""
+
+    scale: float = number(0.001, 1.0, "")
+    tip_speed: float = number(1e-4, 0.1, "m/s")
+    pull_speed: float = number(1e-4, 0.1, "m/s")
+    insertion: float = number(1e-4, 0.1, "m/s")
+    approach: float = number(1e-4, 0.1, "m/s")
+    acceleration: float = number(0.01, 10.0, "m/s^2")
+    jerk: float = number(0.1, 1000.0, "m/s^3")
+    braking_jerk: float = number(0.1, 10_000.0, "m/s^3")
+
+
+@dataclass(frozen=True, kw_only=True)
+class JawsConfig:
+    """Opening and closing of the jaws."""
+
+    open: float = number(0.0, 1.5, "rad")
+    speed: float = number(0.01, 3.0, "rad/s")
+    acceleration: float = number(0.01, 20.0, "rad/s^2")
+    jerk: float = number(0.1, 1000.0, "rad/s^3")
+    braking: float = number(0.01, 20.0, "rad/s^2")
+    braking_jerk: float = number(0.1, 5000.0, "rad/s^3")
+    settle_time: float = number(0.0, 2.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TensionConfig:
+    """Pull of the tissue on the jaws."""
+
+    source: str = choice("sensor", "joint_torque", "none")
+    blind_stiffness: float = number(20.0, 4000.0, "N/m")
+    initial: float = number(0.05, 2.4, "N")
+    minimum: float = number(0.0, 1.0, "N")
+    maximum: float = number(0.1, 2.4, "N")
+    limit: float = number(0.1, 2.4, "N")
+    tolerance: float = number(0.001, 0.2, "N")
+    step_by: str = choice("tension", "distance")
+    step_tension: float = number(0.01, 1.0, "N")
+    step_distance: float = number(1e-4, 0.02, "m")
+    bandwidth: float = number(0.5, 100.0, "1/s")
+    stiffness_range: tuple[float, float] = number(1.0, 20_000.0, "N/m")
+    noise: float = number(1e-4, 0.1, "N")
+    delay: float = number(0.0, 0.3, "s")
+    settle_time: float = number(0.0, 2.0, "s")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        allowed = f"below {self.limit}"  # a pull to it would stop just below, and never arrive
+        require(self.maximum < self.limit, "maximum", self.maximum, allowed)
+        allowed = f"{self.minimum} to {self.maximum}, minimum to maximum"
+        is_between = self.minimum <= self.initial <= self.maximum
+        require(is_between, "initial", self.initial, allowed)
+        require_rising("stiffness_range", self.stiffness_range)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WatchdogConfig:
+    """What makes the controller brake and latch, or refuse to start."""
+
+    joint_state_age: float = number(0.002, 1.0, "s")
+    following_error: float = number(1e-4, 1.0, "rad")
+    voice_heartbeat_age: float = number(0.05, 10.0, "s")
+    at_rest_speed: float = number(1e-5, 0.1, "rad/s")
+    phase_timeout: float = number(1.0, 600.0, "s")
+    sensors: SensorConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControllerConfig:
+    """controller.yaml: the control loop, its speeds, forces and watchdogs."""
+
+    rate: float = number(50.0, 2000.0, "Hz")
+    state_rate: float = number(1.0, 200.0, "Hz")
+    spoken_by: str = text()
+    first_motion: str = choice("free", "confirmed")
+    speed: SpeedConfig
+    jaws: JawsConfig
+    tension: TensionConfig
+    look: LookConfig
+    watchdogs: WatchdogConfig
+    recording: RecordingConfig
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        allowed = f"up to rate, {self.rate:g} Hz"
+        require(self.state_rate <= self.rate, "state_rate", self.state_rate, allowed)
+
+    callers: CallersConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionConfig:
+    """All that planning and control read: the form of the controller node's private parameters."""
+
+    limits: LimitsConfig
+    rcm: RcmConfig
+    scene: SceneConfig
+    controller: ControllerConfig
+    collision: CollisionConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulationConfig:
+    """All that the simulator node reads."""
+
+    limits: LimitsConfig
+    scene: SceneConfig
+    simulator: SimulatorConfig
+
+
+def load_motion_config(folder: Path = CONFIG_FOLDER) -> MotionConfig:
+    """Read what planning and control need from the YAML files of a folder.
+
+    Raises:
+        typed_config.ConfigError: A key is unknown, missing or out of range; names it and its file.
+    """
+    return MotionConfig(
+        limits=_read(LimitsConfig, folder / "limits.yaml"),
+        rcm=_read(RcmConfig, folder / "rcm.yaml"),
+        scene=_read(SceneConfig, folder / "scene.yaml"),
+        controller=_read(ControllerConfig, folder / "controller.yaml"),
+        collision=_read(CollisionConfig, folder / "collision.yaml"),
+    )
+
+
+def load_simulation_config(folder: Path = CONFIG_FOLDER) -> SimulationConfig:
+    """Read what the simulator needs from the YAML files of a folder.
+
+    Raises:
+        typed_config.ConfigError: A key is unknown, missing or out of range; names it and its file.
+    """
+    return SimulationConfig(
+        limits=_read(LimitsConfig, folder / "limits.yaml"),
+        scene=_read(SceneConfig, folder / "scene.yaml"),
+        simulator=_read(SimulatorConfig, folder / "simulator.yaml"),
+    )
+
+
+def _read(kind: type[T], path: Path) -> T:
+    return load_config(kind, load_yaml(path), path.name)

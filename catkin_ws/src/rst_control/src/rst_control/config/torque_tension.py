@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""torque_tension.yaml: how the tissue's pull is told from joint torques, and when not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rst_control.config.motion import CONFIG_FOLDER
+from typed_config import integer, load_config, load_yaml, number, require
+
+Arm = tuple[float, float, float, float, float, float, float]
+TORQUE_TENSION_FILE = CONFIG_FOLDER / "torque_tension.yaml"
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueErrorConfig:
+    """How wrong a joint torque and its model may be: standard deviations."""
+
+    noise: Arm = number(0.0, 5.0, "N m")
+    offset: Arm = number(0.0, 10.0, "N m")
+    friction: Arm = number(0.0, 5.0, "N m")
+    gain: float = number(0.0, 0.2, "")
+    loads: tuple[float, float] = number(0.0, 20.0, "N")
+    model: float = number(0.0, 0.5, "")
+    tool_mass: float = number(0.0, 2.0, "kg")
+    inertia: float = number(0.0, 2.0, "")
+    trocar_friction: float = number(0.0, 5.0, "N")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TareConfig:
+    """When the bias of the torques is taken, and how far from there it holds."""
+
+    time: float = number(0.01, 5.0, "s")
+    opening: float = number(0.0, 1.5, "rad")
+    at_rest_speed: float = number(1e-4, 0.1, "rad/s")
+    holds_within: float = number(0.001, 3.2, "rad")
+    holds_for: float = number(1.0, 3600.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueTensionConfig:
+    """torque_tension.yaml."""
+
+    pull_direction: tuple[float, ...] = number(-1.0, 1.0, "")
+    effort_sign: int = integer(-1, 1)
+    tool_mass: float = number(0.0, 3.0, "kg")
+    rate: float = number(5.0, 500.0, "Hz")
+    filter_time: float = number(0.0, 1.0, "s")
+    gap: float = number(0.002, 1.0, "s")
+    fastest: float = number(0.001, 2.0, "rad/s")
+    most_sigma: float = number(0.01, 5.0, "N")
+    most_misfit: float = number(1.0, 100.0, "")
+    least_readings: int = integer(1, 1000)
+    error: TorqueErrorConfig
+    tare: TareConfig
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        way = list(self.pull_direction)
+        allowed = "three numbers that are not all 0"
+        require(len(way) == 3 and any(way), "pull_direction", way, allowed)
+        require(self.effort_sign != 0, "effort_sign", self.effort_sign, "1 or -1")
+
+
+def load_torque_tension(path: Path = TORQUE_TENSION_FILE) -> TorqueTensionConfig:
+    """Read the settings.
+
+    Raises:
+        typed_config.ConfigError: A key is unknown, missing or out of range; names it and its file.
+    """
+    return load_config(TorqueTensionConfig, load_yaml(path), path.name)

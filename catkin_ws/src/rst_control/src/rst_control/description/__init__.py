@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The robot as numbers, and the URDF that is written from them."""

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What became of the commands: their answers, their endings, and the diary of it all."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from rst_control.execution.orders import DiaryEntry, DiaryKind, Order, Outcome, OutcomeKind, Reply
+from rst_control.planning.plan import Rejected
+
+LONGEST_DIARY = 10_000  # [entries] kept where nobody takes them
+
+
+class Ledger:
+    """Answers orders, ends the one in motion once, and writes the diary.
+
+    The control loop's thread calls it; `note_refusal` may come from any thread.
+    """
+
+    def __init__(self) -> None:
+        self.diary: deque[DiaryEntry] = deque(maxlen=LONGEST_DIARY)  # emptied by its publisher
+        self.order: Order | None = None  # the one in motion
+        self.command = self.last_refusal = ""
+
+    @property
+    def is_spoken(self) -> bool:
+        """The order in motion was spoken."""
+        return self.order is not None and self.order.is_spoken
+
+    def note(self, now: float, kind: DiaryKind, command: str, message: str) -> None:
+        """Write what happened at a time [s]."""
+        self.diary.append(DiaryEntry(now, kind, command, message))
+
+    def note_refusal(self, now: float, command: str, words: str) -> None:
+        """Write a refusal, wherever it was decided."""
+        self.last_refusal = words
+        self.note(now, "refused", command, words)
+
+    def accept(self, now: float, order: Order) -> None:
+        """Answer that it is done or will be."""
+        self.command = order.command.value
+        self.note(now, "accepted", self.command, order.plan.words)
+        order.reply(Reply(True, order.plan.words))
+
+    def refuse(self, now: float, order: Order, refusal: Rejected, tension: float) -> None:
+        """Answer that it will not be done, and end it.
+
+        Args:
+            now: Time [s].
+            order: Not in motion.
+            refusal: Why.
+            tension: Present [N].
+        """
+        self.note_refusal(now, order.command.value, refusal.words)
+        order.reply(Reply(False, refusal.words))
+        order.ended(Outcome("refused", refusal.words, tension))
+
+    def end(self, kind: OutcomeKind, reason: str, tension: float, rcm_error: float) -> None:
+        """End the order in motion, if there is one.
+
+        Args:
+            kind: How it ended.
+            reason: Why it did not succeed; empty where it did.
+            tension: Present [N].
+            rcm_error: Largest since the motion began [m].
+        """
+        order, self.order = self.order, None
+        if order is not None:
+            order.ended(Outcome(kind, reason, tension, rcm_error))

@@ -1,0 +1,358 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The life of a command: accepted, moved tick by tick, finished, or braked and latched.
+
+One thread calls `tick`; it owns all state. Others only post orders, ask for a stop or report a
+heartbeat, which the next tick takes up. Nothing here plans, waits or reads a clock.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+
+from rst_control.execution import state_machine
+from rst_control.execution.event_log import Ledger
+from rst_control.execution.fault_reset import Waking
+from rst_control.execution.motion import Motion
+from rst_control.execution.orders import (
+    Change,
+    DiaryEntry,
+    DiaryKind,
+    Order,
+    Outcome,
+    OutcomeKind,
+    View,
+)
+from rst_control.execution.setpoint import STILL, Mover
+from rst_control.execution.snapshot import view_of
+from rst_control.execution.state_machine import Life, State
+from rst_control.planning.patient_surface import NOWHERE, Placement
+from rst_control.planning.plan import Rejected
+from rst_control.supervision.watchdogs import Watchdogs, Watched
+from rst_control.types import JOINT_COUNT, Command, Measurement, Reason, Setpoint, Vector
+
+log = logging.getLogger("rosout.rst_control.executor")
+
+ORDERS_PER_TICK = 4  # however many callers there are, a tick stays short
+MOST_PERIODS = 5  # of the path that one late tick may catch up with
+
+
+class Executor:
+    """Owns the state of the controller and turns orders into set-points.
+
+    Args:
+        watchdogs: What makes it brake.
+        placement: Where the tool is towards the trocar, for joint positions of shape (10,).
+        mover: Moves the set-point.
+        clear_fault: Asks the robot to take set-points again.
+        period: Time between ticks [s].
+    """
+
+    def __init__(
+        self,
+        watchdogs: Watchdogs,
+        placement: Callable[[Vector], Placement],
+        mover: Mover,
+        clear_fault: Callable[[], None],
+        period: float,
+    ) -> None:
+        self._watchdogs, self._locate = watchdogs, placement
+        self._mover, self._period = mover, period
+        self._now = 0.0
+        self._measured: Measurement | None = None
+        self._placement, self._max_rcm_error = NOWHERE, 0.0
+        self._life, self._life_changes = Life(), 0
+        self._ledger = Ledger()
+        self._waking = Waking(self._cannot_wake, clear_fault, self._refuse)
+        self._health, self._heartbeat = "", -np.inf
+        self._orders: deque[Order] = deque()
+        self._stops: deque[tuple[str, float | None]] = deque()
+        self._older = 0  # orders still waiting that came before the last stop
+        self._changes: deque[Change] = deque()
+        self._changed = 0  # how often what verification relies on was changed from outside
+        self.view = View.at_start()
+
+    # From any thread.
+
+    def post(self, order: Order) -> None:
+        """Hand over a verified command; the next tick answers it."""
+        self._orders.append(order)
+
+    def stop(self, reason: str, received: float | None = None) -> None:
+        """Brake, hold and latch from the next tick on; `received` [s] is told by the diary."""
+        self._stops.append((reason, received))
+
+    def change(self, change: Change) -> None:
+        """Let something that verification relies on be changed, within the next tick."""
+        self._changes.append(change)
+
+    def heartbeat(self, now: float) -> None:
+        """Note that the voice node is alive."""
+        self._heartbeat = now
+
+    def note_refusal(self, command: str, words: str, now: float) -> None:
+        """Write a refusal into the diary."""
+        self._ledger.note_refusal(now, command, words)
+
+    @property
+    def diary(self) -> deque[DiaryEntry]:
+        """What happened, oldest first; to be emptied by whoever publishes it."""
+        return self._ledger.diary
+
+    @property
+    def owner(self) -> str:
+        """Node that asked for the present motion and has to stay; empty: none has."""
+        order = self._ledger.order
+        return order.owner if order is not None else ""
+
+    # From the loop's thread.
+
+    def tick(self, now: float, measured: Measurement | None) -> Setpoint | None:
+        """Do what is due.
+
+        Args:
+            now: Time at which this tick is due [s], the clock of the measurement.
+            measured: Newest from the robot; None while it never spoke.
+
+        Returns:
+            Where the joints should be now; None where the robot is to hold by itself.
+        """
+        periods = max(1, min(MOST_PERIODS, round((now - self._now) / self._period)))
+        self._now = now
+        self._look(measured)
+        self._take_stops()
+        self._take_change()
+        self._take_orders()
+        self._resume(self._waking.keep(now))
+        motion = self._mover.motion
+        velocity = self._rest() if motion is None else self._move(motion, periods)
+        self.view = self._seen()
+        held = self._mover.held
+        return None if held is None else Setpoint(held, velocity, now)
+
+    def crashed(self, error: Exception) -> None:
+        """After a tick raised: brake along the path; where that raises too, let the robot hold."""
+        reason = f"error in the control loop: {error!r}"[:300]
+        if self._life.reason != reason:
+            log.error(reason, exc_info=error)
+        if self._mover.motion is not None and self._life.then is not State.FAULTED:
+            self._fault(reason)
+        else:
+            self._mover.lose()
+            self._latch(state_machine.at_rest(state_machine.faulted(self._life, reason)))
+            self._end_order("failed", reason)
+        self.view = self._seen()  # the tick did not come to it
+
+    def _look(self, measured: Measurement | None) -> None:
+        if measured is not None and measured is not self._measured:
+            self._measured = measured
+            self._watchdogs.look(measured, self._mover.held, self._mover.pulled)
+            self._placement = self._locate(measured.position)
+            if self._mover.motion is not None:
+                self._max_rcm_error = max(self._max_rcm_error, self._placement.rcm_error)
+        lost = self._watchdogs.lost(self._now, measured)
+        self._health = lost.words if lost else ""
+
+    def _take_stops(self) -> None:
+        while self._stops:
+            reason, received = self._stops.popleft()
+            self._ledger.note(received or self._now, "stop_received", Command.STOP.value, reason)
+            self._waking.drop("stopped")
+            self._older = len(self._orders)
+            self._latch(state_machine.stopped(self._life, reason))
+
+    def _take_change(self) -> None:
+        if not self._changes:
+            return
+        entry = self._changes.popleft()(self._seen())
+        if entry is not None:
+            self._changed += 1
+            self.diary.append(entry)
+            if self._measured is not None:
+                self._placement = self._locate(self._measured.position)
+
+    def _take_orders(self) -> None:
+        for _ in range(min(ORDERS_PER_TICK, len(self._orders))):
+            order = self._orders.popleft()
+            outrun = self._outrun(order)
+            refusal = state_machine.refusal(self._life, order.command) or outrun
+            if refusal is not None:
+                self._refuse(order, refusal)
+            elif order.serial != self._serial and order.stale is not None:
+                order.stale()
+            elif order.command is Command.HEY_ROBOT:
+                self._resume(self._waking.take(order, self._now))
+            elif order.command is Command.TERMINATE:
+                self._terminate(order)
+            else:
+                self._start(order)
+
+    def _outrun(self, order: Order) -> Rejected | None:
+        """A stop is not cleared by a "hey robot" that came before it."""
+        is_older, self._older = self._older > 0, max(0, self._older - 1)
+        if not is_older or order.command is not Command.HEY_ROBOT:
+            return None
+        return Rejected(Reason.HALTED, "stopped meanwhile; say it again")
+
+    def _start(self, order: Order) -> None:
+        lost = self._health or self._watchdogs.owner(order.owner)
+        if lost:
+            self._refuse(order, Rejected(Reason.NOT_CONNECTED, lost))
+            return
+        refusal = self._mover.start(order.plan, self._now)
+        if refusal is not None:
+            self._refuse(order, refusal)
+            return
+        self._end_order("stopped", f'replaced by "{order.command.value}"')
+        if self._life.state is not State.MOVING:
+            self._max_rcm_error = self._placement.rcm_error
+        self._ledger.order = order
+        self._change(state_machine.started(self._life))
+        self._ledger.accept(self._now, order)
+        self._note("motion_started", order.command.value, order.plan.words)
+
+    def _terminate(self, order: Order) -> None:
+        self._ledger.accept(self._now, order)
+        order.ended(Outcome("succeeded", ""))
+        self._latch(state_machine.terminated(self._life))
+
+    def _cannot_wake(self) -> Rejected | None:
+        return self._watchdogs.waking(self._now, self._measured, self._mover.motion is not None)
+
+    def _resume(self, order: Order | None) -> None:
+        if order is None:
+            return
+        was, measured, held = self._life, self._measured, self._mover.held
+        if (
+            measured is not None
+            and self._mover.motion is None
+            and (held is None or self._watchdogs.following(measured, held))
+        ):
+            self._synchronise(measured)
+        self._ledger.accept(self._now, order)
+        order.ended(Outcome("succeeded", ""))
+        self._change(state_machine.activated(was))
+        if was.is_latched:
+            self._note("cleared", order.command.value, was.reason)
+
+    def _move(self, motion: Motion, periods: int) -> Vector:
+        self._watch(motion)
+        velocity = self._mover.advance(periods, self._measured, self._now)
+        if motion.failure and self._life.state is State.MOVING:
+            self._latch(state_machine.failed(self._life))
+        if motion.is_done:
+            self._finish(motion)
+        return velocity
+
+    def _watch(self, motion: Motion) -> None:
+        if self._life.state is State.STOPPING and self._life.then is State.FAULTED:
+            return
+        # Braking to a latch needs no voice: its heartbeat pauses after a stop.
+        is_heard = self._ledger.is_spoken and not self._life.is_latched
+        held = self._mover.held
+        watched = Watched(
+            setpoint=np.zeros(JOINT_COUNT) if held is None else held,
+            placement=self._placement,
+            raises_tension=motion.raises_tension,
+            needs_grip=motion.needs_grip,
+            overtime=motion.overtime(self._now),
+            heartbeat_age=self._now - self._heartbeat if is_heard else None,
+            owner=self.owner,
+        )
+        self._fault(self._watchdogs.motion(self._now, self._measured, watched))
+
+    def _finish(self, motion: Motion) -> None:
+        was = self._life
+        self._mover.finish()
+        self._change(state_machine.at_rest(was))
+        if was.state is State.MOVING:
+            self._note("motion_finished", self._ledger.command, f"tension {self._tension:.2f} N")
+            self._end_order("succeeded", "")
+            return
+        reason = was.reason if was.is_latched else motion.failure or "terminated"
+        self._note("at_rest", self._ledger.command, reason)
+        self._note_latch()
+        self._end_order(
+            "stopped" if was.then in (State.HALTED, State.STANDBY) else "failed", reason
+        )
+
+    def _rest(self) -> Vector:
+        measured = self._measured
+        self._fault(self._watchdogs.master())
+        lost = self._watchdogs.robot(self._now, measured)
+        if lost is not None and lost.reason is not Reason.STALE:
+            self._mover.lose()
+            self._fault(lost.words)
+        elif lost is None and measured is not None:
+            self._keep_still(measured, self._mover.held)
+        return STILL
+
+    def _keep_still(self, measured: Measurement, held: Vector | None) -> None:
+        if held is None:
+            if self._watchdogs.is_at_rest(measured):
+                self._synchronise(measured)
+        elif self._life.state is State.ACTIVE:
+            self._fault(self._watchdogs.following(measured, held))
+        if not measured.gripped:
+            self._mover.drop_grasp()
+
+    def _synchronise(self, measured: Measurement) -> None:
+        """Take over where the joints are: as the robot's side says, unless they are elsewhere."""
+        sent_to = measured.sent_to
+        is_there = sent_to is not None and not self._watchdogs.following(measured, sent_to)
+        self._mover.synchronise(measured, sent_to if is_there else None)
+
+    @property
+    def _serial(self) -> int:
+        return self._life_changes + self._mover.changes + self._changed
+
+    @property
+    def _tension(self) -> float:
+        return self._measured.tension if self._measured else 0.0
+
+    def _change(self, life: Life) -> None:
+        if life != self._life:
+            self._life = life
+            self._life_changes += 1
+
+    def _latch(self, life: Life) -> None:
+        """Take a state in which nothing moves; brake where something does."""
+        was = self._life
+        is_told = was.state in state_machine.LATCHED and was.reason == life.reason
+        self._change(life)
+        if not self._mover.brake() and not is_told:
+            self._note_latch()
+
+    def _fault(self, reason: str) -> None:
+        if reason:
+            life = state_machine.faulted(self._life, reason)
+            if life != self._life:
+                self._latch(life)
+
+    def _refuse(self, order: Order, refusal: Rejected) -> None:
+        self._ledger.refuse(self._now, order, refusal, self._tension)
+
+    def _end_order(self, kind: OutcomeKind, reason: str) -> None:
+        self._ledger.end(kind, reason, self._tension, self._max_rcm_error)
+
+    def _note(self, kind: DiaryKind, command: str, message: str) -> None:
+        self._ledger.note(self._now, kind, command, message)
+
+    def _note_latch(self) -> None:
+        if self._life.state in state_machine.LATCHED:
+            self._note("halted", self._ledger.command, self._life.reason)
+
+    def _seen(self) -> View:
+        return view_of(
+            self._now,
+            self._life,
+            self._serial,
+            self._mover,
+            self._ledger,
+            self._placement,
+            self._measured,
+            self._health,
+        )

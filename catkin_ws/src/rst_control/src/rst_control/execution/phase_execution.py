@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Carries out one phase of a plan tick by tick: along a path, to a tension, or with the jaws alone.
+
+All can brake at any tick. Braking begins at once: an acceleration that still pushes on is cut,
+not faded out.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from rst_control.config import TensionConfig
+from rst_control.kinematics.configuration import planning_joints, robot_joints
+from rst_control.planning.plan import Phase, PhaseKind
+from rst_control.tension.control import TensionControl
+from rst_control.trajectory.path import Path
+from rst_control.trajectory.profile import Bounds, Profile
+from rst_control.types import PLAN_COUNT, Measurement, PathState, Vector
+
+TINY = 1e-9  # [m] or [rad] of way, below which a phase has none to go
+
+
+class PhaseRun(Protocol):
+    """One phase under way."""
+
+    phase: Phase
+    is_done: bool  # at its end, or at rest after braking
+    failure: str  # why it could not reach its end; empty: it did, or is under way
+    is_pulling: bool  # it may raise the tension
+
+    def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
+        """Move on by a time [s].
+
+        Returns:
+            Joints [rad] and their velocities [rad/s], each of shape (10,).
+        """
+        ...
+
+    def brake(self) -> None:
+        """Come to rest as soon as the limits allow."""
+        ...
+
+    @property
+    def state(self) -> PathState:
+        """Where on the path it is; of the jaws' motion, the tip's: at rest."""
+        ...
+
+    @property
+    def progress(self) -> float:
+        """Share of the phase that is done, from 0 to 1."""
+        ...
+
+
+class Braking:
+    """Comes to rest on a path; what both kinds of motion along one share.
+
+    Args:
+        phase: With a path.
+        opening: Of the jaws, which stays [rad].
+        brakes: Of a stop.
+    """
+
+    def __init__(self, phase: Phase, path: Path, opening: float, brakes: Bounds) -> None:
+        self.phase = phase
+        self.is_done, self.failure, self.is_pulling = False, "", False
+        self._path, self._opening, self._brakes = path, opening, brakes
+        self._brake: Profile | None = None
+
+    def _brake_from(self, state: PathState) -> None:
+        if self._brake is None:
+            self.is_pulling = False
+            self._brake = Profile(_not_pushing(state), self._brakes)
+
+    def _joints(self, state: PathState) -> tuple[Vector, Vector]:
+        point = self._path.evaluate(state.s)
+        return robot_joints(point.q, self._opening), robot_joints(point.dq * state.speed, 0.0)
+
+
+class PathRun(Braking):
+    """Goes along a path to the target of the phase.
+
+    Args:
+        phase: With a path.
+        path: That of the phase.
+        state: Where on the path, and how fast, it starts.
+        opening: Of the jaws, which stays [rad].
+        bounds: Of the motion along the path.
+        brakes: Of a stop.
+    """
+
+    def __init__(
+        self,
+        phase: Phase,
+        path: Path,
+        state: PathState,
+        opening: float,
+        bounds: Bounds,
+        brakes: Bounds,
+    ) -> None:
+        super().__init__(phase, path, opening, brakes)
+        self.is_pulling = phase.target > state.s
+        self._start = state.s
+        self._profile = Profile(state, bounds)
+        self._profile.go_to(phase.target)
+
+    @property
+    def state(self) -> PathState:
+        """Where on the path it is."""
+        return (self._brake or self._profile).state
+
+    def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
+        """Move on by a time [s]; see `PhaseRun`."""
+        profile = self._brake or self._profile
+        state = profile.step(dt)
+        self.is_done = profile.is_done
+        return self._joints(state)
+
+    def brake(self) -> None:
+        """Come to rest as soon as the limits allow."""
+        self._brake_from(self.state)
+
+    @property
+    def progress(self) -> float:
+        """Share of the way that is done, from 0 to 1."""
+        return share_done(self._start, self.state.s, self.phase.target)
+
+
+class TowardsTension(Braking):
+    """What the ways of going along a path to a tension share: where they began, and how far on.
+
+    Args:
+        phase: With a path and a tension.
+        path: That of the phase.
+        state: Where on the path, and how fast, it starts.
+        opening: Of the jaws, which stays [rad].
+        brakes: Of a stop.
+    """
+
+    def __init__(
+        self, phase: Phase, path: Path, state: PathState, opening: float, brakes: Bounds
+    ) -> None:
+        super().__init__(phase, path, opening, brakes)
+        self._goal = phase.tension or 0.0
+        self._first: float | None = None  # [N] when it began
+        self._now = 0.0
+        self._started, self._furthest = state.s, max(phase.target, state.s)
+
+    @property
+    def state(self) -> PathState:
+        """Where on the path it is."""
+        raise NotImplementedError
+
+    def brake(self) -> None:
+        """Come to rest as soon as the limits allow."""
+        self._brake_from(self.state)
+
+    @property
+    def progress(self) -> float:
+        """Share of the change of tension, or of the way to the furthest s, that is done."""
+        if self._first is None:
+            return 0.0
+        way = share_done(self._started, self.state.s, self._furthest)
+        return max(way, share_done(self._first, self._now, self._goal))
+
+    def _feel(self, tension: float) -> bool:
+        """Note the present tension [N]; whether it is the first."""
+        self._now = tension
+        is_first = self._first is None
+        if self._first is None:
+            self._first = tension
+            self.is_pulling = self._goal > tension
+        return is_first
+
+
+class TensionRun(TowardsTension):
+    """Pulls or eases along a path to the tension of the phase, or to the furthest s.
+
+    It fails where the tension does not rise with the pull.
+
+    Args:
+        phase: With a path and a tension.
+        path: That of the phase.
+        state: Where on the path, and how fast, it starts.
+        opening: Of the jaws, which stays [rad].
+        bounds: Of the motion along the path.
+        brakes: Of a stop.
+        config: Of the tension control.
+    """
+
+    def __init__(
+        self,
+        phase: Phase,
+        path: Path,
+        state: PathState,
+        opening: float,
+        bounds: Bounds,
+        brakes: Bounds,
+        config: TensionConfig,
+    ) -> None:
+        super().__init__(phase, path, state, opening, brakes)
+        self._control = TensionControl(config, bounds, brakes, self._furthest, state, self._goal)
+
+    @property
+    def state(self) -> PathState:
+        """Where on the path it is."""
+        return self._brake.state if self._brake else self._control.state
+
+    def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
+        """Move on by a time [s]; see `PhaseRun`."""
+        self._feel(measured.tension)
+        if self._brake is not None:
+            state = self._brake.step(dt)
+            self.is_done = self._brake.is_done
+            return self._joints(state)
+        state = self._control.step(self._now, dt)
+        self.failure = distrust_words(measured) or self._control.objection
+        if self.failure or self._control.is_settled or self._control.is_at_limit:
+            self._brake_from(state)
+        return self._joints(state)
+
+
+class JawRun:
+    """Moves the jaws while the tip stands still, and waits until they have settled.
+
+    Args:
+        phase: With an opening.
+        held: Joints where it starts [rad]. Shape (10,).
+        bounds: Of the opening.
+        brakes: The same while braking.
+        settle_time: After the jaws came to rest [s].
+    """
+
+    is_pulling = False
+
+    def __init__(
+        self, phase: Phase, held: Vector, bounds: Bounds, brakes: Bounds, settle_time: float
+    ) -> None:
+        self.phase, self.is_done, self.failure = phase, False, ""
+        self._q, self._start = planning_joints(held)
+        self._target = self._start if phase.opening is None else phase.opening
+        self._brakes, self._left = brakes, settle_time
+        self._is_braking = False
+        self._profile = Profile(PathState(self._start), bounds)
+        self._profile.go_to(self._target)
+
+    @property
+    def state(self) -> PathState:
+        """The tip stands still; its place on a path is known to whoever started this."""
+        return PathState(0.0)
+
+    def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
+        """Move on by a time [s]; see `PhaseRun`."""
+        opening = self._profile.step(dt)
+        if self._profile.is_done:
+            self._left -= dt
+            self.is_done = self._is_braking or self._left <= 0.0
+            if self.is_done and not self._is_braking:
+                self.failure = _grip_failure(self.phase.kind, measured.gripped)
+        still = np.zeros(PLAN_COUNT)
+        return robot_joints(self._q, opening.s), robot_joints(still, opening.speed)
+
+    def brake(self) -> None:
+        """Let the jaws come to rest where they are."""
+        if not self._is_braking:
+            self._is_braking = True
+            self._profile = Profile(_not_pushing(self._profile.state), self._brakes)
+
+    @property
+    def progress(self) -> float:
+        """Share of the way that is done, from 0 to 1."""
+        return share_done(self._start, self._profile.state.s, self._target)
+
+
+def _grip_failure(kind: PhaseKind, is_gripped: bool) -> str:
+    if kind is PhaseKind.CLOSE and not is_gripped:
+        return "nothing grasped: no tissue between the closed jaws"
+    if kind is PhaseKind.ALIGN and is_gripped:
+        return "the closing jaws caught tissue; release first"
+    return ""
+
+
+def distrust_words(measured: Measurement) -> str:
+    """Why a pull to a tension cannot go on; empty: it can."""
+    why = measured.distrust
+    return f"no trusted tension to pull to: {why}" if why else ""
+
+
+def _not_pushing(state: PathState) -> PathState:
+    """The state without an acceleration that makes it faster."""
+    if state.speed * state.acceleration > 0.0:
+        return PathState(state.s, state.speed, 0.0)
+    return state
+
+
+def share_done(start: float, now: float, end: float) -> float:
+    """Share of the way from start to end that is done, from 0 to 1."""
+    if abs(end - start) < TINY:
+        return 1.0
+    return min(max((now - start) / (end - start), 0.0), 1.0)

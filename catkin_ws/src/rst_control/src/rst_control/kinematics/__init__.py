@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Forward and inverse kinematics under the RCM constraint."""

@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads the URDF: the compiled chain for control, and KDL chains as the reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as Xml
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.config import URDF_FILE
+from rst_control.description.urdf_checks import read_joints
+from rst_control.errors import RobotModelError
+from rst_control.kinematics.forward import LOCKS, PITCH, SHAFT
+from rst_control.types import ARM_JOINTS, JOINTS
+
+Array = NDArray[np.float64]
+MOVING = (
+    *ARM_JOINTS,
+    "joint_pitch",
+    "joint_finger_left",
+)  # whose values are q: the last one is yaw
+STRAIGHT = 1e-6  # [m] that the pitch joint may be beside the shaft
+FRAMES = ("interface_link", "tool0", "tool_tip")  # in the order of `chain.SHAFT` and so on
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """How one link hangs on its parent."""
+
+    joint: str
+    type: str
+    parent: str
+    xyz: tuple[float, float, float]  # [m]
+    rpy: tuple[float, float, float]  # [rad], fixed axes
+    lower: float  # [rad]
+    upper: float  # [rad]
+
+    @property
+    def T_parent_link(self) -> Array:
+        """Pose of the link in its parent at joint angle zero. Shape (4, 4)."""
+        T = np.eye(4)
+        T[:3, :3] = rotation(self.rpy)
+        T[:3, 3] = self.xyz
+        return T
+
+
+@dataclass(frozen=True, eq=False)
+class RobotModel:
+    """The robot as its URDF describes it."""
+
+    links: dict[str, Link]  # by the name of the link
+    chain: Array  # (13, 3, 4), see chain.py, read-only
+
+    @cached_property
+    def locked(self) -> tuple[int, ...]:
+        """Numbers in q of the arm's joints that it does not have: fixed in the URDF."""
+        return tuple(int(k) for k in np.flatnonzero(self.chain[LOCKS].ravel()))
+
+    @cached_property
+    def shaft_length(self) -> float:
+        """Length of the straight shaft, from interface_link to the pitch joint [m]."""
+        shaft, wrist = self.chain[SHAFT], self.chain[PITCH, :, 3]
+        return float(shaft[:, 2] @ (wrist - shaft[:, 3]))
+
+    def route(self, tip: str) -> tuple[str, ...]:
+        """Links from the base, which is left out, to the tip.
+
+        Raises:
+            RobotModelError: There is no such link.
+        """
+        route: list[str] = []
+        while tip != "base_link":
+            if tip not in self.links:
+                raise RobotModelError(f"no link {tip!r}, allowed: {', '.join(self.links)}")
+            route.append(tip)
+            tip = self.links[tip].parent
+        return tuple(reversed(route))
+
+
+@lru_cache(maxsize=4)
+def load_robot(path: Path = URDF_FILE) -> RobotModel:
+    """Read a URDF file; cached, since the result never changes.
+
+    Raises:
+        RobotModelError: It is not this robot's.
+        OSError: The file cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise RobotModelError(f"URDF {path.name} is not UTF-8: {error}, allowed: text") from error
+    return parse_robot(text)
+
+
+def parse_robot(text: str) -> RobotModel:
+    """Read a URDF text, such as the parameter `robot_description`.
+
+    Raises:
+        RobotModelError: It is not this robot's.
+    """
+    links = dict(_read_link(joint) for joint in read_joints(text))
+    model = RobotModel(links, np.zeros((13, 3, 4)))
+    model.chain[:] = _compile(model)
+    model.chain.flags.writeable = False
+    return model
+
+
+def kdl_chain(model: RobotModel, tip: str) -> Any:
+    """PyKDL chain from base_link to a link; Debian has no kdl_parser for Python.
+
+    KDL's solvers only refer to their chain, so keep it as long as them.
+    """
+    import PyKDL
+
+    chain = PyKDL.Chain()
+    for name in model.route(tip):
+        link = model.links[name]
+        frame = PyKDL.Frame(PyKDL.Rotation.RPY(*link.rpy), PyKDL.Vector(*link.xyz))
+        if link.type == "fixed":
+            joint = PyKDL.Joint(link.joint, PyKDL.Joint.Fixed)
+        else:  # KDL turns about an axis of the parent, which here goes through the link's origin
+            axis = frame.M * PyKDL.Vector(0.0, 0.0, 1.0)
+            joint = PyKDL.Joint(link.joint, frame.p, axis, PyKDL.Joint.RotAxis)
+        chain.addSegment(PyKDL.Segment(name, joint, frame))
+    return chain
+
+
+def rotation(rpy: Sequence[float]) -> Array:
+    """Rotation matrix of roll, pitch and yaw about fixed axes [rad]. Shape (3, 3)."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def _read_link(joint: Xml.Element) -> tuple[str, Link]:
+    """Name of the child, and how it hangs on its parent; the joint was checked."""
+    parts = {part.tag: part.attrib for part in joint}
+    bounds = parts.get("limit", {})
+    link = Link(
+        joint=joint.attrib["name"],
+        type=joint.attrib["type"],
+        parent=parts["parent"]["link"],
+        xyz=_triple(parts["origin"]["xyz"]),
+        rpy=_triple(parts["origin"]["rpy"]),
+        lower=float(bounds.get("lower", "-inf")),
+        upper=float(bounds.get("upper", "inf")),
+    )
+    return parts["child"]["link"], link
+
+
+def _triple(text: str) -> tuple[float, float, float]:
+    x, y, z = (float(word) for word in text.split())
+    return x, y, z
+
+
+def _compile(model: RobotModel) -> Array:
+    by_joint = {link.joint: name for name, link in model.links.items()}
+    missing = [name for name in JOINTS if name not in by_joint]
+    missing += [name for name in FRAMES if name not in model.links]
+    if missing:
+        raise RobotModelError(f"URDF without {', '.join(missing)}")
+    _check_order(model, by_joint)
+    targets = [by_joint[name] for name in MOVING] + list(FRAMES)
+    chain = np.zeros((13, 3, 4))
+    chain[:LOCKS] = [_behind_joint(model, name)[:3] for name in targets]
+    kinds = [model.links[by_joint[name]].type for name in MOVING]
+    chain[LOCKS].flat[: len(MOVING)] = [kind == "fixed" for kind in kinds]
+    _check_shaft(chain)
+    return chain
+
+
+def _check_order(model: RobotModel, by_joint: dict[str, str]) -> None:
+    """An arm that lacks joints says so: a fixed one, with a link of that name, is in its place."""
+    there = [
+        link.joint
+        for name, link in ((name, model.links[name]) for name in model.route("tool_tip"))
+        if link.type != "fixed" or (link.joint in ARM_JOINTS and name == f"locked_{link.joint}")
+    ]
+    if tuple(there) != MOVING:
+        raise RobotModelError(f"joints up to tool_tip are not {', '.join(MOVING)}")
+
+
+def _check_shaft(chain: Array) -> None:
+    shaft, wrist = chain[SHAFT], chain[PITCH, :, 3]
+    x, y, along = shaft[:, :3].T @ (wrist - shaft[:, 3])
+    if max(abs(x), abs(y)) > STRAIGHT or along <= 0.0:
+        raise RobotModelError(
+            f"pitch joint at {x * 1e3:.3f}, {y * 1e3:.3f}, {along * 1e3:.3f} mm of interface_link, "
+            "allowed: on its z axis, in front of it"
+        )
+
+
+def _behind_joint(model: RobotModel, name: str) -> Array:
+    """Pose of a link in the last link before it that a joint of MOVING carries."""
+    link = model.links[name]
+    T = link.T_parent_link
+    while link.parent != "base_link" and model.links[link.parent].joint not in MOVING:
+        link = model.links[link.parent]
+        T = link.T_parent_link @ T
+    return T

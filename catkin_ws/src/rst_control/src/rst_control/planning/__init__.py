@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Checked paths: free space, insertion, and motion through the trocar."""

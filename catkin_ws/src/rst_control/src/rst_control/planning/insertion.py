@@ -1,0 +1,286 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Ways into the patient and out: straight along the shaft, which never leaves the trocar.
+
+The way in is the way out of the working pose, backwards. The wrist bends only where it is inside
+the trocar by the least insertion; on this side of that the tool is straight.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.errors import (
+    Infeasible,
+    InsertionOutOfRange,
+    OutsideWorkspace,
+    TrocarDrift,
+    Unreachable,
+)
+from rst_control.kinematics import continuation
+from rst_control.kinematics.configuration import Configuration
+from rst_control.planning.free_space import Approach
+from rst_control.planning.plan import PhaseKind
+from rst_control.planning.planner import Planner
+from rst_control.trajectory.path import Path
+from rst_control.types import Vector
+
+Array = NDArray[np.float64]
+
+SWINGS: Final = tuple(0.2 * k for k in range(-6, 7))  # [rad] of the elbow, tried for the way out
+LEAST_KNOTS: Final = 4
+DENSITIES: Final = (1, 4)  # times as many knots as usual, where the shaft strays between them
+STRAIGHT: Final = 1e-9  # [rad] of pitch and yaw, below which the tool counts as straight
+NEARLY_STRAIGHT: Final = 0.01  # [rad] that may be straightened in the trocar: 0.3 mm at the tip
+WRIST_LENGTH: Final = 0.0265  # [m] from the pitch joint to the tip of a straight tool
+SLIGHT: Final = 1e-7  # [m] of way that is none
+
+
+class ToolBent(Infeasible):
+    """The wrist is bent where only a straight tool may be."""
+
+    def __init__(self, angle: float, wrist: float, least: float) -> None:
+        super().__init__(
+            f"tool bent by {angle:.3f} rad with its wrist {wrist * 1e3:.1f} mm inside the trocar, "
+            f"allowed {NEARLY_STRAIGHT:.3f} rad below {least * 1e3:.1f} mm"
+        )
+        self.angle, self.wrist, self.least = angle, wrist, least
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """One path, and the phase that it belongs to."""
+
+    kind: PhaseKind
+    path: Path
+
+
+class Insertion:
+    """Plans insertion and withdrawal. It never changes.
+
+    Args:
+        planner: For this robot and scene.
+    """
+
+    def __init__(self, planner: Planner) -> None:
+        self._planner, self._patient = planner, planner.patient
+        self._scene, self._rcm = planner.config.scene, planner.config.rcm
+        self._approach = Approach(
+            planner.model, planner.limits, planner.patient.outside, planner.patient.outward
+        )
+
+    @cached_property
+    def working(self) -> Vector:
+        """Joints of the home pose, with the shaft through the trocar of this scene. Shape (9,).
+
+        Raises:
+            Infeasible: No joints within their limits take the tool there.
+        """
+        home, planner = np.array(self._scene.home), self._planner
+        if self._patient.placement(home).error <= 0.1 * self._rcm.planned_tolerance:
+            return home
+        found = planner.solver.settle(home, self._home_pose, planner.trocar)
+        if not found.is_solved:
+            found = planner.solver.search(self._home_pose, planner.trocar, home)
+        if not found.is_solved:
+            raise Unreachable(0.0, found.residual)
+        return found.q
+
+    @cached_property
+    def _way_in(self) -> tuple[Leg, ...]:
+        """From outside the trocar to the working pose."""
+        out = self._withdraw(self.working)
+        return tuple(Leg(PhaseKind.INSERT, leg.path.reversed()) for leg in reversed(out))
+
+    @property
+    def _home_pose(self) -> Array:
+        return Configuration(self._planner.model, self._scene.home).T_base_tip
+
+    def warm_up(self) -> None:
+        """Compile or load every kernel, by planning from outside once; whether that goes or not."""
+        try:
+            outside = self._way_in[0].path.start
+        except Infeasible:
+            return
+        self._approach.warm_up(outside)
+        self.insert(outside)
+
+    def insert(self, q: Vector) -> tuple[Leg, ...]:
+        """Ways from q (9,), outside or part-way in, to the working pose.
+
+        Raises:
+            Infeasible: No such way keeps all limits; the error says which.
+        """
+        if not self._patient.placement(q).is_outside:
+            return self._insert_on(q)
+        ways = self._approach.way(np.array(q), self._way_in[0].path.start)
+        return (*(Leg(PhaseKind.APPROACH, way) for way in ways), *self._way_in)
+
+    def withdraw(self, q: Vector) -> tuple[Leg, ...]:
+        """Ways from q (9,), in the trocar, to outside: the tool straightened, then out along it.
+
+        Where the arm cannot follow the present shaft that far, it goes by way of the working pose.
+
+        Raises:
+            Infeasible: No such way keeps all limits; the error says which.
+        """
+        try:
+            return self._withdraw(q)
+        except Infeasible as why_not:
+            if self._patient.placement(q).wrist < self._rcm.insertion[0]:
+                raise
+            try:
+                ways = self._planner.route(q, self._home_pose)
+                legs = self._withdraw(ways[-1].end if ways else q)
+            except Infeasible:
+                raise why_not from None
+            return (*(Leg(PhaseKind.ALIGN, way) for way in ways), *legs)
+
+    def _withdraw(self, q: Vector) -> tuple[Leg, ...]:
+        legs = self._aligned(q)
+        q = legs[-1].path.end if legs else np.array(q)
+        out = self._along_shaft(q, -self._patient.placement(q).insertion - self._scene.standoff)
+        self._approach.require_place(out.end)
+        return (*legs, Leg(PhaseKind.WITHDRAW, out))
+
+    def _insert_on(self, q: Vector) -> tuple[Leg, ...]:
+        """Further in along the shaft where it is, then inside to the working pose."""
+        legs = list(self._aligned(q))
+        q = legs[-1].path.end if legs else np.array(q)
+        missing = self._patient.placement(self.working).wrist - self._patient.placement(q).wrist
+        if missing > SLIGHT:
+            legs.append(Leg(PhaseKind.INSERT, self._along_shaft(q, missing)))
+            q = legs[-1].path.end
+        ways = self._planner.route(q, self._home_pose)
+        return (*legs, *(Leg(PhaseKind.INSERT, way) for way in ways))
+
+    def _aligned(self, q: Vector) -> tuple[Leg, ...]:
+        """The shaft put into the trocar, if slightly off it, and the tool straightened."""
+        ways = list(self._planner.route(q))
+        q = ways[-1].end if ways else np.array(q)
+        if np.abs(q[7:]).max() > STRAIGHT:
+            ways.append(self._straightened(q))
+        return tuple(Leg(PhaseKind.ALIGN, way) for way in ways)
+
+    def _straightened(self, q: Vector) -> Path:
+        """By the wrist alone where there is room for the tip to swing, else about the tip."""
+        bend, wrist = float(np.abs(q[7:]).max()), self._patient.placement(q).wrist
+        is_inside = wrist >= self._rcm.insertion[0]
+        if not is_inside and bend > NEARLY_STRAIGHT:
+            raise ToolBent(bend, wrist, self._rcm.insertion[0])
+        try:
+            return self._checked(self._unbent(q), must_stay=is_inside)
+        except Infeasible as why_not:
+            try:
+                return self._planner.leg(q, self._pointed(q))
+            except Infeasible:
+                raise why_not from None
+
+    def _unbent(self, q: Vector) -> Path:
+        straight = np.array(q)
+        straight[7:] = 0.0
+        length = max(float(np.abs(q[7:]).max()) * WRIST_LENGTH, SLIGHT)
+        slope = (straight - q) / length
+        return Path(np.array([q, straight]), np.array([slope, slope]), length)
+
+    def _pointed(self, q: Vector) -> Array:
+        """The tool's pose with its tip where it is, in line with the trocar."""
+        pose = Configuration(self._planner.model, q).T_base_tip
+        y = self._planner.trocar - pose[:3, 3]
+        y /= np.linalg.norm(y)
+        z = pose[:3, 2] - y * float(y @ pose[:3, 2])
+        z /= np.linalg.norm(z)
+        pose[:3, 0], pose[:3, 1], pose[:3, 2] = np.cross(y, z), y, z
+        return pose
+
+    def _along_shaft(self, q: Vector, way: float) -> Path:
+        """Motion of a straight tool along its shaft by a way [m], inwards if positive.
+
+        Of the elbow's swings, the one that stays furthest from the joints' limits comes first.
+        """
+        tracks: list[tuple[float, float]] = []
+        why_not: Infeasible = Unreachable(0.0, abs(way))
+        for swing in SWINGS:
+            try:
+                path = self._track(q, way, swing, DENSITIES[0])
+            except Unreachable as error:
+                why_not = error
+                continue
+            tracks.append((self._room(path), swing))
+        for _, swing in sorted(tracks, reverse=True):
+            for density in DENSITIES:
+                try:
+                    return self._checked(self._track(q, way, swing, density), must_stay=False)
+                except TrocarDrift as error:
+                    why_not = error
+                except Infeasible as error:
+                    why_not = error
+                    break
+        raise why_not
+
+    def _room(self, path: Path) -> float:
+        limits = self._planner.limits
+        return float(np.minimum(path.knots - limits.lower, limits.upper - path.knots).min())
+
+    def _track(self, q: Vector, way: float, swing: float, density: int) -> Path:
+        model, trocar = self._planner.model, self._planner.trocar
+        length, spacing = abs(way), self._rcm.knot_spacing / density
+        count = max(LEAST_KNOTS, int(np.ceil(length / spacing)) + 1)
+        knots, slopes, axis = np.zeros((count, 9)), np.zeros((count, 9)), np.empty(9)
+        knots[0] = q
+        here = Configuration(model, q)
+        continuation.free_direction(model.chain, np.array(q), trocar, True, axis)
+        missing, reached = continuation.track(
+            model.chain,
+            np.ascontiguousarray(here.T_base_tip[:3]),
+            np.array([way * here.T_base_shaft[:3, 2], np.zeros(3)]),
+            trocar,
+            True,
+            axis,
+            swing,
+            length,
+            self._rcm.solver.tolerance,
+            knots,
+            slopes,
+        )
+        if not missing <= self._rcm.solver.tolerance:
+            raise Unreachable(reached / (count - 1) * length, length)
+        return Path(knots, slopes, length)
+
+    def _checked(self, path: Path, must_stay: bool) -> Path:
+        """The path itself, once found to keep all limits.
+
+        Args:
+            path: Through the trocar.
+            must_stay: The tip may not leave workspace and way to the trocar.
+        """
+        samples = path.sample(self._planner.model.chain, self._planner.trocar)
+        if (worst := float(samples.rcm_error.max())) > (allowed := self._rcm.planned_tolerance):
+            raise TrocarDrift(worst, allowed)
+        length = self._planner.model.shaft_length
+        deepest, most = length - float(samples.along.min()), self._rcm.insertion[1]
+        if deepest > most:
+            raise InsertionOutOfRange(deepest, -self._scene.standoff, most)
+        if must_stay:
+            self._require_corridor(samples.tip)
+        for q in (samples.q[:, 0].min(axis=0), samples.q[:, 0].max(axis=0)):
+            self._planner.limits.require(q)
+        self._patient.passing.check(samples)
+        return path
+
+    def _require_corridor(self, tips: Array) -> None:
+        """Keep tips (n, 3) in the workspace or on a straight way from there to the trocar.
+
+        Those are the balls that grow from the trocar to the workspace.
+        """
+        centre, radius = self._planner.centre, self._scene.workspace_radius
+        share = np.linspace(0.0, 1.0, 101)[:, None]
+        balls = self._planner.trocar + share * (centre - self._planner.trocar)
+        away = np.linalg.norm(tips[:, None] - balls, axis=2) - share[:, 0] * radius
+        worst = int(away.min(axis=1).argmax())
+        if away[worst].min() > 0.0:
+            raise OutsideWorkspace(float(np.linalg.norm(tips[worst] - centre)), radius)

@@ -1,0 +1,335 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plans paths through the trocar and checks each of them before anything moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.config import MotionConfig
+from rst_control.errors import (
+    Infeasible,
+    InsertionOutOfRange,
+    OutsideWorkspace,
+    RobotModelError,
+    TrocarDrift,
+    Unreachable,
+)
+from rst_control.kinematics import continuation, forward, manipulability
+from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.ik_solver import IkSolver
+from rst_control.kinematics.joint_limits import layer_in_force, make_limits
+from rst_control.kinematics.rcm import rcm_state
+from rst_control.kinematics.robot_model import RobotModel
+from rst_control.planning.collision import CollisionModel
+from rst_control.planning.patient_surface import Patient
+from rst_control.planning.plan import Phase, PhaseKind
+from rst_control.tissue.grasp_candidates import GraspWay, grasp_ways
+from rst_control.trajectory.path import Path, Samples, speed_bounds
+from rst_control.trajectory.profile import Bounds, stopping_speed
+from rst_control.types import Vector, frozen_array
+
+Array = NDArray[np.float64]
+
+LEAST_KNOTS: Final = 4
+DENSER: Final = 4  # times as many knots where the first try strays from the trocar
+SAME_PLACE: Final = 1e-7  # [m] of path below which there is nothing to move
+SEAT_SCALE: Final = 1.5  # [m/rad] of path back to the trocar; the reach: no point is faster
+PROJECTIONS: Final = 20
+MOST_BRAKING: Final = 4.0  # [m/s^2] of s, also where the joints could brake harder
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How a path may be taken."""
+
+    moving: Bounds
+    braking: Bounds  # as hard as the joints can
+
+
+class Planner:
+    """Plans straight tool motions for one robot and scene.
+
+    It never changes, so any thread may plan.
+
+    Args:
+        model: The robot.
+        config: Scene, limits and tolerances.
+    """
+
+    def __init__(self, model: RobotModel, config: MotionConfig) -> None:
+        _require_shaft(model, config)
+        self.model, self.config = model, config
+        self.trocar = frozen_array(config.scene.trocar, 3)
+        self.centre = frozen_array(config.scene.workspace_centre, 3)
+        self.limits = make_limits(config.limits, config.controller.jaws.open)
+        self.solver = IkSolver(model, self.limits, config.scene.home, config.rcm.solver)
+        self.collisions = CollisionModel(config.collision, model)
+        self.patient = Patient(model, config)
+        self.ways = grasp_ways(config.scene)
+        self.T_base_grasp = self.ways[0].T_base_tip
+
+    def warm_up(self) -> None:
+        """Compile or load every kernel, by planning once from home."""
+        home = np.array(self.config.scene.home)
+        for way in self.ways:
+            try:
+                *_, path = self.reach(home, way)
+                self.pull(path.end)
+                break
+            except Infeasible:
+                if way is self.ways[-1]:
+                    raise
+        self.bounds(path, self.config.controller.speed.tip_speed)
+        path.evaluate(0.0)
+        self.project(home)
+
+    def reach(self, q: Vector, way: GraspWay | None = None) -> tuple[Path, ...]:
+        """Ways from q (9,) to before the grasp point, then to it; what is already done is left out.
+
+        Args:
+            q: Where to start [rad]. Shape (9,).
+            way: How to take the sheet; None: the first that the scene leaves open.
+
+        Raises:
+            Infeasible: No such way keeps all limits; the error says which.
+        """
+        grasps = self._grasps(way or self.ways[0])
+        first, other = sorted(grasps, key=lambda grasp: self._distance(q, grasp))
+        try:
+            return self.route(q, self._before(first), first)
+        except Infeasible as why_not:
+            try:
+                return self.route(q, self._before(other), other)
+            except Infeasible:
+                raise why_not from None
+
+    def pull(self, q: Vector) -> Path:
+        """Way from the grasp at q (9,) along the pull direction, as far as pulling may ever go.
+
+        Raises:
+            Infeasible: No such way keeps all limits; the error says which.
+        """
+        way = self.ways[0]  # all pull alike
+        goal = Configuration(self.model, q).T_base_tip
+        goal[:3, 3] += way.pull * way.length
+        return self.leg(q, goal)
+
+    def retreat(self, q: Vector) -> Path:
+        """Way from q (9,) straight back out of the tissue: against where the jaws point.
+
+        Raises:
+            Infeasible: No such way keeps all limits; the error says which.
+        """
+        goal = Configuration(self.model, q).T_base_tip
+        goal[:3, 3] += goal[:3, 1] * self.config.scene.clearance
+        return self.leg(q, goal)
+
+    def route(self, q: Vector, *goals: Array) -> tuple[Path, ...]:
+        """Straight ways from q (9,) to each pose (4, 4) in turn; first to the trocar if off it.
+
+        Raises:
+            Infeasible: No such way keeps all limits; the error says which.
+        """
+        paths: list[Path] = []
+        if rcm_state(Configuration(self.model, q), self.trocar).error > self._seated:
+            paths.append(self.seat(q))
+            q = paths[-1].end
+        for goal in goals:
+            if self._distance(q, goal) > SAME_PLACE:
+                paths.append(self.leg(q, goal))
+                q = paths[-1].end
+        return tuple(paths)
+
+    def seat(self, q: Vector) -> Path:
+        """Smallest joint motion that puts a shaft slightly off the trocar back into it.
+
+        Raises:
+            TrocarDrift: The shaft is further off than may be put right by itself.
+            Infeasible: The motion breaks another limit; the error says which.
+        """
+        allowed = self.config.rcm.measured_tolerance
+        error = rcm_state(Configuration(self.model, q), self.trocar).error
+        if error > allowed:
+            raise TrocarDrift(error, allowed)
+        seated = self.project(q)
+        length = max(float(np.abs(seated - q).max()) * SEAT_SCALE, 10 * SAME_PLACE)
+        slope = (seated - q) / length
+        path = Path(np.array([q, seated]), np.array([slope, slope]), length)
+        self._check_posture(path.sample(self.model.chain, self.trocar))
+        return path
+
+    def project(self, q: Vector) -> Vector:
+        """Nearest joints (9,) [rad] with the shaft through the trocar.
+
+        Raises:
+            TrocarDrift: There are none near.
+        """
+        q, frames, J = np.array(q), np.empty((12, 3, 4)), np.zeros((2, 9))
+        for _ in range(PROJECTIONS):
+            forward.forward(self.model.chain, q, frames)
+            lateral = np.array(forward.rcm_offset(frames, self.trocar)[:2])
+            if np.abs(lateral).max() < self.config.rcm.solver.tolerance:
+                return q
+            forward.rcm_jacobian(frames, self.trocar, J)
+            q -= J.T @ np.linalg.solve(J @ J.T, lateral)
+        raise TrocarDrift(float(np.hypot(*lateral)), self.config.rcm.solver.tolerance)
+
+    def leg(self, q: Vector, goal: Array) -> Path:
+        """Checked straight way of the tool from q (9,) to a pose (4, 4) of tool_tip in base_link.
+
+        Raises:
+            Infeasible: It breaks a limit; the error says which.
+        """
+        self._check_workspace(goal[:3, 3])
+        settled = self.solver.settle(q, goal, self.trocar)
+        if settled.is_solved:
+            try:
+                return self._smooth(q, goal, settled.q)
+            except Infeasible:
+                pass  # the swing to the best posture leads over a limit; go without it
+        return self._smooth(q, goal, q)
+
+    def pace(self, path: Path, speed: float) -> Pace:
+        """How joints can follow a path, up to `speed` [m/s] by its scale, and stop soon enough."""
+        settings, layer = self.config.controller.speed, layer_in_force(self.config.limits)
+        speed *= settings.scale
+        samples = path.sample(self.model.chain, self.trocar)
+        for _ in range(2):  # slower, the path's own curvature leaves more for braking
+            speed, hardest = speed_bounds(samples, self.limits, speed, MOST_BRAKING)
+            braking = Bounds(speed, hardest, settings.braking_jerk)
+            speed = stopping_speed(braking, layer.stopping_time, layer.stopping_distance)
+        moving = Bounds(speed, min(hardest, settings.acceleration), settings.jerk)
+        return Pace(moving, braking)
+
+    def bounds(self, path: Path, speed: float) -> Bounds:
+        """Speed, acceleration and jerk of motion along a path, up to `speed` [m/s]."""
+        return self.pace(path, speed).moving
+
+    def _grasps(self, way: GraspWay) -> tuple[Array, Array]:
+        """The grasp and the same with the jaws changed about, which take the tissue alike."""
+        turned = way.T_base_tip.copy()
+        turned[:3, [0, 2]] *= -1.0
+        return way.T_base_tip, turned
+
+    def _before(self, grasp: Array) -> Array:
+        before = grasp.copy()
+        before[:3, 3] += before[:3, 1] * self.config.scene.clearance
+        return before
+
+    @property
+    def _seated(self) -> float:
+        return 0.1 * self.config.rcm.planned_tolerance
+
+    def _distance(self, q: Vector, goal: Array) -> float:
+        tip, turn = Configuration(self.model, q).T_base_tip, np.empty(3)
+        forward.turn_between(tip, goal, turn)
+        shift = float(np.linalg.norm(goal[:3, 3] - tip[:3, 3]))
+        return max(shift, float(np.linalg.norm(turn)) * self.config.rcm.rotation_radius)
+
+    def _smooth(self, q: Vector, goal: Array, posture: Vector) -> Path:
+        """Track with knots as usual, and more densely where the shaft strays between them."""
+        try:
+            return self._checked(self._track(q, goal, posture, self.config.rcm.knot_spacing))
+        except TrocarDrift:
+            spacing = self.config.rcm.knot_spacing / DENSER
+            return self._checked(self._track(q, goal, posture, spacing))
+
+    def _track(self, q: Vector, goal: Array, posture: Vector, spacing: float) -> Path:
+        length = max(self._distance(q, goal), SAME_PLACE)
+        count = max(LEAST_KNOTS, int(np.ceil(length / spacing)) + 1)
+        knots, slopes = np.zeros((count, 9)), np.zeros((count, 9))
+        knots[0] = q
+        start, turn = Configuration(self.model, q).T_base_tip[:3], np.empty(3)
+        forward.turn_between(start, goal, turn)
+        axis = self._swing_axis(q, posture)
+        missing, reached = continuation.track(
+            self.model.chain,
+            np.ascontiguousarray(start),
+            np.array([goal[:3, 3] - start[:3, 3], turn]),
+            self.trocar,
+            False,
+            axis,
+            float(axis @ (posture - q)),
+            length,
+            self.config.rcm.solver.tolerance,
+            knots,
+            slopes,
+        )
+        if not missing <= self.config.rcm.solver.tolerance:
+            self._check_manipulability(knots[: max(reached, 1)])  # may be why it got no further
+            raise Unreachable(reached / (count - 1) * length, length)
+        return Path(knots, slopes, length)
+
+    def _swing_axis(self, q: Vector, posture: Vector) -> Vector:
+        """Joint direction (9,) between those that move neither tool nor shaft at either end."""
+        first, last = np.empty(9), np.empty(9)
+        continuation.free_direction(self.model.chain, np.array(q), self.trocar, False, first)
+        continuation.free_direction(self.model.chain, np.array(posture), self.trocar, False, last)
+        return _unit(first + last * np.sign(first @ last))
+
+    def _checked(self, path: Path) -> Path:
+        samples = path.sample(self.model.chain, self.trocar)
+        self._check_insertion(samples)
+        self._check_workspace(samples.tip)
+        self._check_posture(samples)  # from here on, limits that depend on the elbow
+        self._check_trocar(samples)  # last: what strays does so near a singularity, mostly
+        return path
+
+    def _check_posture(self, samples: Samples) -> None:
+        self._check_joints(samples)
+        self.collisions.check(samples)
+        self._check_manipulability(samples.q[:, 0])
+
+    def _check_manipulability(self, q: Array) -> None:
+        least = self.config.limits.least_manipulability
+        manipulability.check(self.model.chain, q, self.trocar, least)
+
+    def _check_workspace(self, tip: Array) -> None:
+        distance = float(np.linalg.norm(tip - self.centre, axis=-1).max())
+        if not distance <= (allowed := self.config.scene.workspace_radius):
+            raise OutsideWorkspace(distance, allowed)
+
+    def _check_joints(self, samples: Samples) -> None:
+        for q in (samples.q[:, 0].min(axis=0), samples.q[:, 0].max(axis=0)):
+            self.limits.require(q)
+
+    def _check_trocar(self, samples: Samples) -> None:
+        allowed = self.config.rcm.planned_tolerance
+        if not (worst := float(samples.rcm_error.max())) <= allowed:  # no number: refused, too
+            raise TrocarDrift(worst, allowed)
+
+    def _check_insertion(self, samples: Samples) -> None:
+        least, most = self.config.rcm.insertion
+        depth = self.model.shaft_length - samples.along
+        for value in (float(depth.min()), float(depth.max())):
+            if not least <= value <= most:
+                raise InsertionOutOfRange(value, least, most)
+
+
+def _require_shaft(model: RobotModel, config: MotionConfig) -> None:
+    most, allowed = config.rcm.insertion[1], model.shaft_length
+    if most > allowed:
+        raise RobotModelError(f"rcm.insertion up to {most:g} m, allowed: the shaft, {allowed:g} m")
+
+
+def _unit(direction: object) -> Vector:
+    vector = np.array(direction, dtype=np.float64)
+    unit: Vector = vector / np.linalg.norm(vector)
+    return unit
+
+
+def along(planner: Planner, kind: PhaseKind, path: Path, speed: float) -> Phase:
+    """Phase from one end of a path to the other, at up to `speed` [m/s]."""
+    pace = planner.pace(path, speed)
+    return Phase(
+        kind,
+        path,
+        target=path.length,
+        speed=pace.moving.speed,
+        acceleration=pace.moving.acceleration,
+        braking=pace.braking.acceleration,
+    )

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A trocar with all that depends on it, so that all of it changes at once or not at all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rst_control.commands.verifier import Verifier
+from rst_control.config import MotionConfig
+from rst_control.errors import RstError
+from rst_control.kinematics import forward
+from rst_control.kinematics.configuration import Configuration, planning_joints
+from rst_control.kinematics.rcm import RcmState, rcm_state
+from rst_control.kinematics.robot_model import RobotModel
+from rst_control.planning.patient_surface import Placement
+from rst_control.planning.plan import Accepted, Rejected, Request, Situation
+from rst_control.planning.planner import Planner
+from rst_control.types import Vector
+
+
+class TrocarOutOfReach(RstError):
+    """No posture of the arm takes the shaft to the trocar."""
+
+    def __init__(self, distance: float, reach: float) -> None:
+        super().__init__(
+            f"trocar {distance:.3f} m from base_link, allowed 0 to {reach:.3f} m, the arm's reach"
+        )
+        self.distance, self.reach = distance, reach
+
+
+class Site:
+    """One trocar, and the planning, verification and measurement that refer to it.
+
+    It never changes. Another trocar is another site.
+
+    Args:
+        config: Settings; `scene.trocar` is the trocar.
+        model: The robot.
+
+    Raises:
+        TrocarOutOfReach: No posture takes the shaft there.
+    """
+
+    def __init__(self, config: MotionConfig, model: RobotModel) -> None:
+        _require_reach(model, config.scene.trocar)
+        self.config, self.model = config, model
+        self.planner = Planner(model, config)
+        self.verify = Verifier(self.planner)
+        self.trocar = self.planner.trocar
+
+    def shaft(self, joints: Vector) -> RcmState:
+        """Where the trocar is as seen from the shaft, for the robot's joints (10,) [rad]."""
+        q, _ = planning_joints(joints)
+        return rcm_state(Configuration(self.model, q), self.trocar)
+
+    def with_trocar(self, trocar: Sequence[float]) -> Site:
+        """The same site with another trocar, base frame, [m]. Shape (3,).
+
+        Raises:
+            TrocarOutOfReach: No posture takes the shaft there, or a value is not finite.
+        """
+        x, y, z = (float(value) for value in trocar)
+        scene = replace(self.config.scene, trocar=(x, y, z))
+        return Site(replace(self.config, scene=scene), self.model)
+
+
+class PresentSite:
+    """The site in force, for those who always mean the present one.
+
+    Only the control loop changes it, between two ticks at rest. Whoever verifies a command notes
+    the executor's serial number first: it changes with the site, and the command is verified again.
+
+    Args:
+        site: In force at the start.
+    """
+
+    def __init__(self, site: Site) -> None:
+        self.site = site
+
+    def verify(self, request: Request, situation: Situation) -> Accepted | Rejected:
+        """Decide whether a command may run."""
+        return self.site.verify(request, situation)
+
+    def placement(self, joints: Vector) -> Placement:
+        """Where tool and arm are towards trocar and patient for the robot's joints (10,) [rad]."""
+        return self.site.planner.patient.placement(planning_joints(joints)[0])
+
+
+def _require_reach(model: RobotModel, trocar: Sequence[float]) -> None:
+    links = [*range(7), forward.SHAFT]
+    reach = model.shaft_length + float(np.linalg.norm(model.chain[links, :, 3], axis=1).sum())
+    distance = math.hypot(*trocar)
+    if not distance <= reach:
+        raise TrocarOutOfReach(distance, reach)

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Setting the trocar while the controller runs: only at rest, and only to where the shaft is.
+
+The shaft is in the true trocar while this is asked, so a point far from the shaft cannot be it. The
+tolerance is never above the one that motion keeps: what is accepted here, the next command puts
+right by itself as its first leg.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Future
+from typing import Final
+
+from rst_control.commands.preconditions import rest_refusal
+from rst_control.config import WatchdogConfig
+from rst_control.errors import InsertionOutOfRange
+from rst_control.execution.executor import Executor
+from rst_control.execution.orders import DiaryEntry, DiaryKind, Reply, View
+from rst_control.execution.state_machine import State
+from rst_control.registration.site import PresentSite, Site, TrocarOutOfReach
+from rst_control.types import Measurement, Vector
+
+COMMAND: Final = "set_trocar"  # as the diary names it
+
+
+class TrocarRegistrar:
+    """Sets the trocar in force, with all that depends on it, in one tick of the control loop.
+
+    Args:
+        present: The site in force.
+        executor: Runs the control loop and keeps the diary.
+    """
+
+    def __init__(self, present: PresentSite, executor: Executor) -> None:
+        self._present, self._executor = present, executor
+
+    def ask(self, trocar: Sequence[float], caller: str) -> Future[Reply]:
+        """Ask for another trocar; any thread may. Cancel the answer to withdraw the question.
+
+        Args:
+            trocar: Base frame, [m]. Shape (3,).
+            caller: Who asks, for the diary.
+        """
+        reply: Future[Reply] = Future()
+        try:
+            site = self._present.site.with_trocar(trocar)
+        except TrocarOutOfReach as error:
+            now = self._executor.view.stamp
+            self._executor.diary.append(_entry(now, "trocar_refused", str(error), caller))
+            reply.set_result(Reply(False, str(error)))
+            return reply
+        self._executor.change(lambda view: self._apply(site, caller, reply, view))
+        return reply
+
+    def _apply(
+        self, site: Site, caller: str, reply: Future[Reply], view: View
+    ) -> DiaryEntry | None:
+        if not reply.set_running_or_notify_cancel():
+            return None  # whoever asked waits no longer
+        answer = decide(site, view)
+        reply.set_result(answer)
+        if not answer.accepted:
+            entry = _entry(view.stamp, "trocar_refused", answer.message, caller)
+            self._executor.diary.append(entry)
+            return None
+        was, self._present.site = self._present.site, site
+        words = f"{answer.message}; was {position_words(was.trocar)}"
+        return _entry(view.stamp, "trocar_set", words, caller)
+
+
+def decide(site: Site, view: View) -> Reply:
+    """Whether the trocar of a site may come into force, in the view of this moment."""
+    refusal = unrest(view, view.stamp, site.config.controller.watchdogs)
+    measured = view.measurement
+    if refusal or measured is None:
+        return Reply(False, refusal)
+    if view.life.state is State.FAULTED:
+        return Reply(False, f'halted ({view.life.reason}); say "hey robot" first')
+    if measured.gripped:
+        words = "tissue is held, and its ways out lead through the present trocar"
+        return Reply(False, f'{words}; say "release" first')
+    return _decide_shaft(site, measured)
+
+
+def unrest(view: View, now: float, watchdogs: WatchdogConfig) -> str:
+    """Why the robot is not known to be healthy and at rest at a time [s]; empty: it is."""
+    if view.is_moving:
+        return f"{view.life.state.value}; wait until the robot is at rest"
+    measured = view.measurement
+    if view.health or measured is None:
+        return view.health
+    age, allowed = now - measured.stamp, watchdogs.joint_state_age
+    if age > allowed:
+        return f"joint states {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
+    moving = rest_refusal(measured, watchdogs.at_rest_speed)
+    return moving.words if moving else ""
+
+
+def position_words(position: Vector) -> str:
+    """A point for people, to the micrometre."""
+    x, y, z = position
+    return f"({x:.6f}, {y:.6f}, {z:.6f}) m"
+
+
+def _decide_shaft(site: Site, measured: Measurement) -> Reply:
+    shaft, rcm = site.shaft(measured.position), site.config.rcm
+    allowed = rcm.registration.tolerance
+    words = f"shaft {shaft.error * 1e3:.3f} mm off it, allowed {allowed * 1e3:.3f} mm"
+    words = f"trocar {position_words(site.trocar)}: {words}"
+    if shaft.error > allowed:
+        return Reply(False, words)
+    least, most = rcm.insertion
+    if not least <= shaft.insertion <= most:
+        return Reply(False, str(InsertionOutOfRange(shaft.insertion, least, most)))
+    return Reply(True, words)
+
+
+def _entry(stamp: float, kind: DiaryKind, words: str, caller: str) -> DiaryEntry:
+    return DiaryEntry(stamp, kind, COMMAND, f"{words}; asked by {caller}")

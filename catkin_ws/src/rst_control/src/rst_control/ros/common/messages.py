@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Values of the core to ROS messages and back."""
+
+from __future__ import annotations
+
+import genpy
+import rospy
+from geometry_msgs.msg import PointStamped
+
+from rst_control.admission.callers import caller_name
+from rst_control.execution.orders import DiaryEntry, Outcome, View
+from rst_control.execution.state_machine import LATCHED
+from rst_control.msg import AssistFeedback, AssistResult, ControllerState, Event
+from rst_control.ros.common.wall_clock import followed, wall_offset
+from rst_control.types import Vector
+
+BASE = "base_link"
+
+
+class RosClock:
+    """Translates the steady clock, which everything inside uses, into stamps of ROS."""
+
+    def __init__(self) -> None:
+        self._offset = wall_offset()
+
+    def stamp(self, steady: float) -> rospy.Time:
+        """Stamp of a moment given by time.monotonic() [s]."""
+        self._offset = followed(self._offset)
+        return rospy.Time.from_sec(max(0.0, steady + self._offset))
+
+
+def state_message(view: View, clock: RosClock) -> ControllerState:
+    """The controller's state for `rst_control/state`."""
+    life, motion = view.life, view.motion
+    message = ControllerState(
+        state=life.state.value,
+        phase=view.phase,
+        command=view.command,
+        active=life.is_active,
+        halted=life.state in LATCHED,
+        halt_reason=life.reason if life.is_latched else "",
+        tissue_held=view.is_tissue_held,
+        progress=motion.progress if motion else 1.0,
+        path_position=view.path_position,
+        path_speed=motion.path_speed if motion else 0.0,
+        rcm_error=view.rcm_error,
+        insertion=view.insertion,
+        tension=view.tension,
+        tension_target=view.tension_target,
+        last_refusal=view.last_refusal,
+    )
+    message.header.stamp = clock.stamp(view.stamp)
+    message.header.frame_id = BASE
+    return message
+
+
+def event_message(entry: DiaryEntry, clock: RosClock) -> Event:
+    """A diary entry for `rst_control/event`."""
+    message = Event(kind=entry.kind, command=entry.command, message=entry.message)
+    message.header.stamp = clock.stamp(entry.stamp)
+    return message
+
+
+def feedback_message(view: View) -> AssistFeedback:
+    """Progress of an action goal."""
+    return AssistFeedback(
+        phase=view.phase,
+        progress=view.motion.progress if view.motion else 1.0,
+        tension=view.tension,
+        rcm_error=view.rcm_error,
+    )
+
+
+def result_message(outcome: Outcome) -> AssistResult:
+    """Ending of an action goal."""
+    return AssistResult(
+        outcome=outcome.kind,
+        reason=outcome.reason,
+        tension=outcome.tension,
+        max_rcm_error=outcome.max_rcm_error,
+    )
+
+
+def trocar_message(trocar: Vector) -> PointStamped:
+    """The remote centre of motion [m], frame base_link. Shape (3,)."""
+    message = PointStamped()
+    message.header.frame_id = BASE
+    message.header.stamp = rospy.Time.now()
+    message.point.x, message.point.y, message.point.z = trocar.tolist()
+    return message
+
+
+def caller_of(message: genpy.Message) -> str:
+    """Name that the sender of a message or request gave itself when it connected."""
+    header = getattr(message, "_connection_header", None) or {}
+    return caller_name(header.get("callerid"))

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The action `rst_control/execute`: goals go the same way as commands; cancelling one stops.
+
+Each goal ends in exactly one terminal state. actionlib's callbacks only hand over, so that its
+lock is never held for long, and a thread of its own passes endings on, not the control loop.
+"""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Callable
+
+import actionlib
+import rospy
+from actionlib import ServerGoalHandle
+from actionlib_msgs.msg import GoalID, GoalStatus
+
+from rst_control.admission.callers import UNNAMED, Doorkeeper
+from rst_control.admission.command_queue import CommandDesk, is_stop, shown
+from rst_control.execution.executor import Executor
+from rst_control.execution.orders import Outcome, Reply
+from rst_control.msg import AssistAction, AssistActionGoal
+from rst_control.planning.plan import Request
+from rst_control.ros.common.messages import caller_of, feedback_message, result_message
+
+OnGoal = Callable[[ServerGoalHandle], None]
+
+MOST_GOALS = 200  # that actionlib remembers; it forgets one 5 s after it has ended
+LONGEST_ID = 200  # characters of a goal's id
+
+
+class GuardedServer(actionlib.ActionServer):
+    """An action server that knows who sends goals, and does not remember them without limit.
+
+    Args:
+        door: Knows who may command, and how often.
+        on_goal: Told every goal that is let in.
+        on_cancel: Told every goal that is to be cancelled; a cancel is never turned away.
+        on_cancel_all: Told every cancel that names no goal, also where none is under way.
+    """
+
+    def __init__(
+        self,
+        door: Doorkeeper,
+        on_goal: OnGoal,
+        on_cancel: OnGoal,
+        on_cancel_all: Callable[[GoalID], None],
+    ) -> None:
+        self._door, self._on_cancel_all = door, on_cancel_all
+        super().__init__("rst_control/execute", AssistAction, on_goal, on_cancel, auto_start=False)
+
+    def internal_goal_callback(self, goal: AssistActionGoal) -> None:
+        """Turn a goal away, or let actionlib take it."""
+        goal.goal_id.stamp = _not_after_now(goal.goal_id.stamp)
+        admission = self._door.admit(caller_of(goal), is_stop(goal.goal.command))
+        objection = admission.objection or self._too_much(goal.goal_id)
+        if admission.is_news:
+            rospy.logwarn("goal refused: %s", objection)
+        if objection and not is_stop(goal.goal.command):
+            status = GoalStatus(_short(goal.goal_id), GoalStatus.REJECTED, objection)
+            self.publish_result(status, result_message(Outcome("refused", objection)))
+        else:
+            super().internal_goal_callback(goal)
+        time.sleep(admission.pause)  # whoever floods waits: nothing is read from it meanwhile
+
+    def internal_cancel_callback(self, goal_id: GoalID) -> None:
+        """Cancel what is known; what is not known is remembered as long as there is room."""
+        if not goal_id.id:
+            self._on_cancel_all(goal_id)
+        goal_id.stamp = _not_after_now(goal_id.stamp)
+        with self.lock:
+            is_known = any(s.status.goal_id.id == goal_id.id for s in self.status_list)
+        if goal_id.id and not is_known and self._too_much(goal_id):
+            if goal_id.stamp.is_zero():
+                return
+            goal_id = GoalID(goal_id.stamp, "")  # it still cancels all that is older
+        super().internal_cancel_callback(goal_id)
+
+    def _too_much(self, goal_id: GoalID) -> str:
+        if len(goal_id.id) > LONGEST_ID:
+            return f"a goal id of {len(goal_id.id)} characters, allowed: {LONGEST_ID}"
+        known = len(self.status_list)
+        return f"{known} goals are known already" if known >= MOST_GOALS else ""
+
+
+class AssistServer:
+    """Translates between actionlib and the desk."""
+
+    def __init__(self, desk: CommandDesk, executor: Executor, door: Doorkeeper) -> None:
+        self._desk, self._executor = desk, executor
+        self._running: dict[str, ServerGoalHandle] = {}
+        self._news: queue.SimpleQueue[tuple[ServerGoalHandle, Reply | Outcome]] = (
+            queue.SimpleQueue()
+        )
+        self._server = GuardedServer(door, self._on_goal, self._on_cancel, self._on_cancel_all)
+
+    def start(self) -> rospy.Subscriber:
+        """Begin to take goals; gives the subscriber by which they come."""
+        self._server.start()
+        return self._server.goal_sub
+
+    def publish_feedback(self) -> None:
+        """Tell every running goal how far it is."""
+        running = list(self._running.values())
+        if running:
+            feedback = feedback_message(self._executor.view)
+            for goal in running:
+                goal.publish_feedback(feedback)
+
+    def take_news(self, timeout: float) -> None:
+        """Pass the next answer or ending on to its client; where none comes, wait `timeout` [s]."""
+        try:
+            goal, news = self._news.get(timeout=timeout)
+        except queue.Empty:
+            return
+        if isinstance(news, Outcome):
+            self._end(goal, news)
+        elif news.accepted:
+            self._running[goal.get_goal_id().id] = goal
+            goal.set_accepted(news.message)
+
+    def _end(self, goal: ServerGoalHandle, outcome: Outcome) -> None:
+        self._running.pop(goal.get_goal_id().id, None)
+        result = result_message(outcome)
+        match outcome.kind:
+            case "succeeded":
+                goal.set_succeeded(result, outcome.reason)
+            case "refused":
+                goal.set_rejected(result, outcome.reason)
+            case "stopped":
+                goal.set_canceled(result, outcome.reason)
+            case "failed":
+                goal.set_aborted(result, outcome.reason)
+
+    def _on_goal(self, goal: ServerGoalHandle) -> None:
+        wanted = goal.get_goal()
+        request = Request(wanted.command, wanted.tension, wanted.distance)
+        caller = caller_of(goal.goal)
+        owner = "" if caller == UNNAMED else caller  # who leaves its goal alone stops it
+        ticket = self._desk.take(request, f"action client {caller}", owner=owner)
+        ticket.reply.add_done_callback(lambda reply: self._news.put((goal, reply.result())))
+        ticket.ended.add_done_callback(lambda ended: self._news.put((goal, ended.result())))
+
+    def _on_cancel(self, goal: ServerGoalHandle) -> None:
+        received, command = time.monotonic(), shown(goal.get_goal().command, 40)
+        self._executor.stop(f'stop by cancelling the action "{command}"', received)
+
+    def _on_cancel_all(self, goal_id: GoalID) -> None:
+        received = time.monotonic()
+        self._executor.stop(f"stop by cancelling all actions, from {caller_of(goal_id)}", received)
+
+
+def _short(goal_id: GoalID) -> GoalID:
+    return GoalID(goal_id.stamp, goal_id.id[:LONGEST_ID])
+
+
+def _not_after_now(stamp: rospy.Time) -> rospy.Time:
+    """A stamp that a peer may give.
+
+    One beyond 32 bits cannot be sent on, which would end actionlib's reports; and a cancel from the
+    future would cancel all goals to come.
+    """
+    return stamp if stamp.is_zero() else min(stamp, rospy.Time.now())

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Commands in words: the string service, and the topic on which anyone may stop the robot."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import TimeoutError as NoReply
+
+import genpy
+import rospy
+from std_msgs.msg import Empty, Time
+
+from rst_control.admission.callers import Doorkeeper
+from rst_control.admission.command_queue import LONGEST, CommandDesk, is_stop, read_command, unknown
+from rst_control.execution.executor import Executor
+from rst_control.host.message_limits import announced
+from rst_control.planning.plan import Request
+from rst_control.ros.common.messages import caller_of
+from rst_control.srv import Command, CommandRequest, CommandResponse
+from rst_control.supervision.heartbeat import Heartbeat
+from rst_control.types import Command as Spoken
+
+REPLY_TIME = 2.0  # [s] within which every command is answered, or the caller told that it was not
+_UNWATCHED = (Spoken.STOP, Spoken.HEY_ROBOT, Spoken.TERMINATE)  # of the spoken: they move nothing
+_HEAD = 4  # bytes of the length before the words
+
+
+class WordsRequest(CommandRequest):
+    """A request of which no more was kept than a command may be long."""
+
+    length = 0  # [bytes] of all that was said; 0: the words are whole
+
+    def deserialize(self, buff: bytes) -> WordsRequest:
+        """Read a request that is as long as it says: the generated class takes what there is.
+
+        Raises:
+            genpy.DeserializationError: It is not, and no stop either.
+        """
+        super().deserialize(buff)
+        said = _HEAD + announced(buff)
+        if len(buff) != said and not is_stop(self.command):
+            raise genpy.DeserializationError(f"{said} bytes were announced")
+        return self
+
+    @classmethod
+    def cut(cls, beginning: bytes, size: int) -> WordsRequest:
+        """The beginning of a request too long to be read; `size` [bytes] is that of all of it."""
+        request = cls()
+        request.command = beginning[_HEAD : _HEAD + 2 * LONGEST].decode("utf-8", "replace")
+        request.length = size - _HEAD
+        return request
+
+
+class WordsCommand(Command):
+    """rst_control/Command, taken in without its tail where that is too long."""
+
+    _request_class = WordsRequest
+
+
+class CommandService:
+    """Serves `rst_control/command`; listens to `rst_control/stop` and `rst_control/heartbeat`.
+
+    Args:
+        desk: Takes the commands.
+        executor: Takes stops and heartbeats.
+        door: Knows who may command, and how often.
+        spoken_by: Name of the node whose commands count as spoken.
+        heartbeat_age: Age of the last heartbeat up to which that node counts as alive [s].
+    """
+
+    def __init__(
+        self,
+        desk: CommandDesk,
+        executor: Executor,
+        door: Doorkeeper,
+        spoken_by: str,
+        heartbeat_age: float,
+    ) -> None:
+        self._desk, self._executor, self._door = desk, executor, door
+        self._spoken_by, self._heartbeat = spoken_by, Heartbeat(heartbeat_age)
+        self.last_command = float("-inf")  # [s] when the last command came, steady clock
+        # Of what piles up on one connection the newest counts; a flood is not queued.
+        newest = {"tcp_nodelay": True, "queue_size": 1}
+        self._stop = rospy.Subscriber("rst_control/stop", Empty, self._on_stop, **newest)
+        self.heartbeats = rospy.Subscriber(
+            "rst_control/heartbeat", Time, self._on_heartbeat, **newest
+        )
+        self._service: rospy.Service | None = None
+
+    def start(self) -> None:
+        """Begin to take commands."""
+        self._service = rospy.Service("rst_control/command", WordsCommand, self._on_command)
+
+    def _on_command(self, request: WordsRequest) -> CommandResponse:
+        self.last_command = time.monotonic()
+        caller = caller_of(request)
+        admission = self._door.admit(caller, is_stop(request.command))
+        objection = admission.objection
+        if objection and not admission.is_news:
+            response = CommandResponse(False, objection)
+        else:
+            if request.length and not objection:
+                objection = unknown(request.command, request.length)
+            response = self._ask(request.command, caller, objection)
+        time.sleep(admission.pause)  # after a stop, too: it has been carried out
+        return response
+
+    def _ask(self, words: str, caller: str, objection: str) -> CommandResponse:
+        is_spoken = caller == self._spoken_by
+        if is_spoken and not objection and read_command(words) not in _UNWATCHED:
+            objection = self._heartbeat.objection(time.monotonic())
+        owner = caller if is_spoken else ""
+        request = Request(words)
+        ticket = self._desk.take(request, caller, is_spoken, not is_spoken, objection, owner)
+        try:
+            reply = ticket.reply.result(REPLY_TIME)
+        except NoReply:
+            return CommandResponse(
+                False, "the controller does not answer; nothing is known to move"
+            )
+        return CommandResponse(reply.accepted, reply.message)
+
+    def _on_stop(self, message: Empty) -> None:
+        self._executor.stop(f"stop topic, from {caller_of(message)}", time.monotonic())
+
+    def _on_heartbeat(self, message: Time) -> None:
+        sent, now = message.data.to_sec(), time.monotonic()
+        self._executor.heartbeat(self._heartbeat.beat(sent, rospy.get_time(), now))

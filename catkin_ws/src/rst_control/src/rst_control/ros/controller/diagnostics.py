@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The controller's health on `/diagnostics`, once a second."""
+
+from __future__ import annotations
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from rst_control.execution.loop_statistics import LoopSummary
+from rst_control.execution.orders import View
+from rst_control.execution.state_machine import LATCHED
+
+LATE_WARNING = 1.0  # [%] of ticks late, above which the loop is reported
+ERRORS_TOLD = 3  # of the newest errors in threads
+
+
+class Diagnostics:
+    """Collects and publishes what a person needs to see that all is well, or why not."""
+
+    def __init__(self) -> None:
+        self.priority = "none"  # what the system granted the node, in words
+        self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
+        self._errors: list[str] = []
+
+    def error(self, words: str) -> None:
+        """Note an error in one of the threads."""
+        self._errors = [*self._errors, words][-ERRORS_TOLD:]
+
+    def publish(
+        self,
+        view: View,
+        loop: LoopSummary,
+        objection: str,
+        command_age: float,
+        trocar: str,
+        recording: DiagnosticStatus,
+    ) -> None:
+        """Publish one report.
+
+        Args:
+            view: The executor's state.
+            loop: How the control loop keeps its times.
+            objection: What is wrong with the robot's messages; empty: nothing.
+            command_age: Time since the last command came [s].
+            trocar: The remote centre in force, in words.
+            recording: Whether what happens is being recorded.
+        """
+        robot = self._robot(view, objection, command_age, trocar)
+        array = DiagnosticArray(status=[robot, self._loop(loop), recording])
+        array.header.stamp = rospy.Time.now()
+        self._publisher.publish(array)
+
+    def _robot(
+        self, view: View, objection: str, command_age: float, trocar: str
+    ) -> DiagnosticStatus:
+        level, message = DiagnosticStatus.OK, view.life.state.value
+        if view.life.state in LATCHED:
+            level = DiagnosticStatus.WARN
+            message = f'{message}: {view.life.reason}; say "hey robot" to go on'
+        if view.health:
+            level, message = DiagnosticStatus.ERROR, view.health
+        values = {
+            "state": view.life.state.value,
+            "phase": view.phase,
+            "rcm error [um]": f"{view.rcm_error * 1e6:.1f}",
+            "trocar": trocar,
+            "tension [N]": f"{view.tension:.3f}",
+            "tension not trusted": view.measurement.distrust if view.measurement else "",
+            "last command [s ago]": f"{command_age:.1f}",
+            "last refusal": view.last_refusal,
+            "messages of the robot": objection or "good",
+        }
+        return make_status("motion", level, message, values)
+
+    def _loop(self, loop: LoopSummary) -> DiagnosticStatus:
+        level, message = DiagnosticStatus.OK, "on time"
+        if loop.late_percent > LATE_WARNING:
+            level, message = DiagnosticStatus.WARN, f"{loop.late_percent:.2f} % of ticks late"
+        if self._errors:
+            level, message = DiagnosticStatus.ERROR, self._errors[-1]
+        values = {
+            "ticks": str(loop.ticks),
+            "late ticks [%]": f"{loop.late_percent:.3f}",
+            "skipped ticks": str(loop.skipped),
+            "tick p50 [us]": f"{loop.duration_p50 * 1e6:.0f}",
+            "tick p99 [us]": f"{loop.duration_p99 * 1e6:.0f}",
+            "lateness p99 [us]": f"{loop.lateness_p99 * 1e6:.0f}",
+            "priority": self.priority,
+            "errors": "; ".join(self._errors) or "none",
+        }
+        return make_status("control loop", level, message, values)
+
+
+def make_status(name: str, level: int, message: str, values: dict[str, str]) -> DiagnosticStatus:
+    """Put one status of the controller together."""
+    return DiagnosticStatus(
+        level=level,
+        name=f"rst_control: {name}",
+        message=message,
+        hardware_id="controller",
+        values=[KeyValue(key, value) for key, value in values.items()],
+    )

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The first motion shown on `rst_control/preview`, and confirmed by `rst_control/confirm`."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+
+from rst_control.admission.command_queue import Verify
+from rst_control.admission.first_motion_gate import FirstMotion
+from rst_control.planning.plan import Plan
+from rst_control.registration.site import PresentSite
+from rst_control.ros.common.marker_topic import MarkerTopic
+from rst_control.visualization.controller_shapes import AHEAD, LINE
+from rst_control.visualization.shapes import Kind, Shape
+from rst_control.visualization.tip_route import PER_KNOT
+
+FOR_EVER = 0.0  # [s] lifetime of the markers
+
+
+class ConfirmedFirst:
+    """Verification that asks before the first motion, by ROS.
+
+    Args:
+        verify: Decides everything else.
+        site: Knows robot and trocar.
+    """
+
+    def __init__(self, verify: Verify, site: PresentSite) -> None:
+        self._site = site
+        self._topic = MarkerTopic("rst_control/preview", FOR_EVER)
+        self.verify = FirstMotion(verify, self._show, time.monotonic)
+        self._service = rospy.Service("rst_control/confirm", Trigger, self._on_confirm)
+        rospy.logwarn("dry run: the first motion is shown and has to be confirmed")
+
+    def _on_confirm(self, _: object) -> TriggerResponse:
+        reply = self.verify.confirm()
+        return TriggerResponse(reply.accepted, reply.message)
+
+    def _show(self, plan: Plan | None) -> None:
+        paths = [] if plan is None else [p.path for p in plan.phases if p.path is not None]
+        site = self._site.site
+        tips = [path.sample(site.model.chain, site.trocar, PER_KNOT).tip for path in paths]
+        shapes = []
+        if tips:
+            shapes = [Shape("first motion", Kind.LINE, np.vstack(tips), 2.0 * LINE, AHEAD)]
+        self._topic.publish(shapes, rospy.Time.now())

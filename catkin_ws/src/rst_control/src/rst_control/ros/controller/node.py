@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The controller node: commands and action goals in, joint set-points out, 500 times a second."""
+
+from __future__ import annotations
+
+import gc
+import sys
+import time
+from contextlib import ExitStack
+
+import rospy
+
+from rst_control.admission.callers import Doorkeeper
+from rst_control.admission.command_queue import CommandDesk
+from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
+from rst_control.assembly import make_executor, make_site
+from rst_control.config import MotionConfig
+from rst_control.errors import RstError
+from rst_control.execution.orders import View
+from rst_control.kinematics.robot_model import RobotModel, parse_robot
+from rst_control.msg import ControllerState, Event
+from rst_control.registration.site import PresentSite
+from rst_control.registration.trocar import position_words
+from rst_control.ros.common.exposure_warning import warn_of_listeners
+from rst_control.ros.common.message_limits import guard_intake
+from rst_control.ros.common.messages import RosClock, event_message, state_message
+from rst_control.ros.common.priority import ask_for_priority
+from rst_control.ros.common.prompt_sending import send_promptly
+from rst_control.ros.controller.action_server import AssistServer
+from rst_control.ros.controller.command_service import CommandService
+from rst_control.ros.controller.control_loop import ControlLoop
+from rst_control.ros.controller.diagnostics import Diagnostics
+from rst_control.ros.controller.first_motion import ConfirmedFirst
+from rst_control.ros.controller.markers import ControllerMarkers
+from rst_control.ros.controller.presence_watch import PresenceWatch
+from rst_control.ros.controller.recording_link import RecordingLink
+from rst_control.ros.controller.robot_link import RobotLink
+from rst_control.ros.controller.trocar_service import TrocarService
+from rst_control.ros.controller.worker import Worker
+from rst_control.supervision.presence import Presence
+from typed_config import ConfigError, load_config
+
+FEEDBACK_RATE = 20.0  # [Hz] to action clients
+DIAGNOSTICS_PERIOD = 1.0  # [s]
+COLLECT_PERIOD = 30.0  # [s] between collections of garbage, at rest only
+BRAKING_TIME = 1.0  # [s] that a motion gets to brake when the node is shut down
+
+
+class ControllerNode:
+    """Everything that belongs to the node, as a context: inside it the loop runs.
+
+    Args:
+        config: Settings.
+        model: The robot.
+    """
+
+    def __init__(self, config: MotionConfig, model: RobotModel) -> None:
+        settings = config.controller
+        self._clock = RosClock()
+        self._link = RobotLink(self._clock, settings.watchdogs, settings.tension.source)
+        self._site = PresentSite(make_site(config, model))
+        self._presence = Presence()
+        self._executor = make_executor(config, self._site, self._link.clear_fault, self._presence)
+        watch = RecordingWatch(settings.recording, time.monotonic)
+        self._recording = RecordingLink(watch, self._executor)
+        verify = RecordedOnly(self._site.verify, watch)
+        if settings.first_motion == "confirmed":
+            verify = ConfirmedFirst(verify, self._site).verify
+        self._desk = CommandDesk(self._executor, verify, time.monotonic)
+        self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
+        self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
+        self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
+        door = Doorkeeper(settings.callers, time.monotonic)
+        self._trocar = TrocarService(self._site, self._executor, door)
+        self._markers = ControllerMarkers(config, self._site, self._look, self._clock)
+        self._diagnostics = Diagnostics()
+        self._actions = AssistServer(self._desk, self._executor, door)
+        self._spoken_by = settings.spoken_by
+        self._service = CommandService(
+            self._desk,
+            self._executor,
+            door,
+            settings.spoken_by,
+            settings.watchdogs.voice_heartbeat_age,
+        )
+        self._state_period = 1.0 / settings.state_rate
+        self._due = dict.fromkeys(("feedback", "diagnostics", "collect"), 0.0)
+        self._is_sending = False
+        self._stack = ExitStack()
+
+    def __enter__(self) -> ControllerNode:
+        self._diagnostics.priority = ask_for_priority()
+        links = (self._service.heartbeats, self._actions.start())
+        watch = PresenceWatch(
+            self._presence, self._executor, self._spoken_by, links, self._recording
+        )
+        for name, step in (
+            ("planning", self._plan),
+            ("publishing", self._publish),
+            ("markers", self._markers.step),
+            ("action", lambda: self._actions.take_news(timeout=0.2)),
+            ("peers", watch.peers.step),
+            ("presence", watch.step),
+        ):
+            self._stack.enter_context(Worker(name, step, self._diagnostics.error))
+        self._stack.enter_context(self._loop)
+        self._service.start()
+        self._trocar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def close(self) -> None:
+        """Bring the robot to rest, then end all threads; called before the topics are closed."""
+        self._executor.stop("the controller is being shut down")
+        end = time.monotonic() + BRAKING_TIME
+        while self._executor.view.is_moving and time.monotonic() < end:
+            time.sleep(0.005)
+        time.sleep(3 * self._state_period)  # the last entries of the diary are still to be sent
+        self._stack.close()
+
+    def _tick(self, due: float) -> None:
+        setpoint = self._executor.tick(due, self._link.measured_js())
+        if setpoint is not None:
+            self._link.servo_jp(setpoint)
+        elif self._is_sending:
+            self._link.hold()
+        self._is_sending = setpoint is not None
+
+    def _look(self) -> View:
+        return self._executor.view
+
+    def _plan(self) -> None:
+        ticket = self._desk.next(timeout=0.2)
+        if ticket is None:
+            return
+        try:
+            self._desk.check(ticket)
+        except Exception as error:  # the caller must hear of it; the worker reports it
+            self._desk.fail(ticket, error)
+            raise
+
+    def _publish(self) -> None:
+        time.sleep(self._state_period)
+        view = self._executor.view
+        self._recording.look(view)
+        self._state.publish(state_message(view, self._clock))
+        while self._executor.diary:
+            self._event.publish(event_message(self._executor.diary.popleft(), self._clock))
+        now = time.monotonic()
+        if self._is_due("feedback", now, 1.0 / FEEDBACK_RATE):
+            self._actions.publish_feedback()
+        if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
+            loop, age = self._loop.statistics.summary(), now - self._service.last_command
+            trocar = position_words(self._site.site.trocar)
+            recording = self._recording.status()
+            self._diagnostics.publish(view, loop, self._link.objection, age, trocar, recording)
+        if not view.is_moving and self._is_due("collect", now, COLLECT_PERIOD):
+            gc.collect()
+
+    def _is_due(self, what: str, now: float, period: float) -> bool:
+        if now < self._due[what]:
+            return False
+        self._due[what] = now + period
+        return True
+
+
+def main() -> None:
+    """Run the controller node."""
+    guard_intake()
+    send_promptly()
+    rospy.init_node("controller")
+    try:
+        config = load_config(MotionConfig, rospy.get_param("~", {}), "controller parameters")
+        model = parse_robot(rospy.get_param("robot_description"))
+        node = ControllerNode(config, model)
+    except (ConfigError, RstError, KeyError) as error:
+        rospy.logfatal(
+            f"the controller cannot start: {error}; start it by launch/controller.launch"
+        )
+        sys.exit(2)
+    with node:
+        rospy.on_shutdown(node.close)
+        warn_of_listeners()
+        rospy.loginfo("controller ready; it waits for the robot and for commands")
+        rospy.spin()

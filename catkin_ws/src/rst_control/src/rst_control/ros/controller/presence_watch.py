@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Watches those without whom a motion may not go on: the master, who asked for it, who records it.
+
+A node of this host that is killed or stopped is noticed by the kernel's word, within a period; one
+elsewhere that is killed by its connection, which closes; one elsewhere that hangs by its heartbeat
+alone, where it has one.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Final
+
+import rospy
+
+from rst_control.execution.executor import Executor
+from rst_control.ros.common.peers import Peers
+from rst_control.ros.controller.recording_link import RecordingLink
+from rst_control.supervision.presence import MASTER, Presence
+
+PERIOD: Final = 0.01  # [s] between looks; one takes some 0.1 ms
+HUNG_UP: Final = "hung up"
+
+
+class PresenceWatch:
+    """Reports who is lost. `step` and `peers.step` belong into threads of their own.
+
+    Args:
+        presence: Takes the reports.
+        executor: Says who asked for the present motion.
+        spoken_by: Name of the voice node, which is always watched.
+        links: Subscribers over which those who ask for motions are heard.
+        recording: Knows the recorders, and is told when one is lost.
+    """
+
+    def __init__(
+        self,
+        presence: Presence,
+        executor: Executor,
+        spoken_by: str,
+        links: tuple[rospy.Subscriber, ...],
+        recording: RecordingLink,
+    ) -> None:
+        self._presence, self._executor = presence, executor
+        self._spoken_by, self._links, self._recording = spoken_by, links, recording
+        self.peers = Peers()
+
+    def step(self) -> None:
+        """Look once."""
+        time.sleep(PERIOD)
+        owner = self._executor.owner
+        names = {self._spoken_by, owner} - {""}
+        recorders = self._recording.recorders
+        self.peers.want(names | recorders)
+        found = {name: self.peers.state(name) for name in (MASTER, *names)}
+        if owner and not found[owner] and not any(is_heard(link, owner) for link in self._links):
+            found[owner] = HUNG_UP
+        self._presence.report({name: words for name, words in found.items() if words})
+        for name in recorders:
+            if words := self.peers.state(name):
+                self._recording.lost(name, words)
+
+
+def is_heard(link: rospy.Subscriber, name: str) -> bool:
+    """Whether a connection from a node is open; a process that ends closes it at once."""
+    connections = list(link.impl.connections) if link.impl is not None else []
+    return any(c.callerid_pub == name and not c.done for c in connections)

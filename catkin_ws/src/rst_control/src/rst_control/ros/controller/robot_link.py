@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The robot as the controller reaches it: set-points out; joint states, tension, grip, faults in.
+
+Callbacks only keep the newest bytes; the loop reads them when it needs them. `reception.py` says
+which of them are believed.
+"""
+
+from __future__ import annotations
+
+import time
+from io import BytesIO
+
+import rospy
+from geometry_msgs.msg import WrenchStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Empty, String
+
+from rst_control.admission.command_queue import shown
+from rst_control.config import WatchdogConfig
+from rst_control.ros.common.messages import RosClock
+from rst_control.ros.common.serialization import write_joint_state
+from rst_control.ros.controller.robot_messages import Reception
+from rst_control.types import JOINTS, Measurement, Setpoint
+
+LONGEST_FAULT = 200  # characters of what the robot says is wrong with it
+
+
+class _Raw:
+    """A message left as bytes, with the time at which it came."""
+
+    raw = b""
+    arrived = 0.0
+
+    def deserialize(self, buff: bytes) -> _Raw:
+        """Keep the bytes."""
+        self.raw, self.arrived = buff, time.monotonic()
+        return self
+
+
+class RawJointState(_Raw, JointState):
+    """sensor_msgs/JointState as bytes."""
+
+    def __init__(self) -> None:
+        """Make none of the fields."""
+
+
+class RawWrench(_Raw, WrenchStamped):
+    """geometry_msgs/WrenchStamped as bytes."""
+
+    def __init__(self) -> None:
+        """Make none of the fields."""
+
+
+class SetpointMessage(JointState):
+    """sensor_msgs/JointState written from a set-point without an intermediate form."""
+
+    _has_header = False  # the header is in the bytes, too
+
+    def __init__(self, raw: bytes) -> None:
+        self.raw = raw
+
+    def serialize(self, buff: BytesIO) -> None:
+        """Write the bytes."""
+        buff.write(self.raw)
+
+
+class RobotLink:
+    """A RobotBackend that speaks ROS; reads and sends are for the loop's thread alone.
+
+    Args:
+        clock: Makes stamps.
+        watchdogs: How old messages may be.
+        tension: Where the tension comes from, as `tension.source` says.
+    """
+
+    def __init__(self, clock: RosClock, watchdogs: WatchdogConfig, tension: str) -> None:
+        self._clock, self._has_tension = clock, tension != "none"
+        self._reception = Reception(watchdogs, time.monotonic, tension)
+        self._sent = 0
+        self._servo = rospy.Publisher("robot/servo_jp", JointState, queue_size=1, tcp_nodelay=True)
+        self._hold = rospy.Publisher("robot/hold", Empty, queue_size=1, tcp_nodelay=True)
+        self._clear = rospy.Publisher("robot/clear_fault", Empty, queue_size=1, tcp_nodelay=True)
+        newest = {"tcp_nodelay": True, "queue_size": 1}  # of what piles up on one connection
+        self._subscribers = [
+            rospy.Subscriber("joint_states", RawJointState, self._on_joints, **newest),
+            rospy.Subscriber("robot/tension", RawWrench, self._on_wrench, **newest),
+            rospy.Subscriber("robot/tension_distrust", String, self._on_distrust),
+            rospy.Subscriber("robot/setpoint_js", RawJointState, self._on_rest, **newest),
+            rospy.Subscriber("robot/gripped", Bool, self._on_gripped, **newest),
+            rospy.Subscriber("robot/fault", String, self._on_fault, **newest),
+        ]
+
+    def measured_js(self) -> Measurement | None:
+        """Newest joint states with the force on the jaws; None while the robot never spoke."""
+        return self._reception.measured()
+
+    @property
+    def objection(self) -> str:
+        """What is wrong with the robot's messages; empty: nothing."""
+        return self._reception.objection
+
+    def servo_jp(self, setpoint: Setpoint) -> None:
+        """Send one set-point."""
+        self._sent += 1
+        self._reception.led()
+        stamp = self._clock.stamp(setpoint.stamp)
+        raw = write_joint_state(
+            (self._sent, stamp.secs, stamp.nsecs), JOINTS, setpoint.position, setpoint.velocity
+        )
+        self._servo.publish(SetpointMessage(raw))
+
+    def hold(self) -> None:
+        """Let the robot slow down and stay."""
+        self._hold.publish(Empty())
+
+    def clear_fault(self) -> None:
+        """Ask the robot to take set-points again."""
+        self._clear.publish(Empty())
+
+    def _on_joints(self, message: RawJointState) -> None:
+        self._reception.joints = message
+
+    def _on_wrench(self, message: RawWrench) -> None:
+        self._reception.wrench = message
+
+    def _on_distrust(self, message: String) -> None:
+        if self._has_tension:
+            self._reception.distrust = shown(message.data, LONGEST_FAULT)
+
+    def _on_rest(self, message: RawJointState) -> None:
+        self._reception.rest = message
+
+    def _on_gripped(self, message: Bool) -> None:
+        self._reception.gripped = message.data
+
+    def _on_fault(self, message: String) -> None:
+        self._reception.fault = shown(message.data, LONGEST_FAULT)

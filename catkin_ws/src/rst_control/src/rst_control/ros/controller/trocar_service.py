@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The trocar on ROS: its latched topic, and the services that set it or fit it to shaft poses."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import TimeoutError as NoReply
+
+import genpy
+import rospy
+from geometry_msgs.msg import Point, PointStamped
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from rst_control.admission.callers import Doorkeeper
+from rst_control.execution.executor import Executor
+from rst_control.execution.orders import Reply
+from rst_control.registration.pivot_calibration import PivotFit, PivotIllPosed
+from rst_control.registration.shaft_poses import ShaftPoses, fit_words
+from rst_control.registration.site import PresentSite
+from rst_control.registration.trocar import TrocarRegistrar
+from rst_control.ros.common.messages import caller_of, trocar_message
+from rst_control.srv import (
+    FitTrocar,
+    FitTrocarRequest,
+    FitTrocarResponse,
+    SetTrocar,
+    SetTrocarRequest,
+    SetTrocarResponse,
+)
+
+REPLY_TIME = 2.0  # [s] for the control loop to take up the question
+UNANSWERED = "the control loop does not answer; the trocar stays as it is"
+
+
+class TrocarService:
+    """Publishes `rst_control/trocar`; serves set_trocar, record_shaft, forget_shafts, fit_trocar.
+
+    Args:
+        present: The site in force.
+        executor: Runs the control loop.
+        door: Knows who may set up, and how often.
+    """
+
+    def __init__(self, present: PresentSite, executor: Executor, door: Doorkeeper) -> None:
+        self._present, self._executor, self._door = present, executor, door
+        self._registrar = TrocarRegistrar(present, executor)
+        config = present.site.config
+        self._poses = ShaftPoses(present.site.model, config.rcm, config.controller.watchdogs)
+        self._topic = rospy.Publisher("rst_control/trocar", PointStamped, queue_size=1, latch=True)
+        self._services: list[rospy.Service] = []
+        self._publish()
+
+    def start(self) -> None:
+        """Begin to serve."""
+        self._services = [
+            rospy.Service("rst_control/set_trocar", SetTrocar, self._on_set),
+            rospy.Service("rst_control/record_shaft", Trigger, self._on(self._record)),
+            rospy.Service("rst_control/forget_shafts", Trigger, self._on(self._poses.forget)),
+            rospy.Service("rst_control/fit_trocar", FitTrocar, self._on_fit),
+        ]
+
+    def _publish(self) -> None:
+        self._topic.publish(trocar_message(self._present.site.trocar))
+
+    def _on_set(self, request: SetTrocarRequest) -> SetTrocarResponse:
+        p = request.position
+        reply = self._turn_away(request) or self._set((p.x, p.y, p.z), caller_of(request))
+        return SetTrocarResponse(reply.accepted, reply.message)
+
+    def _on_fit(self, request: FitTrocarRequest) -> FitTrocarResponse:
+        if refusal := self._turn_away(request):
+            return FitTrocarResponse(accepted=False, message=refusal.message)
+        try:
+            fit = self._poses.fit()
+        except PivotIllPosed as error:
+            return FitTrocarResponse(accepted=False, message=str(error))
+        reply = Reply(True, fit_words(fit))
+        if request.apply:
+            reply = self._set_fitted(fit, reply.message, caller_of(request))
+        return _fit_response(reply, fit)
+
+    def _set_fitted(self, fit: PivotFit, words: str, caller: str) -> Reply:
+        objection = self._poses.objection(fit)
+        if objection:
+            return Reply(False, f"{words}; not set: {objection}")
+        reply = self._set(fit.position.tolist(), f"{caller}, fitted")
+        if not reply.accepted:
+            return Reply(False, f"{words}; not set: {reply.message}")
+        self._poses.forget()
+        return Reply(True, f"{words}; set: {reply.message}")
+
+    def _set(self, trocar: Sequence[float], caller: str) -> Reply:
+        answer = self._registrar.ask(trocar, caller)
+        try:
+            reply = answer.result(REPLY_TIME)
+        except NoReply:
+            if answer.cancel():
+                return Reply(False, UNANSWERED)
+            reply = answer.result(REPLY_TIME)  # it is being answered at this moment
+        if reply.accepted:
+            self._publish()
+        return reply
+
+    def _record(self) -> Reply:
+        return self._poses.record(self._executor.view, time.monotonic())
+
+    def _turn_away(self, request: genpy.Message) -> Reply | None:
+        """Refuse a call of somebody who may not call, or calls too often; None: take it."""
+        admission = self._door.admit(caller_of(request))
+        if admission.is_news:
+            rospy.logwarn("refused: %s", admission.objection)
+        time.sleep(admission.pause)
+        return Reply(False, admission.objection) if admission.objection else None
+
+    def _on(self, act: Callable[[], Reply]) -> Callable[[TriggerRequest], TriggerResponse]:
+        def answer(request: TriggerRequest) -> TriggerResponse:
+            reply = self._turn_away(request) or act()
+            return TriggerResponse(reply.accepted, reply.message)
+
+        return answer
+
+
+def _fit_response(reply: Reply, fit: PivotFit) -> FitTrocarResponse:
+    return FitTrocarResponse(
+        accepted=reply.accepted,
+        message=reply.message,
+        position=Point(*fit.position.tolist()),
+        poses=len(fit.residuals),
+        rms=fit.rms,
+        largest=fit.largest,
+        deviation=fit.deviation,
+        spread=fit.spread,
+        outliers=[n + 1 for n in fit.outliers],
+    )

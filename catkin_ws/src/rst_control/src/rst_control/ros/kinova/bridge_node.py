@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The bridge to the real robot as a ROS node: towards the controller as the simulated robot."""
+
+from __future__ import annotations
+
+import gc
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import WrenchStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Empty, String
+from std_srvs.srv import Trigger, TriggerResponse
+
+from rst_control.errors import RstError
+from rst_control.kinova.bridge import Bridge
+from rst_control.kinova.config import KinovaConfig
+from rst_control.kinova.homing import home
+from rst_control.ros.common.message_limits import guard_intake
+from rst_control.ros.common.messages import BASE
+from rst_control.ros.common.priority import ask_for_priority
+from rst_control.ros.common.prompt_sending import send_promptly
+from rst_control.ros.common.republisher import Repeated
+from rst_control.ros.common.serialization import BadMessage, JointStateReader
+from rst_control.ros.common.wall_clock import followed, wall_offset
+from rst_control.ros.controller.robot_link import RawJointState
+from rst_control.ros.kinova.hardware import KinovaHardware
+from rst_control.types import JOINTS, Measurement, Setpoint, Vector
+from typed_config import ConfigError, load_config
+
+BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard
+TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
+DIAGNOSTICS_PERIOD = 1.0  # [s]
+MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed
+STILL = np.zeros(len(JOINTS))
+SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
+
+
+class KinovaBridgeNode:
+    """Owns the bridge; callbacks only leave work for its loop.
+
+    Args:
+        config: Settings.
+    """
+
+    def __init__(self, config: KinovaConfig) -> None:
+        self._config = config.bridge
+        self._hardware = KinovaHardware(config.bridge)
+        self._bridge = Bridge(config, self._hardware)
+        self._offset, self._reader = wall_offset(), JointStateReader(JOINTS)
+        self._jobs: deque[Callable[[], None]] = deque(maxlen=MOST_JOBS)
+        self._told: Measurement | None = None
+        self._told_grip: Repeated[bool] = Repeated(TELL_PERIOD)
+        self._told_fault: Repeated[str] = Repeated(TELL_PERIOD, lambda a, b: bool(a) is bool(b))
+        self._told_rest: Repeated[Vector] = Repeated(TELL_PERIOD, np.array_equal)
+        self._due = dict.fromkeys(("beat", "diagnostics"), 0.0)
+        self._homing = threading.Lock()
+        self._latest = 0.0
+        self._advertise()
+        self._subscribe()
+
+    def run(self) -> None:
+        """Lead the robot until the node is shut down, then bring it to rest."""
+        priority = ask_for_priority()
+        rospy.loginfo("kinova bridge ready (priority: %s)", priority)
+        period = 1.0 / self._config.rate
+        due = time.monotonic()
+        while not rospy.is_shutdown():
+            now = self._round()
+            due += period
+            if due < now:  # rounds that were missed are not made up for
+                self._latest = max(self._latest, now - due)
+                due = now
+            time.sleep(max(0.0, due - time.monotonic()))
+
+    def close(self) -> None:
+        """Stop the arm and send nothing else; may come in the midst of a round of the loop."""
+        self._hardware.close()
+
+    def _round(self) -> float:
+        for _ in range(len(self._jobs)):
+            self._jobs.popleft()()
+        now = time.monotonic()
+        self._bridge.step(now)
+        self._tell(now)
+        if self._is_due("beat", now, BEAT_PERIOD):
+            self._beat.publish(Empty())
+        if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
+            self._diagnose()
+        return now
+
+    def _advertise(self) -> None:
+        newest = {"tcp_nodelay": True}
+        self._joints = rospy.Publisher("joint_states", JointState, queue_size=5, **newest)
+        self._tension = rospy.Publisher("robot/tension", WrenchStamped, queue_size=5, **newest)
+        self._rest = rospy.Publisher("robot/setpoint_js", JointState, queue_size=10, latch=True)
+        self._gripped = rospy.Publisher("robot/gripped", Bool, queue_size=10, latch=True)
+        self._fault = rospy.Publisher("robot/fault", String, queue_size=10, latch=True)
+        self._beat = rospy.Publisher("kinova_bridge/beat", Empty, queue_size=1, **newest)
+        self._diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
+        self._service = rospy.Service("robot/home_tool", Trigger, self._on_home)
+
+    def _subscribe(self) -> None:
+        bridge, newest = self._bridge, {"tcp_nodelay": True, "queue_size": 1}
+        self._hardware.listen(
+            lambda feedback: self._jobs.append(lambda: bridge.on_arm(feedback)),
+            lambda feedback: self._jobs.append(lambda: bridge.on_tool(feedback)),
+            lambda state: self._jobs.append(lambda: bridge.tool.tell_state(state)),
+        )
+        self._subscribers = [
+            rospy.Subscriber("robot/servo_jp", RawJointState, self._on_setpoint, tcp_nodelay=True),
+            rospy.Subscriber("robot/hold", Empty, self._on(bridge.hold), **newest),
+            rospy.Subscriber("robot/clear_fault", Empty, self._on(bridge.clear_fault), **newest),
+            rospy.Subscriber("kinova_guard/alive", Empty, self._on(bridge.on_guard), **newest),
+            rospy.Subscriber("robot/tension_sensor", WrenchStamped, self._on_tension, **newest),
+            rospy.Subscriber(
+                "robot/jaw_contact",
+                Bool,
+                lambda message: self._jobs.append(lambda: bridge.on_contact(message.data)),
+                **newest,
+            ),
+        ]
+
+    def _on(self, job: Callable[[float], None]) -> Callable[[Empty], None]:
+        def on_message(_: Empty) -> None:
+            arrived = time.monotonic()
+            self._jobs.append(lambda: job(arrived))
+
+        return on_message
+
+    def _on_setpoint(self, message: RawJointState) -> None:
+        self._jobs.append(lambda: self._take(message.raw))
+
+    def _take(self, raw: bytes) -> None:
+        self._reader.reset()  # the servo itself judges the order of stamps
+        now = time.monotonic()
+        try:
+            sample = self._reader(raw)
+        except BadMessage as error:
+            self._bridge.fail(f"bad set-point: {error}", now)
+            return
+        stamp = sample.stamp - self._offset
+        self._bridge.servo_jp(Setpoint(sample.position, sample.velocity, stamp), now)
+
+    def _on_tension(self, message: WrenchStamped) -> None:
+        f, now = message.wrench.force, time.monotonic()
+        force = np.array([f.x, f.y, f.z])
+        if np.isfinite(force).all():  # else it counts as not having come
+            self._jobs.append(lambda: self._bridge.on_force(force, now))
+
+    def _on_home(self, _: object) -> TriggerResponse:
+        if not self._homing.acquire(blocking=False):
+            return TriggerResponse(False, "OpenRST is being homed already")
+        try:
+            self._jobs.append(lambda: setattr(self._bridge.tool, "is_homed", False))
+            words = home(self._hardware.request, lambda: self._bridge.tool.state, _wait)
+            self._jobs.append(lambda: setattr(self._bridge.tool, "is_homed", True))
+        except (RstError, rospy.ServiceException, rospy.ROSException) as error:
+            return TriggerResponse(False, str(error))
+        finally:
+            self._homing.release()
+        return TriggerResponse(True, words)
+
+    def _tell(self, now: float) -> None:
+        bridge, measured = self._bridge, self._bridge.measured
+        before, fault = self._told_fault.last, bridge.fault(now)
+        if self._told_fault.is_due(fault, now):
+            if fault and fault != before:
+                rospy.logwarn("fault: %s", fault)
+            self._fault.publish(String(fault))
+        if measured is None or measured is self._told:
+            return
+        self._told = measured
+        rest = measured.sent_to
+        if rest is not None and self._told_rest.is_due(rest, now):
+            self._rest.publish(self._joint_state(measured.stamp, rest, STILL, STILL))
+        if self._told_grip.is_due(bridge.is_gripped, now):
+            self._gripped.publish(Bool(bridge.is_gripped))
+        self._tell_tension(now)  # first: the controller takes it together with the joints
+        self._joints.publish(
+            self._joint_state(measured.stamp, measured.position, measured.velocity, measured.effort)
+        )
+
+    def _joint_state(self, stamp: float, *rows: Vector) -> JointState:
+        """Position, velocity and effort, each of shape (10,), at a moment [s]."""
+        position, velocity, effort = (row.tolist() for row in rows)
+        message = JointState(name=list(JOINTS), position=position, velocity=velocity, effort=effort)
+        message.header.stamp, message.header.frame_id = self._stamp(stamp), BASE
+        return message
+
+    def _tell_tension(self, now: float) -> None:
+        force = self._bridge.force(now)
+        if force is None:
+            return
+        message = WrenchStamped()
+        message.header.stamp, message.header.frame_id = self._stamp(now), BASE
+        f = message.wrench.force
+        f.x, f.y, f.z = force.tolist()
+        self._tension.publish(message)
+
+    def _stamp(self, steady: float) -> rospy.Time:
+        return rospy.Time.from_sec(steady + self._offset)
+
+    def _diagnose(self) -> None:
+        self._offset = followed(self._offset)
+        health, fault = self._bridge.take_health(), self._told_fault.last
+        level = DiagnosticStatus.ERROR if fault else DiagnosticStatus.OK
+        values = {
+            "lead": health.lead.value,
+            "tool": health.tool,
+            "lag [s]": f"{health.lag:.4f}",
+            "off course [rad]": f"{health.off:.5f}",
+            "latest velocity [s]": f"{health.latest:.4f}",
+            "latest round [s]": f"{self._latest:.4f}",
+        }
+        self._latest = 0.0
+        status = DiagnosticStatus(
+            level=level,
+            name="robot: kinova bridge",
+            message=fault or "leads the arm by velocities",
+            values=[KeyValue(key, value) for key, value in values.items()],
+        )
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = rospy.Time.now()
+        self._diagnostics.publish(array)
+
+    def _is_due(self, what: str, now: float, period: float) -> bool:
+        if now < self._due[what]:
+            return False
+        self._due[what] = now + period
+        return True
+
+
+def _wait(condition: Callable[[], bool], limit: float) -> bool:
+    end = time.monotonic() + limit
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+def main() -> None:
+    """Run the bridge node."""
+    guard_intake()
+    send_promptly()
+    rospy.init_node("kinova_bridge")
+    try:
+        config = load_config(KinovaConfig, rospy.get_param("~", {}), "bridge parameters")
+        node = KinovaBridgeNode(config)
+    except (ConfigError, RstError) as error:
+        rospy.logfatal(f"the bridge cannot start: {error}; launch/kinova.launch starts it")
+        sys.exit(2)
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    gc.collect()
+    gc.freeze()
+    rospy.on_shutdown(node.close)
+    node.run()

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The stop guard as a process of its own: publishes in/stop when the bridge falls silent."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import rospy
+from std_msgs.msg import Empty
+
+from rst_control.kinova.config import GuardConfig
+from rst_control.kinova.guard import StopGuard
+from rst_control.ros.common.priority import ask_for_priority
+from rst_control.ros.common.prompt_sending import send_in_the_end, send_promptly
+from typed_config import ConfigError, load_config
+
+PERIOD = 0.010  # [s] between two looks
+ALIVE_EVERY = 2  # looks between two beats for the bridge
+
+
+def main() -> None:
+    """Run the guard node."""
+    send_promptly()
+    rospy.init_node("kinova_guard")
+    try:
+        config = load_config(GuardConfig, rospy.get_param("~bridge/guard", {}), "guard parameters")
+    except ConfigError as error:
+        rospy.logfatal(f"the stop guard cannot start: {error}; launch/kinova.launch starts it")
+        sys.exit(2)
+    guard = StopGuard(config)
+    newest = {"queue_size": 1, "tcp_nodelay": True}
+    stop = rospy.Publisher(f"{rospy.get_param('~arm_namespace')}/in/stop", Empty, **newest)
+    alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
+    rospy.Subscriber("kinova_bridge/beat", Empty, lambda _: guard.heard(time.monotonic()), **newest)
+    # A guard that ends guards no longer: the arm stops, whether the bridge is there or not.
+    rospy.on_shutdown(lambda: send_in_the_end(lambda: stop.publish(Empty())))
+    ask_for_priority()
+    looks, was_silent = 0, False
+    while not rospy.is_shutdown():
+        now = time.monotonic()
+        if guard.is_stop_due(now):
+            stop.publish(Empty())
+            if not was_silent:
+                rospy.logerr("the bridge is silent: the arm is stopped")
+        was_silent = guard.is_silent(now)
+        looks += 1
+        if looks % ALIVE_EVERY == 0:
+            alive.publish(Empty())
+        time.sleep(PERIOD)

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The drivers of arm and tool by ROS: what they are sent, and what they tell."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import rospy
+from kortex_driver.msg import Base_JointSpeeds, JointSpeed
+from openrst_control.srv import openrst_request
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty, Float64MultiArray, Int32MultiArray
+
+from rst_control.kinova.config import BridgeConfig
+from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
+from rst_control.ros.common.prompt_sending import send_in_the_end
+from rst_control.types import Vector
+
+SAY_AGAIN = 2.0  # [s] before the same complaint about messages is made again
+
+
+class KinovaHardware:
+    """A `Hardware` that speaks ROS.
+
+    Args:
+        config: Names of the drivers and of their joints.
+    """
+
+    def __init__(self, config: BridgeConfig) -> None:
+        arm, tool = config.arm.namespace, config.tool.namespace
+        self._config, self._is_closed = config, False
+        newest = {"queue_size": 1, "tcp_nodelay": True}
+        self._speeds = rospy.Publisher(f"{arm}/in/joint_velocity", Base_JointSpeeds, **newest)
+        self._stop = rospy.Publisher(f"{arm}/in/stop", Empty, **newest)
+        self._clear = rospy.Publisher(f"{arm}/in/clear_faults", Empty, **newest)
+        self._tool = rospy.Publisher(
+            f"{tool}/effort_controller/command", Float64MultiArray, **newest
+        )
+
+    def send_speeds(self, speeds: Vector) -> None:
+        """Turn the arm's joints at these speeds [rad/s]. Shape (7,)."""
+        if self._is_closed:
+            return
+        joints = [JointSpeed(j, speed, 0) for j, speed in enumerate(speeds.tolist())]
+        self._speeds.publish(Base_JointSpeeds(joints, 0))
+
+    def send_tool(self, joints: Vector) -> None:
+        """Send pitch and jaws to these angles [rad]. Shape (3,)."""
+        self._tool.publish(Float64MultiArray(data=joints.tolist()))
+
+    def stop(self) -> None:
+        """Stop the arm."""
+        self._stop.publish(Empty())
+
+    def clear_faults(self) -> None:
+        """Ask the arm to clear its faults."""
+        self._clear.publish(Empty())
+
+    def close(self) -> None:
+        """Stop the arm, and send it no more velocities."""
+        self._is_closed = True
+        send_in_the_end(self.stop)
+
+    def request(self, message: str) -> bool:
+        """Ask OpenRST's node for something; waits for the answer, however long that takes.
+
+        Raises:
+            rospy.ServiceException: The node does not know it, or died.
+            rospy.ROSException: There is no such node.
+        """
+        name, limit = f"{self._config.tool.namespace}/openrst_request", 5.0
+        rospy.wait_for_service(name, limit)
+        return bool(rospy.ServiceProxy(name, openrst_request)(message).succeeded)
+
+    def listen(
+        self,
+        on_arm: Callable[[JointFeedback], None],
+        on_tool: Callable[[JointFeedback], None],
+        on_tool_state: Callable[[int], None],
+    ) -> None:
+        """Begin to hand over what the drivers tell, from threads of rospy."""
+        arm, tool = self._config.arm, self._config.tool
+        newest = {"queue_size": 1, "tcp_nodelay": True}
+        reader = FeedbackReader(arm.joints, (1.0,) * len(arm.joints), turns=True)
+        self._subscribers = [
+            rospy.Subscriber(
+                f"{arm.namespace}/base_feedback/joint_state",
+                JointState,
+                _to(reader, on_arm),
+                **newest,
+            ),
+            rospy.Subscriber(
+                f"{tool.namespace}/joint_states",
+                JointState,
+                _to(FeedbackReader(tool.joints, tool.signs, turns=False), on_tool),
+                **newest,
+            ),
+            rospy.Subscriber(
+                f"{tool.namespace}/openrst_state",
+                Int32MultiArray,
+                lambda message: on_tool_state(message.data[0] if message.data else -1),
+                **newest,
+            ),
+        ]
+
+
+def _to(
+    reader: FeedbackReader, take: Callable[[JointFeedback], None]
+) -> Callable[[JointState], None]:
+    def on_message(message: JointState) -> None:
+        arrived = time.monotonic()
+        values = {
+            "position": message.position,
+            "velocity": message.velocity,
+            "effort": message.effort,
+        }
+        try:
+            take(reader.read(message.name, values, arrived))
+        except BadFeedback as error:  # it counts as not having come: the states grow old
+            rospy.logwarn_throttle(SAY_AGAIN, str(error))
+
+    return on_message

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The fast way to the simulated robot: set-points in; joints, tension, grip and faults out."""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import WrenchStamped
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Empty, String
+
+from rst_control.ros.common.republisher import Repeated
+from rst_control.ros.common.serialization import BadMessage, JointStateReader
+from rst_control.ros.simulator.messages import RawJointState, Stamper, StateWriter
+from rst_control.simulation.pybullet_robot import PybulletRobot
+from rst_control.types import JOINTS, Setpoint
+
+log = logging.getLogger("rosout.rst_control.simulator")
+
+MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed, and the servo holds
+TELL_PERIOD = 0.5  # [s] between words on grip and fault where they stay the same
+NO_STAMP = 0.0  # set-points sent by hand carry no stamp
+
+
+class SetpointDoor:
+    """Takes set-points and tells states, 500 of each in a second.
+
+    Args:
+        robot: What is simulated.
+        jobs: What the simulator's loop does between two steps.
+        stamper: Time of the messages.
+        is_real_time: Whether stamps of others are on the same clock.
+    """
+
+    def __init__(
+        self,
+        robot: PybulletRobot,
+        jobs: deque[Callable[[], None]],
+        stamper: Stamper,
+        is_real_time: bool,
+    ) -> None:
+        self._robot, self._jobs, self._stamper = robot, jobs, stamper
+        self._is_real_time = is_real_time
+        self._writer, self._reader = StateWriter(stamper), JointStateReader(JOINTS)
+        self._told_grip: Repeated[bool] = Repeated(TELL_PERIOD)
+        self._told_fault: Repeated[str] = Repeated(TELL_PERIOD)
+        self._told_rest: Repeated[NDArray[np.float64]] = Repeated(TELL_PERIOD, np.array_equal)
+        self._joints = rospy.Publisher("joint_states", JointState, queue_size=5, tcp_nodelay=True)
+        self._tension = rospy.Publisher(
+            "robot/tension", WrenchStamped, queue_size=5, tcp_nodelay=True
+        )
+        self._rest = rospy.Publisher("robot/setpoint_js", JointState, queue_size=10, latch=True)
+        self._gripped = rospy.Publisher("robot/gripped", Bool, queue_size=10, latch=True)
+        self._fault = rospy.Publisher("robot/fault", String, queue_size=10, latch=True)
+        self._subscribers = [
+            rospy.Subscriber("robot/servo_jp", RawJointState, self._on_setpoint, tcp_nodelay=True),
+            rospy.Subscriber("robot/hold", Empty, self._on(robot.hold), queue_size=1),
+            rospy.Subscriber("robot/clear_fault", Empty, self._on(robot.clear_fault), queue_size=1),
+        ]
+
+    def lead(self) -> None:
+        """Set-points lead the robot; nothing is left to do between them."""
+
+    def publish(self) -> None:
+        """Tell how the robot is now."""
+        robot, now = self._robot, self._robot.now
+        self._joints.publish(self._writer.joints(now, robot.reading))
+        self._tension.publish(self._writer.wrench(now, robot.force))
+        rest = robot.rest
+        if rest is not None and self._told_rest.is_due(rest, now):
+            self._rest.publish(self._writer.rest(now, rest))
+        if self._told_grip.is_due(robot.tissue.is_held, now):
+            self._gripped.publish(Bool(robot.tissue.is_held))
+        before, fault = self._told_fault.last, robot.fault
+        if self._told_fault.is_due(fault, now):
+            if fault and fault != before:
+                log.warning("fault: %s", fault)
+            self._fault.publish(String(fault))
+
+    def _on(self, job: Callable[[], None]) -> Callable[[Empty], None]:
+        return lambda _: self._jobs.append(job)
+
+    def _on_setpoint(self, message: RawJointState) -> None:
+        if len(self._jobs) < MOST_JOBS:
+            self._jobs.append(lambda: self._take(message.raw))
+
+    def _take(self, raw: bytes) -> None:
+        self._reader.reset()  # the servo itself judges the order of stamps
+        try:
+            sample = self._reader(raw)
+        except BadMessage as error:
+            self._robot.fail(f"bad set-point: {error}")
+            return
+        known = self._is_real_time and sample.stamp > NO_STAMP
+        stamp = self._stamper.simulated(sample.stamp) if known else self._robot.now
+        self._robot.servo_jp(Setpoint(sample.position, sample.velocity, stamp))

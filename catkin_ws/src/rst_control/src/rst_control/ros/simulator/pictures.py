@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of the scene on request, and the window; both are drawn by processes of their own."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+
+import rospy
+from sensor_msgs.msg import CompressedImage
+from std_srvs.srv import Trigger, TriggerResponse
+
+from rst_control.config import URDF_FILE, SimulationConfig
+from rst_control.simulation.rendering.server import SceneSetup, SceneState
+from rst_control.simulation.rendering.worker import SceneLostError, SceneWorker
+
+log = logging.getLogger("rosout.rst_control.pictures")
+
+WINDOW_PERIOD = 0.1  # [s] between two states of the window
+
+
+class SimulatorPictures:
+    """Serves `robot/snapshot`, and keeps the window up to date where there is one.
+
+    Args:
+        config: Scene and cameras.
+        copy_state: Takes a copy of the present state, from any thread.
+
+    Raises:
+        SceneLostError: The window cannot be opened; says why.
+    """
+
+    def __init__(self, config: SimulationConfig, copy_state: Callable[[], SceneState]) -> None:
+        self._config, self._copy_state = config, copy_state
+        self._painter: SceneWorker | None = self._start(window=False)
+        self._lock = threading.Lock()
+        self._topic = rospy.Publisher(
+            "robot/scene/compressed", CompressedImage, queue_size=2, latch=True
+        )
+        self._window = self._start(window=True) if config.simulator.gui else None
+        if self._window is not None:
+            threading.Thread(target=self._show, name="window", daemon=True).start()
+        self._service = rospy.Service("robot/snapshot", Trigger, self._on_snapshot)
+
+    def close(self) -> None:
+        """End the drawing processes."""
+        for worker in (self._painter, self._window):
+            if worker is not None:
+                worker.close()
+
+    def _start(self, window: bool) -> SceneWorker:
+        simulator = self._config.simulator
+        cameras = (simulator.overview, simulator.endoscope)
+        return SceneWorker(SceneSetup(self._config.scene, cameras, URDF_FILE, window))
+
+    def _on_snapshot(self, _: object) -> TriggerResponse:
+        with self._lock:
+            try:
+                picture = self._picture()
+            except (SceneLostError, TimeoutError) as error:
+                self._painter = None
+                return TriggerResponse(False, str(error))
+        return TriggerResponse(True, f"{len(picture)} bytes of PNG on {self._topic.resolved_name}")
+
+    def _picture(self) -> bytes:
+        if self._painter is None:
+            self._painter = self._start(window=False)
+        message = CompressedImage(format="png")
+        message.header.stamp = rospy.Time.now()
+        message.header.frame_id = "base_link"
+        message.data = self._painter.picture(self._copy_state())
+        self._topic.publish(message)
+        return message.data
+
+    def _show(self) -> None:
+        """Thread of the window; closing the window ends it, and the simulation goes on."""
+        while not rospy.is_shutdown():
+            with suppress(TimeoutError):
+                try:
+                    self._window.show(self._copy_state())
+                except SceneLostError as error:
+                    log.warning("%s", error)
+                    return
+            threading.Event().wait(WINDOW_PERIOD)

@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The simulated robot: a servo that follows set-points, PyBullet's physics, tissue in the jaws."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.config import URDF_FILE, LimitsConfig, SimulationConfig
+from rst_control.kinematics.configuration import robot_joints
+from rst_control.robot import joint_kernels
+from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, warm_up
+from rst_control.simulation.physics import JointReading, RobotPhysics
+from rst_control.simulation.tissue import Jaws, Tissue
+from rst_control.types import JOINTS, Measurement, Setpoint
+from typed_config import ConfigError
+
+Vector = NDArray[np.float64]
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+class PybulletRobot:
+    """A RobotBackend whose time is moved on by `step`; a context manager.
+
+    Args:
+        config: Limits, scene and simulator settings.
+        urdf: Model of the robot.
+        start: Time of the first state [s]; set-points are stamped on the same clock.
+
+    Raises:
+        ConfigError: The start position is beyond the limits of a joint.
+        FileNotFoundError: There is no such model.
+    """
+
+    def __init__(
+        self, config: SimulationConfig, urdf: Path = URDF_FILE, start: float = 0.0
+    ) -> None:
+        simulator, scene = config.simulator, config.scene
+        self.time_step = 1.0 / simulator.physics_rate
+        begin = start_joints(config)
+        self._start, self._steps = start, 0
+        self._error = np.array([0.0] * 7 + list(simulator.tool_joint_error))
+        self._has_error = bool(self._error.any())
+        limits = servo_limits(config.limits)
+        require_within(limits, begin)
+        self._physics = RobotPhysics(urdf, begin + self._error, self.time_step)
+        warm_up(simulator.servo, limits)
+        self._servo = Servo(simulator.servo, limits, begin)
+        self._following_error = simulator.servo.following_error
+        self.tissue = Tissue(scene.tissue, self.time_step)
+        self._jaws = Jaws(self.tissue, simulator.closed_opening, simulator.held_opening)
+        self._load = simulator.tool_load * DOWN
+        self._target, self._reading = begin, self._as_reported(self._physics.read())
+        self._force = np.zeros(3)
+        self._check_following()
+
+    @property
+    def now(self) -> float:
+        """Time of the present state [s]."""
+        return self._start + self._steps * self.time_step
+
+    @property
+    def tip(self) -> Vector:
+        """Point between the tips of the jaws, base frame, [m]. Shape (3,)."""
+        return self._physics.grasp_centre
+
+    @property
+    def target(self) -> Vector:
+        """Where the joints should be now [rad]. Shape (10,)."""
+        return self._target
+
+    @property
+    def reading(self) -> JointReading:
+        """Joints as they are now."""
+        return self._reading
+
+    @property
+    def force(self) -> Vector:
+        """Force of the tissue on the jaws, base frame, [N]. Shape (3,)."""
+        return self._force
+
+    @property
+    def fault(self) -> str:
+        """Why the robot takes no set-points; empty when it is healthy."""
+        return self._servo.fault
+
+    @property
+    def servo_state(self) -> ServoState:
+        """Whether it holds, follows or brakes."""
+        return self._servo.state
+
+    @property
+    def rest(self) -> Vector | None:
+        """Where it holds the joints [rad], shape (10,); None while they are led, or brake."""
+        return self._servo.rest
+
+    @property
+    def newest_setpoint(self) -> float:
+        """Stamp of the newest set-point in play [s]; minus infinity while there is none."""
+        return self._servo.newest_stamp
+
+    def shaft(self) -> tuple[Vector, Vector]:
+        """Both ends of the tool's shaft, base frame, [m]. Shapes (3,)."""
+        return self._physics.shaft()
+
+    def measured_js(self) -> Measurement:
+        """Present joint states and the force on the jaws."""
+        return Measurement(
+            position=self._reading.position,
+            velocity=self._reading.velocity,
+            effort=self._reading.effort,
+            stamp=self.now,
+            force=self._force,
+            gripped=self.tissue.is_held,
+            fault=self._servo.fault,
+            sent_to=self._servo.rest,
+        )
+
+    def servo_jp(self, setpoint: Setpoint) -> None:
+        """Take one set-point of a stream; what no joint may follow raises a fault."""
+        self._servo.accept(setpoint, self.now)
+
+    def hold(self) -> None:
+        """Slow down and stay."""
+        self._servo.hold(self.now)
+
+    def fail(self, reason: str) -> None:
+        """Latch a fault found elsewhere, slow down and stay."""
+        self._servo.fail(reason, self.now)
+
+    def clear_fault(self) -> None:
+        """Take set-points again, if the joints are at rest."""
+        self._servo.clear_fault()
+
+    def step(self) -> None:
+        """Move on by one step of the physics."""
+        self._steps += 1
+        target, _ = self._servo.course(self.now)
+        self._physics.drive(
+            self._target + self._error if self._has_error else self._target,
+            (target - self._target) / self.time_step,
+        )
+        self._physics.push_jaws(self._force + self._load)
+        true, tip = self._physics.step(), self._physics.grasp_centre
+        self._reading, self._target = self._as_reported(true), target
+        opening = true.position.item(8) + true.position.item(9)
+        self._jaws.follow(opening, tip)
+        self._force = self.tissue.advance(tip)
+        self._check_following()
+
+    def advance(self, until: float, each: Callable[[], None] = lambda: None) -> None:
+        """Step until a time.
+
+        Args:
+            until: Time to reach [s].
+            each: Called after every step.
+        """
+        while self.now < until - 0.5 * self.time_step:
+            self.step()
+            each()
+
+    def push_load(self, force: Vector) -> None:
+        """Push at the tool tip from now on, instead of the configured load; [N], base frame."""
+        self._load = np.array(force, dtype=float)
+
+    def skip(self, duration: float) -> None:
+        """Let time pass in which nothing happens, as after the computer was too slow.
+
+        Raises:
+            RuntimeError: The joints are not at rest.
+        """
+        if self._servo.state is not ServoState.HOLDING:
+            raise RuntimeError("time cannot be skipped while the joints move")
+        self._start += duration
+
+    def close(self) -> None:
+        """Leave the physics; calling it twice does no harm."""
+        self._physics.close()
+
+    def __enter__(self) -> PybulletRobot:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _as_reported(self, true: JointReading) -> JointReading:
+        return replace(true, position=true.position - self._error) if self._has_error else true
+
+    def _check_following(self) -> None:
+        joint, away = joint_kernels.furthest(self._reading.position, self._target)
+        if away > self._following_error:
+            self.fail(
+                f"{JOINTS[joint]} is {away:.4f} rad off its course, "
+                f"allowed {self._following_error:.4f}"
+            )
+
+
+def start_joints(config: SimulationConfig) -> Vector:
+    """Where the simulated robot begins: its own start position, else the scene's home.
+
+    Returns:
+        Joints [rad]. Shape (10,).
+    """
+    q = config.simulator.start_position or config.scene.home
+    return robot_joints(np.array(q), config.scene.home_opening)
+
+
+def require_within(limits: ServoLimits, begin: Vector) -> None:
+    """Refuse a start that the joints cannot stand at; it would jump at the first step.
+
+    Raises:
+        ConfigError: Names the joint.
+    """
+    for name, value, low, high in zip(
+        limits.names, begin.tolist(), limits.lower, limits.upper, strict=True
+    ):
+        if not low <= value <= high:
+            raise ConfigError(f"start of {name}", value, f"{low:.4f} to {high:.4f} rad")
+
+
+def servo_limits(config: LimitsConfig) -> ServoLimits:
+    """Limits of the ten joints under the layer in force.
+
+    Args:
+        config: Layers and position limits.
+    """
+    layer = next(entry for entry in config.layers if entry.name == config.layer)
+    tool = np.array([config.pitch, config.finger, config.finger])
+    return ServoLimits(
+        names=JOINTS,
+        lower=np.concatenate([config.arm_lower, -tool]),
+        upper=np.concatenate([config.arm_upper, tool]),
+        speed=np.array([*layer.arm_velocity, *[layer.tool_velocity] * 3]),
+    )

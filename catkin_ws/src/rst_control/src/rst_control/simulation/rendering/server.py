@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The process that draws the scene: pictures on request, or a window that shows it live."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from contextlib import suppress
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.config import CameraConfig, SceneConfig
+
+COURTESY = 15  # steps of priority that drawing leaves to others
+AUTOGROUP = Path("/proc/self/autogroup")  # Linux weighs sessions first, then processes in them
+
+
+@dataclass(frozen=True)
+class SceneSetup:
+    """What the process needs to know, sent once."""
+
+    scene: SceneConfig
+    cameras: tuple[CameraConfig, ...]
+    urdf: Path
+    window: bool  # a window, as the first camera sees it, instead of pictures; needs a screen
+
+
+@dataclass(frozen=True, eq=False)
+class SceneState:
+    """What changes from picture to picture."""
+
+    joints: NDArray[np.float64]  # (10,), [rad]
+    nodes: NDArray[np.float64]  # (columns * rows, 3), [m], of the tissue
+    held: int = -1  # number of the node that the jaws hold; -1: none
+    tip: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))  # (3,), [m]
+    force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))  # (3,), [N], on jaws
+    trail: NDArray[np.float64] = field(
+        default_factory=lambda: np.zeros((0, 3))
+    )  # (n, 3), [m], where the tip was, oldest first
+
+
+def serve(pipe: Connection) -> None:
+    """Draw what comes through the pipe until it is closed: bytes of PNG, or b"" for the window.
+
+    An answer that is text says why nothing can be drawn.
+    """
+    from rst_control.simulation.rendering.painter import (  # slow: after courtesy
+        ScenePainter,
+        png_bytes,
+    )
+
+    setup: SceneSetup = pipe.recv()
+    try:
+        window = setup.cameras[0] if setup.window else None
+        painter = ScenePainter(setup.scene, setup.urdf, window)
+    except Exception as error:  # the top of the process: report to whoever started it
+        pipe.send(f"the scene cannot be drawn: {error}")
+        return
+    pipe.send(b"")
+    with painter, suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        while True:
+            state = pipe.recv()
+            if setup.window:
+                painter.show(state)
+                pipe.send(b"")
+            else:
+                pipe.send(png_bytes(painter.picture(state, setup.cameras)))
+
+
+def _be_courteous() -> None:
+    """Whatever moves the robot goes first, also where it started this process."""
+    with suppress(PermissionError, AttributeError):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    os.nice(COURTESY)
+    with suppress(OSError):  # no session of its own to be weighed by, or not on this kernel
+        os.setsid()
+        AUTOGROUP.write_text(str(COURTESY), encoding="ascii")
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a closed pipe ends it, not Ctrl-C
+
+
+if __name__ == "__main__":
+    _be_courteous()
+    serve(Connection(int(sys.argv[1])))

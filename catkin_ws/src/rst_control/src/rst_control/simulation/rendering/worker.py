@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Starts the process that draws the scene, and speaks to it by a pipe.
+
+A picture takes a tenth of a second and more, which the physics must not wait for.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from multiprocessing.connection import Pipe
+
+from rst_control.simulation.rendering.server import SceneSetup, SceneState
+
+START_LIMIT = 60.0  # [s] for the process to come up
+PICTURE_LIMIT = 30.0  # [s] for one picture
+
+
+class SceneLostError(RuntimeError):
+    """The drawing process ended or does not answer."""
+
+
+class SceneWorker:
+    """The drawing process, seen from outside; for one thread at a time.
+
+    Raises:
+        SceneLostError: The process could not start; says why.
+    """
+
+    def __init__(self, setup: SceneSetup) -> None:
+        if setup.window and not os.environ.get("DISPLAY"):
+            raise SceneLostError(
+                "no screen for the window: DISPLAY is not set; start with gui:=false"
+            )
+        self._pipe, theirs = Pipe()
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "rst_control.simulation.rendering.server", str(theirs.fileno())],
+            pass_fds=[theirs.fileno()],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            stdout=subprocess.DEVNULL,
+        )
+        theirs.close()
+        self._is_free = True
+        self._pipe.send(setup)
+        self._answer(START_LIMIT)
+
+    def picture(self, state: SceneState) -> bytes:
+        """PNG of the scene.
+
+        Raises:
+            SceneLostError: The process ended or does not answer.
+        """
+        self._send(state)
+        return self._answer(PICTURE_LIMIT)
+
+    def show(self, state: SceneState) -> bool:
+        """Show a state in the window, unless it is still busy with the last one.
+
+        Returns:
+            False where it was busy.
+
+        Raises:
+            SceneLostError: The window was closed.
+        """
+        if not self._is_free:
+            if not self._pipe.poll(0.0):
+                if self._process.poll() is not None:
+                    raise SceneLostError("the window was closed")
+                return False
+            self._answer(PICTURE_LIMIT)
+        self._send(state)
+        self._is_free = False
+        return True
+
+    def close(self) -> None:
+        """End the process."""
+        self._pipe.close()
+        try:
+            self._process.wait(timeout=2.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+    def _send(self, state: SceneState) -> None:
+        try:
+            self._pipe.send(state)
+        except OSError as error:
+            raise SceneLostError("the drawing process ended") from error
+
+    def _answer(self, limit: float) -> bytes:
+        try:
+            if not self._pipe.poll(limit):
+                raise SceneLostError(f"the drawing process gave no answer for {limit:g} s")
+            answer = self._pipe.recv()
+        except (EOFError, OSError) as error:
+            raise SceneLostError("the drawing process ended") from error
+        if isinstance(answer, str):
+            raise SceneLostError(answer)
+        self._is_free = True
+        return bytes(answer)

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A sheet of tissue fixed at its rim: jaws hold it at a point, pull, and feel a force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.config import TissueConfig
+from rst_control.simulation.mass_spring import Impulses, Lattice, Material
+from rst_control.tissue.sheet import rest_points, rim_nodes
+
+Vector = NDArray[np.float64]  # (3,)
+NOTHING = np.zeros(3)
+STILL = Impulses(NOTHING, NOTHING, NOTHING)
+RELAXATION_STEPS = 4000  # of calibration: the slowest vibration has died out by then
+LOOK = 64  # steps between looks whether a free sheet has come to rest
+REST_SPEED = 1e-7  # [m/s]
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """Mean forces over the last step, base frame, [N], each of shape (3,)."""
+
+    jaws: Vector  # of the tissue on the jaws
+    rim: Vector  # of the tissue on what fixes its rim
+    surroundings: Vector  # of what lies around and under the tissue on it
+
+
+class Tissue:
+    """A deformable sheet, stepped in time beside the robot.
+
+    Held tissue keeps its place relative to the tool tip, so taking hold changes no force.
+
+    Args:
+        config: Size, place, material and rim of the sheet.
+        step: Time of one `advance` [s].
+    """
+
+    def __init__(self, config: TissueConfig, step: float) -> None:
+        self.config, self.step = config, step
+        points, fixed = rest_points(config), rim_nodes(config)
+        self._lattice = Lattice(points, *config.nodes, fixed, _material(config, config.stiffness))
+        self._calibrate()
+        self._steps = int(np.ceil(step / self._lattice.longest_step()))
+        self._held, self._offset = -1, NOTHING
+        self.taken_at = NOTHING  # (3,), base frame, [m]: the tool tip when it took hold last
+        self._impulses = STILL
+        self._free_steps, self._is_at_rest = 0, True
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the jaws hold the sheet."""
+        return self._held >= 0
+
+    @property
+    def held_node(self) -> int:
+        """Number of the node that the jaws hold; -1: none."""
+        return self._held
+
+    @property
+    def nodes(self) -> NDArray[np.float64]:
+        """Places of the nodes now, base frame, [m]. Shape (columns * rows, 3), a copy."""
+        return self._lattice.x.copy()
+
+    @property
+    def rim(self) -> NDArray[np.bool_]:
+        """Which nodes are fixed. Shape (columns * rows,), a copy."""
+        return self._lattice.fixed.copy()
+
+    @property
+    def momentum(self) -> Vector:
+        """Momentum of the free nodes, base frame, [kg m/s]. Shape (3,)."""
+        free = ~self._lattice.fixed
+        if self.is_held:
+            free[self._held] = False
+        total: Vector = self._lattice.material.mass * self._lattice.v[free].sum(axis=0)
+        return total
+
+    @property
+    def balance(self) -> Balance:
+        """Forces of the last step; jaws, rim and surroundings explain every change of momentum."""
+        done = self._impulses
+        return Balance(jaws=done.held, rim=done.rim, surroundings=done.outside)
+
+    @property
+    def max_strain(self) -> float:
+        """Largest relative lengthening of any link [-]."""
+        return float(self._lattice.strains().max())
+
+    @property
+    def out_of_plane_rms(self) -> float:
+        """Root mean square distance of the nodes from their best plane [m]."""
+        centred = self._lattice.x - self._lattice.x.mean(axis=0)
+        smallest = np.linalg.svd(centred, compute_uv=False)[2]
+        return float(smallest / np.sqrt(len(centred)))
+
+    def grasp(self, tip: Vector) -> bool:
+        """Take hold of the node nearest to the tool tip.
+
+        Args:
+            tip: Tool tip, base frame, [m]. Shape (3,).
+
+        Returns:
+            False, and holds nothing, where no free node lies within the grasp radius.
+        """
+        distance = np.linalg.norm(self._lattice.x - tip, axis=1)
+        distance[self._lattice.fixed] = np.inf
+        nearest = int(distance.argmin())
+        if distance[nearest] > self.config.grasp_radius:
+            return False
+        self._held, self._offset = nearest, self._lattice.x[nearest] - tip
+        self.taken_at = np.array(tip)
+        self._is_at_rest = False
+        return True
+
+    def release(self) -> None:
+        """Let go; from now on the jaws feel nothing."""
+        if not self.is_held:
+            return
+        self._lattice.v[self._held] = 0.0
+        self._held, self._free_steps = -1, 0
+        self._impulses = replace(self._impulses, held=NOTHING)
+
+    def advance(self, tip: Vector) -> Vector:
+        """Move on by one step; held tissue follows the tool tip.
+
+        Args:
+            tip: Tool tip at the end of the step, base frame, [m]. Shape (3,).
+
+        Returns:
+            Force of the tissue on the jaws, base frame, [N]. Shape (3,).
+        """
+        if self._is_at_rest:
+            return NOTHING
+        self._impulses = self._lattice.advance(
+            self.step, self._steps, self._held, tip + self._offset
+        )
+        if not self.is_held:
+            self._look_whether_at_rest()
+        return self._impulses.held
+
+    def reset(self) -> None:
+        """Let go and lie down as at the start."""
+        self.release()
+        self._lattice.reset()
+        self._impulses, self._is_at_rest = STILL, True
+
+    def _look_whether_at_rest(self) -> None:
+        self._free_steps += 1
+        if self._free_steps % LOOK == 0 and np.abs(self._lattice.v).max() < REST_SPEED:
+            self._impulses, self._is_at_rest = STILL, True
+
+    def _calibrate(self) -> None:
+        """Scale the links until the pull at the reference point has the stiffness asked for."""
+        config, lattice = self.config, self._lattice
+        point = np.array(config.reference_point)
+        distance = np.linalg.norm(lattice.home - point, axis=1)
+        distance[lattice.fixed] = np.inf
+        pull = np.array(config.reference_pull)
+        target = lattice.home[int(distance.argmin())] + pull
+        lattice.material = replace(lattice.material, bed=0.0)
+        step = lattice.longest_step()
+        for share in np.linspace(0.0, 1.0, RELAXATION_STEPS // 4):
+            lattice.advance(step, 1, int(distance.argmin()), target - (1.0 - share) * pull)
+        for _ in range(RELAXATION_STEPS):
+            felt = lattice.advance(step, 1, int(distance.argmin()), target).held
+        secant = -float(felt @ pull) / float(pull @ pull)
+        lattice.material = _material(config, config.stiffness**2 / secant)
+        lattice.reset()
+
+
+def _material(config: TissueConfig, stiffness: float) -> Material:
+    area, count = config.size[0] * config.size[1], config.nodes[0] * config.nodes[1]
+    sheet = config.density * area
+    mass = sheet / count
+    return Material(
+        stiffness=stiffness,
+        mass=mass,
+        damping=2.0 * config.damping_ratio * float(np.sqrt(stiffness * mass)),
+        drag=2.0 * float(np.sqrt(stiffness / sheet)),
+        bed=config.bed_stiffness / count,
+    )
+
+
+class Jaws:
+    """Watches the opening of the jaws; tissue is taken only by jaws that were open before.
+
+    Args:
+        tissue: What may be taken.
+        closed_opening: Closed below this [rad].
+        held_opening: Open beyond this [rad].
+    """
+
+    def __init__(self, tissue: Tissue, closed_opening: float, held_opening: float) -> None:
+        self._tissue = tissue
+        self._closed, self._open = closed_opening, held_opening
+        self._were_open = False
+
+    def follow(self, opening: float, tip: NDArray[np.float64]) -> None:
+        """Take or let go of the tissue as the jaws now stand.
+
+        Args:
+            opening: Angle between the jaws [rad].
+            tip: Point between their tips, base frame, [m]. Shape (3,).
+        """
+        if opening > self._open:
+            self._were_open = True
+            self._tissue.release()
+        elif opening < self._closed and self._were_open:
+            self._were_open = False
+            self._tissue.grasp(tip)

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What makes the controller brake and latch: pure checks of what was measured and commanded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rst_control.config import WatchdogConfig
+from rst_control.planning.patient_surface import Placement
+from rst_control.planning.plan import Rejected
+from rst_control.supervision.plausibility import SensorWatch
+from rst_control.supervision.presence import MASTER, Presence
+from rst_control.tension.response_check import RisingTension
+from rst_control.types import JOINTS, Measurement, Reason, Vector
+
+
+@dataclass(frozen=True)
+class WatchdogLimits:
+    """Settings of the watchdogs, gathered from their files."""
+
+    settings: WatchdogConfig
+    rcm_error: float  # [m]
+    tension: float  # [N]
+    tension_delay: float = 0.0  # [s] by which the measured tension is late
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Watched:
+    """What a motion shows to the watchdogs in one tick."""
+
+    setpoint: Vector  # (10,), [rad] last commanded
+    placement: Placement  # of the measured joints
+    raises_tension: bool  # the present phase may pull
+    needs_grip: bool  # the present phase pulls on tissue
+    overtime: float  # [s] that the phase takes longer than its way at its speed
+    heartbeat_age: float | None  # [s] of the voice node; None: the command was not spoken
+    owner: str = ""  # node that asked for it and has to stay; empty: none has
+
+
+class Watchdogs:
+    """Names the first thing that is wrong; an empty string means that nothing is.
+
+    Args:
+        limits: Settings.
+        sensors: Whether measurements can be true.
+        presence: Whether those are there without whom nothing may move.
+    """
+
+    def __init__(self, limits: WatchdogLimits, sensors: SensorWatch, presence: Presence) -> None:
+        self._limits, self._sensors, self._presence = limits, sensors, presence
+        self._settings = limits.settings
+        self._rising = RisingTension(limits.tension_delay)
+
+    def look(self, measured: Measurement, setpoint: Vector | None, pulled: float | None) -> None:
+        """Take in a new measurement; see `SensorWatch.look`."""
+        self._sensors.look(measured, setpoint, pulled)
+        if measured.distrust:
+            self._rising.forget()
+        else:
+            self._rising.look(measured.stamp, measured.tension)
+
+    def master(self) -> str:
+        """Whether the ROS master is there; a robot at rest keeps its set-point without it."""
+        gone = self._presence.of(MASTER)
+        return f"the ROS master {gone}: nobody new could stop the robot" if gone else ""
+
+    def lost(self, now: float, measured: Measurement | None) -> Rejected | None:
+        """Whether all are there without whom nothing may begin or go on: master and robot."""
+        gone = self.master()
+        return Rejected(Reason.NOT_CONNECTED, gone) if gone else self.robot(now, measured)
+
+    def robot(self, now: float, measured: Measurement | None) -> Rejected | None:
+        """Whether the robot is there and speaks, at rest as in motion."""
+        if measured is None or not measured.connected:
+            return Rejected(Reason.NOT_CONNECTED, "robot not connected")
+        age, allowed = now - measured.stamp, self._settings.joint_state_age
+        if age > allowed:
+            words = f"joint states stale, {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
+            return Rejected(Reason.STALE, f"{words}: {measured.fault}" if measured.fault else words)
+        if measured.fault:
+            return Rejected(Reason.FAULTED, f"robot fault: {measured.fault}")
+        if self._sensors.objection:
+            return Rejected(Reason.FAULTED, f"sensor fault: {self._sensors.objection}")
+        return None
+
+    def owner(self, name: str) -> str:
+        """Whether the node that asked for a motion is still there; it need not, without a name."""
+        gone = self._presence.of(name) if name else ""
+        return f"{name} {gone}" if gone else ""
+
+    def following(self, measured: Measurement, setpoint: Vector) -> str:
+        """Whether every joint is where it was sent."""
+        error = np.abs(measured.position - setpoint)
+        joint = int(error.argmax())
+        if error[joint] <= self._settings.following_error:
+            return ""
+        return (
+            f"{JOINTS[joint]} {error[joint]:.3f} rad off its set-point, "
+            f"allowed {self._settings.following_error:.3f}"
+        )
+
+    def is_at_rest(self, measured: Measurement) -> bool:
+        """Whether every joint is measured at rest."""
+        return bool(np.abs(measured.velocity).max() <= self._settings.at_rest_speed)
+
+    def waking(self, now: float, measured: Measurement | None, is_led: bool) -> Rejected | None:
+        """Why the robot is not fit for "hey robot"; while it is led in a motion it may move."""
+        lost = self.lost(now, measured)
+        if lost is not None or measured is None or is_led or self.is_at_rest(measured):
+            return lost
+        return Rejected(Reason.NOT_AT_REST, "robot not at rest yet; say it again")
+
+    def motion(self, now: float, measured: Measurement | None, watched: Watched) -> str:
+        """Whether a motion may go on."""
+        lost = self.lost(now, measured)
+        if lost is not None or measured is None:
+            return lost.words if lost else ""
+        return (
+            self.following(measured, watched.setpoint)
+            or self._rcm(watched.placement)
+            or self._tension(measured, watched)
+            or self._grip(measured, watched)
+            or self._times(watched)
+        )
+
+    def _rcm(self, place: Placement) -> str:
+        """In force unless the whole robot is measured outside the patient; no number: it fires."""
+        allowed = self._limits.rcm_error
+        if place.is_outside or place.error <= allowed:
+            return ""
+        words = f"shaft {place.error * 1e3:.2f} mm off the trocar, allowed {allowed * 1e3:.2f} mm"
+        height = f"{place.height * 1e3:.1f} mm above the patient's surface"
+        return f"{words} with the robot {height}" if place.height > 0.0 else words
+
+    def _tension(self, measured: Measurement, watched: Watched) -> str:
+        allowed, ahead = self._limits.tension, self._rising.ahead
+        if not watched.raises_tension or measured.tension + ahead <= allowed:
+            return ""
+        late = f" and {ahead:.2f} N more since it was measured" if ahead >= 0.01 else ""
+        return f"tension {measured.tension:.2f} N{late}, allowed {allowed:.2f} N"
+
+    def _grip(self, measured: Measurement, watched: Watched) -> str:
+        return "tissue slipped from the jaws" if watched.needs_grip and not measured.gripped else ""
+
+    def _times(self, watched: Watched) -> str:
+        if gone := self.owner(watched.owner):
+            return f"{gone} during its motion"
+        age, allowed = watched.heartbeat_age, self._settings.voice_heartbeat_age
+        if age is not None and age > allowed:
+            return f"voice node silent for {age:.1f} s, allowed {allowed:.1f} s"
+        if watched.overtime > self._settings.phase_timeout:
+            return f"phase took {self._settings.phase_timeout:.0f} s longer than planned"
+        return ""

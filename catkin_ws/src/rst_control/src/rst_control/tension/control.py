@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Speed along the pull path from the tension's error, as fast as the tissue's stiffness lets it.
+
+A pull starts as if the tissue were the stiffest allowed, and speeds up as it is seen to be softer;
+so stiff tissue is not torn and soft tissue is not waited for. Loaded tissue may stiffen tenfold at
+any moment, and the pull still stops below the tension's limit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import replace
+
+from rst_control.config import TensionConfig
+from rst_control.tension.response_check import PullAnswer
+from rst_control.tension.stiffness import STIFFENING, StiffnessEstimate
+from rst_control.trajectory.profile import Bounds, Profile
+from rst_control.types import PathState
+
+BRAKING_SHARE = 0.5  # of the acceleration that the approach to a target counts on
+TRUST = 20.0  # [1/s] how fast tissue is taken for softer; for stiffer it is taken at once
+LATE = 2.0  # times the delay of the tension that stopping allows for
+LOADED = 4.0  # times the noise of the tension, above which tissue counts as taut
+SLACK_SHARE = 0.4  # of the way to the target, in which a slack pull can stop on the stiffest tissue
+END_REACHED = 1e-6  # [m]
+AT_REST = 2e-4  # [m/s]
+LEAST_SPEED = 1e-7  # [m/s] below which it stands
+
+
+class TensionControl:
+    """Moves s until the tension has its target, or the pull path ends.
+
+    Args:
+        config: Target tolerance, bandwidth, stiffness range, delay and noise of the tension.
+        bounds: Speed, acceleration and jerk along the path.
+        brakes: The same of a stop.
+        length: Where the pull path ends [m].
+        state: Where s is; 0 where the tissue was grasped.
+        target: Tension to reach [N].
+    """
+
+    def __init__(
+        self,
+        config: TensionConfig,
+        bounds: Bounds,
+        brakes: Bounds,
+        length: float,
+        state: PathState,
+        target: float,
+    ) -> None:
+        self._config, self._bounds, self._brakes = config, bounds, brakes
+        self._length = length
+        self._profile = Profile(state, bounds)
+        self._estimate = StiffnessEstimate(*config.stiffness_range, config.noise)
+        self._answer = PullAnswer()
+        self._past = deque([(0.0, state.s)])  # times and places, back to when the tension arose
+        self._time = self._settled_for = 0.0
+        self._is_braking_hard = False
+        self._cautious = self._estimate.cautious  # [N/m] that the speed reckons with
+        self.tension = 0.0  # [N] now, as far as noise and delay can be made up for
+        self.target = target
+
+    @property
+    def state(self) -> PathState:
+        """Where s is now."""
+        return self._profile.state
+
+    @property
+    def stiffness(self) -> float:
+        """Estimate of the tissue's stiffness along the path [N/m]."""
+        return self._estimate.value
+
+    @property
+    def objection(self) -> str:
+        """Why it is no use to pull on; empty: nothing speaks against it."""
+        return self._answer.objection
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the tension has been within tolerance of its target for the time asked."""
+        return self._settled_for >= self._config.settle_time
+
+    @property
+    def is_at_limit(self) -> bool:
+        """Whether s rests at an end of the path, short of its target."""
+        error = self.target - self.tension
+        if abs(self.state.speed) > AT_REST or abs(error) <= self._config.tolerance:
+            return False
+        return abs(self._end(error) - self.state.s) <= END_REACHED
+
+    def retarget(self, target: float) -> None:
+        """Ask for another tension [N], also while moving."""
+        self.target, self._settled_for = target, 0.0
+
+    def step(self, force: float, dt: float) -> PathState:
+        """Move on by dt [s] with the tension [N] measured now; returns the state of s then."""
+        self._look(force, dt)
+        error = self._error()
+        is_close = abs(error) <= self._config.tolerance
+        self._settled_for = self._settled_for + dt if is_close else 0.0
+        self._head(error)
+        state = self._profile.step(dt)
+        self._past.append((self._time, state.s))
+        return state
+
+    def _look(self, force: float, dt: float) -> None:
+        """Take in the measured tension, which arose where s was a while ago."""
+        past, state, estimate = self._past, self.state, self._estimate
+        self._time += dt
+        while len(past) > 1 and past[1][0] <= self._time - self._config.delay:
+            past.popleft()
+        seen = past[0][1]
+        estimate.update(seen, force, abs(state.speed))
+        self._answer.look(seen, estimate.force)
+        trusted = self._cautious * math.exp(-TRUST * dt)
+        self._cautious = max(estimate.cautious, trusted)
+        self.tension = max(0.0, estimate.force + estimate.value * (state.s - seen))
+        if self._is_slack:  # slack tissue says nothing of how stiff it is once taut
+            self._cautious = max(self._cautious, estimate.highest)
+
+    @property
+    def _is_slack(self) -> bool:
+        return self.tension < LOADED * self._config.noise
+
+    def _error(self) -> float:
+        """Tension that is missing [N]; what is only forecast may stop s, but not turn it round."""
+        now, seen = self.target - self.tension, self.target - self._estimate.force
+        return now if now * seen > 0.0 else 0.0
+
+    def _head(self, error: float) -> None:
+        """Take up the speed that fits now, and brake hard where the limit asks for it."""
+        speed, state = min(self._bounds.speed, self._towards(error)), self.state
+        safe = self._safe() if error > 0.0 else speed
+        # A hard deceleration needs its jerk until it has ended, else it would throw s back.
+        is_slowing = self._is_braking_hard and state.acceleration < 0.0
+        self._is_braking_hard = is_slowing or safe < min(speed, state.speed)
+        bounds = self._brakes if self._is_braking_hard else self._bounds
+        if min(speed, safe) < LEAST_SPEED:
+            self._profile.go_at(0.0, bounds)
+        else:
+            self._profile.go_to(self._end(error), replace(bounds, speed=min(speed, safe)))
+
+    def _towards(self, error: float) -> float:
+        """Speed at which the tension comes near its target without passing it [m/s]."""
+        if error > 0.0 and self._is_slack:
+            return self._stoppable(SLACK_SHARE * error / self._estimate.highest, self._bounds)
+        way = abs(error) / self._cautious
+        return min(self._config.bandwidth * way, self._stoppable(way, self._bounds))
+
+    def _safe(self) -> float:
+        """Speed from which it stops below the limit though the tissue stiffen at once [m/s]."""
+        room = max(0.0, self._config.limit - self.tension)
+        return self._stoppable(room / (STIFFENING * self._cautious), self._brakes)
+
+    def _stoppable(self, way: float, bounds: Bounds) -> float:
+        """Speed v from which it stops within a way [m], the delay of the tension included [m/s].
+
+        The way is v * t + v^2 / (2 a), where t is the delay and half of the time in which the
+        acceleration a builds up.
+        """
+        acceleration = BRAKING_SHARE * bounds.acceleration
+        lost = LATE * self._config.delay + 0.5 * bounds.acceleration / bounds.jerk
+        head = acceleration * lost
+        return math.sqrt(head * head + 2.0 * acceleration * way) - head
+
+    def _end(self, error: float) -> float:
+        return self._length if error > 0.0 else 0.0

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How wrong joint torques may be: the covariance of what they show beyond the model."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.config.torque_tension import TorqueTensionConfig
+from rst_control.kinematics import forward
+from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.inverse_dynamics import ARM, InverseDynamics
+from rst_control.tension.torque_bias import Tare
+from rst_control.types import Vector
+
+Array = NDArray[np.float64]
+HEAVIER = 0.1  # [kg] by which the tool is made heavier to find what its weight asks of the joints
+LEAST = 1e-4  # [N m] that no torque is known better than
+
+
+class TorqueErrors:
+    """Covariance at a posture, with a tare or without.
+
+    Args:
+        config: Standard deviations of each source.
+        dynamics: Of the robot.
+        description: URDF text of the same robot.
+    """
+
+    def __init__(
+        self, config: TorqueTensionConfig, dynamics: InverseDynamics, description: str
+    ) -> None:
+        self._error, self._dynamics = config.error, dynamics
+        self._heavier = InverseDynamics(description, config.tool_mass + HEAVIER)
+
+    def __call__(
+        self, q: Vector, A: Array, asked: Vector, noise_share: float, tare: Tare | None
+    ) -> Array:
+        """Covariance of the torques beyond the model.
+
+        It does not look at these torques: were a joint that happens to read more trusted less,
+        all pulls would be told too small. Instead it reckons with `loads` on the jaws and shaft.
+
+        Args:
+            q: Planning configuration [rad]. Shape (9,).
+            A: Torques per newton of pull and of both forces across the shaft [N m/N]. Shape (7, 3).
+            asked: Torques that the motion asks for beyond holding still [N m]. Shape (7,).
+            noise_share: Variance of the filtered over that of one reading.
+            tare: In force; None: there is none.
+
+        Returns:
+            [(N m)^2]. Shape (7, 7).
+        """
+        error, pull, lean = self._error, *self._error.loads
+        gravity, weight, friction = self._dynamics(q), self._of_tool(q), np.array(error.friction)
+        if tare is not None:  # what is wrong alike at both postures is gone
+            noise_share += tare.noise_share
+            gravity = gravity - self._dynamics(tare.q)
+            weight = weight - self._of_tool(tare.q)
+            friction = np.sqrt(2.0) * friction  # it may have been the other way round
+        parts = [
+            np.sqrt(noise_share) * np.array(error.noise),
+            friction,
+            error.gain * gravity,
+            *(error.gain * A * (pull, lean, lean)).T,
+            error.model * gravity,
+            error.inertia * asked,
+            np.full(ARM, LEAST),
+        ]
+        if tare is None:
+            parts.append(np.array(error.offset))
+        square = sum(part * part for part in parts)
+        tool = error.tool_mass * weight
+        spread: Array = np.diag(square) + np.outer(tool, tool)
+        return spread
+
+    def along_shaft(self, q: Vector, pull: Vector) -> float:
+        """Standard deviation of the pull [N] that friction of the trocar on the shaft makes."""
+        shaft = Configuration(self._dynamics.model, q).frames[forward.SHAFT, :, 2]
+        return self._error.trocar_friction * abs(float(shaft @ pull))
+
+    def _of_tool(self, q: Vector) -> Vector:
+        """Torques that a kilogram at the tool asks for [N m/kg]. Shape (7,)."""
+        per_kg: Vector = (self._heavier(q) - self._dynamics(q)) / HEAVIER
+        return per_kg

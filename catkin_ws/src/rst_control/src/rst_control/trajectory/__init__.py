@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Paths through configurations, and jerk-limited motion along them."""

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Topics to CSV and Parquet, sound to WAV."""
+
+from __future__ import annotations
+
+import csv
+import json
+import wave
+from array import array
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+from session_log.errors import OutputFailed
+from session_log.mcap_file.decoder import Decoder, Undecodable
+from session_log.mcap_file.reader import SessionReader
+from session_log.types import Message
+
+Format = Literal["csv", "parquet"]
+FORMATS: Mapping[str, tuple[Format, ...]] = {
+    "csv": ("csv",),
+    "parquet": ("parquet",),
+    "both": ("csv", "parquet"),
+}
+
+LONGEST_GAP = 60.0  # [s] of lost sound that is filled with silence; a longer gap is a restart
+
+
+@dataclass
+class Export:
+    """What was written."""
+
+    rows: dict[Path, int] = field(default_factory=dict)
+    sound: Path | None = None
+    samples: int = 0
+    lost_samples: int = 0
+    undecodable: int = 0
+
+
+def export(
+    reader: SessionReader,
+    folder: Path,
+    topics: Collection[str],
+    audio: str,
+    formats: Collection[Format] = FORMATS["csv"],
+) -> Export:
+    """Write one table per topic, named after it, and the sound of the audio topic as audio.wav.
+
+    Messages are written as they are read: memory does not grow with the recording. Where a topic
+    changes its type, what follows goes to a file of its own, numbered.
+
+    Args:
+        reader: The recording, sound or not.
+        folder: Where to write; made if it is not there.
+        topics: Topics to write as tables.
+        audio: Topic of the sound.
+        formats: Of the tables.
+
+    Raises:
+        OutputFailed: The folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with ExitStack() as stack:
+            return _Exporter(folder, stack, topics, audio, formats).run(reader)
+    except OSError as error:
+        raise OutputFailed(folder, error) from error
+
+
+class _Table(Protocol):
+    """One topic as a file."""
+
+    path: Path
+    rows: int
+
+    def add(self, message: Message, content: Any) -> None: ...
+
+    def __enter__(self) -> _Table: ...
+
+    def __exit__(self, *_: object) -> None: ...
+
+
+class _Exporter:
+    def __init__(
+        self,
+        folder: Path,
+        stack: ExitStack,
+        topics: Collection[str],
+        audio: str,
+        formats: Collection[Format],
+    ) -> None:
+        self._folder, self._stack = folder, stack
+        self._topics, self._audio, self._formats = topics, audio, formats
+        self._decoder = Decoder()
+        self._tables: dict[tuple[str, str, str], list[_Table]] = {}
+        self._wave: _WaveFile | None = None
+        self._result = Export()
+
+    def run(self, reader: SessionReader) -> Export:
+        for message in reader.messages({*self._topics, self._audio}):
+            try:
+                self._take(message, self._decoder.decode(message))
+            except Undecodable:
+                self._result.undecodable += 1
+        tables = [table for group in self._tables.values() for table in group]
+        self._result.rows = {table.path: table.rows for table in tables}
+        if self._wave:
+            self._result.sound = self._wave.path
+            self._result.samples, self._result.lost_samples = self._wave.samples, self._wave.lost
+        return self._result
+
+    def _take(self, message: Message, content: Any) -> None:
+        topic = message.source.topic
+        if topic == self._audio:
+            if self._wave is None:
+                path = self._folder / "audio.wav"
+                self._wave = self._stack.enter_context(_WaveFile(path, content.rate))
+            self._wave.add(content.first_sample, content.samples)
+        if topic in self._topics:
+            for table in self._tables_of(message):
+                table.add(message, content)
+
+    def _tables_of(self, message: Message) -> list[_Table]:
+        source = message.source
+        key = (source.topic, source.datatype, source.md5sum)
+        if key not in self._tables:
+            before = sum(topic == source.topic for topic, *_ in self._tables)
+            stem = file_stem(source.topic) + (f"_{before + 1}" if before else "")
+            opened = [self._open(stem, name, message) for name in self._formats]
+            self._tables[key] = [self._stack.enter_context(table) for table in opened]
+        return self._tables[key]
+
+    def _open(self, stem: str, name: Format, first: Message) -> _Table:
+        path = self._folder / f"{stem}.{name}"
+        if name == "csv":
+            return _CsvFile(path)
+        from session_log.export.parquet import (
+            ParquetFile,  # loads pyarrow, which takes its time
+        )
+
+        return ParquetFile(path, first)
+
+
+def file_stem(topic: str) -> str:
+    """Name of a topic's file, without its ending."""
+    return topic.strip("/").replace("/", "_")
+
+
+class _CsvFile:
+    """One topic's table; its columns are those of the first message."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.rows = path, 0
+        self._file = path.open("w", newline="", encoding="utf-8")
+        self._writer: csv.DictWriter[str] | None = None
+
+    def add(self, message: Message, content: Any) -> None:
+        fields = dict(flatten(content))
+        if self._writer is None:
+            columns = ["log_time", *fields]
+            self._writer = csv.DictWriter(self._file, columns, extrasaction="ignore")
+            self._writer.writeheader()
+        seconds, nanoseconds = divmod(message.log_time, 1_000_000_000)
+        self._writer.writerow({"log_time": f"{seconds}.{nanoseconds:09d}", **fields})
+        self.rows += 1
+
+    def __enter__(self) -> _CsvFile:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+
+class _WaveFile:
+    """The sound as it was recorded; what is missing becomes silence."""
+
+    def __init__(self, path: Path, rate: int) -> None:
+        self.path, self.samples, self.lost = path, 0, 0
+        self._rate = rate
+        self._next: int | None = None
+        self._file = wave.open(str(path), "wb")  # noqa: SIM115 - closed in __exit__
+        self._file.setnchannels(1)
+        self._file.setsampwidth(2)
+        self._file.setframerate(rate)
+
+    def add(self, first: int, samples: Collection[int]) -> None:
+        gap = first - self._next if self._next is not None else 0
+        if 0 < gap <= LONGEST_GAP * self._rate:
+            self._file.writeframes(bytes(2 * gap))
+            self.lost += gap
+        self._file.writeframes(array("h", samples).tobytes())
+        self.samples += len(samples)
+        self._next = first + len(samples)
+
+    def __enter__(self) -> _WaveFile:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+
+def flatten(content: Any, prefix: str = "") -> Iterator[tuple[str, object]]:
+    """Yield the fields of a decoded message as (dotted name, plain value); lists become JSON."""
+    for name in content.__slots__:
+        value = getattr(content, name)
+        if hasattr(value, "secs") and hasattr(value, "nsecs"):
+            yield prefix + name, f"{value.secs}.{value.nsecs:09d}"
+        elif hasattr(value, "__slots__"):
+            yield from flatten(value, f"{prefix}{name}.")
+        elif isinstance(value, (list, tuple)):
+            yield prefix + name, json.dumps([_plain(entry) for entry in value])
+        elif isinstance(value, (bytes, bytearray)):
+            yield prefix + name, value.hex()
+        else:
+            yield prefix + name, value
+
+
+def _plain(entry: Any) -> object:
+    return dict(flatten(entry)) if hasattr(entry, "__slots__") else entry

@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Streams a recording in constant memory, also a damaged one, and says what is lost."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field, replace
+from io import BytesIO
+from pathlib import Path
+from typing import BinaryIO
+
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.records import Channel, Chunk, Header, Metadata, Schema
+from mcap.records import Message as McapMessage
+from mcap.stream_reader import CRCValidationError, breakup_chunk
+from zstandard import ZstdError
+
+from session_log.errors import NotASession, SessionMissing
+from session_log.mcap_file import checksums, records
+from session_log.mcap_file.records import MAGIC, Record, RecordWalker
+from session_log.mcap_file.session_folder import FILE_NAME
+from session_log.types import Damage, Message, Source
+
+_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
+_FOOTER_SIZE = records.HEAD.size + 20
+_EARLIEST = 946_684_800_000_000_000  # [ns] the year 2000; times before it are damage
+UNREADABLE = (  # what reading damaged records raises
+    McapError,
+    CRCValidationError,
+    ZstdError,
+    ValueError,
+    struct.error,
+    EOFError,
+    RuntimeError,
+    MemoryError,
+)
+_LATEST = 4_102_444_800_000_000_000  # [ns] the year 2100
+
+
+@dataclass
+class Condition:
+    """What one pass through a file found out about it; complete when the pass is."""
+
+    size: int = 0  # [B]
+    is_closed: bool = False  # has its ending: the recorder was not killed
+    checksum: str = "none"  # good, wrong or none
+    library: str = ""  # what wrote the file
+    damage: list[Damage] = field(default_factory=list)
+    metadata: list[tuple[str, dict[str, str]]] = field(default_factory=list)
+
+    def latest(self, name: str) -> dict[str, str]:
+        """Return the last metadata record of a name; empty if there is none."""
+        return next((values for n, values in reversed(self.metadata) if n == name), {})
+
+
+class SessionReader:
+    """One recording, for any number of passes.
+
+    Args:
+        path: The MCAP file, or the folder of a session that holds `session.mcap`.
+        tolerant: Also read a file whose very beginning is damaged.
+
+    Raises:
+        SessionMissing: There is no such file, or it cannot be read.
+        NotASession: The file is something else.
+    """
+
+    def __init__(self, path: Path | str, *, tolerant: bool = False) -> None:
+        self.path = _find(Path(path))
+        self.condition = Condition()
+        with _open(self.path) as file:
+            begin = file.read(len(MAGIC))
+        if begin != MAGIC and not tolerant:
+            raise NotASession(self.path, f"begins with {begin!r}" if begin else "is empty")
+        self._start = len(MAGIC) if begin == MAGIC else 0
+
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[Message]:
+        """Yield every readable message of the given topics (None: all) in the order of the file."""
+        with _open(self.path) as file:
+            yield from _Pass(file, self._start, self._new_condition()).messages(topics)
+
+    def check(self) -> Condition:
+        """Read through the whole file and tell its condition."""
+        for _ in self.messages(()):
+            pass
+        return self.condition
+
+    def _new_condition(self) -> Condition:
+        self.condition = Condition(size=self.path.stat().st_size)
+        return self.condition
+
+
+class _Pass:
+    """One pass through an open file."""
+
+    def __init__(self, file: BinaryIO, start: int, condition: Condition) -> None:
+        self._file, self._start, self._condition = file, start, condition
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, Source] = {}
+        self._checksum = zlib.crc32(MAGIC)
+        self._is_data_over = False
+        self._from_ending: dict[int, Source] = {}
+        self._named_at = -1  # [B] of the last record that named a topic
+        self._walker = RecordWalker(file, self._accepts)
+        self._held = checksums.Held(file)
+
+    def messages(self, topics: Collection[str] | None) -> Iterator[Message]:
+        if self._condition.size >= self._start + _FOOTER_SIZE + len(MAGIC):
+            self._learn_from_ending()
+        for item in self._walker.walk(self._start):
+            if isinstance(item, Damage):
+                self._condition.damage.append(item)
+            else:
+                yield from self._take(item, topics)
+        yield from self._given(self._held.release(), topics)
+
+    def _take(self, record: Record, topics: Collection[str] | None) -> Iterator[Message]:
+        if record.opcode in (records.MESSAGE, records.METADATA):
+            yield from self._given(self._held.hold(record), topics)
+        elif record.opcode == records.SEAL:
+            yield from self._given(self._held.open(record), topics)
+            self._note_broken()
+        elif record.opcode == records.DATA_END:
+            yield from self._given(self._held.finish(record), topics)
+            self._note_broken()
+            self._note(record)
+        elif record.opcode == records.CHUNK:
+            yield from self._given(self._held.release(), topics)
+            yield from self._chunk(record, topics)
+        else:
+            self._note(record)
+        if not self._is_data_over:
+            head = records.HEAD.pack(record.opcode, len(record.body))
+            self._checksum = zlib.crc32(record.body, zlib.crc32(head, self._checksum))
+
+    def _given(
+        self, released: Iterator[Record], topics: Collection[str] | None
+    ) -> Iterator[Message]:
+        for record in released:
+            if record.opcode == records.METADATA:
+                self._note(record)
+                continue
+            message = self._message(record.body)
+            if message and (topics is None or message.source.topic in topics):
+                yield message
+
+    def _note_broken(self) -> None:
+        broken, damage = self._held.broken, self._condition.damage
+        if broken is None:
+            return
+        while damage and damage[-1].offset >= broken.offset:
+            damage.pop()  # part of it
+        is_named_there = broken.offset <= self._named_at < broken.offset + broken.length
+        if is_named_there and not self._from_ending:
+            broken = replace(broken, what=f"{broken.what}; names of topics may be wrong")
+        damage.append(broken)
+        self._channels.update(self._from_ending)  # those of the broken stretch may be wrong
+
+    def _note(self, record: Record) -> None:
+        try:
+            if record.opcode == records.SCHEMA:
+                self._add_schema(Schema.read(_stream(record.body)))
+            elif record.opcode == records.CHANNEL:
+                self._add_channel(Channel.read(_stream(record.body)))
+                self._named_at = record.offset
+            elif record.opcode == records.HEADER:
+                self._condition.library = Header.read(_stream(record.body)).library
+            elif record.opcode == records.METADATA:
+                entry = Metadata.read(_stream(record.body))
+                self._condition.metadata.append((entry.name, entry.metadata))
+            elif record.opcode == records.DATA_END:
+                self._end(struct.unpack_from("<I", record.body)[0])
+            elif record.opcode == records.FOOTER:
+                self._condition.is_closed = True
+        except UNREADABLE:
+            self._lose(record, "damaged " + _name(record.opcode))
+
+    def _end(self, checksum: int) -> None:
+        self._is_data_over = True
+        if checksum:
+            self._condition.checksum = "good" if checksum == self._checksum else "wrong"
+
+    def _add_schema(self, schema: Schema) -> None:
+        self._schemas[schema.id] = schema
+
+    def _add_channel(self, channel: Channel) -> None:
+        schema = self._schemas.get(channel.schema_id)
+        self._channels[channel.id] = Source(
+            topic=channel.topic,
+            datatype=schema.name if schema else "",
+            md5sum=channel.metadata.get("md5sum", ""),
+            definition=schema.data.decode(errors="replace") if schema else "",
+            publisher=channel.metadata.get("callerid", ""),
+            is_latched=channel.metadata.get("latching") == "1",
+        )
+
+    def _message(self, body: bytes) -> Message | None:
+        channel, sequence, log_time, _ = _MESSAGE.unpack_from(body)
+        source = self._channels.get(channel)
+        if source is None:
+            return None
+        return Message(source, body[_MESSAGE.size :], log_time, sequence)
+
+    def _chunk(self, record: Record, topics: Collection[str] | None) -> Iterator[Message]:
+        try:
+            chunk = Chunk.read(_stream(record.body))
+            if chunk.uncompressed_size > records.LONGEST:
+                raise ValueError(f"{chunk.uncompressed_size} B in one chunk")
+            inside = breakup_chunk(chunk, validate_crc=True)
+        except UNREADABLE:
+            self._lose(record, "damaged chunk")
+            return
+        for entry in inside:
+            if isinstance(entry, Schema):
+                self._add_schema(entry)
+            elif isinstance(entry, Channel):
+                self._add_channel(entry)
+            elif isinstance(entry, McapMessage):
+                source = self._channels.get(entry.channel_id)
+                if source and (topics is None or source.topic in topics):
+                    yield Message(source, entry.data, entry.log_time, entry.sequence)
+
+    def _lose(self, record: Record, what: str) -> None:
+        length = records.HEAD.size + len(record.body)
+        self._condition.damage.append(Damage(record.offset, length, what))
+
+    def _accepts(self, opcode: int, begin: bytes) -> bool:
+        if opcode != records.MESSAGE:
+            return records.HEADER <= opcode <= records.DATA_END or opcode == records.SEAL
+        channel, _, log_time, _ = _MESSAGE.unpack_from(begin)
+        return channel in self._channels and _EARLIEST < log_time < _LATEST
+
+    def _learn_from_ending(self) -> None:
+        """Take schemas and channels from the summary, if any: they may be damaged above it."""
+        footer_at = self._condition.size - _FOOTER_SIZE - len(MAGIC)
+        self._file.seek(footer_at)
+        ending = self._file.read()
+        opcode, length, summary, _, checksum = struct.unpack_from("<BQQQI", ending)
+        if (opcode, length) != (records.FOOTER, 20) or not self._start < summary < footer_at:
+            return
+        covered = self._condition.size - len(MAGIC) - 4 - summary
+        if checksum and checksums.checksum(self._file, summary, covered) != checksum:
+            return
+        for item in self._walker.walk(summary):
+            if isinstance(item, Record) and item.opcode in (records.SCHEMA, records.CHANNEL):
+                self._note(item)
+        self._from_ending = dict(self._channels)
+
+
+def _stream(body: bytes) -> ReadDataStream:
+    return ReadDataStream(BytesIO(body))
+
+
+def _name(opcode: int) -> str:
+    names = {records.SCHEMA: "schema", records.CHANNEL: "channel", records.METADATA: "metadata"}
+    return names.get(opcode, f"record {opcode}")
+
+
+def _find(path: Path) -> Path:
+    if path.is_dir():
+        inside = path / FILE_NAME
+        if not inside.exists():
+            raise SessionMissing(path, f"a folder without {FILE_NAME}")
+        return inside
+    if not path.exists():
+        raise SessionMissing(path, "no such file or folder")
+    return path
+
+
+def _open(path: Path) -> BinaryIO:
+    try:
+        return path.open("rb", buffering=1 << 20)
+    except OSError as error:
+        raise SessionMissing(path, error.strerror or "cannot be read") from error

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Copies what is readable of a recording into a sound, indexed and compressed file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from session_log.errors import OutputFailed, RecordingFailed
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import Counter, Survey
+from session_log.mcap_file.writer import SessionWriter
+
+DAMAGE_TOLD = 100  # places of damage that the copy names
+
+
+def recover(reader: SessionReader, target: Path) -> Survey:
+    """Write every readable message, and all metadata, to a new file.
+
+    Args:
+        reader: The recording, sound or not.
+        target: File to create; it must not exist.
+
+    Raises:
+        OutputFailed: The file exists already or cannot be written.
+    """
+    counter = Counter()
+    try:
+        with SessionWriter(target, chunked=True) as writer:
+            for message in counter.counting(reader.messages()):
+                writer.add(message)
+                writer.commit()
+            result = counter.survey(reader.condition)
+            for name, values in reader.condition.metadata:
+                writer.add_metadata(name, values)
+            writer.add_metadata("recovered", _account(reader, result))
+    except RecordingFailed as error:
+        raise OutputFailed(target, error.cause) from error
+    return result
+
+
+def _account(reader: SessionReader, result: Survey) -> dict[str, str]:
+    condition = result.condition
+    return {
+        "from": reader.path.name,
+        "was_closed": str(condition.is_closed),
+        "messages": str(result.messages),
+        "missing_messages": str(result.missing),
+        "unreadable_bytes": str(sum(d.length for d in condition.damage)),
+        "damage": "; ".join(
+            f"{d.length} B at {d.offset}: {d.what}" for d in condition.damage[:DAMAGE_TOLD]
+        ),
+    }

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Counts what a recording holds: topics, rates, what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from session_log.mcap_file.reader import Condition, SessionReader
+from session_log.mcap_file.writer import LIBRARY
+from session_log.types import Message, Source, TopicCount
+
+
+@dataclass
+class Survey:
+    """What a recording holds."""
+
+    condition: Condition
+    topics: dict[str, TopicCount] = field(default_factory=dict)
+
+    @property
+    def messages(self) -> int:
+        """Number of readable messages."""
+        return sum(topic.messages for topic in self.topics.values())
+
+    @property
+    def missing(self) -> int:
+        """Number of messages that were received and are not in the file."""
+        return sum(topic.missing for topic in self.topics.values())
+
+    @property
+    def start(self) -> int:
+        """Time of the first message [ns]; zero for an empty file."""
+        return min((t.first for t in self.topics.values()), default=0)
+
+    @property
+    def duration(self) -> float:
+        """From the first message to the last [s]."""
+        last = max((t.last for t in self.topics.values()), default=0)
+        return (last - self.start) * 1e-9
+
+
+class Counter:
+    """Counts messages as they pass."""
+
+    def __init__(self) -> None:
+        self.topics: dict[str, TopicCount] = {}
+        self._sequences: dict[Source, int] = {}
+
+    def add(self, message: Message) -> None:
+        """Count one message."""
+        source = message.source
+        count = self.topics.get(source.topic)
+        if count is None:
+            count = self.topics[source.topic] = TopicCount(source.datatype, first=message.log_time)
+        count.messages += 1
+        count.size += len(message.data)
+        count.first = min(count.first, message.log_time)
+        count.last = max(count.last, message.log_time)
+        count.publishers.add(source.publisher)
+        previous = self._sequences.get(source, 0)
+        count.missing += max(message.sequence - previous - 1, 0)
+        self._sequences[source] = message.sequence
+
+    def survey(self, condition: Condition) -> Survey:
+        """Tell what was counted; gaps mean loss only in files that our recorder numbered."""
+        if condition.library != LIBRARY:
+            for count in self.topics.values():
+                count.missing = 0
+        return Survey(condition, self.topics)
+
+    def counting(self, messages: Iterator[Message]) -> Iterator[Message]:
+        """Pass messages on and count them."""
+        for message in messages:
+            self.add(message)
+            yield message
+
+
+def survey(reader: SessionReader) -> Survey:
+    """Read through a recording and count."""
+    counter = Counter()
+    for _ in counter.counting(reader.messages()):
+        pass
+    return counter.survey(reader.condition)

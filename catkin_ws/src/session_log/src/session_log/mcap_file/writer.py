@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writes one MCAP file: profile ros1, schemas ros1msg, raw message bytes, no chunks.
+
+Without chunks every commit leaves a file that can be read up to its last record. Each commit ends
+with a seal, a checksum over its bytes, so that damage shows even in a file that was never closed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any, cast
+
+from mcap.well_known import MessageEncoding, SchemaEncoding
+from mcap.writer import CompressionType, IndexType
+from mcap.writer import Writer as McapWriter
+
+from session_log.mcap_file.durable_stream import DurableStream
+from session_log.mcap_file.records import SEAL, SEAL_BODY
+from session_log.types import Message, Source
+
+LIBRARY = "session_log"
+SEALED_AT_ONCE = 1 << 20  # [B] after which a seal is due, commit or not; bounds a reader's memory
+
+
+class _Mcap(McapWriter):
+    """The library's writer, which can also write a record of ours among its own."""
+
+    def add_record(self, opcode: int, body: bytes) -> None:
+        """Write a record that has no part in index and statistics."""
+        builder = self._Writer__record_builder  # type: ignore[attr-defined]
+        builder.start_record(opcode)
+        builder.write(body)
+        builder.finish_record()
+        self._Writer__flush()  # type: ignore[attr-defined]
+
+
+class SessionWriter:
+    """One recording being written. Not thread-safe: one owner.
+
+    Args:
+        path: File to create; it must not exist.
+        chunked: Compress and index in chunks, for copies that need not survive SIGKILL.
+
+    Raises:
+        RecordingFailed: The file cannot be created or written.
+    """
+
+    def __init__(self, path: Path, *, chunked: bool = False) -> None:
+        self.path = path
+        self._stream = DurableStream(path)
+        self._sealed = None if chunked else 0  # [B] up to where seals reach; chunks have their own
+        self._mcap = _Mcap(
+            cast("IO[Any]", self._stream),
+            use_chunking=chunked,
+            compression=CompressionType.ZSTD if chunked else CompressionType.NONE,
+            index_types=IndexType.ALL,
+            enable_data_crcs=True,
+        )
+        self._channels: dict[Source, int] = {}
+        self._schemas: dict[tuple[str, str], int] = {}
+        self._mcap.start(profile="ros1", library=LIBRARY)
+        self.commit()
+
+    def add(self, message: Message) -> None:
+        """Take one message for the next commit."""
+        self._mcap.add_message(
+            channel_id=self._channel(message.source),
+            log_time=message.log_time,
+            publish_time=message.log_time,
+            sequence=message.sequence & 0xFFFFFFFF,
+            data=message.data,
+        )
+        if self._sealed is not None and self._stream.tell() - self._sealed > SEALED_AT_ONCE:
+            self._seal()
+
+    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
+        """Take named facts about the session for the next commit."""
+        self._mcap.add_metadata(name, dict(values))
+
+    def add_attachment(self, name: str, media_type: str, data: bytes, log_time: int) -> None:
+        """Take a whole file for the next commit; `log_time` in [ns]."""
+        self._mcap.add_attachment(log_time, log_time, name, media_type, data)
+
+    def commit(self) -> None:
+        """Hand everything taken to the kernel; it then survives the death of this process.
+
+        Raises:
+            RecordingFailed: It was not written and is kept for the next commit.
+        """
+        self._seal()
+        self._stream.flush()
+
+    def sync(self) -> None:
+        """Hand everything committed to the disk.
+
+        Raises:
+            RecordingFailed: The disk refused it.
+        """
+        self._stream.sync()
+
+    @property
+    def committed(self) -> int:
+        """Size of the file [B]."""
+        return self._stream.committed
+
+    def close(self) -> None:
+        """Write statistics and index, then close.
+
+        Raises:
+            RecordingFailed: The ending could not be written; the messages before it are readable.
+        """
+        try:
+            self._seal()
+            self._mcap.finish()
+            self._stream.flush()
+            self._stream.sync()
+        finally:
+            self._stream.close()
+
+    def abandon(self) -> None:
+        """Close the file as it is, without an ending."""
+        self._stream.close()
+
+    def __enter__(self) -> SessionWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _seal(self) -> None:
+        end = self._stream.tell()
+        if self._sealed is None or self._sealed == end:
+            return
+        checksum = self._stream.checksum(self._sealed)
+        self._mcap.add_record(SEAL, SEAL_BODY.pack(end - self._sealed, checksum))
+        self._sealed = self._stream.tell()
+
+    def _channel(self, source: Source) -> int:
+        channel = self._channels.get(source)
+        if channel is None:
+            channel = self._mcap.register_channel(
+                topic=source.topic,
+                message_encoding=MessageEncoding.ROS1,
+                schema_id=self._schema(source),
+                metadata={
+                    "md5sum": source.md5sum,
+                    "callerid": source.publisher,
+                    "latching": "1" if source.is_latched else "0",
+                },
+            )
+            self._channels[source] = channel
+        return channel
+
+    def _schema(self, source: Source) -> int:
+        key = (source.datatype, source.definition)
+        if key not in self._schemas:
+            self._schemas[key] = self._mcap.register_schema(
+                name=source.datatype,
+                encoding=SchemaEncoding.ROS1,
+                data=source.definition.encode(),
+            )
+        return self._schemas[key]

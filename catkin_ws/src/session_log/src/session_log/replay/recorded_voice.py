@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a recording holds of what was heard: runs of the voice node, utterances, modes, notes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import yaml
+
+from session_log.mcap_file.decoder import Decoder, Undecodable
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.writer import LIBRARY
+from session_log.replay.config import ReplayConfig
+from session_log.replay.pipeline_plugin import Sound
+from session_log.types import Message, Source
+
+RATE = 16_000  # [Hz] of all recorded sound
+PARAMETERS = "parameters"  # metadata record with the parameter server, one YAML text per key
+
+
+@dataclass(frozen=True)
+class Utterance:
+    """One recorded decision; times in [s] of the clock."""
+
+    transcript: str
+    wer: Mapping[str, float]
+    command: str
+    reason: str
+    nearest: str
+    confidence: float
+    mode: str
+    origin: str
+    early: bool
+    speech_start: float
+    speech_end: float
+    decision: float
+    lost_before: int = 0  # records of utterances in front of it that are not in the file
+
+
+@dataclass(frozen=True)
+class ModeChange:
+    """The voice mode from a time on."""
+
+    time: float  # [s] of the clock
+    mode: str
+    reason: str
+
+
+@dataclass
+class Run:
+    """One run of the voice node: its sound begins at sample 0."""
+
+    settings: Mapping[str, Any] = field(default_factory=dict)  # empty: none were recorded
+    facts: Mapping[str, str] = field(default_factory=dict)  # model, hashes
+    notes: list[str] = field(default_factory=list)  # what hearing depended on besides the sound
+
+
+@dataclass
+class RecordedVoice:
+    """All that a replay needs but the sound itself."""
+
+    start: float = 0.0  # [s] of the clock, first message of the session
+    runs: list[Run] = field(default_factory=list)
+    utterances: list[Utterance] = field(default_factory=list)
+    modes: list[ModeChange] = field(default_factory=list)
+    has_notes: bool = False  # the node was one that says what hearing depended on
+    lost_notes: int = 0
+    undecodable: int = 0
+
+    def mode_at(self, time: float) -> ModeChange | None:
+        """The recorded mode at a time of the clock [s]."""
+        before = [change for change in self.modes if change.time <= time]
+        return before[-1] if before else None
+
+
+class StreamWatch:
+    """Follows the sample indices: where a run of the node begins, and where sound is missing."""
+
+    def __init__(self) -> None:
+        self._expected: int | None = None
+
+    def __call__(self, first_sample: int, length: int) -> tuple[bool, int]:
+        """Whether a run begins with this block, and how many samples are missing before it."""
+        expected, self._expected = self._expected, first_sample + length
+        if expected is None or first_sample < expected:
+            return True, first_sample
+        return False, first_sample - expected
+
+
+class SequenceWatch:
+    """Counts messages that were received and are not in the file."""
+
+    def __init__(self, reader: SessionReader) -> None:
+        self._reader = reader
+        self._previous: dict[Source, int] = {}
+
+    def __call__(self, message: Message) -> int:
+        """How many of its source are missing right before a message."""
+        previous = self._previous.get(message.source, 0)
+        self._previous[message.source] = message.sequence
+        is_ours = self._reader.condition.library in (LIBRARY, "")  # others do not number them
+        return max(message.sequence - previous - 1, 0) if is_ours else 0
+
+
+def read_voice(reader: SessionReader, config: ReplayConfig) -> RecordedVoice:
+    """Read all of it in one pass, without keeping the sound."""
+    return _VoiceReader(reader, config).run()
+
+
+class _VoiceReader:
+    def __init__(self, reader: SessionReader, config: ReplayConfig) -> None:
+        topics = config.topics
+        self._reader, self._config = reader, config
+        self._decoder = Decoder()
+        self._missing = SequenceWatch(reader)
+        self._stream = StreamWatch()
+        self._lost_utterances = 0
+        self._voice = RecordedVoice()
+        self._early_notes: list[str] = []  # of a run whose first sound has not come yet
+        self._takers = {
+            topics.audio: self._audio,
+            topics.utterance: self._utterance,
+            topics.mode: self._mode,
+            topics.circumstances: self._note,
+        }
+
+    def run(self) -> RecordedVoice:
+        voice = self._voice
+        for message in self._reader.messages():
+            voice.start = voice.start or message.log_time * 1e-9
+            take = self._takers.get(message.source.topic)
+            if take is None:
+                continue
+            try:
+                take(self._decoder.decode(message), self._missing(message))
+            except (Undecodable, AttributeError):
+                voice.undecodable += 1
+        self._end_run()
+        return voice
+
+    def _audio(self, content: Any, _: int) -> None:
+        is_new, _lost = self._stream(content.first_sample, len(content.samples))
+        if is_new:
+            self._end_run()
+            self._voice.runs.append(Run(notes=self._early_notes))
+            self._early_notes = []
+
+    def _utterance(self, m: Any, missing: int) -> None:
+        self._voice.utterances.append(
+            Utterance(
+                transcript=m.transcript,
+                wer=dict(zip(m.phrases, m.wer, strict=False)),
+                command=m.command,
+                reason=m.reason,
+                nearest=m.nearest,
+                confidence=float(m.confidence),
+                mode=m.mode,
+                origin=m.origin,
+                early=bool(m.early),
+                speech_start=seconds(m.speech_start),
+                speech_end=seconds(m.speech_end),
+                decision=seconds(m.decision),
+                lost_before=missing,
+            )
+        )
+
+    def _mode(self, m: Any, _: int) -> None:
+        self._voice.modes.append(ModeChange(seconds(m.header.stamp), m.mode, m.reason))
+
+    def _note(self, m: Any, missing: int) -> None:
+        self._voice.has_notes = True
+        self._voice.lost_notes += missing
+        runs = self._voice.runs
+        (runs[-1].notes if runs else self._early_notes).append(m.data)
+
+    def _end_run(self) -> None:
+        """Settings as last recorded before the run ended."""
+        if self._voice.runs:
+            run, condition = self._voice.runs[-1], self._reader.condition
+            run.settings = _settings(condition.latest(PARAMETERS), self._config.settings)
+            run.facts = condition.latest(self._config.facts)
+
+
+def sound_of(content: Any) -> Sound:
+    """The recorded block of a decoded voice_assist/AudioChunk."""
+    samples = np.asarray(content.samples, np.int16)
+    return Sound(samples, content.rate, content.first_sample, seconds(content.header.stamp))
+
+
+def seconds(stamp: Any) -> float:
+    """A ROS time in [s], to the same float as rospy gives."""
+    return float(stamp.secs + stamp.nsecs / 1e9)
+
+
+def _settings(parameters: Mapping[str, str], path: str) -> Mapping[str, Any]:
+    """The part of the recorded parameters at a path such as `robot_1/voice_assist`."""
+    first, *rest = [part for part in re.split("/+", path) if part]
+    try:
+        branch: Any = yaml.safe_load(parameters.get(first, ""))
+    except yaml.YAMLError:
+        return {}
+    for part in rest:
+        branch = branch.get(part) if isinstance(branch, dict) else None
+    return branch if isinstance(branch, dict) else {}

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Recorded sound through the live pipeline again: the same decisions, or each difference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from session_log.errors import SessionLogError
+from session_log.mcap_file.decoder import Decoder, Undecodable
+from session_log.mcap_file.reader import SessionReader
+from session_log.replay.compare import EXTRA, Difference, compare
+from session_log.replay.config import ReplayConfig
+from session_log.replay.pipeline_plugin import Decided, Hearer, MakeHearer, Sound
+from session_log.replay.recorded_voice import (
+    RATE,
+    RecordedVoice,
+    Run,
+    SequenceWatch,
+    StreamWatch,
+    Utterance,
+    read_voice,
+    sound_of,
+)
+
+
+class NoSound(SessionLogError):
+    """A recording has nothing to hear."""
+
+    def __init__(self, path: Path, topic: str) -> None:
+        super().__init__(f"{path}: holds no sound on {topic}")
+        self.path, self.topic = path, topic
+
+
+class NotHeard(SessionLogError):
+    """The recorded sound, settings or model cannot be used to hear it again."""
+
+    def __init__(self, path: Path, cause: Exception) -> None:
+        super().__init__(f"{path}: cannot be heard again: {cause}")
+        self.path, self.cause = path, cause
+
+
+@dataclass(frozen=True)
+class Loss:
+    """A stretch of which the recording lacks the sound; what was decided about it is not known."""
+
+    start: float  # [s] of the clock; -inf: since the voice node started
+    end: float  # [s] of the clock, first sound behind it
+    what: str
+
+
+@dataclass
+class Replay:
+    """What came of one recording."""
+
+    path: Path
+    start: float = 0.0  # [s] of the clock, first message of the session
+    model: str = ""
+    model_hash: str = ""
+    recorded_model: str = ""
+    recorded_hash: str = ""
+    sound: float = 0.0  # [s] that were heard again
+    recorded: int = 0  # utterances then
+    heard: int = 0  # utterances now
+    differences: list[Difference] = field(default_factory=list)
+    losses: list[str] = field(default_factory=list)  # of the recording, in words
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def counted(self) -> list[Difference]:
+        """Differences that no loss in the recording explains."""
+        return [entry for entry in self.differences if not entry.excuse]
+
+    @property
+    def is_same(self) -> bool:
+        """Whether everything that can be compared is the same."""
+        return not self.counted
+
+
+def replay(
+    reader: SessionReader, config: ReplayConfig, make: MakeHearer, model: str | None = None
+) -> Replay:
+    """Hear a recording again and compare.
+
+    Args:
+        reader: The recording, sound or not.
+        config: Topics, tolerances.
+        make: Builds the pipeline.
+        model: Recogniser in place of the recorded one.
+
+    Raises:
+        NoSound: There is nothing to hear.
+        NotHeard: The sound, its settings or the model cannot be used.
+    """
+    voice = read_voice(reader, config)
+    if not voice.runs:
+        raise NoSound(reader.path, config.topics.audio)
+    return _Rehearsal(reader, config, make, model, voice).run()
+
+
+class _Rehearsal:
+    def __init__(
+        self,
+        reader: SessionReader,
+        config: ReplayConfig,
+        make: MakeHearer,
+        model: str | None,
+        voice: RecordedVoice,
+    ) -> None:
+        self._reader, self._config, self._make, self._model = reader, config, make, model
+        self._voice = voice
+        self._runs = iter(voice.runs)
+        self._result = Replay(reader.path, voice.start, recorded=len(voice.utterances))
+        self._decoder = Decoder()
+        self._missing, self._stream = SequenceWatch(reader), StreamWatch()
+        self._hearer: Hearer | None = None
+        self._now: list[Decided] = []
+        self._unsure: list[int] = []  # of those, by identity: the node may have ended before
+        self._losses: list[Loss] = []
+        self._end = float("-inf")  # [s] of the clock, end of the newest sound
+
+    def run(self) -> Replay:
+        try:
+            for message in self._reader.messages({self._config.topics.audio}):
+                missing = self._missing(message)
+                try:
+                    sound = sound_of(self._decoder.decode(message))
+                except (Undecodable, AttributeError):
+                    continue
+                self._hear(sound, missing)
+        except (ValueError, OSError) as error:
+            raise NotHeard(self._reader.path, error) from error
+        return self._conclude()
+
+    def _hear(self, sound: Sound, missing: int) -> None:
+        is_new, lost = self._stream(sound.first_sample, len(sound.samples))
+        if is_new or self._hearer is None:
+            self._hearer = self._begin(next(self._runs))
+        if lost:
+            self._lose(self._hearer, sound, lost, is_new, missing)
+        decided = self._hearer.hear(sound)
+        if not self._hearer.heard_live(sound.first_sample):
+            self._unsure += map(id, decided)
+        self._now += decided
+        self._end = sound.stamp + len(sound.samples) / sound.rate
+        self._result.sound += len(sound.samples) / sound.rate
+
+    def _begin(self, run: Run) -> Hearer:
+        hearer = self._make(run.settings, run.notes, self._model)
+        result, facts = self._result, run.facts
+        result.model, result.model_hash = hearer.model, hearer.model_hash
+        result.recorded_model = facts.get("model", "")
+        result.recorded_hash = facts.get("model_sha256", "")
+        found = [*hearer.warnings]
+        if self._model is None:
+            found += _other(f"model {hearer.model!r}", result.recorded_hash, hearer.model_hash)
+        spotter = facts.get("spotter_sha256", "")
+        if hearer.spotter_hash:
+            found += _other("the spotter's model", spotter, hearer.spotter_hash)
+        result.warnings += [entry for entry in found if entry not in result.warnings]
+        return hearer
+
+    def _lose(self, hearer: Hearer, sound: Sound, lost: int, is_new: bool, missing: int) -> None:
+        """Sound is missing; unless it was already for the live pipeline, what follows is unsure."""
+        has_known = hearer.lost_live(sound.first_sample)
+        if has_known or not (is_new or missing or self._voice.has_notes):
+            return
+        where = "before the first" if is_new else "in front of sample"
+        words = f"{lost / RATE:.2f} s of sound {where} {sound.first_sample}"
+        start = float("-inf") if is_new else self._end
+        self._losses.append(Loss(start, sound.stamp, words))
+        if change := self._voice.mode_at(sound.stamp):
+            hearer.set_mode(change.mode, change.reason)
+
+    def _conclude(self) -> Replay:
+        result, voice = self._result, self._voice
+        result.heard = len(self._now)
+        found = compare(voice.utterances, self._now, self._config)
+        result.differences = self._excuse(found, voice.utterances)
+        result.losses = [*self._damage(), *(loss.what for loss in self._losses)]
+        return result
+
+    def _damage(self) -> list[str]:
+        voice, condition = self._voice, self._reader.condition
+        words = [f"{d.length} bytes at {d.offset}: {d.what}" for d in condition.damage]
+        lost = sum(entry.lost_before for entry in voice.utterances)
+        for count, what in (
+            (lost, "utterances that were recorded"),
+            (voice.lost_notes, "notes of what hearing depended on"),
+            (voice.undecodable, "messages that do not fit their definition"),
+        ):
+            if count:
+                words.append(f"{count} {what}")
+        return words
+
+    def _excuse(
+        self, found: Sequence[Difference], recorded: Sequence[Utterance]
+    ) -> list[Difference]:
+        left = [entry.lost_before for entry in recorded]
+        excused = []
+        for entry in found:
+            reason = self._excuse_by_time(entry)
+            is_extra = entry.kinds == (EXTRA,)
+            if not reason and is_extra and entry.number < len(left) and left[entry.number]:
+                left[entry.number] -= 1
+                reason = "its record is lost"
+            excused.append(replace(entry, excuse=reason))
+        return excused
+
+    def _excuse_by_time(self, entry: Difference) -> str:
+        for loss in self._losses:
+            if loss.start <= entry.decision <= loss.end + self._config.settling:
+                return f"{loss.what} is lost"
+        if entry.kinds != (EXTRA,):
+            return ""
+        if self._voice.has_notes:
+            is_last = id(entry.now) in self._unsure
+            return "the node may have ended before it had heard so far" if is_last else ""
+        is_last = entry.decision > self._end - self._config.tail
+        return "the recording ends there" if is_last else ""
+
+
+def _other(what: str, then: str, now: str) -> list[str]:
+    """A warning where a model is not the recorded one."""
+    if not then:
+        return [f"{what}: which one it was is not recorded; now it is {now[:12]}"]
+    if then == now:
+        return []
+    return [f"{what} is another than the recorded one: {now[:12]}, recorded {then[:12]}"]

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the report needs of a session, in plain values; all times in [s] since its first message."""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from session_log.mcap_file.summary import Survey
+
+Track = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Heard:
+    """One decision of the recogniser."""
+
+    speech_start: float  # [s]
+    speech_end: float  # [s]
+    decision: float  # [s]
+    transcript: str
+    command: str  # empty: none was chosen
+    reason: str  # why none was chosen
+    nearest: str
+    wer: float  # of the nearest command; nan if none was compared
+    confidence: float  # [0, 1]
+    mode: str
+    origin: str
+    is_early: bool
+
+
+@dataclass(frozen=True)
+class Intended:
+    """A phrase that began to sound, by the word of whoever played or prompted it."""
+
+    time: float  # [s]
+    phrase: str  # the exact command; empty: words that are no command
+
+
+@dataclass(frozen=True)
+class Trocar:
+    """The remote centre of motion, from a moment on."""
+
+    time: float  # [s]
+    position: tuple[float, float, float]  # [m], in `frame`
+    frame: str
+
+
+@dataclass(frozen=True)
+class Event:
+    """One entry of the controller's diary."""
+
+    time: float  # [s]
+    kind: str
+    command: str
+    message: str
+
+
+@dataclass(frozen=True)
+class Span:
+    """A stretch of time during which a word held."""
+
+    start: float  # [s]
+    end: float  # [s]
+    word: str
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One picture of the scene."""
+
+    time: float  # [s]
+    format: str  # png or jpeg
+    data: bytes
+
+
+@dataclass(frozen=True)
+class Health:
+    """What one diagnostic status said over the session."""
+
+    name: str
+    worst: int  # 0 OK, 1 WARN, 2 ERROR, 3 STALE
+    worst_message: str
+    worst_time: float  # [s]
+    last_message: str
+    values: dict[str, str]
+
+
+@dataclass(eq=False)
+class Table:
+    """Numbers sampled over time: one row each `append`."""
+
+    columns: tuple[str, ...]
+    _rows: array[float] = field(default_factory=lambda: array("d"))
+
+    def append(self, *row: float) -> None:
+        """Add one row, the time [s] first."""
+        self._rows.extend(row)
+
+    def __len__(self) -> int:
+        return len(self._rows) // len(self.columns)
+
+    def __getitem__(self, column: str) -> Track:
+        grid = np.array(self._rows).reshape(-1, len(self.columns))  # (n, columns)
+        return grid[:, self.columns.index(column)]
+
+
+@dataclass(eq=False)
+class Intervals:
+    """Time between consecutive messages of a fast topic, from their stamps."""
+
+    topic: str
+    time: array[float] = field(default_factory=lambda: array("d"))  # [s] of the later message
+    length: array[float] = field(default_factory=lambda: array("f"))  # [s]
+
+
+@dataclass
+class SessionData:
+    """Everything the report draws from."""
+
+    survey: Survey
+    heard: list[Heard] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    modes: list[Span] = field(default_factory=list)
+    states: list[Span] = field(default_factory=list)
+    phases: list[Span] = field(default_factory=list)
+    controller: Table = field(  # rcm_error is nan while the tool is outside the patient
+        default_factory=lambda: Table(("time", "rcm_error", "tension", "target", "speed", "moving"))
+    )
+    tension: Table = field(default_factory=lambda: Table(("time", "tension")))
+    joints: Table | None = None  # columns: time and the names of the joints, [rad]
+    sound: Table = field(default_factory=lambda: Table(("time", "level")))  # [dBFS]
+    loops: list[Intervals] = field(default_factory=list)
+    health: list[Health] = field(default_factory=list)
+    pictures: list[Picture] = field(default_factory=list)
+    urdf: str = ""
+    undecodable: dict[str, int] = field(default_factory=dict)
+    intended: list[Intended] = field(default_factory=list)
+    phrases: tuple[str, ...] = ()  # every command that the recogniser compared with
+    trocars: list[Trocar] = field(default_factory=list)

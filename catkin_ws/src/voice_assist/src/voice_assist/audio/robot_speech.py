@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""When a loudspeaker of the robot's own speaks, as those say who let it speak.
+
+What it says may quote commands, and the microphone hears it. It can neither move nor wake the
+robot; a "stop" counts all the same, whoever says it. One that a person says over it is no utterance
+of its own, so meanwhile each look takes the last `window` by itself too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from voice_assist.config.voice import TalkbackConfig
+
+
+@dataclass(frozen=True)
+class Spoke:
+    """A loudspeaker of the robot began to speak, or ended."""
+
+    is_speaking: bool
+    time: float  # [s] clock time at which it was told
+
+
+class Talkback:
+    """Follows what is told of the loudspeaker."""
+
+    def __init__(self, config: TalkbackConfig) -> None:
+        """Nobody speaks."""
+        self._config = config
+        self.reset()
+
+    def reset(self) -> None:
+        """Nobody speaks, nor did."""
+        self._until = float("-inf")  # [s] clock time up to which it may be heard
+
+    def tell(self, spoke: Spoke) -> None:
+        """Follow; where its end is never told, it is taken for over after `longest`."""
+        if spoke.is_speaking:
+            self._until = spoke.time + self._config.longest
+        else:
+            self._until = min(self._until, spoke.time + self._config.tail)
+
+    def is_in(self, speech_start: float) -> bool:
+        """Whether it may be in speech that began at a clock time [s] and reaches until now."""
+        return speech_start <= self._until

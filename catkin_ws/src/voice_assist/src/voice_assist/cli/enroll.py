@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The verbs `enroll` and `profiles` of the command line."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+
+from voice_assist.audio.source import Source
+from voice_assist.config import VoiceConfig
+from voice_assist.config.commands import CommandsConfig
+from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
+from voice_assist.enrolment.checks import Checked, TakeCheck
+from voice_assist.enrolment.script import Session, Step
+from voice_assist.intent.confusability import closest_pairs
+from voice_assist.profile.manifest import COMMAND, TALK
+from voice_assist.profile.profile import (
+    Profile,
+    ProfileError,
+    create_profile,
+    delete_profile,
+    names,
+    open_profile,
+    profiles_folder,
+)
+from voice_assist.recognizer.recognizer import Recognizer
+
+Told = Callable[[Path, Checked], None]
+TakeOver = Callable[[Session, Told], int]
+
+
+@dataclass(frozen=True)
+class Enrol:
+    """What `enroll` was asked."""
+
+    name: str
+    folder: Path | None
+    from_files: Path | None
+    session: Path | None
+    corrections: Path | None
+    again: bool
+    settings: Path  # folder of enrolment.yaml
+
+
+def enroll(voice: VoiceConfig, asked: Enrol, ask: Callable[[str], str] = input) -> int:
+    """Record or take over what is missing, then learn from it; gives the exit code.
+
+    Raises:
+        VoiceError: Something of it cannot be used; says what.
+    """
+    from voice_assist.recognizer import load_recognizer
+
+    console, config = Console(), load_enrolment_config(asked.settings)
+    _warn_of_alikes(voice.commands, console)
+    take_over = _recorded(asked, config.session_reader, voice.commands.phrases)
+    base = load_recognizer(voice.recognizer.model, voice.recognizer.device)
+    profile = _open_or_create(asked, base)
+    check = TakeCheck(config.checks, voice.commands, base)
+    session = Session(profile, config, voice.commands.phrases, check)
+    if take_over is not None:
+
+        def told(path: Path, checked: Checked) -> None:
+            problems = "; ".join(checked.problems) or "good"
+            console.print(f"{path.name}: {problems}", highlight=False)
+
+        console.print(f"{take_over(session, told)} takes kept")
+    elif not asked.again:
+        _guide(session, voice, console, ask)
+    return _learn(profile, voice, config, base, console)
+
+
+def manage(action: str, name: str | None, folder: Path | None, sure: bool) -> int:
+    """List, show or delete profiles; gives the exit code.
+
+    Raises:
+        ProfileError: The action needs a name, or the profile cannot be used.
+    """
+    if action != "list" and name is None:
+        known = ", ".join(names(profiles_folder(folder))) or "none"
+        raise ProfileError(f"profiles {action} needs the name of a profile, there: {known}")
+    if action == "delete" and name is not None:
+        return delete(name, folder, sure)
+    show_profiles(folder, name if action == "show" else None, Console())
+    return 0
+
+
+def show_profiles(folder: Path | None, name: str | None, console: Console) -> None:
+    """List all profiles, or show what one holds.
+
+    Raises:
+        ProfileError: There is none of that name, or it cannot be read.
+    """
+    root = profiles_folder(folder)
+    if name is not None:
+        _show(open_profile(name, root), console)
+        return
+    found = names(root)
+    console.print(f"{len(found)} profiles in {root}", highlight=False)
+    for one in found:
+        try:
+            manifest = open_profile(one, root).manifest
+            why = f": {'; '.join(manifest.why)}" if manifest.why else ""
+            takes = f"{len(manifest.takes)} takes"
+            console.print(f"{one:20} {manifest.state}, {takes}{why}", highlight=False)
+        except ProfileError as error:
+            console.print(f"{one:20} cannot be used: {error}", highlight=False)
+
+
+def delete(name: str, folder: Path | None, sure: bool, ask: Callable[[str], str] = input) -> int:
+    """Remove a profile with all its recordings, after a question; gives the exit code.
+
+    Raises:
+        ProfileError: There is none of that name, or it cannot be removed.
+    """
+    root = profiles_folder(folder)
+    if not sure and ask(f"Delete {root / name} with all its recordings? [y/N] ").lower() != "y":
+        print("nothing was deleted")
+        return 1
+    print(f"{delete_profile(name, root)} files deleted")
+    return 0
+
+
+def _open_or_create(asked: Enrol, base: Recognizer) -> Profile:
+    root = profiles_folder(asked.folder)
+    if asked.name in names(root):
+        return open_profile(asked.name, root)
+    if asked.again:
+        known = ", ".join(names(root)) or "none"
+        raise ProfileError(f"no profile {asked.name!r} in {root}, there: {known}")
+    return create_profile(asked.name, base.model_hash, root)
+
+
+def _recorded(asked: Enrol, reader: str, phrases: tuple[str, ...]) -> TakeOver | None:
+    """What takes over the recordings that were named, all found already; None: none were named.
+
+    Raises:
+        VoiceError: They cannot be used.
+    """
+    from voice_assist.enrolment import from_files, from_session
+
+    if asked.wavs is not None:
+        found = from_files.find_recordings(asked.wavs, phrases)
+        return lambda session, told: from_files.take_over(session, found, told)
+    if asked.session is not None:
+        takes = from_session.read_takes(asked.session, asked.corrections, phrases, reader)
+        return lambda session, told: from_session.take_over(session, takes, told)
+    return None
+
+
+def _warn_of_alikes(commands: CommandsConfig, console: Console) -> None:
+    """Before anybody takes the trouble to say them: some phrases no recogniser keeps apart."""
+    for pair in closest_pairs(commands):
+        if pair.verdict == "apart":
+            return  # those that follow are further apart
+        console.print(f"warning: {pair.told}", style="yellow", highlight=False)
+
+
+def _guide(
+    session: Session, voice: VoiceConfig, console: Console, ask: Callable[[str], str]
+) -> None:
+    """Record with the microphone of the settings."""
+    from voice_assist.assembly import make_source
+    from voice_assist.cli.enroll_terminal import guide
+
+    def pause(seconds: float) -> bool:
+        time.sleep(seconds)
+        return False
+
+    def ready(step: Step) -> None:
+        try:
+            ask("    Enter when you are ready ")
+        except EOFError as error:
+            raise ProfileError(
+                "the terminal's input has ended where Enter was asked for; what was recorded is "
+                "kept, the same command in a terminal goes on from there"
+            ) from error
+
+    def source() -> Source:
+        return make_source(voice.audio, time.time, pause, lambda _: None)
+
+    console.print("Ctrl-C breaks it off; the same command goes on from there.", style="dim")
+    guide(session, source, console, ready)
+
+
+def _learn(
+    profile: Profile,
+    voice: VoiceConfig,
+    config: EnrolmentConfig,
+    base: Recognizer,
+    console: Console,
+) -> int:
+    from voice_assist.enrolment.build import build
+
+    def noted(note: str) -> None:
+        console.print(note, style="yellow", highlight=False)
+
+    with console.status("learning") as status:
+        problems = build(profile, voice, config, base, status.update, noted)
+    if problems:
+        console.print(f"Profile {profile.name} was not activated:", style="bold red")
+        for problem in problems:
+            console.print(f"  {problem}", highlight=False)
+        return 1
+    console.print(f"Profile {profile.name} is active: profile:={profile.name}", style="green")
+    return 0
+
+
+def _show(profile: Profile, console: Console) -> None:
+    manifest = profile.manifest
+    profile.check()
+    console.print(f"{profile.folder}: {manifest.state}, made {manifest.created}", highlight=False)
+    for reason in manifest.why:
+        console.print(f"  {reason}", highlight=False)
+    console.print(f"  SHA-256 {profile.digest}", highlight=False)
+    talk = sum(take.seconds for take in manifest.takes if take.kind == TALK)
+    phrases = [take.phrase for take in manifest.takes if take.kind == COMMAND]
+    said = ", ".join(f"{phrase} {phrases.count(phrase)}" for phrase in dict.fromkeys(phrases))
+    console.print(f"  takes: {said or 'none'}; talk {talk:.0f} s", highlight=False)
+    for file in manifest.files:
+        console.print(f"  {file.name} {file.sha256[:12]}", highlight=False)

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The `listen` verb: what is heard, as it is heard, in the terminal."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from dataclasses import dataclass, field
+
+from rich.console import Console, Group
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from voice_assist.assembly import make_pipeline, make_source
+from voice_assist.audio.input_check import SoundWatch
+from voice_assist.audio.source import level_db
+from voice_assist.config import VoiceConfig
+from voice_assist.pipeline.pipeline import Event
+from voice_assist.types import Decision, Frame, Lost, Match, Mode, Partial
+
+_QUIETEST_DB, _CLIPPING_DB = -60.0, -1.0
+_METER = 40  # characters
+_ROWS = 12  # decisions shown at once
+
+
+@dataclass
+class Screen:
+    """What the terminal shows."""
+
+    mode: Mode
+    level: float = _QUIETEST_DB  # [dB] of full scale
+    partial: str = ""
+    trouble: str = "opening the source"
+    rows: deque[tuple[str, ...]] = field(default_factory=lambda: deque(maxlen=_ROWS))
+
+    def show(self, event: Event) -> None:
+        """Take over what the pipeline gave."""
+        if isinstance(event, Partial):
+            self.partial = event.text
+        elif isinstance(event, Lost):
+            self.rows.append(("", f"{event.samples} samples lost", "", "", "", ""))
+        else:
+            self.rows.append(row(event))
+
+    def hear(self, frame: Frame) -> None:
+        """Follow the level, which falls slowly."""
+        self.level = max(level_db(frame.samples), self.level - 1.0, _QUIETEST_DB)
+
+    def __rich__(self) -> Group:
+        """All of it, for rich."""
+        style = "bold green" if self.mode is Mode.ACTIVE else "bold yellow"
+        head = Text.assemble((f" {self.mode.value} ", style), "  ", *_meter(self.level))
+        heard = Text(f" {self.partial or '...'}", style="cyan" if self.partial else "dim")
+        trouble = [Text(self.trouble, style="bold red")] if self.trouble else []
+        return Group(head, heard, *trouble, _table(self.rows))
+
+
+def row(decision: Decision) -> tuple[str, ...]:
+    """One line of the table: heard, taken for, WER, confidence, latency, reason."""
+    outcome = decision.outcome
+    is_match = isinstance(outcome, Match)
+    nearest = outcome.command if isinstance(outcome, Match) else outcome.nearest
+    wer = outcome.wer.get(nearest)
+    return (
+        decision.hypothesis.text,
+        nearest if is_match else f"({nearest})" if nearest else "",
+        "" if wer is None else f"{wer:.2f}",
+        f"{decision.confidence:.2f}",
+        f"{1e3 * (decision.decided - decision.speech_end):.0f} ms",
+        "" if isinstance(outcome, Match) else outcome.reason,
+    )
+
+
+def listen(config: VoiceConfig, mode: Mode) -> None:
+    """Show what is heard until Ctrl-C or the end of the recording.
+
+    Raises:
+        VoiceError: Model or recording cannot be used.
+    """
+    console = Console()
+    screen = Screen(mode)
+    stop = threading.Event()
+    console.print(f"loading {config.recognizer.model} ...", style="dim")
+    pipeline = make_pipeline(config, time.time)
+    pipeline.set_mode(mode, "start")
+
+    def report(trouble: str) -> None:
+        screen.trouble = trouble
+
+    with make_source(config.audio, time.time, stop.wait, report) as source:
+        console.print("Ctrl-C ends. A spoken stop is no emergency stop.", style="dim")
+        watch = SoundWatch(source, config.audio.deaf_after)
+        with Live(screen, console=console, refresh_per_second=12):
+            for frame in source:
+                screen.trouble = watch(frame)
+                screen.hear(frame)
+                for event in pipeline(frame):
+                    screen.show(event)
+                screen.mode = pipeline.state.mode
+
+
+def _meter(level: float) -> list[tuple[str, str]]:
+    full = round(_METER * (level - _QUIETEST_DB) / -_QUIETEST_DB)
+    style = "red" if level > _CLIPPING_DB else "green"
+    return [("█" * full, style), ("·" * (_METER - full), "dim"), (f" {level:4.0f} dB", "dim")]
+
+
+def _table(rows: deque[tuple[str, ...]]) -> Table:
+    table = Table(expand=True, box=None, header_style="dim")
+    for name in ("heard", "taken for (nearest)", "WER", "confidence", "latency", "why not"):
+        table.add_column(name)
+    for cells in rows:
+        table.add_row(*cells, style="dim" if cells[-1] else "bold")
+    return table

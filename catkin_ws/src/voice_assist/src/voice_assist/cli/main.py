@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The `voice_assist` command: listen, phrases, check-commands, devices, evaluate, enroll, ..."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from typed_config import ConfigError, load_config, load_yaml
+from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
+from voice_assist.errors import VoiceError
+from voice_assist.intent.mapper import Mapper
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line; ends with 2 where what was asked cannot be done."""
+    options = _parser().parse_args(arguments)
+    try:
+        options.run(options)
+    except (VoiceError, ConfigError) as error:
+        print(f"voice_assist {options.verb}: {error}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except BrokenPipeError:  # the reader of our output has gone, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def settings(options: argparse.Namespace) -> VoiceConfig:
+    """The settings in force after the options of the command line."""
+    wanted: dict[str, Any] = {
+        "recognizer__model": getattr(options, "model", None),
+        "audio__microphone__device": getattr(options, "device", None),
+        "audio__wav__speed": getattr(options, "speed", None),
+        "profile__name": getattr(options, "profile", None),
+    }
+    if path := getattr(options, "wav", None):
+        wanted |= {"audio__wav__path": path, "audio__source": "wav", "audio__wav__then": "exit"}
+    changes = {key: value for key, value in wanted.items() if value is not None}
+    return load_voice_config(options.config, **changes)
+
+
+def _listen(options: argparse.Namespace) -> None:
+    from voice_assist.cli.listen import listen
+    from voice_assist.types import Mode
+
+    config = settings(options)
+    listen(config, Mode(options.mode))
+
+
+def _phrases(options: argparse.Namespace) -> None:
+    """Print all that is taken for a command without an error."""
+    config = settings(options)
+    for phrase, spellings in Mapper(config.commands).accepted().items():
+        command = config.commands.get(phrase)
+        also = ", ".join(repr(spelling) for spelling in spellings if spelling != phrase)
+        print(f"{phrase:12} in {' and '.join(command.modes)}" + (f"; also {also}" if also else ""))
+
+
+def _check_commands(options: argparse.Namespace) -> None:
+    """Print which commands are most alike; ends with 1 where two are too alike."""
+    from voice_assist.intent.confusability import closest_pairs, told
+
+    commands = settings(options).commands
+    if options.file is not None:
+        commands = load_config(CommandsConfig, load_yaml(options.file), options.file.name)
+    pairs = closest_pairs(commands, options.language)
+    print("\n".join(told(pairs)))
+    if any(pair.verdict == "too alike" for pair in pairs):
+        sys.exit(1)
+
+
+def _devices(options: argparse.Namespace) -> None:
+    """Print the microphones by the names that settings take."""
+    from voice_assist.audio.portaudio import PortAudio
+
+    found = PortAudio().devices()
+    if not found:
+        print("no microphone found; is one plugged in, or a sound server running?")
+        sys.exit(1)
+    for device in found:
+        default = "  (default)" if device.is_default else ""
+        print(f"{device.name}  {device.rate} Hz{default}")
+
+
+def _alarms(options: argparse.Namespace) -> None:
+    from voice_assist.cli.alarms import show_alarms
+
+    show_alarms(options.config, options.play, options.write_wav, is_markdown=options.markdown)
+
+
+def _enroll(options: argparse.Namespace) -> None:
+    """Learn one person's voice; ends with 1 where the profile is not active afterwards."""
+    from voice_assist.cli.enroll import Enrol, enroll
+
+    asked = Enrol(
+        name=options.name,
+        folder=options.profiles,
+        wavs=options.from_wavs,
+        session=options.from_session,
+        corrections=options.corrections,
+        again=options.again,
+        settings=options.config,
+    )
+    sys.exit(enroll(settings(options), asked))
+
+
+def _profiles(options: argparse.Namespace) -> None:
+    from voice_assist.cli.enroll import manage
+
+    sys.exit(manage(options.action, options.name, options.profiles, options.yes))
+
+
+def _evaluate(options: argparse.Namespace) -> None:
+    from voice_assist.evaluation.command import Job, evaluate
+
+    job = Job(
+        manifest=options.manifest,
+        out=options.out,
+        mode=options.mode,
+        noise=options.noise,
+        snr_db=options.snr,
+        jobs=options.jobs or os.cpu_count() or 1,
+        details=options.details,
+    )
+    evaluate(settings(options), job)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="voice_assist", description="Hear spoken commands.")
+    parser.add_argument("--config", type=Path, default=CONFIG_DIR, help="folder of the YAML files")
+    verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
+    _add_listen(verbs)
+    phrases = verbs.add_parser("phrases", help="print every phrase that is taken for a command")
+    phrases.set_defaults(run=_phrases)
+    check = verbs.add_parser("check-commands", help="show which commands sound or look alike")
+    check.add_argument("file", type=Path, nargs="?", help="like commands.yaml; default: in force")
+    check.add_argument("--language", default="en-us", help="of espeak-ng, such as de or es")
+    check.set_defaults(run=_check_commands)
+    devices = verbs.add_parser("devices", help="list the microphones")
+    devices.set_defaults(run=_devices)
+    _add_alarms(verbs)
+    _add_evaluate(verbs)
+    _add_enrolment(verbs)
+    return parser
+
+
+def _add_listen(verbs: Any) -> None:
+    parser = verbs.add_parser("listen", help="show live what is heard and what it is taken for")
+    source = parser.add_mutually_exclusive_group()
+    source.add_argument("--device", help="part of a microphone's name; see: voice_assist devices")
+    source.add_argument("--wav", help="a recording in place of a microphone")
+    parser.add_argument("--speed", type=_not_negative, help="of the recording; 0: at once")
+    parser.add_argument("--mode", choices=("standby", "active"), default="standby")
+    parser.add_argument("--profile", help="of the person who speaks; none: the base alone")
+    parser.add_argument("--model", help="embedded, a name or a file of a Whisper model")
+    parser.set_defaults(run=_listen)
+
+
+def _add_alarms(verbs: Any) -> None:
+    from voice_assist.cli.alarms import ALL, names
+
+    parser = verbs.add_parser("alarms", help="show, play or write every alarm")
+    parser.add_argument("--play", nargs="?", const=ALL, choices=names(), help="one; default: all")
+    parser.add_argument("--write-wav", type=Path, metavar="FOLDER", help="write the sounds there")
+    parser.add_argument(
+        "--markdown", action="store_true", help="print the tables of docs/alarms.md"
+    )
+    parser.set_defaults(run=_alarms)
+
+
+def _add_evaluate(verbs: Any) -> None:
+    parser = verbs.add_parser("evaluate", help="run labelled clips through the pipeline")
+    parser.add_argument("manifest", type=Path, help="CSV with the columns path and transcript")
+    parser.add_argument("--out", type=Path, required=True, help="JSON file to write")
+    parser.add_argument("--noise", type=Path, help="folder of sound files to add")
+    parser.add_argument("--snr", type=float, help="speech over noise [dB]; with --noise")
+    parser.add_argument("--mode", choices=("active", "standby"), default="active")
+    parser.add_argument("--jobs", type=_positive, help="processes; default: one per core")
+    parser.add_argument("--model", help="embedded, a name or a file of a Whisper model")
+    parser.add_argument("--details", type=Path, help="CSV file to write with a line per clip")
+    parser.add_argument("--profile", help="of the person who speaks; none: the base alone")
+    parser.set_defaults(run=_evaluate)
+
+
+def _add_enrolment(verbs: Any) -> None:
+    from voice_assist.cli.enroll_options import add_enroll, add_profiles
+
+    add_enroll(verbs).set_defaults(run=_enroll)
+    add_profiles(verbs).set_defaults(run=_profiles)
+
+
+def _positive(words: str) -> int:
+    if not words.isdigit() or int(words) < 1:
+        raise argparse.ArgumentTypeError(f"{words!r}, allowed: a whole number from 1")
+    return int(words)
+
+
+def _not_negative(words: str) -> float:
+    try:
+        value = float(words)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value <= 1000.0:
+        raise argparse.ArgumentTypeError(f"{words!r}, allowed: a number from 0 to 1000")
+    return value
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Settings of the alarms, from `config/alarms.yaml`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from typed_config import flag, load_config, load_yaml, number, text
+from voice_assist.config.voice import CONFIG_DIR
+
+FILE = "alarms.yaml"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SoundConfig:
+    """How alarms sound."""
+
+    is_enabled: bool = flag()
+    device: str = text(may_be_empty=True)
+    volume_db: float = number(-60.0, 0.0, "dB")
+    notices: bool = flag()
+    repeat_high: float = number(2.5, 15.0, "s")
+    repeat_medium: float = number(2.5, 30.0, "s")
+    refusal_apart: float = number(0.0, 60.0, "s")
+    stuck_after: float = number(0.2, 30.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoardConfig:
+    """How long things stand, and when silence is a fault."""
+
+    shown_for: float = number(0.5, 60.0, "s")
+    starting_for: float = number(0.0, 300.0, "s")
+    controller_silent_after: float = number(0.1, 30.0, "s")
+    voice_silent_after: float = number(1.5, 60.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class LookConfig:
+    """Where a viewer shows the line."""
+
+    frame: str = text()
+    place: tuple[float, float, float] = number(-10.0, 10.0, "m")
+    letter: float = number(0.001, 1.0, "m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AlarmsConfig:
+    """All settings of the alarms."""
+
+    sound: SoundConfig
+    board: BoardConfig
+    look: LookConfig
+
+
+def load_alarms_config(folder: str | Path = CONFIG_DIR) -> AlarmsConfig:
+    """Read `alarms.yaml` of a folder.
+
+    Raises:
+        typed_config.ConfigError: The file or a key is not as it must be.
+    """
+    return alarms_config(load_yaml(Path(folder) / FILE))
+
+
+def alarms_config(data: Mapping[str, Any]) -> AlarmsConfig:
+    """Build the settings from a mapping, as the parameter server gives it."""
+    return load_config(AlarmsConfig, data, FILE)

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""commands.yaml: what can be said, and the rules that the commands keep among themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from typed_config import choice, flag, items, number, text
+from voice_assist.errors import CommandsError
+from voice_assist.text.normalize import Words, is_negated, normalize
+from voice_assist.text.wer import wer
+
+LOOKING = (  # of an endoscope, or of the tool as one, under the trocar
+    *("look left", "look right", "look up", "look down", "look closer", "look wider"),
+    *("look up left", "look up right", "look down left", "look down right"),
+)
+MOVING = ("tense", "release", "pull more", "pull less", *LOOKING)
+CALLS = ("hey robot", *MOVING, "stop", "terminate")  # what rst_control/command takes from a voice
+NEVER_SURE = 0.95  # [0, 1] a recogniser is hardly ever surer of a word than this
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandConfig:
+    """One spoken command."""
+
+    phrase: str = text()
+    spellings: tuple[str, ...] = text()
+    learned: tuple[str, ...] = text(default=())  # what the recogniser writes for one person's takes
+    threshold: float = number(0.01, 1.0, "WER")
+    modes: tuple[str, ...] = choice("standby", "active")
+    then: str = choice("same", "standby", "active")
+    call: str = choice("", *CALLS)
+    is_motion: bool = flag()
+    is_halt: bool = flag()
+    least_confidence: float = number(0.0, 1.0, "")
+    fire_above: float = number(-1000.0, 1000.0, "nat")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone.
+
+        Raises:
+            CommandsError: Two keys contradict each other.
+        """
+        _require(bool(self.modes), "modes", [], "standby, active or both")
+        if self.call in MOVING:
+            words = f"true, as it calls {self.call!r}, which moves the robot"
+            _require(self.is_motion, "is_motion", self.is_motion, words)
+        if self.is_motion:
+            _require(bool(self.call), "call", self.call, "what moves, as is_motion is true")
+            modes = list(self.modes)
+            _require(self.modes == ("active",), "modes", modes, "[active], as it is a motion")
+        if self.is_halt:
+            self._check_halt()
+
+    def _check_halt(self) -> None:
+        _require(not self.is_motion, "is_motion", True, "false, as is_halt is true")
+        _require(self.call in ("", "stop"), "call", self.call, '"" or stop, as it halts')
+        both = {"standby", "active"}
+        _require(set(self.modes) == both, "modes", list(self.modes), "[standby, active]: it halts")
+        least, allowed = self.least_confidence, f"up to {NEVER_SURE}, or it is never heard"
+        _require(least <= NEVER_SURE, "least_confidence", least, allowed)
+
+    @property
+    def all_spellings(self) -> Iterator[tuple[str, str]]:
+        """Key and text of the phrase, of each spelling and of each one learned."""
+        yield "phrase", self.phrase
+        yield from ((f"spellings[{i}]", words) for i, words in enumerate(self.spellings))
+        yield from ((f"learned[{i}]", words) for i, words in enumerate(self.learned))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandsConfig:
+    """All spoken commands."""
+
+    answer_within: float = number(0.05, 30.0, "s")
+    commands: tuple[CommandConfig, ...] = items(1, 200)
+
+    def __post_init__(self) -> None:
+        """Check what no single key can show.
+
+        Raises:
+            CommandsError: A phrase is said twice, is too near to another, has no word, or a
+                motion's phrase denies; nothing halts, or nothing wakes.
+        """
+        known: list[tuple[CommandConfig, str, Words]] = []
+        for index, command in enumerate(self.commands):
+            where = f"commands[{index}]"
+            repeated = command.phrase in self.phrases[:index]
+            _require(not repeated, f"{where}.phrase", command.phrase, "a name given once")
+            for key, spelling in command.all_spellings:
+                words = _words(f"{where}.{key}", spelling, command.is_motion)
+                for other, theirs, their_words in known:
+                    if other is not command:
+                        _require_apart(f"{where}.{key}", command, words, other, theirs, their_words)
+                known.append((command, spelling, words))
+        names = list(self.phrases)
+        halts = any(c.is_halt for c in self.commands)
+        _require(halts, "commands", names, "at least one with is_halt, such as stop")
+        wakes = any("standby" in c.modes and c.then == "active" for c in self.commands)
+        allowed = "at least one that counts in standby and leads to active, such as hey robot"
+        _require(wakes, "commands", names, allowed)
+
+    @property
+    def phrases(self) -> tuple[str, ...]:
+        """Names of all commands, in their order."""
+        return tuple(command.phrase for command in self.commands)
+
+    def scored(self, taken: str, words: Words) -> dict[str, str]:
+        """Per command the text by which the recogniser scores it: its phrase.
+
+        Args:
+            taken: The command that was taken; one whose phrase the recogniser cannot write is
+                scored by what it learned to write for it, as it was written now.
+            words: Of the transcript.
+        """
+        texts = {phrase: phrase for phrase in self.phrases}
+        if words in [normalize(text) for text in self.get(taken).learned]:
+            texts[taken] = " ".join(words)
+        return texts
+
+    def get(self, phrase: str) -> CommandConfig:
+        """The command of that phrase.
+
+        Raises:
+            KeyError: There is none.
+        """
+        for command in self.commands:
+            if command.phrase == phrase:
+                return command
+        raise KeyError(f"{phrase!r}, allowed: {', '.join(self.phrases)}")
+
+
+def _require(is_allowed: bool, key: str, value: object, allowed: str) -> None:
+    if not is_allowed:
+        raise CommandsError(key, value, allowed)
+
+
+def _words(key: str, spelling: str, is_motion: bool) -> Words:
+    _require(spelling.isascii(), key, spelling, "English, in letters a to z")
+    words = normalize(spelling)
+    _require(bool(words), key, spelling, "text with a word; it has no word")
+    allowed = "no word that denies: a motion's phrase or spelling never denies"
+    _require(not (is_motion and is_negated(words)), key, spelling, allowed)
+    return words
+
+
+def _require_apart(
+    key: str,
+    own: CommandConfig,
+    words: Words,
+    other: CommandConfig,
+    theirs: str,
+    others: Words,
+) -> None:
+    """Refuse two commands of which one, said without an error, would be taken for the other."""
+    spelling = " ".join(words)
+    allowed = f"the words of one command; {theirs!r} belongs to {other.phrase!r}"
+    _require(words != others, key, spelling, allowed)
+    for command, error in ((other, wer(others, words)), (own, wer(words, others))):
+        nearest = f"further from {theirs!r}, {other.phrase!r}: its WER {error:.2f} is below"
+        allowed = f"{nearest} the threshold of {command.phrase!r}, {command.threshold:g}"
+        _require(error >= command.threshold, key, spelling, allowed)

@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Settings of the voice part, one YAML file for each of its sections, typed and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from typed_config import choice, flag, integer, load_config, load_yaml, number, require, text
+from voice_assist.config.calibration import Calibration
+from voice_assist.config.commands import NEVER_SURE, CommandConfig, CommandsConfig
+from voice_assist.config.profile import ProfileConfig
+from voice_assist.config.speaker import SpeakerConfig
+from voice_assist.errors import CommandsError
+
+__all__ = [
+    "CONFIG_DIR",
+    "SECTIONS",
+    "AudioConfig",
+    "CommandConfig",
+    "CommandsConfig",
+    "ConfidenceConfig",
+    "DenoiseConfig",
+    "EarlyConfig",
+    "MicrophoneConfig",
+    "ProfileConfig",
+    "RecognizerConfig",
+    "SpeakerConfig",
+    "SpotterConfig",
+    "TalkbackConfig",
+    "TopicConfig",
+    "VadConfig",
+    "VoiceConfig",
+    "WavConfig",
+    "load_voice_config",
+    "voice_config",
+]
+
+CONFIG_DIR = Path(__file__).resolve().parents[3] / "config"
+LOWEST_PITCH = 10.0  # [Hz] below it there is no sound to remove
+SECTIONS = (
+    "audio",
+    "recognizer",
+    "spotter",
+    "speaker",
+    "profile",
+    "commands",
+)  # each a file and a key
+
+
+@dataclass(frozen=True, kw_only=True)
+class TalkbackConfig:
+    """How long the robot's own speech is reckoned with."""
+
+    longest: float = number(0.1, 600.0, "s")
+    tail: float = number(0.0, 10.0, "s")
+    window: float = number(0.0, 2.0, "s")
+    stop_confidence: float = number(0.0, 1.0, "")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MicrophoneConfig:
+    """Which microphone, and when it counts as lost."""
+
+    device: str = text(may_be_empty=True)
+    open_within: float = number(0.1, 60.0, "s")
+    lost_after: float = number(0.2, 60.0, "s")
+    retry_after: float = number(0.1, 60.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class WavConfig:
+    """A recording in place of a microphone."""
+
+    path: str = text(may_be_empty=True)
+    speed: float = number(0.0, 1000.0, "times real time")
+    then: str = choice("silence", "exit")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TopicConfig:
+    """An audio topic in place of a microphone."""
+
+    name: str = text()
+    lost_after: float = number(0.2, 60.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DenoiseConfig:
+    """Noise reduction."""
+
+    mode: str = choice("off", "endpointing_only", "on")
+    high_pass: float = number(0.0, 1000.0, "Hz")
+    reduction_db: float = number(0.0, 60.0, "dB")
+    margin_db: float = number(0.0, 30.0, "dB")
+    noise_rise: float = number(0.1, 60.0, "dB/s")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        is_pitch = self.high_pass == 0.0 or self.high_pass >= LOWEST_PITCH
+        allowed = f"0, which is no filter, or from {LOWEST_PITCH:g} Hz on"
+        require(is_pitch, "high_pass", self.high_pass, allowed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class VadConfig:
+    """Where speech starts and ends."""
+
+    detector: str = choice("silero", "energy", "either")
+    start: float = number(0.01, 0.99, "")
+    stop: float = number(0.01, 0.99, "")
+    resume: float = number(0.01, 0.99, "")
+    min_speech: float = number(0.0, 1.0, "s")
+    hangover: float = number(0.05, 3.0, "s")
+    pre_roll: float = number(0.0, 2.0, "s")
+    max_utterance: float = number(1.0, 28.0, "s")
+    energy_margin_db: float = number(3.0, 40.0, "dB")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        require(self.stop <= self.resume, "stop", self.stop, f"up to resume, {self.resume:g}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AudioConfig:
+    """Everything before recognition."""
+
+    source: str = choice("microphone", "wav", "topic")
+    queue: int = integer(4, 100_000, "frames")
+    deaf_after: float = number(0.1, 30.0, "s")
+    microphone: MicrophoneConfig
+    wav: WavConfig
+    topic: TopicConfig
+    denoise: DenoiseConfig
+    vad: VadConfig
+    talkback: TalkbackConfig
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        is_named = self.source != "wav" or bool(self.wav.path.strip())
+        require(is_named, "wav.path", self.wav.path, "a sound file, as source is wav")
+
+
+@dataclass(frozen=True, kw_only=True)
+class EarlyConfig:
+    """When a decision may come before the end of the utterance is confirmed."""
+
+    is_enabled: bool = flag()
+    partial_interval: float = number(0.032, 5.0, "s")
+    settle: float = number(0.0, 2.0, "s")
+    pause: float = number(0.03, 2.0, "s")
+    silence_added: float = number(0.0, 2.0, "s")
+    shortest_rest: float = number(0.0, 2.0, "s")
+    unchanged_for: float = number(0.2, 10.0, "s")
+    stop_agreement: int = integer(1, 10, "partials")
+    vote_confidence: float = number(0.0, 1.0, "")
+    stop_confidence: float = number(0.0, 1.0, "")
+    window: float = number(1.0, 28.0, "s")
+    noise_after: float = number(0.5, 28.0, "s")
+    max_backlog: float = number(0.0, 10.0, "s")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        require(self.settle < self.pause, "settle", self.settle, f"below pause, {self.pause:g} s")
+        allowed = f"from vote_confidence on, {self.vote_confidence:g}"
+        alone = self.stop_confidence
+        require(alone >= self.vote_confidence, "stop_confidence", alone, allowed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConfidenceConfig:
+    """What each kind of evidence is worth as a probability of being right."""
+
+    transcript: Calibration
+    scores: Calibration
+    spotter: Calibration
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecognizerConfig:
+    """Recognition and the moment of decision."""
+
+    model: str = text()
+    device: str = text()
+    threads: int = integer(1, 64, "threads")
+    hung_after: float = number(0.1, 30.0, "s")
+    second_opinion: bool = flag()
+    motion_confidence: float = number(0.0, NEVER_SURE, "")
+    motion_glide: float = number(0.0, 20.0, "cent")
+    motion_speech: float = number(0.0, 0.99, "")
+    confidence: ConfidenceConfig
+    early: EarlyConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpotterConfig:
+    """The second way to a stop, and how it agrees with the recogniser."""
+
+    is_enabled: bool = flag()
+    phrase: str = text()
+    queue: int = integer(4, 10_000, "frames")
+    patience: float = number(0.0, 1.0, "s")
+    alone: float = number(-100.0, 1000.0, "nat")
+    middle: float = number(-100.0, 1000.0, "nat")
+    near: float = number(-1000.0, 1000.0, "nat")
+    agree: float = number(-1000.0, 1000.0, "nat")
+    agree_within: float = number(0.1, 5.0, "s")
+    sure: float = number(0.0, 1.0, "")
+    rearm_after: float = number(0.1, 60.0, "s")
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        allowed = f"up to middle, {self.middle:g} nat"
+        require(self.agree <= self.middle, "agree", self.agree, allowed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class VoiceConfig:
+    """All settings of the voice part."""
+
+    audio: AudioConfig
+    recognizer: RecognizerConfig
+    spotter: SpotterConfig
+    speaker: SpeakerConfig
+    profile: ProfileConfig
+    commands: CommandsConfig
+
+    def __post_init__(self) -> None:
+        """Check what no single file can show.
+
+        Raises:
+            CommandsError: What is spotted is no command that halts.
+        """
+        halts = [c.phrase for c in self.commands.commands if c.is_halt]
+        if self.spotter.is_enabled and self.spotter.phrase not in halts:
+            allowed = ", ".join(halts) or "none"
+            raise CommandsError("spotter.phrase", self.spotter.phrase, allowed)
+
+
+def load_voice_config(folder: str | Path = CONFIG_DIR, **changes: Any) -> VoiceConfig:
+    """Read the YAML files of all sections.
+
+    Args:
+        folder: That holds them.
+        **changes: Single settings to replace, by their path with `__` for dots, such as
+            `audio__wav__speed=0.0`.
+
+    Raises:
+        typed_config.ConfigError: A file or a key is not as it must be.
+        CommandsError: The commands contradict each other.
+    """
+    data = {name: _load_one(Path(folder), name) for name in SECTIONS}
+    for path, value in changes.items():
+        *parents, key = path.split("__")
+        branch: dict[str, Any] = data
+        for parent in parents:
+            branch = branch[parent]
+        branch[key] = value
+    return voice_config(data)
+
+
+def voice_config(data: Mapping[str, Any]) -> VoiceConfig:
+    """Build the settings from a mapping, as the parameter server gives it."""
+    return load_config(VoiceConfig, data)
+
+
+def _load_one(folder: Path, name: str) -> dict[str, Any]:
+    return dict(load_yaml(folder / f"{name}.yaml"))

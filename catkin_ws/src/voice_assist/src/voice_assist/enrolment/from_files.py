@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Takes from a folder of recordings that exist already.
+
+Either a file `takes.csv` with the columns `path` and `transcript` says what is in which, or the
+names do: `pull_more-3.wav` is a take of "pull more", `talk-1.wav` is talk, `room-1.wav` the room.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from voice_assist.audio.wav_file import read_sound
+from voice_assist.enrolment.checks import Checked
+from voice_assist.enrolment.script import Session, Step
+from voice_assist.errors import AudioError, ManifestError
+from voice_assist.profile.manifest import COMMAND, ROOM, TALK
+from voice_assist.text.normalize import normalize
+from voice_assist.types import RATE
+
+LIST = "takes.csv"
+_NAME = re.compile(r"(?P<said>[^-]+)(-[^-]*)?\.(wav|flac|ogg|opus|mp3)", re.IGNORECASE)
+_LONGEST = 600.0  # [s] of one recording of talk
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One file, and what is in it."""
+
+    path: Path
+    kind: str
+    phrase: str
+
+
+def find_recordings(folder: Path, phrases: Sequence[str]) -> list[Recording]:
+    """What a folder holds, by its list or by the names of its files.
+
+    Raises:
+        ManifestError: The folder or its list cannot be used, or a file has no known name.
+    """
+    if not folder.is_dir():
+        raise ManifestError(f"{folder}: no such folder")
+    listed = folder / LIST
+    pairs = list(_listed(listed) if listed.is_file() else _named(folder))
+    if not pairs:
+        raise ManifestError(f"{folder}: no recordings in it")
+    return [_recording(path, said, phrases) for path, said in pairs]
+
+
+def take_over(
+    session: Session, recordings: Sequence[Recording], told: Callable[[Path, Checked], None]
+) -> int:
+    """Offer recordings to a session; those taken over before are left out.
+
+    Args:
+        session: Of the profile.
+        recordings: In their order.
+        told: What came of each.
+
+    Returns:
+        How many were kept.
+
+    Raises:
+        ManifestError: One cannot be read.
+        ProfileError: One cannot be written.
+    """
+    kept = 0
+    for recording in recordings:
+        try:
+            samples = read_sound(recording.path)
+        except AudioError as error:
+            raise ManifestError(str(error)) from error
+        if len(samples) > _LONGEST * RATE:
+            found = f"{len(samples) / RATE:.0f} s, allowed: up to {_LONGEST:.0f}"
+            raise ManifestError(f"{recording.path}: {found}")
+        source = recording.path.name
+        if session.has(samples, source):
+            continue
+        step = Step(recording.kind, recording.phrase, len(samples) / RATE, 1, 1)
+        before = session.kept
+        told(recording.path, session.offer(step, samples, source))
+        kept += session.kept - before
+    return kept
+
+
+def _listed(path: Path) -> Iterator[tuple[Path, str]]:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = csv.DictReader(file)
+            missing = {"path", "transcript"} - set(rows.fieldnames or ())
+            if missing:
+                raise ManifestError(f"{path}: no column {', '.join(sorted(missing))}")
+            for row in rows:
+                yield path.parent / (row["path"] or ""), row["transcript"] or TALK
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise ManifestError(f"{path}: cannot be read ({error})") from error
+
+
+def _named(folder: Path) -> Iterator[tuple[Path, str]]:
+    for path in sorted(folder.iterdir()):
+        if path.is_file() and (match := _NAME.fullmatch(path.name)):
+            yield path, match["said"].replace("_", " ")
+
+
+def _recording(path: Path, said: str, phrases: Sequence[str]) -> Recording:
+    words = " ".join(normalize(said))
+    if words in (TALK, ROOM):
+        return Recording(path, words, "")
+    if words not in phrases:
+        allowed = ", ".join((*phrases, TALK, ROOM))
+        raise ManifestError(f"{path.name}: {said!r} is no command, allowed: {allowed}")
+    return Recording(path, COMMAND, words)

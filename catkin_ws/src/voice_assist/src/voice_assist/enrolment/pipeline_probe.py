@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the node's own pipeline takes from a stretch of sound, with any recogniser in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from voice_assist.assembly import make_pipeline
+from voice_assist.audio.source import Framer
+from voice_assist.config import VoiceConfig
+from voice_assist.evaluation.evaluator import QUIET_DB, Claim, claims_of
+from voice_assist.recognizer.recognizer import Recognizer
+from voice_assist.types import RATE, Decision, Match, Mode, Samples
+
+BEFORE, AFTER = 0.3, 0.8  # [s] of quiet around a take, so that its end is found
+
+
+@dataclass(frozen=True)
+class Heard:
+    """What a sound came to."""
+
+    taken: tuple[str, ...]  # commands, in their order
+    claims: tuple[Claim, ...]  # decisions whose words are exactly a command's
+    texts: tuple[str, ...]  # transcripts of all decisions
+
+
+class Ear:
+    """Streams sounds through one pipeline, armed, each from a fresh start."""
+
+    def __init__(self, config: VoiceConfig, recognizer: Recognizer) -> None:
+        """Build the pipeline."""
+        self._now = 0.0  # [s] of the stream; work takes no time
+        self._pipeline = make_pipeline(config, lambda: self._now, recognizer)
+
+    def __call__(self, samples: Samples) -> Heard:
+        """Hear a sound amid a little quiet. Shape (n,), 16 kHz."""
+        self._pipeline.reset()
+        began = self._now + 1.0
+        taken: list[str] = []
+        claims: list[Claim] = []
+        texts: list[str] = []
+        for frame in Framer().push(_amid_quiet(samples), began):
+            self._pipeline.set_mode(Mode.ACTIVE, "enrolment")
+            self._now = frame.stamp + frame.duration
+            for decision in self._pipeline(frame):
+                if isinstance(decision, Decision):
+                    texts.append(decision.hypothesis.text)
+                    claims += claims_of(decision)
+                    if isinstance(decision.outcome, Match):
+                        taken.append(decision.outcome.command)
+        return Heard(tuple(taken), tuple(claims), tuple(texts))
+
+
+def _amid_quiet(samples: Samples) -> Samples:
+    rng = np.random.default_rng(0)
+    length = round((BEFORE + AFTER) * RATE) + len(samples)
+    stream = 10.0 ** (QUIET_DB / 20.0) * rng.standard_normal(length)
+    start = round(BEFORE * RATE)
+    stream[start : start + len(samples)] += samples
+    return np.asarray(stream, np.float32)

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The `evaluate` verb: a manifest in, a JSON file of figures out, on several cores."""
+
+from __future__ import annotations
+
+import csv
+import json
+import multiprocessing
+import os
+import platform
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import track
+
+from voice_assist.assembly import make_pipeline, make_recognizer
+from voice_assist.config import VoiceConfig
+from voice_assist.errors import ManifestError
+from voice_assist.evaluation.evaluator import (
+    Clip,
+    Evaluator,
+    Outcome,
+    read_manifest,
+    read_noises,
+)
+from voice_assist.evaluation.metrics import summarize, verdict
+from voice_assist.profile.active import facts_of
+from voice_assist.types import Mode
+
+END_OF_SPEECH = "last 10 ms of the clip within 35 dB of its loudest and 10 dB above its quietest"
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to evaluate, and where to write it."""
+
+    manifest: Path
+    out: Path
+    mode: str
+    noise: Path | None
+    snr_db: float | None
+    jobs: int
+    details: Path | None
+
+
+def evaluate(config: VoiceConfig, job: Job) -> dict[str, Any]:
+    """Run all clips and write the figures.
+
+    Raises:
+        ManifestError: The manifest, a clip, the noise or the place to write cannot be used.
+        ModelError: The model is missing or damaged.
+    """
+    if (job.noise is None) != (job.snr_db is None):
+        raise ManifestError("noise and its level belong together: give both NOISE=dir and SNR=dB")
+    clips = read_manifest(job.manifest, config.commands)
+    for path in (job.out, job.details):
+        if path is not None:
+            _check_writable(path)
+    jobs = min(job.jobs, len(clips))
+    context = _context(config, job, jobs)
+    outcomes = list(_show(_run(config, job, clips, jobs), len(clips)))
+    figures = {**summarize(outcomes, config.commands.phrases), **context}
+    job.out.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    if job.details is not None:
+        _write_details(job.details, outcomes)
+    _print_short(figures, job.out)
+    return figures
+
+
+def _run(config: VoiceConfig, job: Job, clips: Sequence[Clip], jobs: int) -> Iterator[Outcome]:
+    if jobs == 1:
+        _prepare(config, job)
+        yield from map(_one, clips)
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(jobs, context, _prepare, (config, job)) as pool:
+        try:
+            # Ctrl-C is for this process alone: what it starts now inherits that it is ignored
+            previous = signal.signal(signal.SIGINT, signal.SIG_IGN)
+            outcomes = pool.map(_one, clips, chunksize=4)
+            signal.signal(signal.SIGINT, previous)
+            yield from outcomes
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+_EVALUATORS: list[Evaluator] = []  # one per process, built by its start
+
+
+def _prepare(config: VoiceConfig, job: Job) -> None:
+    recognizer = make_recognizer(config)
+    noises = read_noises(job.noise) if job.noise is not None else []
+    evaluator = Evaluator(
+        lambda clock: make_pipeline(config, clock, recognizer),
+        Mode(job.mode),
+        noises,
+        job.snr_db or 0.0,
+    )
+    evaluator.warm_up()
+    _EVALUATORS[:] = [evaluator]
+
+
+def _one(clip: Clip) -> Outcome:
+    return _EVALUATORS[0](clip)
+
+
+def _show(outcomes: Iterator[Outcome], total: int) -> Iterator[Outcome]:
+    console = Console(stderr=True)
+    yield from track(
+        outcomes, "clips", total=total, console=console, disable=not sys.stderr.isatty()
+    )
+
+
+def _context(config: VoiceConfig, job: Job, jobs: int) -> dict[str, Any]:
+    recognizer = make_recognizer(config)
+    return {
+        "model": recognizer.name,
+        "model_hash": recognizer.model_hash,
+        **facts_of(recognizer),
+        "mode": job.mode,
+        "noise": str(job.noise) if job.noise else None,
+        "snr_db": job.snr_db,
+        "noise_reduction": config.audio.denoise.mode,
+        "end_of_speech": END_OF_SPEECH,
+        "jobs": jobs,
+        "machine": f"{platform.machine()}, {os.cpu_count()} cores",
+        "python": platform.python_version(),
+        "date": datetime.now(UTC).date().isoformat(),
+    }
+
+
+def _check_writable(path: Path) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        is_new = not path.exists()
+        path.open("a", encoding="utf-8").close()
+        if is_new:
+            path.unlink()
+    except OSError as error:
+        raise ManifestError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def _write_details(path: Path, outcomes: Sequence[Outcome]) -> None:
+    columns: dict[str, Callable[[Outcome], object]] = {
+        "row": lambda o: o.clip.row,
+        "path": lambda o: o.clip.path,
+        "transcript": lambda o: o.clip.transcript,
+        "command": lambda o: o.clip.phrase,
+        "verdict": lambda o: (
+            verdict(o) if o.clip.phrase else ("accepted" if o.taken else "ignored")
+        ),
+        "taken": lambda o: "|".join(t.command for t in o.taken),
+        "heard": lambda o: "|".join(o.heard),
+        "why": lambda o: "|".join(o.why),
+        "latency_ms": lambda o: "|".join(f"{1e3 * t.latency:.0f}" for t in o.taken),
+        "confidence": lambda o: "|".join(f"{t.confidence:.3f}" for t in o.taken),
+        "seconds": lambda o: f"{o.seconds:.3f}",
+        "claims": lambda o: json.dumps([asdict(claim) for claim in o.claims]),
+    }
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows([[value(o) for value in columns.values()] for o in outcomes])
+
+
+def _print_short(figures: dict[str, Any], out: Path) -> None:
+    """A table for whoever waits at the terminal."""
+    for phrase, entry in figures["commands"].items():
+        if entry["n"]:
+            latency = figures["latency_ms"][phrase]["p50"]
+            after = "" if latency is None else f", median {latency:.0f} ms after the end of speech"
+            print(f"{phrase:12} {entry['correct']}/{entry['n']} right{after}")
+    negatives = figures["negatives"]
+    if negatives["n"]:
+        rate = f"{negatives['accepted_per_hour']:.2f} per hour"
+        print(f"no command   {negatives['accepted']} taken in {negatives['n']} clips, {rate}")
+    print(f"written to {out}")

@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs labelled clips through the node's own pipeline and counts what came of them."""
+
+from __future__ import annotations
+
+import csv
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from voice_assist.audio.mixing import add_noise, end_of_speech
+from voice_assist.audio.source import FRAME, Framer
+from voice_assist.audio.wav_file import open_sound, read_sound
+from voice_assist.config import CommandsConfig
+from voice_assist.errors import AudioError, ManifestError
+from voice_assist.intent.mapper import Mapper
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.text.normalize import normalize
+from voice_assist.types import RATE, Decision, Frame, Match, Mode, Samples
+
+BEFORE = 0.5  # [s] of quiet in front of a clip
+AFTER = 1.5  # [s] of quiet behind it, so that its end can be heard
+QUIET_DB = -75.0  # [dB] of full scale of that quiet
+
+
+@dataclass(frozen=True)
+class Clip:
+    """One row of a manifest."""
+
+    row: int  # in the file, the header is row 1
+    path: Path
+    transcript: str
+    phrase: str  # command it should be taken for; empty: none
+
+
+@dataclass(frozen=True)
+class Taken:
+    """One command taken from a clip."""
+
+    command: str
+    heard: str  # transcript
+    latency: float  # [s] from the end of speech in the clip to the decision; below 0: before it
+    confidence: float
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A decision whose words are exactly a command's, taken or refused."""
+
+    command: str
+    confidence: float  # [0, 1] that the decision carried
+    origin: str  # "recognizer" or "spotter"
+    is_taken: bool
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a clip came to."""
+
+    clip: Clip
+    seconds: float  # of the clip, without the quiet around it
+    taken: tuple[Taken, ...]
+    heard: tuple[str, ...]  # transcripts of all decisions, refused ones too
+    why: tuple[str, ...]  # reasons of those refused
+    compute: float  # [s]
+    streamed: float  # [s] of sound, with the quiet around it
+    claims: tuple[Claim, ...] = ()
+
+
+class StreamClock:
+    """Time of a stream that is processed on one core as it comes in, however fast it really goes.
+
+    A frame is there when its last sample is, and is worked on as soon as the work before it is
+    done; the clock then runs as the work does. So a decision's stamp is stream time plus compute.
+    """
+
+    def __init__(self, timer: Callable[[], float] = time.perf_counter) -> None:
+        """Start at 0 s.
+
+        Args:
+            timer: Measures the work [s].
+        """
+        self._timer = timer
+        self._base = 0.0
+        self._started: float | None = None
+        self.compute = 0.0  # [s] of work so far
+
+    def __call__(self) -> float:
+        """Stream time now [s]."""
+        worked = 0.0 if self._started is None else self._timer() - self._started
+        return self._base + worked
+
+    def begin(self, arrived: float) -> None:
+        """A frame that was complete at a stream time [s] is worked on."""
+        self._base = max(self._base, arrived)
+        self._started = self._timer()
+
+    def end(self) -> None:
+        """The work on it is done."""
+        now = self()
+        self.compute += now - self._base
+        self._base, self._started = now, None
+
+
+class Evaluator:
+    """Streams clips through one pipeline."""
+
+    def __init__(
+        self,
+        make_pipeline: Callable[[Callable[[], float]], Pipeline],
+        mode: Mode,
+        noises: Sequence[Samples] = (),
+        snr_db: float = 0.0,
+    ) -> None:
+        """Build the pipeline.
+
+        Args:
+            make_pipeline: Builds it from a clock.
+            mode: In which every clip is heard, whatever was said in it before.
+            noises: One of them, chosen by the row, is added to each clip.
+            snr_db: Level of the clip's speech above the noise [dB].
+        """
+        self._clock = StreamClock()
+        self._pipeline = make_pipeline(self._clock)
+        self._mode, self._noises, self._snr_db = mode, noises, snr_db
+
+    def __call__(self, clip: Clip) -> Outcome:
+        """Stream one clip.
+
+        Raises:
+            ManifestError: Its sound cannot be read.
+        """
+        try:
+            samples = read_sound(clip.path)
+        except AudioError as error:
+            raise ManifestError(f"row {clip.row}: {error}") from error
+        speech_end = BEFORE + end_of_speech(samples)
+        stream = self._with_quiet(samples, clip.row)
+        began, compute = self._clock() + 1.0, self._clock.compute
+        taken, heard, why, claims = [], [], [], []
+        self._pipeline.reset()
+        for decision in self._decide(stream, began):
+            heard.append(decision.hypothesis.text)
+            claims += claims_of(decision)
+            if isinstance(decision.outcome, Match):
+                latency = decision.decided - began - speech_end
+                text, sure = decision.hypothesis.text, decision.confidence
+                taken.append(Taken(decision.outcome.command, text, latency, sure))
+            else:
+                why.append(decision.outcome.reason)
+        spent = self._clock.compute - compute
+        seconds = len(samples) / RATE
+        streamed = len(stream) / RATE
+        words = tuple(heard), tuple(why)
+        return Outcome(clip, seconds, tuple(taken), *words, spent, streamed, tuple(claims))
+
+    def warm_up(self) -> None:
+        """Let torch compile and allocate what it does only once, so that no clip pays for it."""
+        rng = np.random.default_rng(0)
+        loud = 0.2 * rng.standard_normal(2 * RATE).astype(np.float32)
+        for _ in self._decide(loud, self._clock() + 1.0):
+            pass
+        self._pipeline.warm_up(loud)
+
+    def _decide(self, stream: Samples, began: float) -> Iterator[Decision]:
+        for frame in _frames(stream, began):
+            self._pipeline.set_mode(self._mode, "evaluation")
+            self._clock.begin(frame.stamp + frame.duration)
+            events = self._pipeline(frame)
+            self._clock.end()
+            yield from (event for event in events if isinstance(event, Decision))
+
+    def _with_quiet(self, samples: Samples, row: int) -> Samples:
+        rng = np.random.default_rng(row)
+        quiet = 10.0 ** (QUIET_DB / 20.0)
+        length = round((BEFORE + AFTER) * RATE) + len(samples)
+        stream = quiet * rng.standard_normal(-(-length // FRAME) * FRAME)
+        start = round(BEFORE * RATE)
+        stream[start : start + len(samples)] += samples
+        if self._noises:
+            noise = self._noises[int(rng.integers(len(self._noises)))]
+            stream = add_noise(stream, noise, samples, self._snr_db, rng)
+        return np.asarray(stream, np.float32)
+
+
+def read_manifest(path: str | Path, commands: CommandsConfig) -> list[Clip]:
+    """Rows of a manifest, all checked.
+
+    Args:
+        path: CSV with the columns `path` (relative to the manifest) and `transcript`.
+        commands: Tell which transcripts are commands.
+
+    Raises:
+        ManifestError: The file or a row of it cannot be used; all that is wrong is named.
+    """
+    path = Path(path)
+    phrases = {
+        spelling: phrase
+        for phrase, spellings in Mapper(commands).accepted().items()
+        for spelling in spellings
+    }
+    clips, problems = [], []
+    for row, (name, transcript) in _rows(path):
+        try:
+            clips.append(_clip(path.parent, row, name, transcript, phrases))
+        except (AudioError, ManifestError) as error:
+            problems.append(f"row {row}: {error}")
+    if problems:
+        shown = "\n  ".join(problems[:10])
+        more = f"\n  and {len(problems) - 10} more" if len(problems) > 10 else ""
+        raise ManifestError(f"{path}: {len(problems)} rows cannot be used\n  {shown}{more}")
+    if not clips:
+        raise ManifestError(f"{path}: has no rows below its header")
+    return clips
+
+
+def read_noises(folder: str | Path) -> list[Samples]:
+    """All sound files of a folder and its subfolders, sorted by name.
+
+    Raises:
+        ManifestError: There are none.
+    """
+    noises = []
+    for path in sorted(Path(folder).rglob("*")):
+        try:
+            if path.is_file():
+                noises.append(read_sound(path))
+        except AudioError:
+            continue  # a folder of noise may hold texts too
+    if not noises:
+        raise ManifestError(f"{folder}: no sound files in it")
+    return noises
+
+
+def _rows(path: Path) -> Iterator[tuple[int, tuple[str, str]]]:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.reader(file)
+            header = [name.strip().casefold() for name in next(reader, [])]
+            if missing := [name for name in ("path", "transcript") if name not in header]:
+                columns = ", ".join(header) or "none"
+                raise ManifestError(f"{path}: no column {missing[0]!r}; columns are: {columns}")
+            columns_used = header.index("path"), header.index("transcript")
+            for row in reader:
+                if any(cell.strip() for cell in row):
+                    padded = [*row, *[""] * len(header)]
+                    yield reader.line_num, (padded[columns_used[0]], padded[columns_used[1]])
+    except OSError as error:
+        raise ManifestError(f"{path}: {error.strerror}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ManifestError(f"{path}: not a CSV file in UTF-8 ({error})") from error
+
+
+def _clip(folder: Path, row: int, name: str, transcript: str, phrases: dict[str, str]) -> Clip:
+    if not name.strip():
+        raise ManifestError("the path is empty")
+    path = folder / name.strip()
+    open_sound(path).close()
+    return Clip(row, path, transcript, phrases.get(" ".join(normalize(transcript)), ""))
+
+
+def claims_of(decision: Decision) -> list[Claim]:
+    """The claim of a decision whose words are exactly a command's; of any other none."""
+    outcome, sure = decision.outcome, decision.confidence
+    if isinstance(outcome, Match):
+        return [Claim(outcome.command, sure, decision.origin, True)]
+    is_named = outcome.wer.get(outcome.nearest) == 0.0
+    return [Claim(outcome.nearest, sure, decision.origin, False)] if is_named else []
+
+
+def _frames(stream: Samples, began: float) -> Iterator[Frame]:
+    return Framer().push(stream, began)

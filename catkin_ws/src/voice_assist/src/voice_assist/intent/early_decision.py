@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""When a transcript that still grows is decided upon, and as what; follows one utterance.
+
+A halt fires as soon as it is surely heard. Any other command waits for a short pause, so that
+"pull more is what he said" does not move, and there is one per utterance at most: what follows it
+in the same breath can only halt.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from voice_assist.config import CommandsConfig, EarlyConfig
+from voice_assist.intent.mapper import Mapper
+from voice_assist.spotter.fusion import Belief, SecondWay
+from voice_assist.text.normalize import normalize
+from voice_assist.types import Hypothesis, Match, NoMatch
+
+_SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where in an utterance a transcript was made."""
+
+    time: float  # [s] stream time
+    quiet: float  # [s] since the last speech
+    is_complete: bool  # the end of the utterance is confirmed
+    is_whole: bool  # the transcript is of the utterance from its very beginning
+    spotted: float | None = None  # [nat] the spotter's best score of late; None: nobody listens
+
+
+class Judge:
+    """Decides about the transcripts of one utterance, oldest first."""
+
+    def __init__(
+        self, mapper: Mapper, commands: CommandsConfig, config: EarlyConfig, second: SecondWay
+    ) -> None:
+        """Start with a new utterance."""
+        self._mapper, self._config, self._second = mapper, config, second
+        self._halts = {c.phrase: c.least_confidence for c in commands.commands if c.is_halt}
+        self.reset()
+
+    def reset(self) -> None:
+        """Start with a new utterance."""
+        self._decided = ""  # command taken from this utterance
+        self._has_halted = False
+        self._votes = 0  # transcripts in a row that say a halt
+        self._words: tuple[str, ...] = ()
+        self._unchanged_since = 0.0  # [s] stream time
+
+    @property
+    def has_decided(self) -> bool:
+        """A command was already taken from this utterance."""
+        return bool(self._decided) or self._has_halted
+
+    @property
+    def has_halted(self) -> bool:
+        """A halt was already taken from this utterance."""
+        return self._has_halted
+
+    def __call__(self, heard: Hypothesis, moment: Moment) -> Match | NoMatch | None:
+        """Judge a transcript; None: wait for more."""
+        outcome = self._mapper(heard.text)
+        self._follow(heard, outcome, moment)
+        if isinstance(outcome, Match) and outcome.command in self._halts:
+            return self._halt(outcome, heard, moment)
+        if not moment.is_complete and not self._may_commit(outcome, heard, moment):
+            return None
+        if not self._words:
+            return None
+        if isinstance(outcome, Match) and (self.has_decided or not moment.is_whole):
+            return NoMatch(self._continues(), outcome.command, outcome.wer)
+        if isinstance(outcome, NoMatch) and self.has_decided:
+            return replace(outcome, reason=self._continues())
+        return outcome
+
+    def said_over(self, part: Hypothesis | None, least: float) -> Match | None:
+        """A halt that stands alone in the last part of sound that somebody else talks in.
+
+        Args:
+            part: Transcript of that part; None: it was not looked at.
+            least: Confidence from which it counts [0, 1].
+        """
+        if part is None or self._has_halted:
+            return None
+        outcome = self._mapper(part.text)
+        if not isinstance(outcome, Match) or outcome.command not in self._halts:
+            return None
+        return outcome if part.confidence >= max(least, self._halts[outcome.command]) else None
+
+    def accept(self, phrase: str) -> None:
+        """Note that a command was taken."""
+        if phrase in self._halts:
+            self._has_halted = True
+        else:
+            self._decided = phrase
+        self._votes, self._words = 0, ()
+
+    def _follow(self, heard: Hypothesis, outcome: Match | NoMatch, moment: Moment) -> None:
+        is_halt = isinstance(outcome, Match) and outcome.command in self._halts
+        is_vote = is_halt and heard.confidence >= self._config.vote_confidence
+        self._votes = self._votes + 1 if is_vote else 0
+        words = normalize(heard.text)
+        if words != self._words:
+            self._words, self._unchanged_since = words, moment.time
+
+    def _halt(self, outcome: Match, heard: Hypothesis, moment: Moment) -> Match | NoMatch | None:
+        if self._has_halted:
+            return None
+        config, least = self._config, self._halts[outcome.command]
+        if heard.confidence < least:
+            if not moment.is_complete:
+                return None
+            return NoMatch(too_unsure(heard.confidence, least), outcome.command, outcome.wer)
+        is_now = config.is_enabled and (
+            self._votes >= config.stop_agreement
+            or heard.confidence >= config.stop_confidence
+            or self._is_pause(moment)
+        )
+        is_ready = is_now or moment.is_complete
+        belief = Belief(heard.confidence, is_ready, moment.spotted)
+        if self._second.confirms(belief, outcome.command):
+            return outcome
+        reason = "the recogniser is not sure, and the spotter did not hear it"
+        return NoMatch(reason, outcome.command, outcome.wer) if moment.is_complete else None
+
+    def _may_commit(self, outcome: Match | NoMatch, heard: Hypothesis, moment: Moment) -> bool:
+        """Whether a whole command is taken before the end of the utterance."""
+        config = self._config
+        if not config.is_enabled or not isinstance(outcome, Match) or not moment.is_whole:
+            return False
+        if self.has_decided or self._mapper.can_grow(heard.text):
+            return False
+        is_still = moment.time - self._unchanged_since >= config.unchanged_for - _SLACK
+        return is_still or self._is_pause(moment)
+
+    def _is_pause(self, moment: Moment) -> bool:
+        return moment.quiet >= self._config.pause - _SLACK
+
+    def _continues(self) -> str:
+        first = f"{self._decided!r}" if self._decided else "a longer utterance"
+        if self._has_halted and not self._decided:
+            first = "a stop"
+        return f"it continues {first} in the same breath; pause before the next command"
+
+
+def too_unsure(confidence: float, least: float, of: str = "") -> str:
+    """Why a command that was heard is refused; `of` says of what the confidence is."""
+    return f"confidence {confidence:.2f}{of}, allowed: at least {least:.2f}"

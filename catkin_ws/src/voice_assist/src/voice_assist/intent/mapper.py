@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Transcript to command by Word Error Rate; what is not clearly a command is none."""
+
+from __future__ import annotations
+
+from voice_assist.config import CommandsConfig
+from voice_assist.text.normalize import LONGEST, Words, foreign, is_negated, is_too_long, normalize
+from voice_assist.text.wer import least_distance, wer
+from voice_assist.types import Match, NoMatch
+
+SILENCE = "nothing was said"
+
+
+class Mapper:
+    """Names the command whose words are nearest to the transcript's, if they are near enough."""
+
+    def __init__(self, config: CommandsConfig) -> None:
+        """Prepare the words of every command and its spellings."""
+        self._spellings: dict[str, tuple[Words, ...]] = {
+            command.phrase: tuple(normalize(spelling) for _, spelling in command.all_spellings)
+            for command in config.commands
+        }
+        self._thresholds = {command.phrase: command.threshold for command in config.commands}
+        self._halts = {command.phrase for command in config.commands if command.is_halt}
+
+    def __call__(self, transcript: str) -> Match | NoMatch:
+        """The command with the lowest WER below its own threshold.
+
+        Only a halt is taken from a text with letters that English has not, and nothing from a text
+        longer than LONGEST, whose errors are those of its beginning.
+
+        Args:
+            transcript: As recognised; may have punctuation, contractions and capitals.
+        """
+        words = normalize(transcript)
+        errors = self._errors(words)
+        if is_too_long(transcript):
+            reason = f"{len(transcript)} characters, allowed: {LONGEST}"
+            return NoMatch(reason, "", errors)
+        if not words:
+            return NoMatch(SILENCE, "", errors)
+        nearest = min(errors, key=errors.__getitem__)
+        near = {p: error for p, error in errors.items() if error < self._thresholds[p]}
+        best = [phrase for phrase, error in near.items() if error == min(near.values())]
+        if len(best) == 1 and (near[best[0]] == 0.0 or not is_negated(words)):
+            odd = foreign(transcript)
+            if odd and best[0] not in self._halts:
+                return NoMatch(f"U+{ord(odd):04X} in it, which no command has", best[0], errors)
+            return Match(best[0], errors)
+        return NoMatch(self._reason(words, nearest, errors, best), nearest, errors)
+
+    def can_grow(self, transcript: str) -> bool:
+        """Whether more words could make another command of it, other than a halt.
+
+        A halt may follow any decision, so nothing has to wait for one.
+        """
+        words = normalize(transcript)
+        outcome = self(transcript)
+        own = outcome.command if isinstance(outcome, Match) else ""
+        return any(
+            len(spelling) > len(words) and spelling[: len(words)] == words
+            for phrase, spellings in self._spellings.items()
+            if phrase != own and phrase not in self._halts
+            for spelling in spellings
+        )
+
+    def cannot_become(self, beginning: str) -> bool:
+        """Whether no text that begins so can be taken for a command, whatever follows.
+
+        What follows the last space may be part of a word, and counts for nothing. Of the rest, the
+        distance to the best beginning of a spelling stays in every longer text.
+
+        Args:
+            beginning: Of a transcript, without contractions that go on after a space.
+        """
+        words = normalize(beginning.rpartition(" ")[0])
+        return bool(words) and all(
+            least_distance(spelling, words) / len(spelling) >= self._thresholds[phrase]
+            for phrase, spellings in self._spellings.items()
+            for spelling in spellings
+        )
+
+    def accepted(self) -> dict[str, tuple[str, ...]]:
+        """Per command every phrase that is taken for it without an error, in normalised words."""
+        return {
+            phrase: tuple(dict.fromkeys(" ".join(words) for words in spellings))
+            for phrase, spellings in self._spellings.items()
+        }
+
+    def _errors(self, words: Words) -> dict[str, float]:
+        return {
+            phrase: min(wer(spelling, words) for spelling in spellings)
+            for phrase, spellings in self._spellings.items()
+        }
+
+    def _reason(self, words: Words, nearest: str, errors: dict[str, float], best: list[str]) -> str:
+        if is_negated(words):
+            return "it denies; what is denied never moves"
+        if len(best) > 1:
+            return "it fits " + " and ".join(repr(phrase) for phrase in best) + " equally well"
+        error, allowed = errors[nearest], self._thresholds[nearest]
+        return f"WER {error:.2f} to {nearest!r}, allowed below {allowed:.2f}"

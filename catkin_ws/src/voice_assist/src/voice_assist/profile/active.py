@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The profile that the settings name, put to use: weights, thresholds, the speaker's voiceprint."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from torch import Tensor
+
+from voice_assist.config.profile import ProfileConfig
+from voice_assist.profile import model_file, spellings, thresholds
+from voice_assist.profile.manifest import ACTIVE, RECORDING
+from voice_assist.profile.profile import Profile, ProfileError, open_profile, profiles_folder
+from voice_assist.recognizer.embedded import EmbeddedRecognizer
+from voice_assist.speaker.voiceprint import FILE
+
+if TYPE_CHECKING:
+    from voice_assist.config import VoiceConfig
+    from voice_assist.recognizer.recognizer import Recognizer
+
+
+def profile_in_force(config: ProfileConfig) -> Profile | None:
+    """Open the profile; None: the base alone is asked for.
+
+    Raises:
+        ConfigError: No profile can have that name.
+        ProfileError: It is missing, damaged, not the one asked for, or not active; says why.
+    """
+    if not config.is_used:
+        return None
+    profile = open_profile(config.name, profiles_folder(config.folder))
+    manifest, allowed = profile.manifest, "allowed: one that is active; or profile:=none"
+    if config.sha256 and profile.digest != config.sha256:
+        found = f"has the SHA-256 {profile.digest[:12]}, allowed: {config.sha256[:12]}"
+        raise ProfileError(f"profile {profile.name!r} {found}; it was changed since")
+    if manifest.state == RECORDING:
+        words = f"voice_assist enroll {profile.name} finishes it"
+        raise ProfileError(f"profile {profile.name!r} is not finished, {allowed}; {words}")
+    if manifest.state != ACTIVE:
+        why = "; ".join(manifest.why)
+        raise ProfileError(f"profile {profile.name!r} failed its own check ({why}), {allowed}")
+    profile.check()
+    return profile
+
+
+def personalise(config: ProfileConfig, base: Recognizer) -> Recognizer:
+    """The recogniser for whom the settings name.
+
+    Raises:
+        ProfileError: As `profile_in_force`, or the profile was made on top of another recogniser.
+        ModelError: The adapted weights do not suit the recogniser.
+    """
+    profile = profile_in_force(config)
+    if profile is None:
+        return base
+    if profile.manifest.base_sha256 != base.model_hash:
+        found = f"was made on top of the recogniser {profile.manifest.base_sha256[:12]}"
+        allowed = f"allowed: {base.model_hash[:12]}, which is in use"
+        again = f"voice_assist enroll {profile.name} --again makes it anew from its takes"
+        raise ProfileError(f"profile {profile.name!r} {found}, {allowed}; {again}")
+    if not profile.has(model_file.NAME):
+        return base
+    from voice_assist.recognizer.embedded import EmbeddedRecognizer
+
+    if not isinstance(base, EmbeddedRecognizer):
+        allowed = "the embedded model, or one trained by make train"
+        raise ProfileError(f"profile {profile.name!r} adapts {base.name!r}, allowed: {allowed}")
+    data = profile.read(model_file.NAME)
+    state = model_file.read_model(data, base.model, base.model_hash)
+    return PersonalRecognizer(base, state, profile.name, profile.digest)
+
+
+def facts_of(recognizer: Recognizer) -> dict[str, str]:
+    """What a recording says of the profile in force; nothing where the base alone hears."""
+    name, digest = getattr(recognizer, "profile", ""), getattr(recognizer, "profile_digest", "")
+    return {"profile": name, "profile_sha256": digest} if digest else {}
+
+
+def with_profile(config: VoiceConfig) -> tuple[VoiceConfig, bytes | None]:
+    """The settings with the person's spellings and thresholds, and the voiceprint, if there is one.
+
+    Raises:
+        ProfileError: As `profile_in_force`.
+        VoiceError: Spellings or thresholds cannot be used.
+    """
+    profile = profile_in_force(config.profile)
+    if profile is None:
+        return config, None
+    config = with_spellings(config, profile)
+    if profile.has(thresholds.NAME):
+        own = thresholds.from_bytes(profile.read(thresholds.NAME))
+        config = replace(config, commands=thresholds.overlay(config.commands, own))
+    return config, profile.read(FILE) if profile.has(FILE) else None
+
+
+def with_spellings(config: VoiceConfig, profile: Profile) -> VoiceConfig:
+    """The settings with what the profile learned to be spellings of commands.
+
+    Raises:
+        VoiceError: They cannot be used.
+    """
+    if not profile.has(spellings.NAME):
+        return config
+    learned = spellings.from_bytes(profile.read(spellings.NAME))
+    return replace(config, commands=spellings.overlay(config.commands, learned))
+
+
+class PersonalRecognizer(EmbeddedRecognizer):
+    """As the base, and as quick; the base it was made of stays as it is."""
+
+    def __init__(
+        self,
+        base: EmbeddedRecognizer,
+        state: dict[str, Tensor],
+        profile: str = "",
+        digest: str = "",
+    ) -> None:
+        """Copy the base and change it.
+
+        Args:
+            base: With a CTC head.
+            state: Adapted tensors by their name in HybridWhisper.
+            profile: Name of whose they are.
+            digest: SHA-256 of that profile.
+        """
+        self.__dict__.update(vars(base))
+        self.model = copy.deepcopy(base.model)
+        self.model.load_state_dict(state, strict=False)
+        self.model.eval()
+        self._newest = None  # what the base heard last was encoded by the base
+        self.profile, self.profile_digest = profile, digest

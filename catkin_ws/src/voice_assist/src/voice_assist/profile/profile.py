@@ -1,0 +1,305 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One person's profile: a folder that only its owner may read, and whose every byte is checked.
+
+In it lie `profile.json`, which names all else with its SHA-256 and is written last, all or nothing;
+`takes/NNNN.wav`, what the person said (16 bit, 16 kHz, mono); and what was made of it, such as the
+adapted weights. Folders have the permissions 0700, files 0600.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import shutil
+import stat
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import soundfile
+
+from typed_config import ConfigError
+from voice_assist.config.profile import require_name
+from voice_assist.errors import VoiceError
+from voice_assist.profile.manifest import (
+    FORMAT,
+    RECORDING,
+    File,
+    Manifest,
+    Take,
+    from_bytes,
+    to_bytes,
+)
+from voice_assist.types import FULL_SCALE, RATE, Samples, frozen_samples
+
+ENV = "VOICE_ASSIST_PROFILES"
+MANIFEST = "profile.json"
+_FOLDER, _FILE = 0o700, 0o600
+
+
+class ProfileError(VoiceError):
+    """A profile is missing, damaged, open to others, or of something else."""
+
+
+def profiles_folder(given: str | Path | None = None) -> Path:
+    """Folder of all profiles: as given, as the environment says, or in the user's own data."""
+    if given:
+        return Path(given).expanduser()
+    if named := os.environ.get(ENV):
+        return Path(named).expanduser()
+    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(data) / "voice_assist" / "profiles"
+
+
+class Profile:
+    """A profile's folder, and what its manifest says."""
+
+    def __init__(self, folder: Path, manifest: Manifest, digest: str) -> None:
+        """Use `open_profile` or `create_profile`."""
+        self.folder, self.manifest = folder, manifest
+        self.digest = digest  # SHA-256 of the manifest, and so of all that the profile holds
+
+    @property
+    def name(self) -> str:
+        """As the person was called."""
+        return self.manifest.name
+
+    def add_take(self, samples: Samples, take: Take) -> Take:
+        """Keep a recording.
+
+        Args:
+            samples: float32 in [-1, 1], 16 kHz mono. Shape (n,).
+            take: What is known of it; file and check sum are filled in here.
+
+        Returns:
+            The take as it is on file.
+
+        Raises:
+            ProfileError: It cannot be written.
+        """
+        used = [int(take.file[6:10]) for take in self.manifest.takes]
+        name = f"takes/{max(used, default=0) + 1:04d}.wav"
+        data = _wav(samples)
+        take = replace(take, file=name, sha256=hashlib.sha256(data).hexdigest())
+        self._write(name, data)
+        self._save(replace(self.manifest, takes=(*self.manifest.takes, take)))
+        return take
+
+    def put(self, name: str, data: bytes) -> None:
+        """Write a file of the profile, in place of one of that name.
+
+        Raises:
+            ProfileError: It cannot be written.
+            ConfigError: The name is no plain file name.
+        """
+        file = File(name=name, sha256=hashlib.sha256(data).hexdigest())
+        self._write(name, data)
+        others = tuple(f for f in self.manifest.files if f.name != name)
+        self._save(replace(self.manifest, files=(*others, file)))
+
+    def drop(self, name: str) -> None:
+        """Remove a file of the profile, if it has one of that name."""
+        if self.has(name):
+            others = tuple(f for f in self.manifest.files if f.name != name)
+            self._save(replace(self.manifest, files=others))
+            (self.folder / name).unlink(missing_ok=True)
+
+    def judge(self, state: str, why: tuple[str, ...] = ()) -> None:
+        """Activate or refuse it.
+
+        Args:
+            state: RECORDING, ACTIVE or REFUSED of the manifest.
+            why: Reasons of a refusal.
+        """
+        self._save(replace(self.manifest, state=state, why=why))
+
+    def rebase(self, base_sha256: str) -> None:
+        """Note on top of which recogniser the profile is made from now on."""
+        self._save(replace(self.manifest, base_sha256=base_sha256))
+
+    def has(self, name: str) -> bool:
+        """Whether the manifest names such a file."""
+        return any(file.name == name for file in self.manifest.files)
+
+    def read(self, name: str) -> bytes:
+        """A file of the profile, compared with its check sum.
+
+        Raises:
+            ProfileError: The profile has none of that name, or it is not as it was written.
+        """
+        expected = self.manifest.sum_of(name)
+        if expected is None:
+            names = ", ".join(file.name for file in self.manifest.files) or "none"
+            raise ProfileError(f"profile {self.name!r} has no file {name!r}, only: {names}")
+        data = _read_own(self.folder / name, self.name)
+        if (found := hashlib.sha256(data).hexdigest()) != expected:
+            says = f"has the SHA-256 {found[:12]}, allowed: {expected[:12]}"
+            raise ProfileError(f"profile {self.name!r}: {name} {says}; it was changed or damaged")
+        return data
+
+    def sound(self, take: Take) -> Samples:
+        """What was said in a take. Shape (n,), read-only.
+
+        Raises:
+            ProfileError: The file is not as it was written.
+        """
+        data = self.read(take.file)
+        try:
+            samples, rate = soundfile.read(io.BytesIO(data), dtype="int16")
+        except (soundfile.LibsndfileError, RuntimeError) as error:
+            raise ProfileError(f"profile {self.name!r}: {take.file}: {error}") from error
+        if rate != RATE or samples.ndim != 1:
+            found = f"{rate} Hz of shape {samples.shape}"
+            raise ProfileError(
+                f"profile {self.name!r}: {take.file} has {found}, allowed: {RATE} Hz mono"
+            )
+        return frozen_samples(samples)
+
+    def check(self) -> None:
+        """Read every byte of it once.
+
+        Raises:
+            ProfileError: Something is missing, damaged or open to others.
+        """
+        takes = [take.file for take in self.manifest.takes]
+        for name in [*takes, *(file.name for file in self.manifest.files)]:
+            self.read(name)
+
+    def _save(self, manifest: Manifest) -> None:
+        data = to_bytes(manifest)
+        self._write(MANIFEST, data)
+        self.manifest, self.digest = manifest, hashlib.sha256(data).hexdigest()
+
+    def _write(self, name: str, data: bytes) -> None:
+        """Write all or nothing, and let it reach the disk."""
+        path = self.folder / name
+        unfinished = path.with_name(f".{path.name}.tmp")
+        try:
+            path.parent.mkdir(mode=_FOLDER, exist_ok=True)
+            unfinished.unlink(missing_ok=True)
+            handle = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _FILE)
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            unfinished.replace(path)
+        except OSError as error:
+            raise ProfileError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def create_profile(name: str, base_sha256: str, root: Path) -> Profile:
+    """Make an empty profile.
+
+    Args:
+        name: Of the person.
+        base_sha256: Of the recogniser on top of which it is made.
+        root: Folder of all profiles; made if missing, for its owner alone.
+
+    Raises:
+        ConfigError: The name cannot be used.
+        ProfileError: There is one of that name, or it cannot be written.
+    """
+    require_name(name)
+    folder = root / name
+    try:
+        root.mkdir(mode=_FOLDER, parents=True, exist_ok=True)
+        folder.mkdir(mode=_FOLDER)
+    except FileExistsError as error:
+        raise ProfileError(f"profile {name!r} exists already in {root}") from error
+    except OSError as error:
+        raise ProfileError(f"{folder} cannot be made: {error.strerror}") from error
+    manifest = Manifest(
+        format=FORMAT,
+        name=name,
+        created=now(),
+        base_sha256=base_sha256,
+        state=RECORDING,
+        why=(),
+        takes=(),
+        files=(),
+    )
+    profile = Profile(folder, manifest, "")
+    profile._save(manifest)
+    return profile
+
+
+def open_profile(name: str, root: Path) -> Profile:
+    """Open a profile; its files are checked as they are read, all of them by `check`.
+
+    Raises:
+        ConfigError: The name cannot be used.
+        ProfileError: It is missing, damaged, open to others, or the profile of somebody else.
+    """
+    require_name(name)
+    folder = root / name
+    if not folder.is_dir():
+        known = ", ".join(names(root)) or "none"
+        raise ProfileError(f"no profile {name!r} in {root}, there: {known}")
+    _require_private(folder, name, _FOLDER)
+    data = _read_own(folder / MANIFEST, name)
+    try:
+        manifest = from_bytes(data, MANIFEST)
+    except (ConfigError, ValueError, RecursionError) as error:
+        raise ProfileError(f"profile {name!r}: {MANIFEST} is damaged: {error}") from error
+    if manifest.name != name:
+        raise ProfileError(f"profile {name!r}: {MANIFEST} is that of {manifest.name!r}")
+    return Profile(folder, manifest, hashlib.sha256(data).hexdigest())
+
+
+def names(root: Path) -> list[str]:
+    """All profiles of a folder, sorted."""
+    if not root.is_dir():
+        return []
+    return sorted(path.parent.name for path in root.glob(f"*/{MANIFEST}"))
+
+
+def delete_profile(name: str, root: Path) -> int:
+    """Remove all that a profile holds, readable or not; gives how many files that were.
+
+    Raises:
+        ConfigError: The name cannot be used.
+        ProfileError: There is none, or something of it cannot be removed.
+    """
+    require_name(name)
+    folder = root / name
+    if folder.is_symlink() or not folder.is_dir():
+        known = ", ".join(names(root)) or "none"
+        raise ProfileError(f"no profile {name!r} in {root}, there: {known}")
+    count = sum(path.is_file() for path in folder.rglob("*"))
+    try:
+        shutil.rmtree(folder)
+    except OSError as error:
+        raise ProfileError(f"{folder} cannot be removed whole: {error}") from error
+    return count
+
+
+def now() -> str:
+    """Time of a take, UTC, to the second."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def _wav(samples: Samples) -> bytes:
+    scaled = np.rint(np.clip(samples, -1.0, 1.0) * FULL_SCALE).astype(np.int16)
+    file = io.BytesIO()
+    soundfile.write(file, scaled, RATE, format="WAV", subtype="PCM_16")
+    return file.getvalue()
+
+
+def _read_own(path: Path, name: str) -> bytes:
+    if not path.is_file() or path.is_symlink():
+        raise ProfileError(f"profile {name!r}: {path} is missing, or no plain file")
+    _require_private(path, name, _FILE)
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise ProfileError(f"profile {name!r}: {path}: {error.strerror}") from error
+
+
+def _require_private(path: Path, name: str, allowed: int) -> None:
+    """Refuse what others may read or change."""
+    mode = stat.S_IMODE(path.stat().st_mode)
+    if mode & 0o077:
+        says = f"has the permissions {mode:04o}, allowed: {allowed:04o} (chmod {allowed:o})"
+        raise ProfileError(f"profile {name!r}: {path} {says}; recordings are private")

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Spellings learned from takes: what the recogniser writes when one person says a command.
+
+So a phrase of any language can be a command. The recogniser knows English letters; for "mehr
+ziehen" it writes something else, but for one person mostly the same, and that is compared.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from typed_config import ConfigError, items, load_config, text
+from voice_assist.config.commands import CommandsConfig
+from voice_assist.errors import CommandsError, VoiceError
+from voice_assist.intent.confusability import ENGLISH, objection
+from voice_assist.profile.loudness import speech_of
+from voice_assist.profile.manifest import COMMAND
+from voice_assist.text.normalize import is_negated, normalize
+
+if TYPE_CHECKING:
+    from voice_assist.profile.profile import Profile
+    from voice_assist.recognizer.recognizer import Recognizer
+
+NAME = "spellings.json"  # in a profile
+LEAST = 8  # letters that all takes with a spelling have together: a short word has to come twice
+MOST = 6  # spellings of one command
+AROUND = 0.25  # [s] of quiet around the speech of a take
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spelled:
+    """What was learned of one command."""
+
+    phrase: str = text()
+    learned: tuple[str, ...] = text()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spellings:
+    """All that a profile learned."""
+
+    commands: tuple[Spelled, ...] = items(0, 200)
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A spelling that was not learned."""
+
+    phrase: str
+    spelling: str
+    why: str
+
+
+def learn_spellings(
+    written: Mapping[str, Sequence[str]], commands: CommandsConfig, language: str = ENGLISH
+) -> tuple[Spellings, tuple[Refused, ...]]:
+    """Choose spellings, the most frequent first.
+
+    Args:
+        written: Per command what the base recogniser wrote for each take of it.
+        commands: That exist.
+        language: Whose sounds espeak-ng gives the phrases.
+
+    Returns:
+        What was learned, and what was not, with the reason.
+
+    Raises:
+        KeyError: A phrase is no command.
+    """
+    refused: list[Refused] = []
+    found: dict[str, list[str]] = {phrase: [] for phrase in written}
+    for phrase, spelling, count in _candidates(written):
+        why = _too_rare(spelling, count) or _of_another(phrase, spelling, written)
+        if not why and len(found[phrase]) >= MOST:
+            why = f"{MOST} others are more frequent"
+        if not why:
+            why = _why_not(commands, phrase, spelling, language)
+        if why:
+            refused.append(Refused(phrase, spelling, why))
+            continue
+        command = commands.get(phrase)
+        if spelling not in [" ".join(normalize(words)) for _, words in command.all_spellings]:
+            found[phrase].append(spelling)
+            commands = _with(commands, phrase, (*command.learned, spelling))
+    learned = (Spelled(phrase=p, learned=tuple(s)) for p, s in found.items() if s)
+    return Spellings(commands=tuple(learned)), tuple(refused)
+
+
+def put_spellings(
+    profile: Profile,
+    recognizer: Recognizer,
+    commands: CommandsConfig,
+    language: str = ENGLISH,
+) -> tuple[Refused, ...]:
+    """Learn from the takes of a profile, and keep what was learned there.
+
+    Args:
+        profile: With takes of commands.
+        recognizer: As it will hear the person: with the adapted weights, where there are some.
+        commands: That exist.
+        language: Whose sounds espeak-ng gives the phrases.
+
+    Returns:
+        What was not learned.
+
+    Raises:
+        ProfileError: A take cannot be read, or the spellings not be written.
+    """
+    written: dict[str, list[str]] = {}
+    for take in profile.manifest.takes:
+        if take.kind == COMMAND and take.phrase in commands.phrases:
+            heard = recognizer.transcribe(speech_of(profile.sound(take), AROUND))
+            written.setdefault(take.phrase, []).append(heard.text)
+    learned, refused = learn_spellings(written, commands, language)
+    profile.put(NAME, to_bytes(learned))
+    return refused
+
+
+def overlay(commands: CommandsConfig, spellings: Spellings) -> CommandsConfig:
+    """The commands with what a profile learned; of commands that are no more nothing is taken.
+
+    Raises:
+        CommandsError: Commands have come since that a spelling is too near to.
+    """
+    for spelled in spellings.commands:
+        if spelled.phrase in commands.phrases:
+            commands = _with(commands, spelled.phrase, spelled.learned)
+    return commands
+
+
+def to_bytes(spellings: Spellings) -> bytes:
+    """As spellings.json holds it."""
+    found = [{"phrase": s.phrase, "learned": list(s.learned)} for s in spellings.commands]
+    return (json.dumps({"commands": found}, indent=1) + "\n").encode()
+
+
+def from_bytes(data: bytes) -> Spellings:
+    """What `to_bytes` gave.
+
+    Raises:
+        VoiceError: It is something else.
+    """
+    try:
+        return load_config(Spellings, json.loads(data), NAME)
+    except (ConfigError, ValueError, RecursionError) as error:
+        raise VoiceError(f"{NAME} of the profile cannot be used: {error}") from error
+
+
+def _candidates(written: Mapping[str, Sequence[str]]) -> list[tuple[str, str, int]]:
+    """Command, spelling and how often it was written; the most frequent first."""
+    counts = [
+        (phrase, " ".join(words), count)
+        for phrase, texts in written.items()
+        for words, count in Counter(normalize(text) for text in texts).items()
+        if words
+    ]
+    return sorted(counts, key=lambda found: (-found[2], found[0], found[1]))
+
+
+def _too_rare(spelling: str, count: int) -> str:
+    letters = count * len(spelling.replace(" ", ""))
+    allowed = f"allowed: {LEAST} letters in all takes together, and more"
+    return "" if letters >= LEAST else f"written {count} times with {letters} letters, {allowed}"
+
+
+def _of_another(phrase: str, spelling: str, written: Mapping[str, Sequence[str]]) -> str:
+    words = tuple(spelling.split())
+    for other, texts in written.items():
+        if other != phrase and words in [normalize(text) for text in texts]:
+            return f"it was written for {other!r}, too"
+    return ""
+
+
+def _why_not(commands: CommandsConfig, phrase: str, spelling: str, language: str) -> str:
+    """Why a spelling would not do beside all others; empty: it would."""
+    command = commands.get(phrase)
+    if is_negated(tuple(spelling.split())) and not command.is_halt:
+        return "it denies; what is denied never moves"
+    if why := objection(spelling, commands, phrase, language):
+        return why
+    try:
+        _with(commands, phrase, (*command.learned, spelling))
+    except CommandsError as error:
+        return str(error)
+    return ""
+
+
+def _with(commands: CommandsConfig, phrase: str, learned: tuple[str, ...]) -> CommandsConfig:
+    changed = (replace(c, learned=learned) if c.phrase == phrase else c for c in commands.commands)
+    return replace(commands, commands=tuple(changed))

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""settings.json of a profile: from which confidence on each command is taken from this person.
+
+A profile makes a motion harder to get, never easier, and a halt easier, never harder, than
+commands.yaml has it: whatever the file says, `overlay` keeps that.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, replace
+
+from typed_config import ConfigError, items, load_config, number, text
+from voice_assist.config.commands import NEVER_SURE, CommandConfig, CommandsConfig
+from voice_assist.errors import VoiceError
+
+NAME = "settings.json"  # in a profile
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """The threshold of one command."""
+
+    phrase: str = text()
+    least_confidence: float = number(0.0, NEVER_SURE, "")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """All of a profile's."""
+
+    commands: tuple[Setting, ...] = items(0, 200)
+
+    def get(self, phrase: str) -> float | None:
+        """Threshold of a command; None: as commands.yaml has it."""
+        found = [s.least_confidence for s in self.commands if s.phrase == phrase]
+        return found[0] if found else None
+
+
+def to_bytes(settings: Settings) -> bytes:
+    """As settings.json holds it."""
+    return (json.dumps(asdict(settings), indent=1) + "\n").encode()
+
+
+def from_bytes(data: bytes) -> Settings:
+    """What `to_bytes` gave.
+
+    Raises:
+        VoiceError: It is something else.
+    """
+    try:
+        return load_config(Settings, json.loads(data), NAME)
+    except (ConfigError, ValueError, RecursionError) as error:
+        raise VoiceError(f"{NAME} of the profile cannot be used: {error}") from error
+
+
+def overlay(commands: CommandsConfig, settings: Settings) -> CommandsConfig:
+    """The commands with a person's thresholds, where those are on the safe side."""
+    return replace(
+        commands,
+        commands=tuple(_overlaid(c, settings.get(c.phrase)) for c in commands.commands),
+    )
+
+
+def _overlaid(command: CommandConfig, least: float | None) -> CommandConfig:
+    if least is None:
+        return command
+    base = command.least_confidence
+    if command.is_motion:
+        least = max(least, base)
+    elif command.is_halt:
+        least = min(least, base)
+    return replace(command, least_confidence=least)

@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Recorded sound through the node's own pipeline again, in lock-step with the recorded stamps.
+
+The recorder's package finds `rehear` by its name in a setting; neither package imports the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from typed_config import ConfigError, load_yaml
+from voice_assist.assembly import limit_torch, make_pipeline, make_spotter
+from voice_assist.audio.robot_speech import Spoke
+from voice_assist.audio.source import FRAME
+from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, voice_config
+from voice_assist.config.profile import NOBODY
+from voice_assist.errors import VoiceError
+from voice_assist.intent.dialogue import Answered
+from voice_assist.pipeline.pipeline import Event, Pipeline
+from voice_assist.profile.active import personalise
+from voice_assist.replay.recorded_spotter import RecalledSpotter
+from voice_assist.side_inputs import Circumstances, Kind, from_text
+from voice_assist.types import RATE, Decision, Frame, Match, Mode, frozen_samples
+
+if TYPE_CHECKING:
+    from voice_assist.recognizer.recognizer import Recognizer
+    from voice_assist.spotter.spotter import Spotting
+
+# Parts that an older recording, or another node, did not have, as it behaved without them.
+SWITCHED_OFF = {"speaker": {"gate": "off"}, "profile": {"name": "none"}}
+
+
+class Unhearable(VoiceError, ValueError):
+    """Recorded sound, settings or circumstances that the pipeline cannot take."""
+
+
+class Sound(Protocol):
+    """One recorded block of sound."""
+
+    @property
+    def samples(self) -> NDArray[np.int16]:
+        """Mono. Shape (n,)."""
+
+    @property
+    def rate(self) -> int:
+        """Of the samples [Hz]."""
+
+    @property
+    def first_sample(self) -> int:
+        """Index of samples[0] since the stream began."""
+
+    @property
+    def stamp(self) -> float:
+        """Clock time at which samples[0] was captured [s]."""
+
+
+@dataclass(frozen=True)
+class HeardAgain:
+    """One decision, with the fields of the message voice_assist/Utterance."""
+
+    transcript: str
+    wer: Mapping[str, float]
+    command: str  # empty: none
+    reason: str  # why none
+    nearest: str
+    confidence: float  # [0, 1]
+    mode: str
+    origin: str
+    early: bool
+    speech_start: float  # [s]
+    speech_end: float  # [s]
+    decision: float  # [s] end of the frame with which it was decided
+
+
+class RecordedClock:
+    """Shows the time at which the newest frame was there, whatever the time is now."""
+
+    def __init__(self) -> None:
+        """Start at no time."""
+        self.now = 0.0  # [s]
+
+    def __call__(self) -> float:
+        """Recorded time [s]."""
+        return self.now
+
+
+class Rehearing:
+    """The pipeline of one run of the node."""
+
+    def __init__(
+        self,
+        config: VoiceConfig,
+        recognizer: Recognizer,
+        spotter: Spotting | None,
+        past: Circumstances,
+    ) -> None:
+        """Start as the node does: in standby, with nothing heard.
+
+        Args:
+            config: Of all stages.
+            recognizer: Makes text of sound.
+            spotter: Hears "stop"; None: the recogniser is alone.
+            past: What the live pipeline depended on besides the sound.
+        """
+        self.model, self.model_hash = recognizer.name, recognizer.model_hash
+        self.spotter_hash = ""
+        self.warnings: tuple[str, ...] = ()
+        self._config, self._past = config, past
+        self._clock = RecordedClock()
+        self._spotter = RecalledSpotter(spotter, past) if spotter is not None else None
+        self._pipeline = self._build(recognizer)
+
+    def _build(self, recognizer: Recognizer) -> Pipeline:
+        return make_pipeline(self._config, self._clock, recognizer, self._spotter)
+
+    def hear(self, sound: Sound) -> list[HeardAgain]:
+        """Take the next block of sound, as it was published; gives what was decided with it.
+
+        Raises:
+            Unhearable: It is no frame of the pipeline.
+        """
+        frame = _frame(sound)
+        for told in self._past.take_told(frame.first_sample):
+            if told.kind is Kind.SPEAKING:
+                self._pipeline.robot_spoke(Spoke(told.is_speaking, told.time))
+            else:
+                self._pipeline.answer(Answered(told.command, told.is_accepted, told.message))
+        if self._spotter is not None:
+            self._spotter.feed(frame)
+        if self._past.get(Kind.UNHEARD, frame.first_sample):
+            return []
+        self._clock.now = frame.stamp + frame.duration
+        if self._past.get(Kind.BEHIND, frame.first_sample):
+            self._clock.now += 2.0 * self._config.recognizer.early.max_backlog + 1.0
+        return _decisions(self._pipeline(frame), frame.stamp + frame.duration)
+
+    def set_mode(self, mode: str, reason: str) -> None:
+        """Put the dialogue into a recorded mode, where what led to it was not recorded.
+
+        Raises:
+            Unhearable: There is no such mode.
+        """
+        try:
+            self._pipeline.set_mode(Mode(mode), reason)
+        except ValueError as error:
+            raise Unhearable(f"mode {mode!r}, allowed: standby, active") from error
+
+    def heard_live(self, first_sample: int) -> bool:
+        """Whether it is on record that the live pipeline decided on the frame of a sample."""
+        return first_sample < self._past.heard_until
+
+    def lost_live(self, first_sample: int) -> bool:
+        """Whether the live pipeline, too, lacked the sound in front of a sample."""
+        return self._past.get(Kind.LOST, first_sample) is not None
+
+
+def rehear(settings: Mapping[str, Any], notes: Sequence[str], model: str | None) -> Rehearing:
+    """A pipeline with recorded settings.
+
+    Args:
+        settings: The node's private parameters; empty: those of the package's files today.
+        notes: Recorded circumstances of this run of the node, as text.
+        model: Recogniser to use in place of the recorded one.
+
+    Raises:
+        Unhearable: Settings, circumstances or models cannot be used.
+    """
+    try:
+        config, warnings = restore_settings(settings, model)
+        limit_torch(config)
+        past = Circumstances(from_text(note) for note in notes)
+        recognizer = _recognizer(config.recognizer.model, config.recognizer.device)
+        config, recognizer, missing = _with_profile(config, recognizer)
+        spotter, digest = make_spotter(config.spotter) if config.spotter.is_enabled else (None, "")
+    except (VoiceError, ConfigError, ValueError) as error:
+        raise Unhearable(str(error)) from error
+    hearing = Rehearing(config, recognizer, spotter, past)
+    hearing.spotter_hash, hearing.warnings = digest, (*warnings, *missing)
+    return hearing
+
+
+def restore_settings(
+    recorded: Mapping[str, Any], model: str | None
+) -> tuple[VoiceConfig, tuple[str, ...]]:
+    """Recorded settings in the form that the code has today, and what did not fit it.
+
+    Raises:
+        ConfigError: A recorded value is not allowed today.
+        CommandsError: The recorded commands contradict each other.
+    """
+    today = {name: dict(load_yaml(CONFIG_DIR / f"{name}.yaml")) for name in SECTIONS}
+    warnings = [] if recorded else ["no settings were recorded; today's are used"]
+    absent = {name: off for name, off in SWITCHED_OFF.items() if recorded and name not in recorded}
+    recorded = {**recorded, **{name: {**today[name], **off} for name, off in absent.items()}}
+    data = _merge(today, recorded, "", warnings) if recorded else today
+    data["recognizer"]["device"] = today["recognizer"]["device"]
+    if model is not None:
+        data["recognizer"]["model"] = model
+    return voice_config(data), tuple(warnings)
+
+
+def _merge(
+    today: Mapping[str, Any], recorded: Mapping[str, Any], path: str, warnings: list[str]
+) -> dict[str, Any]:
+    merged = {}
+    for key, value in today.items():
+        if key not in recorded:
+            warnings.append(f"setting {path}{key} was not recorded; today's is {value!r}")
+            merged[key] = value
+        elif isinstance(value, dict) and isinstance(recorded[key], dict):
+            merged[key] = _merge(value, recorded[key], f"{path}{key}.", warnings)
+        else:
+            merged[key] = recorded[key]
+    for key in recorded:
+        if key not in today:
+            warnings.append(f"setting {path}{key} was recorded and exists no more")
+    return merged
+
+
+def _with_profile(
+    config: VoiceConfig, base: Recognizer
+) -> tuple[VoiceConfig, Recognizer, tuple[str, ...]]:
+    """The recogniser of whose profile was in force; where that is gone, the base and a warning."""
+    try:
+        return config, personalise(config.profile, base), ()
+    except (VoiceError, ConfigError) as error:
+        nobody = replace(config.profile, name=NOBODY, sha256="")
+        return replace(config, profile=nobody), base, (f"heard without a profile: {error}",)
+
+
+@lru_cache(maxsize=2)
+def _recognizer(model: str, device: str) -> Recognizer:
+    """Load a model once for a folder of recordings."""
+    from voice_assist.recognizer import load_recognizer
+
+    return load_recognizer(model, device)
+
+
+def _frame(sound: Sound) -> Frame:
+    if sound.rate != RATE or len(sound.samples) != FRAME:
+        found = f"{len(sound.samples)} samples at {sound.rate} Hz"
+        raise Unhearable(f"a block of {found}, allowed: {FRAME} at {RATE} Hz")
+    return Frame(frozen_samples(sound.samples), sound.first_sample, sound.stamp)
+
+
+def _decisions(events: Iterable[Event], time: float) -> list[HeardAgain]:
+    return [_heard(event, time) for event in events if isinstance(event, Decision)]
+
+
+def _heard(decision: Decision, time: float) -> HeardAgain:
+    outcome = decision.outcome
+    return HeardAgain(
+        transcript=decision.hypothesis.text,
+        wer=dict(outcome.wer),
+        command=outcome.command if isinstance(outcome, Match) else "",
+        reason="" if isinstance(outcome, Match) else outcome.reason,
+        nearest=outcome.command if isinstance(outcome, Match) else outcome.nearest,
+        confidence=decision.confidence,
+        mode=decision.mode.value,
+        origin=decision.origin,
+        early=decision.is_early,
+        speech_start=decision.speech_start,
+        speech_end=decision.speech_end,
+        decision=time,
+    )

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Messages that alarms are made from, and the messages that they become."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
+from rst_control.msg import ControllerState, Event
+from voice_assist.alarms.appearance import LOOKS, line
+from voice_assist.alarms.board import Standing
+from voice_assist.alarms.types import DiaryEvent, PartHealth, RobotState, Told, Utterance
+from voice_assist.config.alarms import LookConfig
+from voice_assist.msg import Alarm as AlarmMessage
+from voice_assist.msg import Utterance as UtteranceMessage
+
+MARKER = "alarm"  # name space of the marker
+
+
+def robot_state(message: ControllerState) -> RobotState:
+    """What the controller says of itself."""
+    return RobotState(
+        stamp=message.header.stamp.to_sec(),
+        state=message.state,
+        halt_reason=message.halt_reason,
+        is_active=message.active,
+        is_tissue_held=message.tissue_held,
+    )
+
+
+def diary_event(message: Event) -> DiaryEvent:
+    """An entry of the controller's diary."""
+    return DiaryEvent(message.kind, message.command, message.message)
+
+
+def utterance(message: UtteranceMessage) -> Utterance:
+    """A decision of the recogniser."""
+    wer = dict(zip(message.phrases, message.wer, strict=False))
+    nearest = message.nearest
+    return Utterance(message.command, message.reason, nearest, wer.get(nearest, math.inf))
+
+
+def part_health(status: DiagnosticStatus) -> PartHealth:
+    """One status of `/diagnostics`."""
+    level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
+    return PartHealth(status.name, level >= 2, status.message)  # ERROR or STALE
+
+
+def alarm_message(standing: Sequence[Standing], now: float) -> AlarmMessage:
+    """What comes first, with all else that stands.
+
+    Args:
+        standing: What comes first in front; empty: all is well.
+        now: Stamp [s].
+    """
+    message = AlarmMessage()
+    message.header.stamp = rospy.Time.from_sec(now)
+    if not standing:
+        return message
+    first = standing[0]
+    message.kind, message.priority = first.alarm.kind.value, int(first.alarm.priority)
+    message.cause, message.next_step = first.alarm.cause, first.alarm.next_step
+    message.since = rospy.Time.from_sec(first.since)
+    message.acknowledged = first.is_acknowledged
+    message.others = [line(entry.alarm) for entry in standing[1:]]
+    return message
+
+
+def alarm_marker(alarm: Told | None, is_lit: bool, config: LookConfig, now: float) -> Marker:
+    """The line for rviz and Foxglove; dim in the dark half of its flashing.
+
+    Args:
+        alarm: What comes first; None: the line goes.
+        is_lit: It is in the bright half.
+        config: Frame, place and size.
+        now: Stamp [s].
+    """
+    marker = Marker(ns=MARKER, id=0, type=Marker.TEXT_VIEW_FACING, action=Marker.DELETE)
+    marker.header.stamp, marker.header.frame_id = rospy.Time.from_sec(now), config.frame
+    marker.pose.orientation.w = 1.0
+    if alarm is None:
+        return marker
+    red, green, blue, opacity = LOOKS[alarm.priority].rgba
+    marker.action, marker.text = Marker.ADD, line(alarm).replace(" -> ", "\n")
+    marker.color = ColorRGBA(red, green, blue, opacity if is_lit else 0.35 * opacity)
+    marker.pose.position, marker.scale.z = Point(*config.place), config.letter
+    return marker

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The alarm node: listens to controller, voice and diagnostics; shows, says and sounds alarms.
+
+A process of its own, so that it outlives what it watches, and so that no sound device comes near
+the threads that hear and move.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from queue import Empty, Queue
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from visualization_msgs.msg import Marker
+
+from rst_control.msg import ControllerState, Event
+from typed_config import ConfigError
+from voice_assist.alarms.annunciator import Annunciator
+from voice_assist.alarms.appearance import is_lit, line
+from voice_assist.alarms.board import Board, Standing
+from voice_assist.alarms.player import Player
+from voice_assist.alarms.sound_output import ProgramOutput
+from voice_assist.alarms.types import Priority
+from voice_assist.config.alarms import AlarmsConfig, alarms_config, load_alarms_config
+from voice_assist.msg import Alarm as AlarmMessage
+from voice_assist.msg import Utterance
+from voice_assist.ros.alarms import messages
+
+PERIOD = 0.05  # [s] between looks at the clock while nothing comes
+_WAITING = 10_000  # messages, at least; a controller's state comes 50 times a second
+_LOG = {
+    Priority.HIGH: rospy.logerr,
+    Priority.MEDIUM: rospy.logwarn,
+    Priority.LOW: rospy.logwarn,
+    Priority.INFORMATION: rospy.loginfo,
+}
+
+LOG_GAP = 1.0  # [s] within which one stop may come by topic, by service and from the spotter
+
+Take = Callable[[Board, float], None]
+
+
+class AlarmNode:
+    """One thread takes in what came and tells what is new; callbacks only hand over."""
+
+    def __init__(self, config: AlarmsConfig) -> None:
+        self._config = config
+        self._board, self._annunciator = Board(config.board), Annunciator(config.sound)
+        self._inbox: Queue[Take] = Queue(_WAITING)
+        self._shown: tuple[Standing, ...] | None = None
+        self._told: dict[str, tuple[str, int, float]] = {}  # words, times given, when [s]
+        self._was_lit = True
+        self._alarm = rospy.Publisher("voice_assist/alarm", AlarmMessage, queue_size=50, latch=True)
+        self._marker = rospy.Publisher(
+            "voice_assist/alarm_marker", Marker, queue_size=10, latch=True
+        )
+        self._subscribers = [
+            self._listen("rst_control/state", ControllerState, self._on_state),
+            self._listen("rst_control/event", Event, self._on_event),
+            self._listen("voice_assist/utterance", Utterance, self._on_utterance),
+            self._listen("/diagnostics", DiagnosticArray, self._on_diagnostics),
+        ]
+
+    def run(self) -> None:
+        """Tell alarms until ROS shuts down."""
+        with ExitStack() as stack:
+            player = self._make_player(stack)
+            thread = threading.Thread(target=self._guard, args=(player,), daemon=True)
+            thread.start()
+            rospy.spin()
+            thread.join(1.0)
+
+    def _make_player(self, stack: ExitStack) -> Player | None:
+        if not self._config.sound.is_enabled:
+            rospy.loginfo("alarms are seen, not heard: sound.is_enabled is false")
+            return None
+        output = stack.enter_context(ProgramOutput(self._config.sound))
+        return stack.enter_context(Player(output, _say_sound))
+
+    def _guard(self, player: Player | None) -> None:
+        """Top of the thread: who shows alarms must not die unseen."""
+        try:
+            while not rospy.is_shutdown():
+                self._step(player)
+        except Exception as error:
+            rospy.logfatal("alarms: %r", error, exc_info=True)
+            rospy.signal_shutdown(f"alarms: {error!r}")
+
+    def _step(self, player: Player | None) -> None:
+        with suppress(Empty):
+            self._inbox.get(timeout=PERIOD)(self._board, _now())
+        now = _now()
+        self._board.tick(now)
+        standing = self._board.standing
+        if standing != self._shown:
+            self._shown = standing
+            self._alarm.publish(messages.alarm_message(standing, now))
+            self._log(standing, now)
+            self._show(now)
+        elif standing and is_lit(standing[0].alarm.priority, now) is not self._was_lit:
+            self._show(now)
+        alarm = self._annunciator.next(standing, now)
+        if alarm is not None and player is not None:
+            player.offer(alarm)
+
+    def _show(self, now: float) -> None:
+        first = self._shown[0].alarm if self._shown else None
+        self._was_lit = first is None or is_lit(first.priority, now)
+        marker = messages.alarm_marker(first, self._was_lit, self._config.look, now)
+        self._marker.publish(marker)
+
+    def _log(self, standing: tuple[Standing, ...], now: float) -> None:
+        """Say an alarm in the log when it begins, gets worse or is given again later on."""
+        told = {}
+        for entry in standing:
+            words = line(entry.alarm)
+            before = self._told.get(entry.key, ("", 0, 0.0))
+            is_again = entry.times != before[1] and now - before[2] >= LOG_GAP
+            if words != before[0] or is_again:
+                _LOG[entry.alarm.priority]("%s", words)
+                before = words, entry.times, now
+            told[entry.key] = before
+        self._told = told
+
+    # --- from the threads of rospy
+
+    def _listen(self, topic: str, kind: type, callback: Callable[..., None]) -> rospy.Subscriber:
+        return rospy.Subscriber(topic, kind, callback, tcp_nodelay=True)
+
+    def _hand_over(self, take: Take) -> None:
+        self._inbox.put(take)
+
+    def _on_state(self, message: ControllerState) -> None:
+        state = messages.robot_state(message)
+        self._hand_over(lambda board, now: board.see_state(state, now))
+
+    def _on_event(self, message: Event) -> None:
+        event = messages.diary_event(message)
+        self._hand_over(lambda board, now: board.see_event(event, now))
+
+    def _on_utterance(self, message: Utterance) -> None:
+        heard = messages.utterance(message)
+        self._hand_over(lambda board, now: board.see_utterance(heard, now))
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            health = messages.part_health(status)
+            self._hand_over(lambda board, now, h=health: board.see_health(h, now))
+
+
+def main() -> None:
+    """Run the alarm node."""
+    rospy.init_node("alarms")
+    try:
+        node = AlarmNode(_load_config())
+    except ConfigError as error:
+        rospy.logfatal("%s", error)
+        sys.exit(2)
+    node.run()
+
+
+def _load_config() -> AlarmsConfig:
+    """From the node's private parameters; from the package's file where there are none."""
+    given = {
+        k: rospy.get_param(f"~{k}") for k in ("sound", "board", "look") if rospy.has_param(f"~{k}")
+    }
+    if not given:
+        rospy.loginfo("no private parameters; the settings are those of the package's file")
+        return load_alarms_config()
+    return alarms_config(given)
+
+
+def _say_sound(trouble: str) -> None:
+    if trouble:
+        rospy.logwarn("alarms are seen, not heard: %s", trouble)
+    else:
+        rospy.loginfo("alarms are heard again")
+
+
+def _now() -> float:
+    return float(rospy.get_time())

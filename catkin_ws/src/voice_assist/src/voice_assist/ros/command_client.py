@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Asks the controller for commands from a thread of its own, so that no answer delays hearing."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from io import BytesIO
+from queue import Empty, Queue
+from typing import TypeVar
+
+import rospy
+
+from rst_control.srv import Command, CommandRequest
+from voice_assist.intent.dialogue import Answered
+
+SERVICE = "rst_control/command"
+_IDLE = 1.0  # [s] between looks whether the controller is there
+_MISSING = "the robot's controller is missing"
+_AT_ONCE = struct.pack("ii", 1, 0)  # SO_LINGER: what is not delivered yet is thrown away
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class _Asked:
+    command: str
+    may_repeat: bool
+    send_by: float  # [s] steady clock; whoever said it has been told by then that it failed
+
+
+class _TimelyRequest(CommandRequest):
+    """A request that is not sent any more once its time is over, however long connecting took."""
+
+    send_by = float("inf")  # [s] steady clock
+
+    def serialize(self, buff: BytesIO) -> None:
+        """Write it.
+
+        Raises:
+            rospy.ServiceException: It is too late.
+        """
+        if time.monotonic() > self.send_by:
+            raise rospy.ServiceException("too late to be sent")
+        super().serialize(buff)
+
+
+class CommandCaller:
+    """One call at a time over a connection that is kept open."""
+
+    def __init__(self, answer_within: float, on_answer: Callable[[Answered], None]) -> None:
+        """Start the thread.
+
+        Args:
+            answer_within: Longest wait for an answer [s].
+            on_answer: Told every answer, in the caller's thread.
+        """
+        self._within, self._on_answer = answer_within, on_answer
+        self._queue: Queue[_Asked] = Queue()
+        self._proxy: rospy.ServiceProxy | None = None
+        self.trouble = ""  # what is wrong with the controller, in words
+        threading.Thread(target=self._run, name="caller", daemon=True).start()
+
+    def call(self, command: str, may_repeat: bool) -> None:
+        """Ask for a command, after those asked before.
+
+        Args:
+            command: In words.
+            may_repeat: Saying it twice does no harm, so it is sent again on a lost connection.
+        """
+        self._queue.put(_Asked(command, may_repeat, time.monotonic() + self._within))
+
+    def forget(self) -> None:
+        """Drop what has not been sent yet: a stop makes it void."""
+        while True:
+            try:
+                self._queue.get_nowait()
+            except Empty:
+                return
+
+    def _run(self) -> None:
+        while not rospy.is_shutdown():
+            try:
+                asked = self._queue.get(timeout=_IDLE)
+            except Empty:
+                self._look()
+                continue
+            try:
+                answered = self._ask(asked)
+            except Exception as error:  # top of a thread: report, and go on
+                rospy.logerr("calling the controller: %r", error)
+                answered = Answered(asked.command, False, repr(error))
+            self._on_answer(answered)
+
+    def _look(self) -> None:
+        name = rospy.resolve_name(SERVICE)
+        found = self._in_time(lambda: rospy.get_master().lookupService(name)[0] == 1)
+        self.trouble = "" if found else f"{_MISSING}: no service {name}"
+
+    def _ask(self, asked: _Asked) -> Answered:
+        was_connected = self._proxy is not None
+        answered = self._once(asked)
+        if answered is None and was_connected and asked.may_repeat:
+            answered = self._once(asked)  # the controller may have been started anew
+        self.trouble = "" if answered else f"{_MISSING}: no answer from {SERVICE}"
+        return answered or Answered(asked.command, False, f"{_MISSING} or does not answer")
+
+    def _once(self, asked: _Asked) -> Answered | None:
+        """One attempt; None: no connection, or no answer in time, and nothing comes later."""
+        proxy = self._proxy or rospy.ServiceProxy(SERVICE, Command, persistent=True)
+        self._proxy = proxy
+        request = _TimelyRequest(asked.command)
+        request.send_by = asked.send_by
+
+        def ask() -> Answered:
+            reply = proxy(request)
+            return Answered(asked.command, bool(reply.accepted), reply.message)
+
+        answered = self._in_time(ask)
+        if answered is None:
+            self._proxy = None
+            _drop(proxy)
+        return answered
+
+    def _in_time(self, work: Callable[[], T]) -> T | None:
+        """What a thread of its own finds; None: an error of the network, or not in time."""
+        box: Queue[T | None] = Queue(1)
+
+        def run() -> None:
+            try:
+                box.put(work())
+            except (rospy.ServiceException, rospy.ROSException, OSError):
+                box.put(None)
+
+        threading.Thread(target=run, name="call", daemon=True).start()
+        try:
+            return box.get(timeout=self._within)
+        except Empty:
+            return None
+
+
+def _drop(proxy: rospy.ServiceProxy) -> None:
+    """Close so that a command that the network still holds back is never delivered.
+
+    Closed as usual, TCP would go on for minutes to deliver what it had been given.
+    """
+    transport = proxy.transport
+    if transport is not None and transport.socket is not None:
+        with suppress(OSError, AttributeError):  # it is closed by now
+            transport.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
+    proxy.close()

@@ -1,0 +1,332 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The voice node: threads that listen, hear, spot "stop", call the controller, send heartbeats."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from queue import Empty, Full, Queue
+
+import numpy as np
+import rospy
+
+from typed_config import ConfigError, load_yaml
+from voice_assist.assembly import (
+    limit_torch,
+    make_pipeline,
+    make_recognizer,
+    make_source,
+    make_spotter,
+)
+from voice_assist.audio.input_check import SoundWatch, at_full_scale
+from voice_assist.audio.source import Source, level_db
+from voice_assist.config import (
+    CONFIG_DIR,
+    SECTIONS,
+    VoiceConfig,
+    load_voice_config,
+    voice_config,
+)
+from voice_assist.errors import VoiceError
+from voice_assist.intent.dialogue import Answered
+from voice_assist.pipeline.hang_detection import HangWatch
+from voice_assist.pipeline.pipeline import Event
+from voice_assist.profile.active import facts_of
+from voice_assist.ros.command_client import CommandCaller
+from voice_assist.ros.diagnostics import Diagnostics, Health
+from voice_assist.ros.priority import hear_first
+from voice_assist.ros.publishers import Publishers
+from voice_assist.ros.recognition_watch import RecognitionWatch
+from voice_assist.ros.robot_speech import SpeakingTopic
+from voice_assist.ros.topic_source import TopicSource
+from voice_assist.side_inputs import Circumstance, Kind
+from voice_assist.spotter.spotter import Spotted, Spotter
+from voice_assist.spotter.thread import SpotterThread
+from voice_assist.text.spoken_reply import spoken_reply
+from voice_assist.types import (
+    RATE,
+    Action,
+    Call,
+    Decision,
+    Frame,
+    Halt,
+    Lost,
+    Match,
+    Partial,
+    Samples,
+    SetMode,
+    frozen_samples,
+)
+
+LOOK = 0.01  # [s] between looks at recognition; what a hang is noticed late by
+HEARTBEAT = 0.05  # [s]
+_HEARTBEAT_EVERY = round(HEARTBEAT / LOOK)  # looks
+_DIAGNOSTICS_EVERY = 20  # heartbeats
+
+
+def main() -> None:
+    """Run the voice node."""
+    priority = hear_first()
+    rospy.init_node("voice_assist")
+    rospy.loginfo("priority: %s", priority)
+    try:
+        node = VoiceNode(_load_config())
+        node.run()
+    except (ConfigError, VoiceError) as error:
+        rospy.logfatal("%s", error)
+        sys.exit(2)
+
+
+class VoiceNode:
+    """Joins the source, the pipeline and the robot's controller."""
+
+    def __init__(self, config: VoiceConfig) -> None:
+        """Load the model and announce the topics."""
+        self._config = config
+        recognizer = make_recognizer(config)
+        facts = {"model": recognizer.name, "model_sha256": recognizer.model_hash}
+        if of_profile := facts_of(recognizer):  # pinned, so that a replay uses no other
+            facts |= of_profile
+            pinned = replace(config.profile, sha256=of_profile["profile_sha256"])
+            rospy.set_param("~profile", asdict(pinned))
+            rospy.loginfo("profile %(profile)s %(profile_sha256).12s", of_profile)
+        self._frames: Queue[Frame | None] = Queue(config.audio.queue)
+        self._answers: Queue[Answered] = Queue()
+        self._over = threading.Event()
+        self._stopped = float("-inf")  # [s] when the newest stop was sent
+        self._busy_since: float | None = None  # [s] steady clock, at the frame under recognition
+        self._publish = Publishers()
+        self._health = Health(
+            f"{recognizer.name} {recognizer.model_hash[:12]}",
+            config.audio.source,
+            config.audio.queue,
+        )
+        spotting = self._load_spotter() if config.spotter.is_enabled else None
+        self._spotter = None if spotting is None else self._in_thread(spotting)
+        hang_watch = HangWatch(config.recognizer.hung_after)
+        self._watch = RecognitionWatch(hang_watch, spotting, config.spotter)
+        facts["spotter_sha256"] = self._health.spotter
+        rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
+        witness = self._publish.circumstance
+        self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, witness)
+        self._caller = CommandCaller(config.commands.answer_within, self._answers.put)
+        self._speaking = SpeakingTopic(_now)
+        self._repeatable = {c.call for c in config.commands.commands if not c.is_motion}
+
+    def run(self) -> None:
+        """Hear until ROS shuts down, or the recording ends where the settings say so."""
+        state = self._pipeline.state
+        self._publish.mode(state.mode, state.reason, _now())
+        rospy.on_shutdown(self._over.set)
+        if self._spotter is not None:
+            self._spotter.start()
+        for target in (self._listen, self._hear, self._beat):
+            threading.Thread(target=self._guard, args=(target,), daemon=True).start()
+        rospy.loginfo("listening to the %s, model %s", self._health.source, self._health.model)
+        rospy.loginfo("spotter model %s", self._health.spotter[:12])
+        rospy.spin()
+        self._over.set()
+        if self._health.failure:
+            sys.exit(1)  # as after a crash: `keep` starts it anew
+
+    def _guard(self, target: Callable[[], None]) -> None:
+        """Top of a thread: what goes wrong stops the robot, and ends the heartbeat."""
+        try:
+            target()
+        except Exception as error:
+            name = target.__name__.strip("_")
+            self._health.failure = f"{name}: {error}"
+            if not rospy.is_shutdown():
+                self._hold()
+            expected = isinstance(error, VoiceError)
+            rospy.logfatal("%s", self._health.failure, exc_info=not expected)
+            rospy.signal_shutdown(self._health.failure)
+
+    # --- thread 1: sound
+
+    def _listen(self) -> None:
+        with self._source() as source:
+            watch = SoundWatch(source, self._config.audio.deaf_after)
+            for frame in source:
+                if self._over.is_set():
+                    return
+                self._trouble(watch(frame))
+                if self._spotter is not None:
+                    self._spotter.feed(frame)
+                    self._health.spotter_dropped = self._spotter.dropped
+                self._publish.audio(frame)
+                self._health.sounded(level_db(frame.samples), at_full_scale(frame.samples))
+                try:
+                    self._frames.put_nowait(frame)
+                except Full:
+                    self._health.dropped += 1  # the pipeline notices the gap
+                    self._publish.circumstance(Circumstance(Kind.UNHEARD, frame.first_sample))
+        self._frames.put(None)
+
+    def _source(self) -> Source:
+        if self._config.audio.source == "topic":
+            return TopicSource(self._config.audio.topic, self._trouble)
+        return make_source(self._config.audio, _now, self._over.wait, self._trouble)
+
+    def _trouble(self, trouble: str) -> None:
+        """Note and say, once, what is wrong with the source, or that it is well again."""
+        before, self._health.trouble = self._health.trouble, trouble
+        if trouble and trouble != before:
+            rospy.logerr("%s", trouble)
+        elif before and not trouble:
+            rospy.loginfo("sound comes in")
+
+    # --- thread 2: recognition
+
+    def _hear(self) -> None:
+        limit_torch(self._config)
+        self._pipeline.warm_up(_noise())  # what is done only once must not look like a hang
+        while not self._over.is_set():
+            self._take_told()
+            try:
+                frame = self._frames.get(timeout=HEARTBEAT)
+            except Empty:
+                continue
+            if frame is None:
+                rospy.signal_shutdown("the recording is over")
+                return
+            self._busy_since = started = _steady()
+            for event in self._pipeline(frame):
+                self._take(event)
+            self._busy_since, health = None, self._health
+            health.worked(_steady() - started, frame.duration)
+            health.queued, health.frame_done = self._frames.qsize(), _now()
+            health.behind = health.frame_done - frame.stamp - frame.duration
+
+    def _take(self, event: Event) -> None:
+        if isinstance(event, Decision):
+            for action in event.actions:
+                self._do(action)
+            self._publish.utterance(event, _now())
+            self._say(event)
+        elif isinstance(event, Partial):
+            self._publish.partial(event)
+        elif isinstance(event, Lost):
+            self._health.lost += event.samples
+            rospy.logwarn("%d samples of sound were lost", event.samples)
+
+    def _do(self, action: Action) -> None:
+        if isinstance(action, Halt):
+            self._stop()
+        elif isinstance(action, Call):
+            self._caller.call(action.command, action.command in self._repeatable)
+        elif isinstance(action, SetMode):
+            self._publish.mode(action.mode, action.reason, _now())
+
+    def _stop(self) -> None:
+        self._publish.stop()
+        self._stopped = _now()
+        self._caller.forget()
+
+    def _hold(self) -> None:
+        """Stop as one who cannot hear any more; a stop that is spotted later is sent, too."""
+        self._publish.stop()
+        self._caller.forget()
+
+    def _take_told(self) -> None:
+        for spoke in self._speaking.take():
+            self._pipeline.robot_spoke(spoke)
+        while not self._answers.empty():
+            self._take_answer(self._answers.get())
+
+    def _take_answer(self, answered: Answered) -> None:
+        if reply := spoken_reply(answered.message, self._config.commands.phrases):
+            self._publish.reply(reply)
+        if answered.is_accepted:
+            rospy.loginfo("%s: %s", answered.command, answered.message)
+        else:
+            rospy.logwarn("%s refused: %s", answered.command, answered.message)
+        for action in self._pipeline.answer(answered):
+            self._do(action)
+
+    def _say(self, decision: Decision) -> None:
+        outcome, text = decision.outcome, decision.hypothesis.text
+        if isinstance(outcome, Match):
+            self._health.commanded, self._health.last_command = _now(), outcome.command
+            by = "" if decision.origin == "recognizer" else f", by the {decision.origin}"
+            rospy.loginfo("heard %r: %s (%.2f%s)", text, outcome.command, decision.confidence, by)
+        else:
+            nearest = f", nearest {outcome.nearest!r}" if outcome.nearest else ""
+            rospy.loginfo("heard %r: no command, %s%s", text, outcome.reason, nearest)
+
+    # --- thread 3: the second way to a stop
+
+    def _load_spotter(self) -> Spotter:
+        spotter, self._health.spotter = make_spotter(self._config.spotter)
+        return spotter
+
+    def _in_thread(self, spotter: Spotter) -> SpotterThread:
+        told = self._spotted, self._spotter_failed
+        patience = self._config.spotter.patience
+        witness = self._publish.circumstance
+        return SpotterThread(spotter, self._config.spotter.queue, *told, patience, witness)
+
+    def _spotted(self, spotted: Spotted) -> None:
+        """Stop at once, unless recognition just did; the pipeline tells it when it comes to it."""
+        if _now() - self._stopped >= self._config.spotter.rearm_after:
+            self._stop()
+        rospy.loginfo("the spotter heard %r: %.1f nat", self._config.spotter.phrase, spotted.score)
+
+    def _spotter_failed(self, error: Exception) -> None:
+        self._health.spotter_failure = f"spotter: {error}; the recogniser alone hears a stop"
+        rospy.logerr("%s", self._health.spotter_failure)
+
+    # --- thread 4: watch over recognition, heartbeat and diagnostics
+
+    def _beat(self) -> None:
+        diagnostics = Diagnostics(self._health, _now, self._config.audio.deaf_after)
+        looks = 0
+        while not self._over.wait(LOOK):
+            is_news = self._watch_recognition()
+            if looks % _HEARTBEAT_EVERY == 0 and self._would_hear():
+                self._publish.heartbeat(_now())
+            if is_news or looks % (_HEARTBEAT_EVERY * _DIAGNOSTICS_EVERY) == 0:
+                self._health.controller = self._caller.trouble
+                diagnostics.publish()
+            looks += 1
+
+    def _would_hear(self) -> bool:
+        return self._health.would_hear(_now(), self._config.audio.deaf_after)
+
+    def _watch_recognition(self) -> bool:
+        """Stop the robot once recognition hangs; gives whether it has just begun or ended to."""
+        seen = self._watch(self._busy_since, _steady(), _now())
+        self._health.hang = seen.hang
+        if seen.hang and seen.is_news:
+            self._hold()
+            rospy.logerr("%s; the robot is stopped", seen.hang)
+        if seen.spotted is not None:
+            self._spotted(Spotted(_now(), seen.spotted))
+        return seen.is_news
+
+
+def _load_config() -> VoiceConfig:
+    """From the node's private parameters; sections that it has none of from the package's files."""
+    given = {name: rospy.get_param(f"~{name}") for name in SECTIONS if rospy.has_param(f"~{name}")}
+    if not given:
+        rospy.loginfo("no private parameters; the settings are those of the package's files")
+        return load_voice_config()
+    files = {name: load_yaml(CONFIG_DIR / f"{name}.yaml") for name in SECTIONS if name not in given}
+    return voice_config({**files, **given})
+
+
+def _now() -> float:
+    return float(rospy.get_time())
+
+
+def _steady() -> float:
+    return time.monotonic()
+
+
+def _noise() -> Samples:
+    """Two seconds of it, full scale 1."""
+    loud = 0.1 * np.random.default_rng(0).standard_normal(2 * RATE)
+    return frozen_samples(loud.astype(np.float32))

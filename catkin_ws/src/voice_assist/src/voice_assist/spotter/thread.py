@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The spotter in a thread of its own, so that nothing that recognition does delays it."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+
+import torch
+
+from voice_assist.side_inputs import Circumstance, Kind, Witness, ignore
+from voice_assist.spotter.spotter import NEWEST, Spotted, Spotting
+from voice_assist.types import Frame
+
+
+class SpotterThread:
+    """Takes frames without ever blocking who brings them; the oldest give way.
+
+    To the pipeline it is a spotter that has heard each frame when the pipeline has, and none that
+    comes after: it waits for the thread for up to `patience`, and shows nothing newer. So what both
+    decide is a function of the sound, however busy the machine is. After a wait in vain it does not
+    wait again until the thread has caught up. While the thread is behind, and once it has failed,
+    it says that nobody listens, and the recogniser decides alone.
+    """
+
+    def __init__(
+        self,
+        spotter: Spotting,
+        capacity: int,
+        on_spotted: Callable[[Spotted], None],
+        on_failure: Callable[[Exception], None],
+        patience: float,
+        witness: Witness = ignore,
+    ) -> None:
+        """Prepare; `start` begins.
+
+        Args:
+            spotter: Used by the thread alone, but for `best`.
+            capacity: Frames that may wait.
+            on_spotted: Called in the thread at once.
+            on_failure: Called in the thread as it ends by an error.
+            patience: Longest wait of the pipeline for the thread [s].
+            witness: Told of frames that it was late for, or never heard.
+        """
+        self._spotter, self._capacity, self._patience = spotter, capacity, patience
+        self._on_spotted, self._on_failure, self._witness = on_spotted, on_failure, witness
+        self._ready = threading.Condition()
+        self._frames: deque[Frame] = deque()
+        self._spotted: deque[tuple[int, Spotted]] = deque()  # for the pipeline, and since when
+        self._heard_until = 0  # index of the sample that follows all that the thread has heard
+        self._shown_until = NEWEST  # of which the pipeline sees so much
+        self._is_in_step = True
+        self._is_deaf = False  # the pipeline knows that the thread has failed
+        self._is_late = False  # it has not heard the newest frame of the pipeline
+        self._is_over = False
+        self._thread = threading.Thread(target=self._run, name="spotter", daemon=True)
+        self.dropped = 0  # frames
+        self.has_failed = False
+
+    def start(self) -> None:
+        """Begin to listen."""
+        self._thread.start()
+
+    def feed(self, frame: Frame) -> None:
+        """Bring a frame; returns at once."""
+        with self._ready:
+            if len(self._frames) >= self._capacity:
+                lost = self._frames.popleft()
+                self._witness(Circumstance(Kind.SPOTTER_DROPPED, lost.first_sample))
+                self.dropped += 1
+            self._frames.append(frame)
+            self._ready.notify_all()
+
+    def close(self) -> None:
+        """End the thread, once it has heard what waits."""
+        with self._ready:
+            self._is_over = True
+            self._ready.notify_all()
+        self._thread.join()
+
+    def __call__(self, frame: Frame) -> Spotted | None:
+        """What was spotted up to that frame, which itself came by `feed`."""
+        until = frame.first_sample + len(frame.samples)
+        with self._ready:
+            self._wait_for(until)
+            self._note(frame, until)
+            self._shown_until = min(self._heard_until, until)
+            self._is_late = self._heard_until < until
+            if self._spotted and self._spotted[0][0] <= until:
+                return self._spotted.popleft()[1]
+            return None
+
+    def best(self, since: float, until: int = NEWEST) -> float | None:
+        """Highest score of the looks that the pipeline may know; None: nobody listens in time.
+
+        What the thread has not heard yet must not keep a stop from being taken.
+        """
+        if self._is_deaf or self._is_late:
+            return None
+        return self._spotter.best(since, min(until, self._shown_until))
+
+    def reset(self) -> None:
+        """Nothing: the stream that the thread hears goes on."""
+
+    def _wait_for(self, until: int) -> None:
+        def is_there() -> bool:
+            return self._heard_until >= until or self.has_failed
+
+        patience = self._patience if self._is_in_step else 0.0
+        self._is_in_step = self._ready.wait_for(is_there, patience)
+
+    def _note(self, frame: Frame, until: int) -> None:
+        """Say so where the pipeline sees less than the sound alone would show it."""
+        if self._is_deaf or (self._heard_until >= until and not self.has_failed):
+            return
+        self._is_deaf = self.has_failed
+        kind = Kind.SPOTTER_FAILED if self.has_failed else Kind.SPOTTER_LATE
+        self._witness(Circumstance(kind, frame.first_sample, self._heard_until))
+
+    def _run(self) -> None:
+        torch.set_num_threads(1)  # holds for the thread that says it; two would wait for each other
+        try:
+            while (frame := self._next()) is not None:
+                spotted = self._spotter(frame)
+                if spotted is not None:
+                    self._on_spotted(spotted)
+                self._heard(frame, spotted)
+        except Exception as error:  # top of a thread: the recogniser must know that it is alone
+            with self._ready:
+                self.has_failed = True
+                self._ready.notify_all()
+            self._on_failure(error)
+
+    def _heard(self, frame: Frame, spotted: Spotted | None) -> None:
+        until = frame.first_sample + len(frame.samples)
+        with self._ready:
+            if spotted is not None:
+                self._spotted.append((until, replace(spotted, is_sent=True)))
+            self._heard_until = until
+            self._ready.notify_all()
+
+    def _next(self) -> Frame | None:
+        """The next frame; None: it is over."""
+        with self._ready:
+            self._ready.wait_for(lambda: self._frames or self._is_over)
+            return self._frames.popleft() if self._frames else None

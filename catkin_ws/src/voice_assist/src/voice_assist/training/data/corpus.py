@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Everything that training and its quick measurements listen to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from voice_assist.training.data.human import (
+    load_sounds,
+    load_speech,
+    read_manifest,
+    training_sentences,
+)
+from voice_assist.training.data.noise import Surroundings, build_rooms
+from voice_assist.training.data.synthesis import (
+    Amounts,
+    Clip,
+    plan_held_out,
+    plan_training,
+    plan_twins,
+    synthesise,
+)
+from voice_assist.training.data.texts import TALK
+
+TALK_THIN = 5  # of the talk to measure on, one clip in so many
+
+
+@dataclass(frozen=True, eq=False)
+class Corpus:
+    """Clips to learn from, and clips of other speakers to measure on."""
+
+    train: list[Clip]
+    around: Surroundings
+    held_out: list[Clip]  # synthetic, in voices never trained on
+    people: list[Clip]  # human single words of split dev
+    talk: list[Clip]  # a part of split false_accept_dev; its text is not used
+
+
+def load_corpus(speech: Path, cache: Path, seed: int, amounts: Amounts, workers: int) -> Corpus:
+    """Synthesise, or read from the cache, and load recordings where present.
+
+    Args:
+        speech: Folder with manifest.csv; synthetic speech alone where absent.
+        cache: Folder for synthetic sound.
+        seed: Of all chance.
+        amounts: Synthetic prompts.
+        workers: Processes that synthesise.
+    """
+    rows, recordings = read_manifest(speech), cache / "recordings"
+    sentences = training_sentences(rows) + list(TALK)
+    prompts = plan_training(sentences, seed, amounts)
+    train = synthesise(prompts, cache / "synthetic", workers)
+    train += synthesise(plan_twins(seed, amounts.twin), cache / "twins", workers)
+    human = [c for c in load_speech(rows, "train", recordings) if c.text and c.text.isascii()]
+    rng = np.random.default_rng(seed)
+    rooms = build_rooms(load_sounds(rows, "rir"), rng)
+    talkers = [clip.samples for clip in [*human, *train] if len(clip.samples) > 24000]
+    talk = load_speech(rows, "false_accept_dev", recordings, longest=10.0)[::TALK_THIN]
+    return Corpus(
+        train=train + human,
+        around=Surroundings(load_sounds(rows, "noise"), rooms, talkers),
+        held_out=synthesise(plan_held_out(seed), cache / "held_out", workers),
+        people=load_speech(rows, "dev", recordings),
+        talk=talk,
+    )

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Recorded speech, noise and rooms of a folder with a manifest.csv."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import soundfile
+import soxr
+
+from voice_assist.errors import AudioError
+from voice_assist.training.data.synthesis import Clip, read_sounds, save_sounds
+from voice_assist.training.data.texts import normalise_text
+from voice_assist.types import RATE
+
+RowKind = str  # "positive", "speech", "noise" or "rir"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the manifest."""
+
+    path: Path
+    kind: RowKind
+    transcript: str
+    speaker: str
+    seconds: float
+    licence: str
+    source: str
+    split: str
+
+
+def read_manifest(folder: Path) -> list[Row]:
+    """Rows of folder/manifest.csv in file order; none where it is absent."""
+    path = folder / "manifest.csv"
+    if not path.exists():
+        return []
+    with path.open(newline="", encoding="utf-8") as file:
+        return [_row(folder, line) for line in csv.DictReader(file)]
+
+
+def training_sentences(rows: Sequence[Row]) -> list[str]:
+    """Distinct transcripts of training sentences, for the synthetic voices."""
+    said = {normalise_text(r.transcript) for r in rows if r.split == "train"}
+    return sorted(text for text in said if len(text.split()) >= 4)
+
+
+def load_speech(rows: Sequence[Row], split: str, cache: Path, longest: float = 36.0) -> list[Clip]:
+    """Speech of one split that has a transcript, in manifest order.
+
+    Args:
+        rows: Lines of the manifest.
+        split: "train", "dev" or "false_accept_dev".
+        cache: Folder for the decoded sound; read where it is there.
+        longest: Longer files are left out [s].
+    """
+    wanted = [
+        row
+        for row in rows
+        if row.split == split
+        and row.kind in ("speech", "positive")
+        and row.seconds <= longest
+        and (row.transcript or split != "train")
+    ]
+    if not wanted:
+        return []
+    path = cache / f"{split}_{len(wanted)}.npz"
+    if not path.exists():
+        cache.mkdir(parents=True, exist_ok=True)
+        with ThreadPoolExecutor(2) as pool:
+            save_sounds(list(pool.map(lambda row: read_int16(row.path), wanted)), path)
+    sounds = read_sounds(path)
+    return [
+        Clip(sound, normalise_text(row.transcript), _kind(row), row.speaker or row.source)
+        for row, sound in zip(wanted, sounds, strict=True)
+    ]
+
+
+def load_sounds(rows: Sequence[Row], kind: RowKind) -> list[np.ndarray]:
+    """Noise or room responses for training, float32, each of shape (n,)."""
+    paths = [row.path for row in rows if row.kind == kind and row.split == "train"]
+    return [read_int16(path).astype(np.float32) / 32768 for path in paths]
+
+
+def read_int16(path: Path) -> np.ndarray:
+    """Read any sound file as int16, 16 kHz mono.
+
+    Raises:
+        AudioError: The file cannot be read.
+    """
+    try:
+        sound, rate = soundfile.read(path, dtype="float32", always_2d=True)
+    except soundfile.LibsndfileError as error:
+        raise AudioError(f"{path} cannot be read: {error}") from error
+    mono = sound.mean(axis=1)
+    if rate != RATE:
+        mono = soxr.resample(mono, rate, RATE)
+    return np.round(np.clip(mono, -1, 1) * 32767).astype(np.int16)
+
+
+def _kind(row: Row) -> str:
+    words = len(row.transcript.split())
+    return "sentence" if words > 2 else "word"
+
+
+def _row(folder: Path, line: dict[str, str]) -> Row:
+    return Row(
+        folder / line["path"],
+        line["kind"],
+        line["transcript"],
+        line["speaker"],
+        float(line["seconds"]),
+        line["licence"],
+        line["source"],
+        line["split"],
+    )

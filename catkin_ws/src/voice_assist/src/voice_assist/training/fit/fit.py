@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Train the embedded recogniser: python -m voice_assist.training.fit.fit.
+
+With --from and a file of an earlier run, its checkpoint is trained further.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+from whisper.model import disable_sdpa
+
+from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.training.data.align import align_clips
+from voice_assist.training.data.batches import Batch, Batches
+from voice_assist.training.data.corpus import Corpus, load_corpus
+from voice_assist.training.data.mixture import RARE, Aligned, Mixture
+from voice_assist.training.data.synthesis import Amounts, Clip
+from voice_assist.training.fit.checkpoints import Average, load_progress, save_progress
+from voice_assist.training.fit.curriculum import LESSONS, stage_of
+from voice_assist.training.fit.export import export
+from voice_assist.training.fit.objective import joint_loss
+from voice_assist.training.fit.start import start_anew, start_from
+from voice_assist.training.report import Figures, measure
+
+PACKAGE = Path(__file__).resolve().parents[4]  # catkin_ws/src/voice_assist
+REPOSITORY = PACKAGE.parents[2]
+TWINS = 8000  # clips of them, where the lesson asks for any
+LOG = logging.getLogger("fit")
+
+
+class Run:
+    """One training run: model, optimiser and where it stands."""
+
+    def __init__(self, options: argparse.Namespace, corpus: Corpus) -> None:
+        """Build the model, or restore it where the run was broken off."""
+        torch.manual_seed(options.seed)
+        self.options, self.corpus = options, corpus
+        start = start_from(options.start, options.lesson) if options.start else start_anew()
+        self.model, self.stages = start.model, start.stages
+        self.schedule = Schedule(options.steps, options.rate, decay=options.decay)
+        self.optimiser = torch.optim.AdamW(
+            self.model.parameters(), betas=(0.9, 0.98), weight_decay=0.02, fused=True
+        )
+        self.average = Average(self.model)
+        self.folder: Path = options.cache / f"run_{options.out.stem}"  # each run of its own
+        self.folder.mkdir(parents=True, exist_ok=True)
+        path = self.folder / "progress.pt"
+        self.progress = load_progress(path, self.model, self.optimiser, self.average)
+        self.measured = HybridWhisper(self.model.dims).eval()
+
+    def train(self) -> None:
+        """Step until the schedule ends, measuring and saving on the way."""
+        if self.progress.step >= self.options.steps:
+            LOG.info("already trained; to begin anew, remove %s", self.folder)
+        while self.progress.step < self.options.steps:
+            number, stage = stage_of(self.progress.step, self.stages)
+            LOG.info("stage %d from step %d", number, self.progress.step)
+            corpus = self.corpus
+            aligned = self._word_times(number) if stage.needs_word_times else []
+            mixture = Mixture(corpus.train, aligned, stage.weights, stage.longest)
+            seed = self.options.seed
+            batches = Batches(mixture, corpus.around, stage.how, seed, stage.seconds)
+            self._stage(batches, min(stage.until, self.options.steps))
+
+    def _stage(self, batches: Batches, until: int) -> None:
+        """Train until a step; a stage starts a pool of its own."""
+        progress, began, losses = self.progress, time.monotonic(), []
+        for pool, batch in batches.pools(progress.pool):
+            progress.pool = pool
+            losses.append(self._step(batch))
+            progress.step += 1
+            if progress.step % 50 == 0:
+                progress.seconds += time.monotonic() - began
+                began = time.monotonic()
+                self._note(losses)
+                losses = []
+            is_last = progress.step == self.options.steps
+            if is_last or progress.step % self.options.measure_every == 0:
+                self._measure()
+            if progress.step >= until:
+                break
+        progress.pool += 1
+        self._save()
+
+    def _step(self, batch: Batch) -> tuple[float, float]:
+        for group in self.optimiser.param_groups:
+            group["lr"] = self.schedule.rate(self.progress.step)
+        loss = joint_loss(self.model, batch)
+        loss.total.backward()
+        torch.nn.utils.clip_grad_norm_(self.model.parameters(), 1.0)
+        self.optimiser.step()
+        self.optimiser.zero_grad(set_to_none=True)
+        self.average.update(self.model, self.progress.step)
+        return loss.ctc, loss.decoder
+
+    def _note(self, losses: list[tuple[float, float]]) -> None:
+        ctc, decoder = (sum(part) / len(losses) for part in zip(*losses, strict=True))
+        progress = self.progress
+        rate = self.schedule.rate(progress.step)
+        at = (progress.step, progress.seconds)
+        LOG.info("step %d, %.0f s: ctc %.3f, decoder %.3f, rate %.1e", *at, ctc, decoder, rate)
+
+    def _averaged(self) -> HybridWhisper:
+        self.measured.load_state_dict(self.average.weights)
+        return self.measured
+
+    def _measure(self) -> None:
+        """Log figures, keep the checkpoint; it becomes the output where it is the best so far."""
+        figures: Figures = measure(self._averaged(), self.corpus, thin=3)
+        at = {"step": self.progress.step, "seconds": round(self.progress.seconds)}
+        line: dict[str, object] = {**at, **figures.flat()}
+        LOG.info("measured %s", json.dumps(line))
+        with (self.folder / "figures.jsonl").open("a") as file:
+            file.write(json.dumps(line) + "\n")
+        export(self.measured, self.folder / f"step_{self.progress.step:05d}.pt")
+        if figures.score > self.progress.best:
+            self.progress.best = figures.score
+            export(self.measured, self.options.out)
+        self._save()
+
+    def _save(self) -> None:
+        save_progress(
+            self.folder / "progress.pt",
+            self.model,
+            self.optimiser,
+            self.average,
+            self.progress,
+        )
+
+    def _word_times(self, stage: int) -> list[Aligned]:
+        """Clips with the times of their words, found as the stage begins."""
+        path = self.folder / f"word_times_{stage}.npz"
+        aligned = align_clips(self._averaged(), _to_align(self.corpus.train), path)
+        LOG.info("%d clips aligned", len(aligned))
+        return aligned
+
+
+def _to_align(clips: list[Clip]) -> list[Clip]:
+    """Sentences with wanted words, a third of the others, and some synthesis."""
+    sentences = [clip for clip in clips if clip.kind == "sentence"]
+    wanted = [clip for clip in sentences if set(RARE) & set(clip.text.split())]
+    others = [clip for clip in sentences if not set(RARE) & set(clip.text.split())]
+    synthetic = [clip for clip in clips if clip.kind in ("command", "variant", "near")]
+    return wanted + others[::3] + synthetic[::10]
+
+
+def parse(arguments: list[str] | None = None) -> argparse.Namespace:
+    """Options of a run; the defaults make the shipped checkpoint."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    add = parser.add_argument
+    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
+    add("--out", type=Path, default=PACKAGE / "models" / "embedded.pt")
+    add("--from", dest="start", help="checkpoint to continue, or Whisper model such as base.en")
+    add("--lesson", choices=LESSONS, default=LESSONS[0], help="with which --from continues a run")
+    add("--seed", type=int, default=1)
+    add("--steps", type=int, default=4000)
+    add("--rate", type=float, default=1.5e-3, help="peak learning rate")
+    add("--decay", type=float, default=0.5, help="share of steps on the way down")
+    add("--measure-every", type=int, default=400, help="steps")
+    add("--threads", type=int, default=2)
+    return parser.parse_args(arguments)
+
+
+def main() -> None:
+    """Train, say how long it took, and leave the checkpoint in place."""
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
+    options = parse()
+    torch.set_num_threads(options.threads)
+    amounts = Amounts(twin=TWINS if options.lesson == "twins" else 0)
+    corpus = load_corpus(options.speech, options.cache, options.seed, amounts, options.threads)
+    LOG.info("%d training clips", len(corpus.train))
+    run = Run(options, corpus)
+    with disable_sdpa():  # its backward pass is slow on processors
+        run.train()
+    LOG.info("trained %.0f s; %s", run.progress.seconds, options.out)
+
+
+if __name__ == "__main__":
+    main()
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Learning rate by step."""
+
+    steps: int  # of the whole run
+    peak: float = 1.5e-3
+    warm_up: int = 300  # steps
+    decay: float = 0.35  # share of the steps spent on the way down
+
+    def rate(self, step: int) -> float:
+        """Learning rate of a step, never quite zero."""
+        rising = min((step + 1) / self.warm_up, 1.0)
+        left = (self.steps - step) / max(self.decay * self.steps, 1)
+        return self.peak * min(rising, max(left, 0.01), 1.0)

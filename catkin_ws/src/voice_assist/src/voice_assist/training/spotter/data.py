@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Embeddings to train the spotter on, computed once and kept in a cache."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from voice_assist.spotter.features import STEP, Embeddings, seconds
+from voice_assist.training.data import texts, voices
+from voice_assist.training.data.human import load_sounds, load_speech, read_manifest
+from voice_assist.training.data.noise import Surroundings, build_rooms
+from voice_assist.training.data.synthesis import Clip, cast_voice, synthesise
+from voice_assist.training.spotter.embed import LongEmbedder
+from voice_assist.training.spotter.streams import WORD, Stream, Style, noise_streams, streams
+from voice_assist.types import RATE
+
+LOG = logging.getLogger("spotter")
+NEGATIVE, IGNORED = -1, -2
+_WORDS = Style(again=0.1, talker=0.2)
+_FLUENT = Style(speed=(0.9, 1.1), noise=0.5, talker=0.1)
+_EARLY, _LATE, _AFTER = 0.04, 0.36, 0.9  # [s] around the end of a word
+
+# Said like the word by the synthetic voices, and not it.
+NEAR = tuple(
+    """
+top|shop|step|up|start|stomp|stuff|stock|stopped|stopping|stops|strap|chop|slop|drop|hop|pop
+crop|star|store|stand|stay|still|stool|scope|sob|spot|stab|swap|laptop|tap|tough|stub|stump|type
+stoop|steep|stamp|staff|stiff|storm|stone|stack|stuck|stalk|sock|soap|soup|sup|sap|op|on top|okay
+step up|hey shop|the shop|add up|set up|cut|but|got|not|what|hot|god|job|top it up|one step|snow
+go|no|yes|on|off|down|left|right|house|dog|bob|boy|hadouken|jarvis|computer|amelia|snowboy|athena
+sport|spat|stopper|stop it's|post|past|most|test|cost|lost|hoped|pope|rope|hope|cope|tape|tip|tub
+""".replace("\n", "|").strip("|").split("|")
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Embeddings of one kind of stream, one row per step."""
+
+    embeddings: NDArray[np.float16]  # (n, WIDTH)
+    labels: NDArray[np.int32]  # (n,): NEGATIVE, IGNORED, or the number of the word that just ended
+    begins: NDArray[np.int64]  # rows at which a stream begins
+
+
+@dataclass(frozen=True)
+class Amounts:
+    """How much of each kind to embed."""
+
+    rounds: int = 20  # copies of every human WORD
+    synthetic: int = 2500  # prompts of WORD
+    near: int = 4500  # prompts of NEAR and other texts
+    noise: int = 90  # streams
+    thin: int = 2  # of the sentences, one in so many
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """What streams are made of."""
+
+    words: list[Clip]  # people, one or two words
+    stops: list[Clip]  # people saying WORD
+    sentences: list[Clip]  # people, without WORD
+    synthetic: list[Clip]
+    near: list[Clip]
+    around: Surroundings
+
+
+def load_material(speech: Path, cache: Path, seed: int, amounts: Amounts) -> Material:
+    """Read the recordings of split `train`, and speak the synthetic prompts."""
+    rows = read_manifest(speech)
+    human = load_speech(rows, "train", cache / "recordings")
+    stops = [clip for clip in human if clip.text == WORD]
+    others = [clip for clip in human if WORD not in clip.text.split()]
+    is_short = [len(clip.text.split()) <= 2 and len(clip.samples) < 40_000 for clip in others]
+    words = [clip for clip, short in zip(others, is_short, strict=True) if short]
+    sentences = [clip for clip, short in zip(others, is_short, strict=True) if not short]
+    rng = Random(seed)
+    spoken = [WORD] * amounts.synthetic
+    spans = [t for t in texts.TALK + texts.COMMANDS if WORD not in t.split()]
+    spoken += [rng.choice(NEAR if rng.random() < 0.75 else spans) for _ in range(amounts.near)]
+    variants, _ = voices.espeak_variants()
+    prompts = [cast_voice(text, variants, rng) for text in spoken]
+    prompts.sort(key=lambda p: (p.engine, p.voice, p.text, p.rate))
+    clips = synthesise(prompts, cache / "synthetic", workers=1)
+    rooms = build_rooms(load_sounds(rows, "rir"), np.random.default_rng(seed))
+    talkers = [c.samples for c in sentences if len(c.samples) > 24_000]
+    return Material(
+        words=words,
+        stops=stops,
+        sentences=sentences,
+        synthetic=[clip for clip in clips if clip.text == WORD],
+        near=[clip for clip in clips if clip.text != WORD],
+        around=Surroundings(load_sounds(rows, "noise"), rooms, talkers),
+    )
+
+
+def load_steps(speech: Path, cache: Path, seed: int, amounts: Amounts) -> dict[str, Steps]:
+    """Embed all kinds of streams, or read what the cache holds of them.
+
+    Args:
+        speech: Folder with manifest.csv.
+        cache: Folder for all that is computed.
+        seed: Of all chance.
+        amounts: How much of each kind.
+    """
+    paths = {kind: _path(cache, kind, seed, amounts) for kind in _KINDS}
+    if not all(path.exists() for path in paths.values()):
+        material = load_material(speech, cache, seed, amounts)
+        for number, (kind, path) in enumerate(paths.items()):
+            if not path.exists():
+                rng = np.random.default_rng([seed, number])
+                _compute(_KINDS[kind](material, amounts, rng), path)
+    found = {kind: _read(path) for kind, path in paths.items()}
+    for kind, steps in found.items():
+        LOG.info("%s: %.2f h", kind, len(steps.labels) * STEP / RATE / 3600)
+    return found
+
+
+def label(stream: Stream, count: int, first: int) -> NDArray[np.int32]:
+    """Labels of the steps of a stream.
+
+    Args:
+        stream: With the times of its words.
+        count: Steps.
+        first: Number of its first word; the others follow.
+    """
+    times = np.array([seconds(step) for step in range(count)])
+    labels = np.full(count, NEGATIVE, np.int32)
+    for begin, end in stream.words:
+        labels[(times > begin) & (times <= end + _AFTER)] = IGNORED
+    for number, (_, end) in enumerate(stream.words, first):
+        labels[(times >= end - _EARLY) & (times <= end + _LATE)] = number
+    return labels
+
+
+def _path(cache: Path, kind: str, seed: int, amounts: Amounts) -> Path:
+    key = hashlib.sha256(repr((kind, seed, amounts)).encode()).hexdigest()[:12]
+    return cache / f"{kind}_{key}.npz"
+
+
+def _read(path: Path) -> Steps:
+    with np.load(path) as stored:
+        return Steps(stored["embeddings"], stored["labels"], stored["begins"])
+
+
+def _human(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:
+    """Every WORD many times among single words of people, and those often."""
+    for _ in range(amounts.rounds):
+        clips = [*material.stops]
+        picked = rng.choice(len(material.words), 2 * len(clips), replace=False)
+        clips += [material.words[i] for i in picked]
+        order = rng.permutation(len(clips))
+        yield from streams([clips[i] for i in order], material.around, _WORDS, rng)
+
+
+def _synthetic(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:
+    clips = material.synthetic + material.near
+    order = rng.permutation(len(clips))
+    yield from streams([clips[i] for i in order], material.around, _WORDS, rng)
+
+
+def _sentences(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:
+    yield from streams(material.sentences[:: amounts.thin], material.around, _FLUENT, rng)
+
+
+def _noise(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:
+    yield from noise_streams(material.around, amounts.noise, rng)
+
+
+_KINDS: dict[str, Callable[[Material, Amounts, Generator], Iterator[Stream]]] = {
+    "human": _human,
+    "synthetic": _synthetic,
+    "sentences": _sentences,
+    "noise": _noise,
+}
+
+
+def _compute(made: Iterator[Stream], path: Path) -> None:
+    embedder, began = LongEmbedder(), time.monotonic()
+    rows: list[Embeddings] = []
+    labels: list[NDArray[np.int32]] = []
+    begins, total, words = [], 0, 0
+    for stream in made:
+        found = embedder(stream.sound)
+        rows.append(found.astype(np.float16))
+        labels.append(label(stream, len(found), words))
+        begins.append(total)
+        total, words = total + len(found), words + len(stream.words)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_suffix(".tmp.npz")
+    np.savez(
+        temporary,
+        embeddings=np.concatenate(rows),
+        labels=np.concatenate(labels),
+        begins=np.array(begins),
+    )
+    temporary.rename(path)
+    LOG.info("%s: %d steps, %d words, %.0f s", path.name, total, words, time.monotonic() - began)

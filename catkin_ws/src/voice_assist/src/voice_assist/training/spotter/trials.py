@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What recogniser and spotter each believe of clips, once for all thresholds."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from voice_assist.assembly import make_spotter
+from voice_assist.audio.mixing import add_noise, end_of_speech
+from voice_assist.audio.source import Framer
+from voice_assist.config import SpotterConfig, VoiceConfig
+from voice_assist.evaluation.evaluator import AFTER, BEFORE, QUIET_DB
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.recognizer.recognizer import Recognizer
+from voice_assist.spotter.fusion import Belief, SecondWay
+from voice_assist.spotter.head import CONTEXT, read_head
+from voice_assist.spotter.spotter import Spotter
+from voice_assist.training.spotter.embed import LongEmbedder
+from voice_assist.types import FULL_SCALE, RATE, Frame, Mode, Samples
+from voice_assist.vad.detector import make_detector
+
+LOG = logging.getLogger("spotter")
+NEVER = 1000.0  # [nat]
+
+
+@dataclass(frozen=True)
+class Heard:
+    """One moment at which the recogniser could lead to a stop."""
+
+    time: float  # [s] from the begin of the clip
+    spotted: float  # [nat] the spotter's best of late
+    confidence: float  # [0, 1] with which it wrote the word; below 0: it wrote something else
+    is_ready: bool  # see Belief
+    ratio: float  # [nat] of the word where it wrote something else
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What one clip came to, with nothing fired."""
+
+    name: str
+    seconds: float  # of the clip, without the quiet around it
+    speech_end: float  # [s] from its begin
+    weight: float  # clips that it stands for
+    heard: tuple[Heard, ...]
+    looks: tuple[tuple[float, float], ...]  # time [s] from the begin of the clip, score [nat]
+
+
+class Recorder(SecondWay):
+    """Writes down what it is asked, and never fires."""
+
+    def __init__(self, config: SpotterConfig, spotter: Spotter, floor: float) -> None:
+        """Listen with a spotter that is set never to fire alone.
+
+        Args:
+            config: Its settings.
+            spotter: The real one.
+            floor: Of its score, from which the recogniser's ratio is computed at all [nat].
+        """
+        super().__init__(config, spotter)
+        self._floor = floor
+        self.heard: list[Heard] = []
+        self._now = 0.0
+
+    def best(self, now: float) -> float | None:
+        """See SecondWay; keeps the moment."""
+        self._now = now
+        return super().best(now)
+
+    def confirms(self, belief: Belief, phrase: str) -> bool:
+        """Keep what the recogniser believes of the word."""
+        if phrase == self.phrase:
+            spotted = _finite(belief.spotted)
+            said = Heard(self._now, spotted, belief.confidence, belief.is_ready, NEVER)
+            self.heard.append(said)
+        return False
+
+    def is_asking(self, spotted: float | None) -> bool:
+        """Ask from very little belief on."""
+        return spotted is not None and spotted >= self._floor
+
+    def overrules(self, spotted: float | None, ratio: float) -> bool:
+        """Keep how likely the word is to the recogniser."""
+        self.heard.append(Heard(self._now, _finite(spotted), -1.0, False, float(ratio)))
+        return False
+
+
+class Trials:
+    """Runs clips through the real pipeline with a recorder in place of the rule."""
+
+    def __init__(
+        self, config: VoiceConfig, recognizer: Recognizer, cache: Path, floor: float
+    ) -> None:
+        """Build it.
+
+        Args:
+            config: Its thresholds of the spotter have no effect.
+            recognizer: The one to tune for.
+            cache: Folder for what was found, by the models' hashes.
+            floor: Score of the spotter below which it believes nothing [nat].
+        """
+        spotter_config = replace(config.spotter, alone=NEVER)
+        self._spotter, digest = make_spotter(spotter_config)
+        self._recorder = Recorder(spotter_config, self._spotter, floor)
+        self._pipeline = Pipeline(
+            config, recognizer, make_detector(config.audio.vad), lambda: 0.0, self._recorder
+        )
+        self._head, self._embed = read_head()[0], LongEmbedder()
+        self._cache, self._floor = cache, floor
+        self._key = f"{recognizer.model_hash} {digest} {floor}"
+
+    def __call__(
+        self,
+        name: str,
+        clips: Sequence[tuple[str, Samples]],
+        noises: Sequence[Samples] = (),
+        snr: float = 0.0,
+        thin: int = 1,
+    ) -> list[Trial]:
+        """Trials of a named set, from the cache where it was run before.
+
+        Args:
+            name: Of the set, for the cache.
+            clips: Each with a name.
+            noises: One of them is added to each clip.
+            snr: Level of the clip over it [dB].
+            thin: Of the clips in which the spotter believes nothing, of which only the recogniser
+                alone could make a stop, one in so many is run, and stands for the others.
+        """
+        key = hashlib.sha256(f"{self._key} {name} {len(clips)} {thin}".encode()).hexdigest()[:16]
+        path = self._cache / f"{name}_{key}.json"
+        if not path.is_file():
+            trials = [asdict(t) for t in self._run(clips, noises, snr, thin)]
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(json.dumps(trials), encoding="utf-8")
+        return [_trial(entry) for entry in json.loads(path.read_text(encoding="utf-8"))]
+
+    def _run(
+        self, clips: Iterable[tuple[str, Samples]], noises: Sequence[Samples], snr: float, thin: int
+    ) -> Iterator[Trial]:
+        for number, (name, samples) in enumerate(clips):
+            stream = _surrounded(samples, noises, snr, number)
+            weight = thin if thin > 1 and self._best(stream) < self._floor else 1
+            if number % weight:
+                continue
+            self._pipeline.reset()
+            self._recorder.heard.clear()
+            looks: list[tuple[float, float]] = []
+            for frame in _frames(stream):
+                self._pipeline.set_mode(Mode.ACTIVE, "trial")
+                self._pipeline(frame)
+                newest = self._spotter.looks[-1:]
+                if newest and (not looks or newest[0].time - BEFORE != looks[-1][0]):
+                    looks.append((newest[0].time - BEFORE, newest[0].score))
+            heard = tuple(replace(h, time=h.time - BEFORE) for h in self._recorder.heard)
+            seconds = len(samples) / RATE
+            end = end_of_speech(samples)
+            yield Trial(name, seconds, end, float(weight), heard, tuple(looks))
+
+    def _best(self, stream: Samples) -> float:
+        """The spotter's highest score in a stream."""
+        quiet = np.tile(self._embed.quiet, (CONTEXT - 1, 1))
+        seen = np.concatenate([quiet, self._embed(stream)])
+        looks = np.lib.stride_tricks.sliding_window_view(seen, CONTEXT, 0).transpose(0, 2, 1)
+        with torch.inference_mode():
+            scores = self._head(torch.from_numpy(looks.copy()))
+        return float(((scores[1:] + scores[:-1]) / 2).max())
+
+
+def as_float(samples: np.ndarray) -> Samples:
+    """16-bit sound to [-1, 1]."""
+    return np.asarray(samples, np.float32) / np.float32(FULL_SCALE)
+
+
+def _surrounded(samples: Samples, noises: Sequence[Samples], snr: float, number: int) -> Samples:
+    """A clip with quiet around it, as `make evaluate` does it."""
+    rng = np.random.default_rng(number)
+    length = round((BEFORE + AFTER) * RATE) + len(samples)
+    stream = 10.0 ** (QUIET_DB / 20.0) * rng.standard_normal(length)
+    start = round(BEFORE * RATE)
+    stream[start : start + len(samples)] += samples
+    if noises:
+        noise = noises[int(rng.integers(len(noises)))]
+        stream = add_noise(stream, noise, samples, snr, rng)
+    return np.asarray(stream, np.float32)
+
+
+def _frames(stream: Samples) -> Iterator[Frame]:
+    return Framer().push(stream, 0.0)
+
+
+def _finite(score: float | None) -> float:
+    return -NEVER if score is None else max(score, -NEVER)
+
+
+def _trial(entry: dict[str, object]) -> Trial:
+    heard = tuple(Heard(**h) for h in entry.pop("heard"))  # type: ignore[attr-defined]
+    looks = tuple((time, score) for time, score in entry.pop("looks"))  # type: ignore[attr-defined]
+    return Trial(**entry, heard=heard, looks=looks)  # type: ignore[arg-type]

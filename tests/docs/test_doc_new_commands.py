@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""docs/new_commands.md, done as it stands there: what it types, and what it says comes of it."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+
+from rst_control.commands.camera_step import WAYS
+from typed_config import load_config, load_yaml
+from voice_assist.cli import main
+from voice_assist.config import CONFIG_DIR, CommandsConfig
+from voice_assist.intent.mapper import Mapper
+from voice_assist.text.phonetic_distance import can_pronounce
+from voice_assist.types import Match, NoMatch
+
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "new_commands.md").read_text("utf-8")
+STEP = re.compile(
+    r"<!-- (?P<verb>run|append|replace)(?:: (?P<what>[^>]*?))? -->"
+    r"(?:\n```\w+\n(?P<text>.*?)```)?",
+    re.DOTALL,
+)
+
+
+def steps():
+    return [(m["verb"], m["what"] or "", m["text"] or "") for m in STEP.finditer(PAGE)]
+
+
+def run(line, capsys):
+    """Carry out a line of the page; gives how it ended and what it printed."""
+    program, *arguments = shlex.split(line.replace("$(rospack find voice_assist)/config", "CONFIG"))
+    if program == "cp":
+        source, target = arguments[-2:]
+        if source == "CONFIG":
+            shutil.copytree(CONFIG_DIR, target)
+        else:
+            shutil.copy(source, target)
+        return 0, ""
+    assert program == "voice_assist", line
+    code = 0
+    try:
+        main(arguments)
+    except SystemExit as ended:
+        code = int(ended.code or 0)
+    return code, capsys.readouterr().out
+
+
+@pytest.mark.skipif(not can_pronounce(), reason="the page's numbers are those of espeak-ng")
+def test_every_line_of_the_page_does_what_the_page_says(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    ran = 0
+    for verb, what, text in steps():
+        if verb == "append":
+            with Path(what).open("a") as file:
+                file.write("\n" + text)
+        elif verb == "replace":
+            file, old, new = what.split(": ")
+            Path(file).write_text(Path(file).read_text().replace(old, new))
+        else:
+            printed: list[str] = []
+            for line in text.splitlines():
+                if line.startswith("$ "):
+                    code, out = run(line[2:], capsys)
+                    assert code == int(what or 0), (line, out)
+                    printed, ran = [p.rstrip() for p in out.splitlines()], ran + 1
+                else:
+                    assert line.rstrip() in printed, (line, printed)
+    assert ran > 7
+
+
+def test_the_table_of_the_endoscope_is_that_of_its_commands():
+    commands = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "endoscope_commands.yaml"))
+    rows = re.findall(r"^\| ((?:go|upper|zoom).*?) \| (look .*?) \|", PAGE, re.MULTILINE)
+    told = {
+        phrase: call
+        for phrases, calls in rows
+        for phrase, call in zip(phrases.split(", "), calls.split(", "), strict=True)
+    }
+    assert told == {c.phrase: c.call for c in commands.commands if c.is_motion}
+    assert set(told.values()) == {command.value for command in WAYS}
+
+
+def test_what_is_no_direction_of_the_endoscope_is_no_command():
+    commands = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "endoscope_commands.yaml"))
+    hear = Mapper(commands)
+    for text in ("go", "left", "do not go left", "we go left at the corner", "zoom", "upper"):
+        assert isinstance(hear(text), NoMatch), text
+    assert isinstance(hear("Go left."), Match)

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The examples of docs/other_robots.md, done as they stand there: a new tool, a new command."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from rst_control.config import CONFIG_FOLDER, load_motion_config
+from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.rcm import rcm_state
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.planner import Planner
+from voice_assist.config import load_voice_config
+from voice_assist.intent.mapper import Mapper
+from voice_assist.types import Match
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "other_robots.md").read_text(encoding="utf-8")
+COMMANDS_PAGE = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+BLOCK = r"<!-- {marker} -->\n```\w*\n(.*?)```"
+
+
+def block(marker: str) -> str:
+    """The fenced text behind a marker, of which there has to be one."""
+    found = re.findall(BLOCK.format(marker=re.escape(marker)), PAGE, re.DOTALL)
+    assert len(found) == 1, f"{len(found)} blocks marked {marker!r}"
+    return str(found[0])
+
+
+@pytest.fixture(scope="module")
+def tool_folder(tmp_path_factory):
+    """A copy of the robot's numbers with the row of the page changed."""
+    folder = tmp_path_factory.mktemp("tool")
+    numbers = yaml.safe_load((CONFIG_FOLDER / "gen3_openrst.yaml").read_text(encoding="utf-8"))
+    for name, changes in yaml.safe_load(block("example: tool")).items():
+        (row,) = [joint for joint in numbers["joints"] if joint["name"] == name]
+        row.update(changes)
+    (folder / "long_shaft.yaml").write_text(yaml.safe_dump(numbers), encoding="utf-8")
+    return folder
+
+
+def test_another_tool_is_made_by_the_commands_of_the_page(tool_folder):
+    for line in block("run: unit").splitlines():
+        program, *arguments = shlex.split(line)
+        assert program == "python"
+        done = subprocess.run(
+            [sys.executable, *arguments],
+            cwd=tool_folder,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+    robot = load_robot(tool_folder / "long_shaft.urdf")
+    assert robot.shaft_length == pytest.approx(0.36)
+
+
+def test_the_longer_shaft_is_planned_through_the_trocar(tool_folder):
+    done = [
+        "-m",
+        "rst_control.description.urdf_writer",
+        "long_shaft.urdf",
+        "--facts",
+        "long_shaft.yaml",
+    ]
+    subprocess.run([sys.executable, *done], cwd=tool_folder, check=True, capture_output=True)
+    robot, config = load_robot(tool_folder / "long_shaft.urdf"), load_motion_config()
+    planner = Planner(robot, config)
+    at_grasp = planner.solver.search(planner.T_base_grasp, planner.trocar)
+    assert at_grasp.is_solved
+    pull = planner.leg(at_grasp.q, _lifted(planner.T_base_grasp))
+    for s in np.linspace(0.0, pull.length, 20):
+        here = Configuration(robot, pull.evaluate(s).q)
+        assert rcm_state(here, planner.trocar).error < 1e-6
+        assert rcm_state(here, planner.trocar).insertion < 0.36
+
+
+def _lifted(pose):
+    goal = pose.copy()
+    goal[2, 3] += 0.01
+    return goal
+
+
+@pytest.mark.parametrize("source", ["other_robots", "commands"])
+def test_a_new_command_is_taken_and_what_only_resembles_it_is_not(source):
+    if source == "other_robots":
+        command = yaml.safe_load(block("example: command"))
+    else:
+        (listed,) = re.findall(r"```yaml\n(.*?)```", COMMANDS_PAGE, re.DOTALL)
+        (command,) = yaml.safe_load(listed)
+    shipped = yaml.safe_load(_commands_file())["commands"]
+    settings = load_voice_config(commands__commands=[*shipped, command]).commands
+    assert settings.commands[-1].call == "release"
+    mapper = Mapper(settings)
+    for words in ("let go", "Let it go!"):
+        found = mapper(words)
+        assert isinstance(found, Match)
+        assert found.command == "let go"
+    for words in ("do not let go", "never let it go", "let him go", "let go of that idea", "go"):
+        assert not isinstance(mapper(words), Match), words
+    assert isinstance(mapper("release"), Match)
+    assert isinstance(mapper("stop"), Match)
+
+
+def _commands_file() -> str:
+    folder = ROOT / "catkin_ws" / "src" / "voice_assist" / "config"
+    return (folder / "commands.yaml").read_text(encoding="utf-8")

@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The real executor as a graph: every state that any inputs lead to, each input tried in each.
+
+Executor, mover, motion, watchdogs, ledger and lifecycle are the product's own. Only what a phase
+does with numbers is left to chance: it goes on until an input says that it has arrived. States are
+told apart by all that a later tick may depend on (`Controller.key`); that they are, is tested.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from rst_control.admission.recording_gate import ADVANCING
+from rst_control.config import load_motion_config
+from rst_control.execution.executor import Executor
+from rst_control.execution.motion import MotionMaker
+from rst_control.execution.orders import DiaryEntry, Order
+from rst_control.execution.setpoint import Mover
+from rst_control.execution.state_machine import State
+from rst_control.kinematics.configuration import planning_joints
+from rst_control.planning.patient_surface import Placement
+from rst_control.planning.plan import PhaseKind
+from rst_control.supervision.presence import Presence
+from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
+from rst_control.types import JOINT_COUNT, PathState
+from tests.state_search.inputs import (
+    FOUND,
+    LATE,
+    LOST,
+    MOTIONS,
+    OWNER,
+    ZERO,
+    Given,
+    Input,
+    inputs,
+    plan_of,
+)
+from tests.state_search.rules import objection
+
+TINY = np.full(JOINT_COUNT, 1e-9)  # [rad] of a tick in motion: enough to see that it moved
+
+
+@dataclass(frozen=True)
+class Edge:
+    """What an input leads to."""
+
+    to: tuple
+    has_changed: bool  # what was verified before is verified no longer
+    started: Given | None
+    outcomes: tuple[str, ...]  # of the orders: accepted, refused, stale, or "" for not yet
+
+
+class _World:
+    """What the runs meet in the present tick; set before each."""
+
+    found = "well"
+
+
+class _Sensors:
+    """Whether measurements are believed is up to the input, too."""
+
+    @property
+    def objection(self):
+        return "cannot be true" if _World.found == "sensor fault" else ""
+
+    def look(self, measured, setpoint, pulled):
+        pass
+
+
+class _Run:
+    """A phase whose end is up to the input."""
+
+    def __init__(self, phase, held):
+        self.phase, self._held = phase, held
+        self.is_done, self.failure = False, ""
+        self.is_pulling = phase.kind in (PhaseKind.PULL, PhaseKind.STEP)
+        self.state, self.progress = PathState(0.0), 0.0
+        self.is_braking = False
+
+    def step(self, dt, measured):
+        self.is_done = _World.found.endswith("arrived")
+        if _World.found == "failing" and not self.is_braking:
+            self.failure = "no answer"
+        self._held = self._held + TINY
+        return self._held, ZERO
+
+    def brake(self):
+        self.is_braking, self.is_pulling = True, False
+
+
+class _Maker(MotionMaker):
+    def __init__(self):
+        self.period = 0.002
+
+    def make_run(self, phase, held, place):
+        return _Run(phase, held)
+
+
+@lru_cache(maxsize=1)
+def limits():
+    config = load_motion_config()
+    settings = config.controller
+    return WatchdogLimits(settings.watchdogs, config.rcm.measured_tolerance, settings.tension.limit)
+
+
+def _place(position):
+    is_off = abs(position[0] - 0.02) < 1e-3
+    return Placement(0.02 if is_off else 0.0, 0.1, 0.1, -0.1, is_outside=False)
+
+
+def _jaws(mover):
+    """Opening that they are sent to, or were before the set-point was forgotten [rad]."""
+    sent = mover._sent_to if mover.held is None else planning_joints(mover.held)[1]
+    return round(float(sent), 3)
+
+
+def _twin(thing):
+    twin = object.__new__(type(thing))
+    twin.__dict__.update(thing.__dict__)
+    return twin
+
+
+class Controller:
+    """A real executor that can be copied, and asked what it would do."""
+
+    def __init__(self):
+        self.presence = Presence()  # set before each tick, so that copies may share it
+        watchdogs = Watchdogs(limits(), _Sensors(), self.presence)
+        self.executor = Executor(watchdogs, _place, Mover(_Maker()), _nothing, 0.002)
+        self.now = 10.0
+
+    def fork(self):
+        """A copy that shares nothing that changes."""
+        twin = _twin(self)
+        executor = twin.executor = _twin(self.executor)
+        executor._orders, executor._stops, executor._changes = deque(), deque(), deque()
+        waking = executor._waking = _twin(executor._waking)
+        waking._objection, waking._refuse = executor._cannot_wake, executor._refuse
+        executor._ledger = _twin(executor._ledger)
+        executor._ledger.diary = deque()
+        mover = executor._mover = _twin(executor._mover)
+        if mover.motion is not None:
+            motion = mover.motion = _twin(mover.motion)
+            motion._waiting, motion._run = deque(motion._waiting), _twin(motion._run)
+        return twin
+
+    def key(self):
+        """All that later ticks depend on, but for words and times."""
+        executor = self.executor
+        life, mover = executor._life, executor._mover
+        return (
+            *(life.state, life.is_active, life.then),
+            *(self._moving(), _where(mover.held), mover.grasp is None),
+            *(executor._ledger.order is None, bool(life.reason)),
+            _jaws(mover),
+            not executor._waking.is_waiting,
+        )
+
+    def _moving(self):
+        motion, life = self.executor._mover.motion, self.executor._life
+        is_spoken = self.executor._ledger.is_spoken
+        if motion is None:
+            return None
+        if not motion._is_braking:
+            return (
+                *(is_spoken, motion.raises_tension, motion.needs_grip, motion.can_retarget),
+                *(len(motion._waiting), motion._run.is_done, bool(motion.failure)),
+                motion.plan.command in ADVANCING,
+            )
+        is_watched = life.then is not State.FAULTED  # as Executor._watch has it
+        return is_watched and is_spoken, is_watched and motion.raises_tension
+
+    def take(self, given):
+        """Carry an input out; returns the edge."""
+        executor = self.executor
+        serial, running = executor._serial, executor._mover.motion
+        outcomes = [""] * len(given.orders)
+        for n, order in enumerate(given.orders):
+            executor.post(_order(order, serial, outcomes, n))
+        if given.is_stopped:
+            executor.stop("stop")
+        if given.is_changed:
+            executor.change(lambda view: DiaryEntry(self.now, "trocar_set", "", ""))
+        self._tick(given.found)
+        taken = [
+            order
+            for order, outcome in zip(given.orders, outcomes, strict=True)
+            if outcome == "accepted" and order.command in MOTIONS
+        ]
+        motion = executor._mover.motion
+        started = taken[-1] if taken else None
+        if started is None and motion is not None and motion is not running:
+            started = Given(motion.plan.command, is_fresh=False)  # by nobody's order
+        return Edge(self.key(), executor._serial != serial, started, tuple(outcomes))
+
+    def _tick(self, found):
+        _World.found = found
+        self.presence.report({LOST[found]: "ended"} if found in LOST else {})
+        self.now += LATE.get(found, 0.0)
+        if found == "crash":
+            self.executor.crashed(ArithmeticError("x"))
+            return
+        if found != "silent":
+            self.executor.heartbeat(self.now)
+        was_seen = self.executor._measured is not None
+        is_absent = found == "nobody" and was_seen  # once seen, a robot that is gone says so
+        self.executor.tick(self.now, FOUND["gone" if is_absent else found])
+
+
+def _where(held):
+    """Where the set-point stands; it is taken anew from joints that were pushed away, too."""
+    if held is None:
+        return "nowhere"
+    return "away" if held[0] > 0.2 else "here"
+
+
+def _nothing():
+    pass
+
+
+def _order(given, serial, outcomes, n):
+    def reply(answer):
+        outcomes[n] = "accepted" if answer.accepted else "refused"
+
+    def stale():
+        outcomes[n] = "stale"
+
+    is_motion = given.command in MOTIONS
+    of = serial if given.is_fresh else serial - 1
+    return Order(
+        plan_of(given.command),
+        of if is_motion else -1,
+        given.is_spoken,
+        OWNER,
+        reply=reply,
+        stale=stale if is_motion else None,
+    )
+
+
+@dataclass
+class Graph:
+    """All states of the controller with all their edges."""
+
+    edges: dict[tuple, dict[Input, Edge]]
+    example: dict[tuple, Controller]  # one for each state
+    way: dict[tuple, tuple[Input, ...]]  # shortest that leads there
+    objections: list[tuple[str, tuple[Input, ...]]]  # with the way there
+
+    @property
+    def depth(self):
+        return max(len(way) for way in self.way.values())
+
+    @property
+    def edge_count(self):
+        return sum(len(edges) for edges in self.edges.values())
+
+
+def explore(given=None, deepest=None, is_first_enough=False):
+    """Breadth first from the start to the fixed point, or to a depth."""
+    given, start = given or inputs(), Controller()
+    graph = Graph({}, {start.key(): start}, {start.key(): ()}, [])
+    waiting = deque([start.key()])
+    logging.disable(logging.CRITICAL)  # each crash would be told in full
+    try:
+        _widen(graph, waiting, given, deepest, is_first_enough)
+    finally:
+        logging.disable(logging.NOTSET)
+    return graph
+
+
+def _widen(graph, waiting, given, deepest, is_first_enough):
+    while waiting:
+        key = waiting.popleft()
+        way, edges = graph.way[key], graph.edges.setdefault(key, {})
+        if deepest is not None and len(way) >= deepest:
+            continue
+        for what in given:
+            twin = graph.example[key].fork()
+            before = twin.executor._mover.held
+            edges[what] = edge = twin.take(what)
+            held = (before, twin.executor._mover.held)
+            if words := objection(key, what, edge, held):
+                graph.objections.append((words, (*way, what)))
+                if is_first_enough:
+                    return
+            if edge.to not in graph.example:
+                graph.example[edge.to], graph.way[edge.to] = twin, (*way, what)
+                waiting.append(edge.to)

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Commands of ROS in the fenced blocks of the documentation, and why some are not executed."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = (
+    "README.md",
+    "docs/interfaces.md",
+    "docs/commands.md",
+    "docs/hardware.md",
+    "docs/kinova_driver.md",
+)
+MARKERS = ROOT / "tests" / "rostest" / "doc_examples.yaml"
+PROGRAMS = ("rosservice", "rostopic", "rosrun", "roslaunch")
+FENCE = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class DocLine:
+    """One command as a page has it, its comment left off."""
+
+    page: str
+    number: int
+    text: str
+
+    @property
+    def words(self) -> list[str]:
+        """The command as the shell would split it."""
+        return shlex.split(self.text, comments=True)
+
+
+@dataclass(frozen=True)
+class Marker:
+    """What is said of the lines that begin so."""
+
+    begins: str
+    system: str  # what has to run for it, as doc_examples.yaml calls it; "": it is not executed
+    reason: str  # why it is not executed; "": it is
+
+    def covers(self, line: DocLine) -> bool:
+        """Whether this is said of the line."""
+        return line.text.startswith(self.begins)
+
+
+def doc_lines(text: str, page: str) -> list[DocLine]:
+    """Commands of ROS in the fenced blocks of a page."""
+    found = []
+    for block in FENCE.finditer(text):
+        first = text.count("\n", 0, block.start()) + 1
+        for offset, line in enumerate(block.group().splitlines()):
+            if line.split()[:1] and line.split()[0] in PROGRAMS:
+                command = shlex.join(shlex.split(line, comments=True))
+                found.append(DocLine(page, first + offset, _plain(line) or command))
+    return found
+
+
+def all_lines() -> list[DocLine]:
+    """Those of all pages, in order."""
+    return [line for page in PAGES for line in doc_lines((ROOT / page).read_text("utf-8"), page)]
+
+
+def markers() -> list[Marker]:
+    """What doc_examples.yaml says."""
+    data = yaml.safe_load(MARKERS.read_text(encoding="utf-8"))
+    executed = [Marker(begins, name, "") for name, rows in data["run"].items() for begins in rows]
+    return [
+        *(Marker(row["line"], "", row["reason"]) for row in data["not_run"]),
+        *executed,
+    ]
+
+
+def marker_of(line: DocLine) -> Marker | None:
+    """What is said of a line, by the marker that tells most of it; None: nothing."""
+    covering = [marker for marker in markers() if marker.covers(line)]
+    return max(covering, key=lambda marker: len(marker.begins), default=None)
+
+
+def _plain(line: str) -> str:
+    """The line without a comment at its end."""
+    return re.sub(r"\s+#.*$", "", line).strip()

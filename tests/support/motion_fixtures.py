@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fixtures of the tests of motion: the robot, its settings and its planner, made once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rst_control.config import load_motion_config
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.planner import Planner
+
+
+@pytest.fixture(scope="session")
+def robot():
+    return load_robot()
+
+
+@pytest.fixture(scope="session")
+def motion_config():
+    return load_motion_config()
+
+
+@pytest.fixture(scope="session")
+def planner(robot, motion_config):
+    return Planner(robot, motion_config)
+
+
+@pytest.fixture(scope="session")
+def home(motion_config):
+    return np.array(motion_config.scene.home)

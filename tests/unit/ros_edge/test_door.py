@@ -1,0 +1,297 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What stands between rospy and the core, without a ROS system: sockets and handlers alone."""
+
+import logging
+import socket
+import struct
+import threading
+from io import BytesIO
+
+import genpy
+import pytest
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatus
+from rospy.exceptions import TransportTerminated
+from rospy.impl.tcpros_pubsub import TCPROSSub
+from rospy.impl.tcpros_service import TCPService
+from std_msgs.msg import String
+
+from rst_control.admission import callers
+from rst_control.admission.callers import Doorkeeper
+from rst_control.admission.command_queue import CommandDesk
+from rst_control.config.callers import CallersConfig
+from rst_control.host.message_limits import LONGEST_MESSAGE
+from rst_control.msg import AssistActionGoal, AssistGoal, AssistResult
+from rst_control.ros.common import message_limits
+from rst_control.ros.controller import action_server, command_service
+from rst_control.ros.controller.action_server import GuardedServer
+from rst_control.ros.controller.command_service import CommandService, WordsCommand, WordsRequest
+from rst_control.srv import SetTrocar
+from rst_control.supervision.heartbeat import Heartbeat
+from tests.support.null_executor import Nobody
+
+MEGA = 10_000_000
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    """Nobody sleeps, and nothing is logged."""
+    monkeypatch.setattr(command_service.time, "sleep", lambda _: None)
+    monkeypatch.setattr(action_server.time, "sleep", lambda _: None)
+    logging.getLogger("rosout.rst_control.intake").setLevel(logging.CRITICAL)
+
+
+def framed(raw):
+    return struct.pack("<I", len(raw)) + raw
+
+
+def words(text):
+    raw = text.encode("utf-8", "surrogatepass")
+    return framed(framed(raw))
+
+
+class Wire:
+    """A connection as rospy reads it: what was sent comes in pieces of a buffer's size."""
+
+    def __init__(self, protocol, sent):
+        self.protocol, self.buffer = protocol, BytesIO()
+        self.near, self.far = socket.socketpair()
+        self.near.settimeout(10.0)
+        self._sender = threading.Thread(target=self._send, args=(sent,), daemon=True)
+        self._sender.start()
+
+    def _send(self, sent):
+        self.far.sendall(sent)
+        self.far.shutdown(socket.SHUT_WR)
+
+    def next(self):
+        """The next messages; none at the end."""
+        messages = []
+        while not messages:
+            if self.buffer.tell() >= 4:
+                message_limits._read_messages(self.protocol, self.buffer, messages, self.near)
+            if not messages:
+                piece = self.near.recv(65_536)
+                if not piece:
+                    break
+                self.buffer.write(piece)
+            assert self.buffer.getbuffer().nbytes < 4 * LONGEST_MESSAGE
+        return messages
+
+
+def service():
+    return TCPService("command", WordsCommand)
+
+
+def topic(queue_size=None):
+    return TCPROSSub("fault", String, queue_size=queue_size)
+
+
+def test_requests_are_read_one_at_a_time_and_none_is_lost():
+    wire = Wire(service(), b"".join(words(t) for t in ("tense", "stop", "")))
+    assert [wire.next()[0].command for _ in range(3)] == ["tense", "stop", ""]
+    assert wire.next() == []
+
+
+def test_of_a_request_of_ten_megabytes_the_beginning_and_the_length_are_kept():
+    wire = Wire(service(), words("x" * MEGA) + words("stop"))
+    (long,) = wire.next()
+    assert long.length == MEGA and len(long.command) == 400
+    assert wire.next()[0].command == "stop"
+
+
+CUT = struct.pack("<I", 99) + b"tense"  # what there is of it would be a command
+
+
+@pytest.mark.parametrize("raw", [b"", b"\x01", CUT, framed(b"tense") + b"\x00", b"\xff" * 40])
+def test_bytes_that_are_no_request_end_the_connection(raw):
+    with pytest.raises(TransportTerminated, match="no rst_control/CommandRequest"):
+        Wire(service(), framed(raw)).next()
+
+
+def test_a_stop_that_was_damaged_is_read_even_so():
+    (damaged,) = Wire(service(), framed(struct.pack("<I", 99) + b"stop")).next()
+    assert damaged.command == "stop"
+
+
+def test_a_service_that_can_make_nothing_of_a_long_request_hangs_up():
+    protocol = TCPService("set_trocar", SetTrocar)
+    with pytest.raises(TransportTerminated, match="allowed: 65536"):
+        Wire(protocol, framed(bytes(LONGEST_MESSAGE + 1))).next()
+
+
+def test_a_topic_passes_over_what_is_too_long_or_no_message():
+    sent = framed(bytes(MEGA)) + framed(b"\x07") + words("good") + framed(b"\xff") + words("too")
+    wire = Wire(topic(), sent)
+    heard = []
+    while messages := wire.next():
+        heard += [message.data for message in messages]
+    assert heard == ["good", "too"]
+
+
+def test_of_what_piles_up_on_a_topic_the_newest_counts():
+    wire = Wire(topic(queue_size=1), b"".join(words(str(n)) for n in range(1000)))
+    heard = []
+    while messages := wire.next():
+        heard += [message.data for message in messages]
+    assert heard[-1] == "999" and len(heard) < 1000
+
+
+def test_a_sender_who_hangs_up_in_the_middle_is_noticed():
+    with pytest.raises(TransportTerminated, match="hung up"):
+        Wire(service(), struct.pack("<I", MEGA) + bytes(70_000)).next()
+
+
+@pytest.mark.parametrize(
+    ("sent", "is_heard"),
+    [(framed(framed(b"callerid=/a")), True), (b"GET / HTTP/1.1\r\n\r\n", False), (b"", False)],
+)
+def test_a_stranger_is_let_in_by_a_whole_header_alone(sent, is_heard):
+    near, far = socket.socketpair()
+    far.sendall(sent)
+    far.shutdown(socket.SHUT_WR)
+    assert message_limits._says_in_time(near) is is_heard
+    assert near.recv(100, socket.MSG_PEEK) == sent
+
+
+def test_a_silent_stranger_is_left_after_a_time(monkeypatch):
+    monkeypatch.setattr(message_limits, "HANDSHAKE_TIME", 0.05)
+    near, _far = socket.socketpair()
+    with pytest.raises(TimeoutError):
+        message_limits._says_in_time(near)
+
+
+def request(text, caller="/panel", length=0):
+    message = WordsRequest(text)
+    message.length = length
+    message._connection_header = {"callerid": caller}
+    return message
+
+
+@pytest.fixture
+def served():
+    """The command service in front of a desk behind which nothing is carried out."""
+    nobody = Nobody()
+    service = CommandService.__new__(CommandService)
+    service._desk = CommandDesk(nobody, lambda *_: None, lambda: 0.0)
+    service._door = Doorkeeper(
+        CallersConfig(allowed=("/panel", "/long"), rate=1.0, burst=5), lambda: 0.0
+    )
+    service._spoken_by, service._heartbeat = "/voice_assist", Heartbeat(0.5)
+    nobody.call = service._on_command
+    return nobody
+
+
+def test_a_flood_is_refused_with_the_limits_and_its_stop_is_not(served):
+    answers = [served.call(request("dance")) for _ in range(8)]
+    assert not any(answer.accepted for answer in answers)
+    assert "unknown command" in answers[4].message
+    assert all("1 per second after 5 at once" in answer.message for answer in answers[5:])
+    assert sum("too many calls" in words for _, words in served.refusals) == 1
+    assert served.call(request("STOP")).accepted
+    assert served.stops == ['"stop" from /panel']
+
+
+def test_whoever_is_not_on_the_list_is_refused_and_may_stop(served):
+    for words in ("terminate", "tense", "hey robot", "dance"):
+        assert "may not give commands" in served.call(request(words, "/stray")).message
+    assert served.orders == []
+    assert served.call(request("stop", "/stray")).accepted
+    assert served.stops == ['"stop" from /stray']
+
+
+def test_a_text_that_was_cut_is_refused_by_its_length_unless_it_begins_as_a_stop(served):
+    answer = served.call(request("tense" + " " * 395, "/long", MEGA))
+    assert not answer.accepted and f"{MEGA} bytes, allowed: 200" in answer.message
+    assert served.call(request("stop " * 80, "/long", MEGA)).accepted
+
+
+def test_a_caller_without_a_name_is_an_unnamed_node(served):
+    message = WordsRequest("dance")
+    message._connection_header = None
+    assert callers.UNNAMED in served.call(message).message
+
+
+class Actions(GuardedServer):
+    """An action server without topics."""
+
+    def __init__(self, door):
+        self._door, self.lock, self.started = door, threading.RLock(), True
+        self.status_list, self.last_cancel = [], genpy.Time()
+        self.taken, self.refused = [], []
+        self.ActionResultType = AssistResult
+        self.goal_callback = lambda handle: self.taken.append(handle.get_goal().command)
+        self.cancel_callback = lambda handle: None
+        self.all_cancelled = []
+        self._on_cancel_all = self.all_cancelled.append
+
+    def publish_result(self, status, result):
+        self.refused.append((status.goal_id.id, status.status, result.outcome))
+
+    def publish_status(self):
+        pass
+
+
+def goal(command, name, caller="/panel"):
+    message = AssistActionGoal(goal=AssistGoal(command=command))
+    message.goal_id.id = name
+    message._connection_header = {"callerid": caller}
+    return message
+
+
+def actions(allowed=("/panel",)):
+    config = CallersConfig(allowed=allowed, rate=1.0, burst=3)
+    return Actions(Doorkeeper(config, lambda: 0.0))
+
+
+def test_goals_of_a_flood_are_rejected_and_a_stop_among_them_is_not():
+    server = actions()
+    for number in range(10):
+        server.internal_goal_callback(goal("tense", f"g{number}"))
+    server.internal_goal_callback(goal("stop", "last"))
+    assert server.taken == ["tense"] * 3 + ["stop"]
+    assert server.refused == [(f"g{n}", GoalStatus.REJECTED, "refused") for n in range(3, 10)]
+
+
+def test_goals_of_a_caller_that_is_not_on_the_list_are_rejected():
+    server = actions()
+    server.internal_goal_callback(goal("tense", "g", "/stray"))
+    assert server.taken == [] and len(server.refused) == 1
+
+
+def test_cancels_of_what_never_was_are_not_remembered_without_end():
+    server = actions()
+    for number in range(1000):
+        server.internal_cancel_callback(GoalID(id=f"none{number}"))
+    assert len(server.status_list) <= action_server.MOST_GOALS
+    server.internal_goal_callback(goal("stop", "g"))
+    assert server.taken == ["stop"]
+
+
+def test_an_endless_goal_id_is_refused_and_not_repeated():
+    server = actions()
+    server.internal_goal_callback(goal("tense", "x" * 60_000))
+    ((name, status, _),) = server.refused
+    assert len(name) == action_server.LONGEST_ID and status == GoalStatus.REJECTED
+
+
+@pytest.mark.parametrize("stamp", [genpy.Time(0xFFFFFFFF), genpy.Time(0xFFFFFFFF, 0xFFFFFFFF)])
+def test_a_cancel_from_the_future_does_not_cancel_all_goals_to_come(stamp):
+    server = actions()
+    server.internal_cancel_callback(GoalID(stamp=stamp))
+    assert server.last_cancel <= rospy.Time.now()
+    later = goal("tense", "g")
+    later.goal_id.stamp = stamp
+    server.internal_goal_callback(later)
+    assert server.taken == ["tense"]
+    for status in server.status_list:
+        status.status.serialize(BytesIO())
+
+
+def test_a_cancel_that_names_no_goal_stops_whatever_is_under_way():
+    server = Actions(Doorkeeper(CallersConfig(allowed=(), rate=1.0, burst=5), lambda: 0.0))
+    for _ in range(3):
+        server.internal_cancel_callback(GoalID())
+    assert len(server.all_cancelled) == 3
+    server.internal_cancel_callback(GoalID(id="one that ended long ago"))
+    assert len(server.all_cancelled) == 3

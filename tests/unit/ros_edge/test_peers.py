@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which processes are watched, with a made-up ROS system: only the answers of its APIs."""
+
+import pytest
+import rosgraph
+import rospy
+
+from rst_control.host.processes import ENDED
+from rst_control.ros.common import peers
+from rst_control.ros.common.peers import SILENCES, SILENT, UNREACHABLE, Peers
+from rst_control.supervision.presence import MASTER
+
+MASTER_URI = "http://127.0.0.1:11311"
+
+
+class Running:
+    """A process of this host."""
+
+    def __init__(self):
+        self.words = ""
+
+    def state(self):
+        return self.words
+
+
+class System:
+    """Nodes by name: number of the process that each says, or an error of its API."""
+
+    def __init__(self, monkeypatch):
+        self.pids, self.uris, self.here = {MASTER_URI: 1}, {}, {1: Running()}
+        monkeypatch.setattr(peers, "ask", self.ask)
+        monkeypatch.setattr(peers, "process_of", lambda pid, _: self.here.get(pid))
+        monkeypatch.setattr(peers, "LOOK_PERIOD", 0.0)
+        monkeypatch.setattr(rosgraph, "get_master_uri", lambda: MASTER_URI)
+        monkeypatch.setattr(rospy, "get_name", lambda: "/controller")
+
+    def ask(self, uri, method, *arguments):
+        found = self.pids[uri]
+        if isinstance(found, Exception):
+            raise found
+        return found if method == "getPid" else self.uris[arguments[-1]]
+
+    def add(self, name, pid, is_here=True):
+        self.uris[name] = uri = f"http://127.0.0.1:{40000 + pid}"
+        self.pids[uri] = pid
+        if is_here:
+            self.here[pid] = Running()
+        return uri
+
+
+@pytest.fixture
+def system(monkeypatch):
+    return System(monkeypatch)
+
+
+def test_a_node_of_this_host_that_ends_is_told_and_found_again_when_it_is_back(system):
+    watched = Peers()
+    first = system.add("/voice", 7)
+    watched.want({"/voice"})
+    watched.step()
+    assert watched.state("/voice") == ""
+    system.here[7].words = ENDED
+    system.pids[first] = ConnectionRefusedError()
+    watched.step()
+    assert watched.state("/voice") == ENDED
+    system.add("/voice", 8)
+    watched.step()
+    assert watched.state("/voice") == ""
+
+
+def test_a_node_elsewhere_is_unknown_even_where_one_of_that_name_ended_here(system):
+    watched = Peers()
+    system.add("/voice", 7)
+    watched.want({"/voice"})
+    watched.step()
+    system.here[7].words = ENDED
+    system.add("/voice", 9, is_here=False)
+    watched.step()
+    assert watched.state("/voice") == ""
+
+
+def test_the_master_that_ends_is_told_at_once_and_its_successor_is_taken(system):
+    watched = Peers()
+    watched.step()
+    assert watched.state(MASTER) == ""
+    system.here[1].words = ENDED
+    assert watched.state(MASTER) == ENDED
+    system.pids[MASTER_URI] = ConnectionRefusedError()
+    watched.step()
+    assert watched.state(MASTER) == ENDED
+    system.pids[MASTER_URI], system.here[2] = 2, Running()
+    watched.step()
+    assert watched.state(MASTER) == ""
+
+
+def test_a_master_elsewhere_is_lost_when_nobody_is_there_or_nobody_answers(system):
+    system.here.clear()
+    watched = Peers()
+    watched.step()
+    assert watched.state(MASTER) == ""
+    system.pids[MASTER_URI] = TimeoutError()
+    for _ in range(SILENCES - 1):
+        watched.step()
+        assert watched.state(MASTER) == ""
+    watched.step()
+    assert watched.state(MASTER) == SILENT
+    system.pids[MASTER_URI] = 1
+    watched.step()
+    assert watched.state(MASTER) == ""
+    system.pids[MASTER_URI] = ConnectionRefusedError()
+    watched.step()
+    assert watched.state(MASTER) == UNREACHABLE
+
+
+def test_who_is_not_wanted_any_more_is_forgotten(system):
+    watched = Peers()
+    for k in range(50):
+        system.add(f"/client_{k}", 100 + k)
+        watched.want({f"/client_{k}"})
+        watched.step()
+    assert len(watched._processes) <= 2

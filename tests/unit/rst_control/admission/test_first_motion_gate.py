@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The first motion is shown, refused, confirmed and only then carried out; later ones are free."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rst_control.admission.first_motion_gate import VALID_FOR, FirstMotion
+from rst_control.planning.plan import Accepted, Phase, PhaseKind, Plan, Rejected, Request, Situation
+from rst_control.types import Command, Measurement, Reason
+
+STILL = np.zeros(10)
+
+
+def at(position, now=0.0):
+    return Situation(Measurement(position, STILL, STILL, now), now, is_active=True)
+
+
+def verify(request, situation):
+    command = {c.value: c for c in Command}[request.words]
+    if command is Command.WITHDRAW:
+        return Rejected(Reason.ALREADY_THERE, "outside already")
+    phases = (Phase(PhaseKind.OPEN, opening=0.5),) if command in MOVING else ()
+    return Accepted(Plan(command, "does it", phases))
+
+
+MOVING = (Command.TENSE, Command.RELEASE, Command.PULL_MORE)
+
+
+class Asked:
+    def __init__(self):
+        self.now, self.shown = 0.0, []
+        self.first = FirstMotion(verify, self.shown.append, lambda: self.now)
+
+    def say(self, words, position=STILL):
+        return self.first(Request(words), at(position))
+
+
+@pytest.fixture
+def asked():
+    return Asked()
+
+
+def test_the_first_motion_is_shown_and_refused_as_often_as_it_is_said(asked):
+    for _ in range(3):
+        answer = asked.say("tense")
+        assert answer.reason is Reason.NOT_CONFIRMED
+        assert "rst_control/confirm" in answer.words
+    assert [plan.command for plan in asked.shown] == [Command.TENSE] * 3
+
+
+def test_what_moves_nothing_is_never_asked_about(asked):
+    for words in ("hey robot", "stop", "terminate"):
+        assert isinstance(asked.say(words), Accepted)
+    assert asked.shown == []
+
+
+def test_what_is_refused_anyway_keeps_its_reason(asked):
+    assert asked.say("withdraw").reason is Reason.ALREADY_THERE
+    assert asked.shown == []
+
+
+def test_confirmed_it_goes_and_nothing_asks_any_more(asked):
+    asked.say("tense")
+    assert asked.first.confirm().accepted
+    assert isinstance(asked.say("tense"), Accepted)
+    assert asked.shown[-1] is None
+    assert isinstance(asked.say("release", STILL + 1.0), Accepted)
+    assert not asked.first.confirm().accepted
+
+
+def test_nothing_can_be_confirmed_before_it_was_shown(asked):
+    reply = asked.first.confirm()
+    assert not reply.accepted
+    assert "no path was shown" in reply.message
+    assert isinstance(asked.say("tense"), Rejected)
+
+
+def test_another_command_than_the_one_shown_is_shown_first(asked):
+    asked.say("tense")
+    asked.first.confirm()
+    assert isinstance(asked.say("release"), Rejected)
+    assert isinstance(asked.say("tense"), Rejected)  # the confirmation was for what was shown then
+    asked.first.confirm()
+    assert isinstance(asked.say("tense"), Accepted)
+
+
+def test_another_place_than_where_it_was_shown_is_shown_first(asked):
+    asked.say("tense")
+    asked.first.confirm()
+    moved = STILL.copy()
+    moved[3] = 0.01
+    assert isinstance(asked.say("tense", moved), Rejected)
+
+
+def test_a_confirmation_does_not_hold_for_ever(asked):
+    asked.say("tense")
+    asked.first.confirm()
+    asked.now = VALID_FOR + 1.0
+    assert isinstance(asked.say("tense"), Rejected)

@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the robot may do while nobody records it."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+
+import pytest
+
+from rst_control.admission.command_queue import CommandDesk
+from rst_control.admission.recording_gate import (
+    ADVANCING,
+    EASING,
+    LASTING,
+    RecordedOnly,
+    RecordingNews,
+    RecordingWatch,
+)
+from rst_control.commands.verifier import MOTIONS
+from rst_control.config import CONFIG_FOLDER, load_motion_config
+from rst_control.config.recording import RecordingConfig
+from rst_control.execution.state_machine import State
+from rst_control.planning.plan import Plan
+from rst_control.types import BY_HAND, Command
+from tests.unit.rst_control.support.executor_rig import Rig
+from typed_config import ConfigError, load_config
+
+AGE = 2.0  # [s]
+
+
+class Clock:
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+def watch_of(on_loss, clock):
+    return RecordingWatch(RecordingConfig(on_loss=on_loss, heartbeat_age=AGE), clock)
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+def test_a_recorder_that_is_lost_is_named_at_once_and_its_own_last_words_are_kept():
+    watch = RecordingWatch(RecordingConfig(on_loss="stop", heartbeat_age=2.0), lambda: 10.0)
+    watch.heard("/recorder", "")
+    watch.lost("/recorder", "was stopped")
+    assert watch.problem == "/recorder: recorder was stopped"
+    watch.heard("/recorder", "the recorder was shut down")
+    watch.lost("/recorder", "ended")
+    assert watch.problem == "/recorder: the recorder was shut down"
+    watch.heard("/recorder", "")
+    assert watch.problem == ""
+
+
+def test_every_motion_either_advances_or_eases():
+    assert sorted(c.value for c in (*ADVANCING, *EASING)) == sorted(c.value for c in MOTIONS)
+    assert set(BY_HAND) <= {*ADVANCING, *EASING}
+
+
+@pytest.mark.parametrize("command", Command)
+def test_what_is_recorded_is_never_refused(command, clock):
+    watch = watch_of("refuse", clock)
+    watch.heard("/recorder", "")
+    clock.now += AGE
+    assert watch.problem == watch.objection(command) == ""
+
+
+@pytest.mark.parametrize("command", Command)
+@pytest.mark.parametrize("on_loss", ["refuse", "stop"])
+def test_without_a_recorder_only_what_advances_is_refused(command, on_loss, clock):
+    objection = watch_of(on_loss, clock).objection(command)
+    if command in ADVANCING:
+        assert objection.startswith("not recorded: no recorder was ever heard; start launch/")
+        assert objection.endswith('still allowed: "release", "pull less", "withdraw", "stop"')
+    else:
+        assert objection == ""
+
+
+@pytest.mark.parametrize("command", Command)
+def test_where_it_is_ignored_nothing_is_refused_or_stopped(command, clock):
+    watch = watch_of("ignore", clock)
+    assert watch.problem and not watch.objection(command)
+    assert not watch.stop_reason(Plan(command, ""))
+
+
+def test_a_silent_recorder_is_named_with_the_time_and_what_was_allowed(clock):
+    watch = watch_of("refuse", clock)
+    watch.heard("/recorder", "")
+    clock.now += AGE + 0.1
+    assert watch.problem == "/recorder: recorder silent for 2.1 s, allowed 2.0 s"
+    watch.heard("/recorder", "")
+    assert watch.problem == ""
+
+
+def test_the_recorders_own_words_reach_the_refusal(clock):
+    watch = watch_of("refuse", clock)
+    watch.heard("/recorder", "cannot record to /s/x: No space left on device")
+    assert "/recorder: cannot record to /s/x: No space left" in watch.objection(Command.TENSE)
+    clock.now += 10.0
+    assert "silent for 10.0 s" in watch.problem and "No space left" in watch.problem
+
+
+def test_one_healthy_recorder_is_enough(clock):
+    watch = watch_of("refuse", clock)
+    watch.heard("/second", "")
+    watch.heard("/recorder", "disk full")
+    assert watch.problem == ""
+    clock.now += AGE / 2
+    watch.heard("/recorder", "disk full")
+    clock.now += AGE / 2 + 0.1
+    assert watch.problem == "/recorder: disk full"
+
+
+@pytest.mark.parametrize("command", Command)
+@pytest.mark.parametrize("on_loss", ["ignore", "refuse", "stop"])
+def test_only_the_setting_stop_brakes_and_only_what_advances(command, on_loss, clock):
+    watch = watch_of(on_loss, clock)
+    watch.heard("/recorder", "")
+    assert watch.stop_reason(Plan(command, "")) == ""
+    clock.now += 60.0
+    brakes = bool(watch.stop_reason(Plan(command, "")))
+    assert brakes == (on_loss == "stop" and command in ADVANCING)
+    assert watch.stop_reason(None) == ""
+
+
+def test_news_come_once_each_way(clock):
+    watch = watch_of("refuse", clock)
+    news = RecordingNews(watch, 15.0, clock)
+    assert news.next() is None
+    clock.now += 14.0
+    assert news.next() is None
+    watch.heard("/recorder", "")
+    assert news.next() == (False, "recorded") and news.next() is None
+    clock.now += 4.0
+    assert news.next() is None  # it may be the end of the whole launch
+    clock.now += LASTING
+    is_loss, words = news.next()
+    assert is_loss and "silent for 5.0 s" in words and "new motion is refused" in words
+    clock.now += 5.0
+    assert news.next() is None
+    watch.heard("/recorder", "")
+    assert news.next() == (False, "recorded again")
+
+
+def test_a_recorder_that_never_comes_is_news_after_the_grace_or_at_once_where_ignored(clock):
+    news = RecordingNews(watch_of("refuse", clock), 15.0, clock)
+    assert news.next() is None
+    clock.now += 15.1
+    assert "no recorder was ever heard" in news.next()[1]
+    ignored = RecordingNews(watch_of("ignore", clock), 15.0, clock)
+    expected = "not recorded: no recorder was ever heard; ignored, as it was set"
+    assert ignored.next() == (True, expected) and ignored.next() is None
+
+
+class RecordedRig(Rig):
+    """The executor with a recorder that the test lets fail."""
+
+    def __init__(self, on_loss="refuse"):
+        super().__init__()
+        clock = lambda: self.now  # noqa: E731
+        self.watch = watch_of(on_loss, clock)
+        verify = RecordedOnly(self.site.verify, self.watch)
+        self.desk = CommandDesk(self.executor, verify, clock)
+        self.problem = ""
+
+    def record(self, problem):
+        """Let the recorder work ("") or fail, beginning with a heartbeat at once."""
+        self.problem = problem
+        self.watch.heard("/recorder", problem)
+
+    def tick(self):
+        self.watch.heard("/recorder", self.problem)
+        view = self.executor.view
+        if view.life.state is State.MOVING and (reason := self.watch.stop_reason(view.plan)):
+            self.executor.stop(reason)
+        return super().tick()
+
+
+def test_a_motion_under_way_is_finished_and_the_next_is_refused():
+    rig = RecordedRig().awake()
+    rig.say("tense")
+    rig.run(0.5)
+    rig.record("disk full")
+    rig.until(lambda: rig.state is not State.MOVING)
+    assert rig.state is State.ACTIVE
+    assert rig.executor.diary[-1].kind == "motion_finished"
+    refusal = rig.refused("pull more")
+    assert refusal.startswith("not recorded: /recorder: disk full; still allowed")
+    assert rig.executor.view.last_refusal == refusal
+    rig.record("")
+    rig.finish("pull more")
+
+
+def test_tissue_that_is_held_can_be_eased_and_let_go_unrecorded():
+    rig = RecordedRig().awake()
+    rig.finish("tense")
+    rig.record("disk full")
+    tension = rig.executor.view.tension
+    ticket = rig.say("pull less")
+    rig.until(ticket.ended.done)
+    assert "not recorded: /recorder: disk full" in ticket.reply.result(0).message
+    assert rig.executor.view.tension < tension - 0.1
+    rig.finish("release")
+    assert not rig.executor.view.is_tissue_held
+    assert "not recorded" in rig.refused("tense")
+
+
+def test_stop_wakes_and_ends_unrecorded():
+    rig = RecordedRig().awake()
+    rig.record("disk full")
+    rig.say("stop")
+    assert rig.state is State.HALTED
+    rig.say("hey robot")
+    rig.say("terminate")
+    assert rig.state is State.STANDBY
+
+
+def test_a_nearer_reason_comes_first():
+    rig = RecordedRig()
+    rig.run(0.1)
+    rig.record("disk full")
+    assert "standby" in rig.refused("tense")
+
+
+def test_with_the_setting_stop_a_pull_brakes_and_a_release_is_finished():
+    rig = RecordedRig("stop").awake()
+    rig.say("tense")
+    rig.until(lambda: rig.executor.view.tension > 0.2)
+    rig.record("disk full")
+    rig.until(lambda: rig.state is State.HALTED)
+    assert rig.executor.view.life.reason == "not recorded: /recorder: disk full"
+    assert rig.executor.view.is_tissue_held, "a stop keeps the grip"
+    rig.say("hey robot")
+    rig.finish("release")
+    assert rig.state is State.ACTIVE and not rig.executor.view.is_tissue_held
+
+
+def test_where_it_is_ignored_the_robot_works_as_ever():
+    rig = RecordedRig("ignore").awake()
+    rig.record("disk full")
+    ticket = rig.say("tense")
+    rig.until(ticket.ended.done)
+    assert ticket.ended.result(0).kind == "succeeded"
+    assert "not recorded" not in ticket.reply.result(0).message
+
+
+def test_the_shipped_setting_refuses():
+    assert load_motion_config().controller.recording.on_loss == "refuse"
+
+
+def test_an_unknown_setting_is_named_with_those_allowed(tmp_path):
+    for file in CONFIG_FOLDER.glob("*.yaml"):
+        shutil.copy(file, tmp_path)
+    file = tmp_path / "controller.yaml"
+    file.write_text(file.read_text().replace("on_loss: refuse", "on_loss: halt"))
+    with pytest.raises(
+        ConfigError, match=r"recording\.on_loss is 'halt', allowed: one of ignore, refuse, stop"
+    ):
+        load_motion_config(tmp_path)
+
+
+def test_a_heartbeat_age_out_of_range_is_named():
+    with pytest.raises(ConfigError, match=r"heartbeat_age is 0\.0, allowed: a number from 0\.2"):
+        load_config(RecordingConfig, {"on_loss": "stop", "heartbeat_age": 0.0}, "")
+    config = load_motion_config().controller.recording
+    assert replace(config, on_loss="stop").heartbeat_age == config.heartbeat_age

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Looking about under the trocar: left is left in the picture, and the shaft stays where it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.motion.bullet_witness import BulletWitness
+from bench.motion.insertion import situation
+from rst_control.commands.camera_step import WAYS, LookPlans, picture
+from rst_control.commands.verifier import Verifier
+from rst_control.execution.state_machine import State
+from rst_control.kinematics.configuration import Configuration
+from rst_control.planning.plan import PhaseKind, Rejected, Request
+from rst_control.planning.planner import Planner
+from rst_control.types import LOOKS, Command, Reason
+from tests.unit.rst_control.support.executor_rig import Rig, shared
+
+PICOMETRE = 1e-12
+SINGLE = 2e-6  # [m] of PyBullet's single precision, over the length of the arm
+ROUND = tuple(c for c in LOOKS if not WAYS[c][2])  # the eight directions
+BACK = {c: next(d for d in LOOKS if np.sum(np.add(WAYS[c], WAYS[d]) ** 2) == 0) for c in LOOKS}
+
+
+@pytest.fixture(scope="module")
+def verify(planner):
+    return Verifier(planner)
+
+
+@pytest.fixture(scope="module")
+def witness(motion_config):
+    with BulletWitness(motion_config) as made:
+        yield made
+
+
+def ask(verify, command, q):
+    return verify(Request(command.value), situation(q))
+
+
+def changed(config, **look):
+    controller = replace(config.controller, look=replace(config.controller.look, **look))
+    return replace(config, controller=controller)
+
+
+def in_picture(T_before, tip, roll=0.0):
+    """How far a tip moved right, up and forward in the picture [m]."""
+    seen = picture(T_before, roll)
+    moved = tip - T_before[:3, 3]
+    return np.array([moved @ seen.right, moved @ seen.up, moved @ seen.forward])
+
+
+def test_the_picture_is_a_right_handed_frame_that_looks_where_the_tool_points():
+    T = np.eye(4)
+    for roll in (0.0, 0.5, -2.0):
+        seen = picture(T, roll)
+        np.testing.assert_allclose(np.cross(seen.right, -seen.up), seen.forward, atol=1e-15)
+        np.testing.assert_allclose(seen.forward, [0.0, -1.0, 0.0], atol=1e-15)
+    quarter = picture(T, np.pi / 2)  # turned clockwise: what was at the right is above
+    np.testing.assert_allclose(quarter.up, picture(T, 0.0).right, atol=1e-15)
+
+
+@pytest.mark.parametrize("command", ROUND)
+def test_each_direction_is_that_of_the_picture_and_keeps_the_trocar(
+    verify, witness, planner, home, command
+):
+    """Judged by PyBullet's kinematics, at the end of the planned way and all along it."""
+    plan = ask(verify, command, home).plan
+    assert {phase.kind for phase in plan.phases} == {PhaseKind.LOOK}
+    before, after = (witness._poses(q)["tool_tip"] for q in (home, plan.phases[-1].path.end))
+    right, up, _ = in_picture(before, after[:, 3])
+    wanted = np.array(WAYS[command][:2]) / np.linalg.norm(WAYS[command][:2])
+    moved = np.array([right, up]) / np.hypot(right, up)
+    assert np.hypot(right, up) > 0.007
+    assert float(moved @ wanted) > np.cos(0.25), (right, up)
+    signs = [int(np.sign(x)) if abs(x) > 3e-3 else 0 for x in (right, up)]
+    assert signs == list(WAYS[command][:2])
+    for phase in plan.phases:
+        samples = phase.path.sample(planner.model.chain, planner.trocar, per_knot=20)
+        assert samples.rcm_error.max() < 1e-6
+        for q in samples.q[::40, 0]:
+            assert witness.look(q).error < SINGLE
+
+
+@pytest.mark.parametrize("command", ROUND)
+def test_a_step_sideways_turns_the_tool_as_one_about_the_trocar(verify, planner, home, command):
+    look = planner.config.controller.look
+    end = ask(verify, command, home).plan.phases[-1].path.end
+    before, after = (Configuration(planner.model, q) for q in (home, end))
+    shafts = [c.T_base_shaft[:3, 2] for c in (before, after)]
+    assert np.arccos(shafts[0] @ shafts[1]) <= look.angle + 1e-9
+    arms = [c.tip - planner.trocar for c in (before, after)]
+    turned = np.arccos(arms[0] @ arms[1] / np.prod([np.linalg.norm(a) for a in arms]))
+    assert turned == pytest.approx(look.angle, abs=1e-6)
+    np.testing.assert_allclose(after.q[7:], home[7:], atol=1e-5)  # the wrist keeps its bend
+    depths = [planner.patient.placement(c.q).wrist for c in (before, after)]
+    assert depths[0] == pytest.approx(depths[1], abs=1e-7)
+
+
+@pytest.mark.parametrize(("command", "sign"), [(Command.LOOK_CLOSER, 1), (Command.LOOK_WIDER, -1)])
+def test_closer_and_wider_slide_along_the_shaft(verify, witness, planner, home, command, sign):
+    decision = ask(verify, command, home)
+    path = decision.plan.phases[-1].path
+    before = Configuration(planner.model, home)
+    moved = witness._poses(path.end)["tool_tip"][:, 3] - before.tip
+    shaft = before.T_base_shaft[:3, 2]
+    np.testing.assert_allclose(
+        moved, sign * planner.config.controller.look.depth * shaft, atol=SINGLE
+    )
+    depths = [planner.patient.placement(q).wrist for q in (home, path.end)]
+    assert depths[1] - depths[0] == pytest.approx(sign * 0.010, abs=1e-7)
+    assert path.sample(planner.model.chain, planner.trocar).rcm_error.max() < 1e-6
+
+
+@pytest.mark.parametrize("command", LOOKS)
+def test_the_opposite_step_leads_back(verify, planner, home, command):
+    there = ask(verify, command, home).plan.phases[-1].path.end
+    back = ask(verify, BACK[command], there).plan.phases[-1].path.end
+    tips = [Configuration(planner.model, q).T_base_tip for q in (home, back)]
+    np.testing.assert_allclose(*tips, atol=1e-8)
+
+
+def test_the_camera_may_sit_turned_on_the_tool(robot, motion_config, home):
+    """Turned by a quarter, what was left for the first camera is up for the other."""
+    straight = LookPlans(Planner(robot, motion_config))
+    turned = LookPlans(Planner(robot, changed(motion_config, image_roll=-np.pi / 2)))
+    np.testing.assert_allclose(
+        turned.goal(Command.LOOK_UP, home), straight.goal(Command.LOOK_LEFT, home), atol=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "look", "insertion", "reason"),
+    [
+        ("look left", {"angle": 0.5}, (0.05, 0.25), Reason.WORKSPACE),
+        ("look wider", {"depth": 0.05}, (0.04, 0.25), Reason.WORKSPACE),
+        ("look left", {"most_tilt": 0.12}, (0.05, 0.25), Reason.TILT_LIMIT),
+        ("look closer", {}, (0.05, 0.105), Reason.INSERTION_DEPTH),
+        ("look wider", {}, (0.095, 0.25), Reason.INSERTION_DEPTH),
+    ],
+)
+def test_a_step_that_leads_too_far_is_refused_by_name(
+    robot, motion_config, home, words, look, insertion, reason
+):
+    config = changed(motion_config, **look)
+    config = replace(config, rcm=replace(config.rcm, insertion=insertion))
+    decision = ask(Verifier(Planner(robot, config)), Command(words), home)
+    assert isinstance(decision, Rejected)
+    assert decision.reason is reason and "allowed" in decision.words, decision
+
+
+@pytest.mark.parametrize("command", LOOKS)
+def test_steps_on_and_on_end_with_a_refusal_and_never_a_drift(verify, planner, home, command):
+    q, steps = home, 0
+    while not isinstance(decision := ask(verify, command, q), Rejected):
+        for phase in decision.plan.phases:
+            q = phase.path.end
+            assert phase.path.sample(planner.model.chain, planner.trocar).rcm_error.max() < 1e-6
+        steps += 1
+        assert steps < 30
+    assert "allowed" in decision.words
+
+
+# In the running executor.
+
+
+def test_eight_directions_and_back_by_voice_keep_the_trocar():
+    rig = Rig()
+    rig.robot.tissue = None
+    rig.awake()
+    first, worst = rig.joints.copy(), 0.0
+    for command in (*ROUND, Command.LOOK_CLOSER):
+        for words in (command.value, BACK[command].value):
+            rig.executor.heartbeat(rig.now)
+            ticket = rig.say(words, spoken=True)
+            while not ticket.ended.done():
+                rig.executor.heartbeat(rig.now)
+                rig.tick()
+                worst = max(worst, rig.view.placement.error)
+            assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
+    planner = shared()[2].planner
+    tips = [
+        Configuration(planner.model, [*j[:8], 0.5 * (j[8] - j[9])]).tip for j in (first, rig.joints)
+    ]
+    np.testing.assert_allclose(*tips, atol=1e-7)
+    assert worst < 1e-6 and rig.state is State.ACTIVE
+
+
+def test_stop_in_the_middle_brakes_on_the_way_and_latches():
+    rig = Rig()
+    rig.robot.tissue = None
+    rig.awake().say("look up left")
+    rig.until(lambda: rig.phase == "look" and rig.view.motion.progress > 0.4)
+    worst = 0.0
+    rig.give("stop")
+    while rig.state is State.STOPPING:
+        rig.tick()
+        worst = max(worst, rig.view.placement.error)
+    assert rig.state is State.HALTED and worst < 1e-6
+    assert 0.3 < rig.view.path_position / rig.view.path.length < 0.9
+    assert rig.still_for(0.2)
+    assert "halted" in rig.refused("look right")
+    rig.say("hey robot")
+    rig.finish("look down right")
+
+
+def test_a_look_needs_hey_robot_an_inserted_tool_and_empty_jaws():
+    rig = Rig().run(0.01)
+    assert "hey robot" in rig.refused("look left")
+    rig.say("hey robot")
+    rig.finish("tense")
+    assert "release first" in rig.refused("look left")
+
+
+def test_what_is_no_direction_moves_nothing():
+    rig = Rig().awake()
+    for words in ("look", "look sideways", "left", "look left right", "don't look left"):
+        assert "unknown command" in rig.refused(words)
+    assert rig.still_for(0.1)
+
+
+def test_another_look_waits_until_the_first_is_done():
+    rig = Rig()
+    rig.robot.tissue = None
+    rig.awake().say("look left")
+    rig.run(0.05)
+    assert "busy" in rig.refused("look left")

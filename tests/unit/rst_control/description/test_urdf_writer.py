@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: BSD-3-Clause
+from __future__ import annotations
+
+import math
+from xml.etree import ElementTree as Xml
+
+import numpy as np
+import pytest
+
+from rst_control.config import URDF_FILE
+from rst_control.description.facts import body_inertia, load_facts
+from rst_control.description.urdf_writer import cylinder_pose, main, urdf_text
+from rst_control.kinematics.robot_model import rotation
+
+
+@pytest.fixture(scope="module")
+def robot_xml():
+    return Xml.fromstring(urdf_text(load_facts()))
+
+
+def test_the_committed_urdf_is_what_the_numbers_give():
+    assert URDF_FILE.read_text(encoding="utf-8") == urdf_text(load_facts())
+
+
+def test_the_command_writes_the_file_and_then_finds_it_up_to_date(tmp_path, capsys):
+    file = tmp_path / "robot.urdf"
+    assert main([str(file)]) == 0
+    assert main([str(file), "--check"]) == 0
+    file.write_text("<robot/>")
+    assert main([str(file), "--check"]) == 1
+    assert "out of date" in capsys.readouterr().out
+
+
+def test_all_turns_between_frames_are_exact_quarters(robot_xml):
+    for origin in robot_xml.findall("joint/origin"):
+        for word in origin.attrib["rpy"].split():
+            assert float(word) in {k * math.pi / 2 for k in range(-2, 3)}
+
+
+def test_the_root_is_the_world_at_the_base_without_inertia_which_kdl_asks_for(robot_xml):
+    children = {joint.find("child").attrib["link"] for joint in robot_xml.findall("joint")}
+    (root,) = (x for x in robot_xml.findall("link") if x.attrib["name"] not in children)
+    assert root.attrib["name"] == "world"  # PyBullet takes a root of this name without a warning
+    assert not list(root)
+    base = robot_xml.find("joint[@name='joint_base']")
+    assert base.find("child").attrib["link"] == "base_link"
+    assert base.find("origin").attrib == {"xyz": "0 0 0", "rpy": "0 0 0"}
+
+
+def test_every_link_but_the_root_has_mass_and_a_possible_inertia(robot_xml):
+    for link in robot_xml.findall("link")[1:]:
+        i = link.find("inertial/inertia").attrib
+        xx, xy, xz, yy, yz, zz = (float(i[k]) for k in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+        moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        assert float(link.find("inertial/mass").attrib["value"]) > 0.0, link.attrib
+        assert moments[0] > 0.0, link.attrib
+        assert moments[0] + moments[1] >= moments[2] * 0.999, link.attrib
+
+
+def test_every_moving_link_can_be_seen_and_nothing_needs_a_mesh(robot_xml):
+    for link in robot_xml.findall("link"):
+        if link.attrib["name"] not in ("world", "tool_tip"):
+            assert link.findall("visual/geometry"), link.attrib
+    assert not list(robot_xml.iter("mesh"))
+
+
+def test_joints_carry_the_limits_of_the_data_sheets(robot_xml):
+    limits = {j.attrib["name"]: j.find("limit") for j in robot_xml.findall("joint")}
+    assert limits["joint_4"].attrib["upper"] == "2.57"
+    assert limits["joint_7"].attrib["velocity"] == "1.2218"
+    assert limits["joint_1"].attrib["effort"] == "39"
+    assert "upper" not in limits["joint_1"].attrib
+
+
+@pytest.mark.parametrize(
+    ("start", "end"),
+    [
+        ((0, 0, 0), (0, 0, 2)),
+        ((0, 0, 0), (0, -1, 0)),
+        ((1, 2, 3), (-1, 2.5, 3)),
+        ((0, 0, 1), (0, 0, 0)),
+    ],
+)
+def test_a_cylinder_reaches_from_its_start_to_its_end(start, end):
+    centre, rpy, length = cylinder_pose(start, end)
+    half = 0.5 * length * rotation(rpy)[:, 2]
+    np.testing.assert_allclose(centre - half, start, atol=1e-8)
+    np.testing.assert_allclose(centre + half, end, atol=1e-8)
+
+
+def test_inertia_of_a_cube_and_of_a_thin_rod():
+    assert body_inertia(6.0, {"box": [1.0, 1.0, 1.0]}) == (1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
+    across, *_, along = body_inertia(12.0, {"cylinder": [1e-9, 1.0]})
+    assert across == pytest.approx(1.0)
+    assert along == pytest.approx(0.0)

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A pull that a rough tension ends: where it stops, how fast it goes, what makes it give up."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rst_control.config import load_motion_config
+from rst_control.execution.guarded_pull import GuardedRun
+from rst_control.planning.plan import Phase, PhaseKind
+from rst_control.trajectory.path import Path
+from rst_control.trajectory.profile import Bounds
+from rst_control.types import Measurement, PathState
+
+PERIOD = 0.002  # [s]
+LENGTH = 0.03  # [m]
+BOUNDS = Bounds(0.02, 0.8, 80.0)
+TENSION = replace(
+    load_motion_config().controller.tension,
+    source="joint_torque",
+    delay=0.13,
+    tolerance=0.15,
+    blind_stiffness=200.0,
+)
+
+
+class Tissue:
+    """Pulled by a run, its tension told late."""
+
+    def __init__(self, stiffness: float, goal: float, start: float = 0.0) -> None:
+        knots = np.zeros((4, 9))
+        knots[:, 0] = np.linspace(0.0, LENGTH, 4)
+        path = Path(knots, np.tile([1.0, *[0.0] * 8], (4, 1)), LENGTH)
+        phase = Phase(PhaseKind.PULL, path, target=LENGTH, speed=0.02, tension=goal)
+        self.run = GuardedRun(phase, path, PathState(start), 0.0, BOUNDS, BOUNDS, TENSION)
+        self.stiffness, self.now, self.fastest, self.distrust = stiffness, 0.0, 0.0, ""
+        self._past = [start] * round(TENSION.delay / PERIOD)
+
+    @property
+    def tension(self) -> float:
+        return self.stiffness * self.run.state.s
+
+    def pull(self, seconds: float = 20.0) -> None:
+        for _ in range(round(seconds / PERIOD)):
+            self.now += PERIOD
+            self._past.append(self.run.state.s)
+            told = self.stiffness * self._past.pop(0)
+            self.run.step(PERIOD, self._measured(told))
+            self.fastest = max(self.fastest, abs(self.run.state.speed))
+            if self.run.is_done:
+                return
+
+    def _measured(self, tension: float) -> Measurement:
+        still = np.zeros(10)
+        force = np.array([0.0, 0.0, -tension])
+        return Measurement(
+            still, still, still, self.now, force, gripped=True, distrust=self.distrust
+        )
+
+
+@pytest.mark.parametrize("stiffness", [50.0, 100.0, 200.0])
+def test_it_stops_at_the_tension_asked_for_though_that_is_late(stiffness: float) -> None:
+    tissue = Tissue(stiffness, goal=1.0)
+    tissue.pull()
+    assert tissue.run.is_done
+    assert tissue.tension == pytest.approx(1.0, abs=0.05)
+
+
+def test_it_is_so_slow_that_the_stiffest_tissue_rises_by_the_tolerance_within_the_delay() -> None:
+    tissue = Tissue(100.0, goal=1.0)
+    tissue.pull()
+    assert tissue.fastest == pytest.approx(0.15 / (0.13 * 200.0), rel=1e-3)
+
+
+def test_tissue_five_times_stiffer_than_expected_is_not_pulled_to_twice_the_tension() -> None:
+    tissue = Tissue(1000.0, goal=1.0)
+    tissue.pull()
+    assert tissue.run.is_done
+    assert tissue.tension < 2.0
+
+
+def test_it_eases_to_a_lower_tension() -> None:
+    tissue = Tissue(200.0, goal=0.5, start=0.006)
+    tissue.pull()
+    assert not tissue.run.is_pulling
+    assert tissue.tension == pytest.approx(0.5, abs=0.18)  # the tolerance, and braking
+
+
+def test_slack_tissue_ends_at_the_end_of_the_path() -> None:
+    tissue = Tissue(5.0, goal=1.0)
+    tissue.pull()
+    assert tissue.run.is_done
+    assert tissue.run.state.s == pytest.approx(LENGTH)
+
+
+def test_a_tension_that_loses_trust_ends_the_pull_with_the_reason() -> None:
+    tissue = Tissue(100.0, goal=1.0)
+    tissue.pull(0.3)
+    tissue.distrust = "torques fit no pull"
+    before = tissue.run.state.s
+    tissue.pull()
+    assert tissue.run.failure == "no trusted tension to pull to: torques fit no pull"
+    assert tissue.run.is_done
+    assert tissue.run.state.s - before < 1e-3

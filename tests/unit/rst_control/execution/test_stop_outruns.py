@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A stop is not cleared by a "hey robot" that came before it, though both wait for one tick."""
+
+from rst_control.execution.state_machine import State
+from rst_control.planning.plan import Request
+from tests.unit.rst_control.support.executor_rig import Rig
+
+
+def asked(rig, count=1):
+    return [rig.desk.take(Request("hey robot"), "test") for _ in range(count)]
+
+
+def test_a_hey_robot_that_came_before_a_stop_does_not_clear_it():
+    rig = Rig().run(0.01)
+    (ticket,) = asked(rig)
+    rig.executor.stop("test")
+    rig.tick()
+    assert rig.state is State.HALTED
+    assert "stopped meanwhile" in ticket.reply.result(0).message
+    rig.say("hey robot")
+    assert rig.state is State.ACTIVE
+
+
+def test_nor_do_many_that_take_more_than_one_tick():
+    rig = Rig().run(0.01)
+    tickets = asked(rig, count=10)
+    rig.executor.stop("test")
+    for _ in range(5):
+        rig.tick()
+        assert rig.state is State.HALTED
+    assert not any(ticket.reply.result(0).accepted for ticket in tickets)
+
+
+def test_one_that_came_after_the_stop_was_taken_up_clears_it():
+    rig = Rig().run(0.01)
+    asked(rig, count=10)
+    rig.executor.stop("test")
+    rig.tick()
+    (later,) = asked(rig)
+    rig.run(0.01)
+    assert later.reply.result(0).accepted and rig.state is State.ACTIVE

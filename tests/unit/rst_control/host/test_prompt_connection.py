@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Messages go out at once, in order; a subscriber that reads nothing holds nobody up."""
+
+import socket
+import threading
+import time
+
+import pytest
+
+from rst_control.host.prompt_connection import PromptConnection
+
+
+class PipeTransport:
+    """A connection as rospy keeps it, over a pair of sockets."""
+
+    def __init__(self):
+        self.socket, self.far = socket.socketpair()
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 8192)
+        self.done, self.stat_bytes, self.stat_num_msg = False, 0, 0
+        self.endpoint_id = "somebody"
+
+    def set_cleanup_callback(self, callback):
+        self.callback = callback
+
+    def write_data(self, data):
+        if self.done:
+            raise ConnectionError("closed")
+        self.socket.sendall(data)
+        self.stat_bytes += len(data)
+        self.stat_num_msg += 1
+        return True
+
+    def close(self):
+        self.done = True
+        self.callback(self)
+        self.socket.shutdown(socket.SHUT_RDWR)
+        self.socket.close()
+
+
+@pytest.fixture
+def transport():
+    transport = PipeTransport()
+    yield transport
+    if not transport.done:
+        transport.close()
+    transport.far.close()
+
+
+def message(number, size):
+    return number.to_bytes(4, "little") + bytes([number % 251]) * (size - 4)
+
+
+def read(sock, count):
+    got = b""
+    while len(got) < count:
+        got += sock.recv(count - len(got))
+    return got
+
+
+def threads():
+    return {t.name for t in threading.enumerate()}
+
+
+def test_a_message_is_with_the_network_when_write_returns_and_no_thread_is_made(transport):
+    connection = PromptConnection(transport, 5)
+    for number in range(100):
+        connection.write_data(message(number, 300))
+        assert transport.far.recv(300, socket.MSG_DONTWAIT) == message(number, 300)
+    assert "held_up" not in threads()
+    assert (transport.stat_num_msg, transport.stat_bytes) == (100, 30_000)
+
+
+def test_a_subscriber_that_does_not_read_holds_nobody_up_and_gets_whole_messages_later(transport):
+    connection, size, count = PromptConnection(transport, 3), 5000, 60
+    for number in range(count):
+        connection.write_data(message(number, size))  # would block for ever in rospy's own way
+    last = read(transport.far, size)
+    seen = [int.from_bytes(last[:4], "little")]
+    while seen[-1] != count - 1:
+        got = read(transport.far, size)
+        seen.append(int.from_bytes(got[:4], "little"))
+        assert got == message(seen[-1], size)
+    assert seen == sorted(set(seen))
+    assert seen[0] == 0
+    assert seen[-3:] == [count - 3, count - 2, count - 1]  # the newest are kept
+    assert len(seen) < count
+
+
+def test_after_a_jam_messages_go_out_at_once_again(transport):
+    connection = PromptConnection(transport, 0)
+    jam = [message(number, 5000) for number in range(40)]
+    for data in jam:
+        connection.write_data(data)
+    assert read(transport.far, 40 * 5000) == b"".join(jam)  # none dropped: 0 is without limit
+    deadline = time.monotonic() + 5.0
+    while connection._is_held_up and time.monotonic() < deadline:
+        time.sleep(0.001)
+    connection.write_data(b"again")
+    assert transport.far.recv(5, socket.MSG_DONTWAIT) == b"again"
+
+
+def test_a_subscriber_that_went_is_told_to_the_publisher(transport):
+    connection = PromptConnection(transport, 5)
+    transport.far.close()
+    with pytest.raises(BrokenPipeError):
+        connection.write_data(b"hello")
+    transport.close()
+    with pytest.raises(ConnectionError, match="closed"):
+        connection.write_data(b"hello")
+
+
+def test_a_jam_ends_with_the_connection(transport):
+    connection = PromptConnection(transport, 1)
+    for number in range(20):
+        connection.write_data(message(number, 5000))
+    thread = connection._thread
+    transport.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+
+
+def test_the_rest_is_the_transports(transport):
+    connection = PromptConnection(transport, 1)
+    assert connection.endpoint_id == "somebody"
+    with pytest.raises(AttributeError):
+        _ = connection.no_such_thing

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Who crashes is started anew; a wrong setting, or a wish to end, is the end."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from rst_control.host import respawn
+
+WAIT = 20.0  # [s] for another process; only a broken one lets it pass
+COUNTED = """
+import os, signal, sys
+from pathlib import Path
+runs = Path(sys.argv[1])
+with runs.open("a") as file:
+    file.write(f"{os.getpid()}\\n")
+count = len(runs.read_text().splitlines())
+"""
+
+
+def command(tmp_path, then):
+    return sys.executable, "-c", COUNTED + then, str(tmp_path / "runs")
+
+
+def pids(tmp_path):
+    path = Path(tmp_path / "runs")
+    return [int(line) for line in path.read_text().splitlines()] if path.exists() else []
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    monkeypatch.setattr(respawn, "PAUSE", 0.0)
+
+
+@pytest.mark.parametrize(
+    "crash", ["os.kill(os.getpid(), signal.SIGKILL)", "raise ArithmeticError", "os.abort()"]
+)
+def test_who_crashes_is_started_anew(tmp_path, crash, capfd):
+    then = f"if count < 3: {crash}"
+    assert respawn.Keeper(command(tmp_path, then)).run() == 0
+    assert len(pids(tmp_path)) == 3
+    assert capfd.readouterr().err.count("is started anew") == 2
+
+
+@pytest.mark.parametrize("status", [0, 2, 7])
+def test_who_ends_by_itself_has_ended(tmp_path, status):
+    assert respawn.Keeper(command(tmp_path, f"sys.exit({status})")).run() == status
+    assert len(pids(tmp_path)) == 1
+
+
+def test_who_crashes_again_and_again_is_given_up(tmp_path, capfd):
+    assert respawn.Keeper(command(tmp_path, "sys.exit(1)")).run() == 1
+    assert len(pids(tmp_path)) == respawn.MOST
+    assert "is given up" in capfd.readouterr().err
+
+
+def test_crashes_far_apart_are_not_added_up(tmp_path, monkeypatch):
+    monkeypatch.setattr(respawn, "SPAN", -1.0)
+    then = f"sys.exit(1 if count < {2 * respawn.MOST} else 0)"
+    assert respawn.Keeper(command(tmp_path, then)).run() == 0
+    assert len(pids(tmp_path)) == 2 * respawn.MOST
+
+
+def kept(tmp_path):
+    """A keeper in a process of its own, whose command waits."""
+    program = "from rst_control.host.respawn import main; main()"
+    words = command(tmp_path, "signal.pause()")
+    process = subprocess.Popen((sys.executable, "-c", program, *words), env=with_paths())
+    until(lambda: pids(tmp_path))
+    return process
+
+
+def with_paths():
+    """The environment, in which a process finds what this one finds."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+
+
+def until(is_done):
+    end = time.monotonic() + WAIT
+    while not is_done():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def is_alive(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_who_is_asked_to_end_ends_with_what_it_keeps(tmp_path, number):
+    process = kept(tmp_path)
+    process.send_signal(number)
+    process.wait(WAIT)
+    (child,) = pids(tmp_path)
+    until(lambda: not is_alive(child))
+
+
+def test_what_a_killed_keeper_kept_ends_with_it(tmp_path):
+    process = kept(tmp_path)
+    process.kill()
+    process.wait(WAIT)
+    (child,) = pids(tmp_path)
+    until(lambda: not is_alive(child))
+
+
+def test_a_crash_of_what_is_kept_does_not_end_the_keeper(tmp_path):
+    process = kept(tmp_path)
+    os.kill(pids(tmp_path)[0], signal.SIGKILL)
+    until(lambda: len(pids(tmp_path)) == 2)
+    assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    process.wait(WAIT)
+
+
+@pytest.mark.parametrize(
+    "waits", ["signal.pause()", "[signal.signal(n, lambda *_: 0) for n in (2, 15)]"]
+)
+def test_what_is_kept_ends_when_whoever_started_the_keeper_is_killed(tmp_path, waits):
+    program = "from rst_control import keep; keep.PATIENCE = 0.2; keep.main()"
+    words = command(tmp_path, f"{waits}\nwhile True: signal.pause()")
+    starter = f"import subprocess; subprocess.run({(sys.executable, '-c', program, *words)!r})"
+    process = subprocess.Popen((sys.executable, "-c", starter), env=with_paths())
+    until(lambda: pids(tmp_path))
+    process.kill()
+    process.wait(WAIT)
+    (child,) = pids(tmp_path)
+    until(lambda: not is_alive(child))

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-3-Clause
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rst_control.config import URDF_FILE
+from rst_control.errors import RobotModelError
+from rst_control.kinematics import forward
+from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.robot_model import kdl_chain, load_robot, parse_robot
+
+TEXT = URDF_FILE.read_text(encoding="utf-8")
+
+
+def test_the_route_to_the_tool_tip_passes_all_links_of_arm_and_tool(robot):
+    route = robot.route("tool_tip")
+    assert route[0] == "shoulder_link"
+    assert route[-4:] == ("interface_link", "pitch_link", "finger_left_link", "tool_tip")
+    assert len(route) == 12
+
+
+def test_at_zero_the_arm_stands_upright(robot):
+    T = Configuration(robot, np.zeros(9)).T_base_tool0
+    assert T[2, 3] == pytest.approx(1.18738, abs=1e-4)
+    np.testing.assert_allclose(T[:3, 2], [0.0, 0.0, 1.0], atol=1e-12)
+
+
+def test_the_kdl_chain_has_a_joint_for_each_that_moves(robot):
+    assert kdl_chain(robot, "tool_tip").getNrOfJoints() == 9
+    assert kdl_chain(robot, "tool0").getNrOfJoints() == 7
+
+
+def test_the_chain_cannot_be_changed(robot):
+    with pytest.raises(ValueError, match="read-only"):
+        robot.chain[0, 0, 0] = 2.0
+
+
+def test_the_same_file_is_read_once():
+    assert load_robot(URDF_FILE) is load_robot(URDF_FILE)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda t: t[: len(t) // 2], "cannot be read"),
+        (lambda t: t.replace('name="joint_7"', 'name="joint_x"'), "without joint_7"),
+        (lambda t: t.replace('xyz="0 0 1"', 'xyz="0 1 0"'), "allowed: 0 0 1"),
+        (lambda t: t.replace("<origin", "<place"), "cannot be read"),
+    ],
+)
+def test_another_robot_is_refused_in_words(change, words):
+    with pytest.raises(RobotModelError, match=words):
+        parse_robot(change(TEXT))
+
+
+def test_an_unknown_link_is_refused(robot):
+    with pytest.raises(RobotModelError, match="no link 'elbow'"):
+        robot.route("elbow")
+
+
+def test_a_configuration_is_frozen_and_copied(robot):
+    q = np.zeros(9)
+    configuration = Configuration(robot, q)
+    q[0] = 1.0
+    assert configuration.q[0] == 0.0
+    for array in (configuration.q, configuration.frames, configuration.J_tip):
+        assert not array.flags.writeable
+
+
+def test_a_configuration_refuses_what_is_not_nine_numbers(robot):
+    for bad in (np.zeros(10), np.full(9, np.nan)):
+        with pytest.raises(ValueError, match="array"):
+            Configuration(robot, bad)
+
+
+def test_the_yaw_turns_the_tip_but_not_the_shaft(robot, home):
+    turned = home.copy()
+    turned[8] += 0.3
+    before, after = Configuration(robot, home), Configuration(robot, turned)
+    np.testing.assert_array_equal(before.T_base_shaft, after.T_base_shaft)
+    assert np.linalg.norm(before.tip - after.tip) == pytest.approx(2 * 0.015 * np.sin(0.15))
+
+
+def test_frames_are_listed_in_the_order_that_the_kernels_name(robot, home):
+    frames = Configuration(robot, home).frames
+    shaft = frames[forward.PITCH, :, 3] - frames[forward.SHAFT, :, 3]
+    assert np.linalg.norm(shaft) == pytest.approx(0.28)

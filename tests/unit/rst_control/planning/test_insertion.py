@@ -1,0 +1,313 @@
+# SPDX-License-Identifier: BSD-3-Clause
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.common.rig import random_poses
+from rst_control.commands.verifier import Verifier
+from rst_control.errors import Infeasible, InsertionOutOfRange, TrocarDrift
+from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.planning.insertion import Insertion, ToolBent
+from rst_control.planning.patient_surface import Patient
+from rst_control.planning.plan import Accepted, PhaseKind, Request
+from rst_control.planning.planner import Planner
+from rst_control.types import Reason
+from tests.unit.rst_control.support.situations import situation
+
+ALIGN, INSERT, WITHDRAW = PhaseKind.ALIGN, PhaseKind.INSERT, PhaseKind.WITHDRAW
+
+
+@pytest.fixture(scope="module")
+def insertion(planner):
+    return Insertion(planner)
+
+
+@pytest.fixture(scope="module")
+def out(insertion, home):
+    return insertion.withdraw(home)
+
+
+@pytest.fixture(scope="module")
+def gate(out):
+    return out[-1].path.end
+
+
+@pytest.fixture(scope="module")
+def verify(planner):
+    return Verifier(planner)
+
+
+def kinds(legs):
+    return [leg.kind for leg in legs]
+
+
+def place(planner, q):
+    return planner.patient.placement(q)
+
+
+def on_the_way(out, share):
+    """Straight tool, part-way between working pose and outside."""
+    return out[-1].path.evaluate(share * out[-1].path.length).q
+
+
+def ends_meet(legs, q):
+    for leg in legs:
+        np.testing.assert_allclose(leg.path.start, q, atol=1e-12)
+        q = leg.path.end
+    return q
+
+
+# Ways.
+
+
+def test_a_withdrawal_straightens_the_tool_then_goes_straight_out(planner, home, out):
+    assert kinds(out) == [ALIGN, WITHDRAW]
+    gate = ends_meet(out, home)
+    np.testing.assert_allclose(gate[7:], 0.0, atol=1e-12)
+    end = place(planner, gate)
+    assert end.is_outside
+    assert end.insertion == pytest.approx(-planner.config.scene.standoff, abs=1e-9)
+
+
+def test_the_arm_rests_while_the_tool_straightens_on_the_spot(home, out):
+    knots = out[0].path.knots
+    np.testing.assert_array_equal(knots[:, :7], np.tile(home[:7], (len(knots), 1)))
+
+
+def test_on_the_way_out_the_shaft_slides_along_itself(planner, out):
+    path = out[-1].path
+    shafts = [
+        Configuration(planner.model, path.evaluate(s).q).T_base_shaft
+        for s in np.linspace(0.0, path.length, 300)
+    ]
+    for T in shafts:
+        np.testing.assert_allclose(T[:3, 2], shafts[0][:3, 2], atol=1e-6)
+    samples = path.sample(planner.model.chain, planner.trocar)
+    assert samples.rcm_error.max() < planner.config.rcm.planned_tolerance
+    steps = np.diff([T[:3, 3] for T in shafts], axis=0) @ shafts[0][:3, 2]
+    assert (steps < 0.0).all()
+
+
+def test_an_insertion_from_the_gate_is_the_way_out_backwards(planner, home, insertion, gate, out):
+    legs = insertion.insert(gate)
+    assert kinds(legs) == [INSERT, INSERT]
+    np.testing.assert_allclose(ends_meet(legs, gate), home, atol=1e-12)
+    np.testing.assert_allclose(legs[0].path.knots, out[-1].path.knots[::-1])
+
+
+def test_from_elsewhere_an_approach_comes_first(planner, home, insertion, gate):
+    away = gate.copy()
+    away[0] += 0.4
+    legs = insertion.insert(away)
+    assert kinds(legs) == [PhaseKind.APPROACH, INSERT, INSERT]
+    np.testing.assert_allclose(ends_meet(legs, away), home, atol=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.35, 0.5, 0.65, 0.8, 0.9])
+def test_part_way_in_both_commands_go_on_from_there(planner, home, insertion, out, share):
+    q = on_the_way(out, share)
+    assert not place(planner, q).is_outside
+    further = insertion.insert(q)
+    assert set(kinds(further)) == {INSERT}
+    np.testing.assert_allclose(
+        Configuration(planner.model, ends_meet(further, q)).T_base_tip,
+        Configuration(planner.model, home).T_base_tip,
+        atol=1e-7,
+    )
+    back = insertion.withdraw(q)
+    assert kinds(back) == [WITHDRAW]
+    assert place(planner, ends_meet(back, q)).is_outside
+    for leg in (*further, *back):
+        samples = leg.path.sample(planner.model.chain, planner.trocar)
+        assert samples.rcm_error.max() < planner.config.rcm.planned_tolerance
+
+
+def test_the_wrist_bends_only_where_it_is_inside_by_the_least_insertion(
+    planner, home, insertion, gate, out
+):
+    least, is_bent = planner.config.rcm.insertion[0], []
+    ways = [insertion.insert(gate), insertion.insert(on_the_way(out, 0.9))]
+    for leg in (*ways[0], *ways[1], *insertion.withdraw(home)):
+        samples = leg.path.sample(planner.model.chain, planner.trocar)
+        bent = np.abs(samples.q[:, 0, 7:]).max(axis=1) > 1e-9
+        assert (0.28 - samples.along[bent] >= least).all()
+        is_bent.append(bent.any())
+    assert any(is_bent) and not all(is_bent)
+
+
+def test_a_tool_bent_part_way_in_is_refused(planner, insertion, out):
+    bent = on_the_way(out, 0.7)
+    bent[7] = 0.2
+    for plan in (insertion.insert, insertion.withdraw):
+        with pytest.raises(ToolBent, match=r"bent by 0\.200 rad .* allowed 0\.010 rad below 50"):
+            plan(bent)
+
+
+def test_a_shaft_slightly_off_is_seated_first(planner, insertion, home):
+    off = home.copy()
+    off[3] += 5e-4
+    legs = insertion.withdraw(off)
+    assert kinds(legs) == [ALIGN, ALIGN, WITHDRAW]
+    errors = legs[0].path.sample(planner.model.chain, planner.trocar).rcm_error
+    assert errors[0] > 1e-4 and errors[-1] < 1e-9
+
+
+def test_a_shaft_far_off_the_trocar_is_refused(insertion, home):
+    off = home.copy()
+    off[3] += 0.05
+    for plan in (insertion.insert, insertion.withdraw):
+        with pytest.raises(TrocarDrift):
+            plan(off)
+
+
+def test_from_every_pose_in_the_workspace_there_is_a_way_out(planner, insertion, home):
+    q, count = home, 0
+    for pose in random_poses(planner.config, 120, seed=11):
+        try:
+            q = planner.leg(q, pose).end
+        except Infeasible:
+            continue
+        legs = insertion.withdraw(q)
+        assert place(planner, ends_meet(legs, q)).is_outside
+        count += 1
+    assert count > 20
+
+
+def test_where_the_tip_has_no_room_to_swing_the_tool_straightens_about_it(planner, home):
+    straight = home.copy()
+    straight[7:] = 0.0
+    tip, swung = (Configuration(planner.model, q).tip for q in (home, straight))
+    centre = tip - 0.020 * (swung - tip) / np.linalg.norm(swung - tip)
+    scene = replace(
+        planner.config.scene, workspace_centre=tuple(centre.tolist()), workspace_radius=0.0205
+    )
+    upper = np.where(np.arange(7) == 5, 2.6, planner.config.limits.arm_upper)
+    limits = replace(planner.config.limits, arm_upper=tuple(upper))  # the arm reaches further
+    narrow = Planner(planner.model, replace(planner.config, scene=scene, limits=limits))
+    align, withdraw = Insertion(narrow).withdraw(home)
+    tips = align.path.sample(narrow.model.chain, narrow.trocar).tip
+    np.testing.assert_allclose(tips, np.tile(tip, (len(tips), 1)), atol=1e-6)
+    np.testing.assert_allclose(align.path.end[7:], 0.0, atol=1e-9)
+    assert place(narrow, ends_meet((align, withdraw), home)).is_outside
+
+
+def test_with_another_trocar_the_working_pose_keeps_the_tool_where_home_has_it(planner, home):
+    trocar = tuple(np.add(planner.config.scene.trocar, (0.004, -0.003, 0.005)))
+    moved = Planner(
+        planner.model,
+        replace(planner.config, scene=replace(planner.config.scene, trocar=trocar)),
+    )
+    working = Insertion(moved).working
+    assert moved.patient.placement(working).error < 1e-9
+    np.testing.assert_allclose(
+        Configuration(planner.model, working).T_base_tip,
+        Configuration(planner.model, home).T_base_tip,
+        atol=1e-8,
+    )
+
+
+def test_more_shaft_inside_than_allowed_is_refused(planner, home):
+    rcm = replace(planner.config.rcm, insertion=(0.05, 0.09))
+    shallow = Planner(planner.model, replace(planner.config, rcm=rcm))
+    with pytest.raises(InsertionOutOfRange, match=r"allowed -30\.0 to 90\.0 mm"):
+        Insertion(shallow).withdraw(home)
+
+
+def test_the_surface_margin_stops_a_withdrawal_that_would_end_too_near(planner, home):
+    scene = replace(planner.config.scene, standoff=0.012)
+    near = Planner(planner.model, replace(planner.config, scene=scene))
+    with pytest.raises(Infeasible, match=r"jaws -?[0-9.]+ mm from patient's surface"):
+        Insertion(near).withdraw(home)
+
+
+def test_planning_changes_nothing(planner, insertion, gate):
+    first = insertion.insert(gate)
+    insertion.warm_up()
+    for one, other in zip(first, insertion.insert(gate), strict=True):
+        np.testing.assert_array_equal(one.path.knots, other.path.knots)
+    assert isinstance(planner.patient, Patient)
+
+
+# Commands.
+
+
+def asked(verify, words, q, **more):
+    return verify(Request(words), situation(robot_joints(q, 0.0), **more))
+
+
+def test_insert_closes_the_jaws_first_and_says_where_it_ends(verify, gate, home):
+    decision = asked(verify, "insert", gate)
+    assert isinstance(decision, Accepted)
+    assert [phase.kind for phase in decision.plan.phases] == [ALIGN, INSERT, INSERT]
+    jaws = decision.plan.phases[0]
+    assert (jaws.path, jaws.opening) == (None, 0.0)
+    assert decision.plan.words == "inserts the tool to 121 mm inside the trocar"
+    assert asked(verify, "withdraw", home).plan.words.endswith("30 mm outside the trocar")
+
+
+def test_each_phase_keeps_its_own_speed(verify, planner, gate):
+    away, speed = gate.copy(), planner.config.controller.speed
+    away[0] += 0.4
+    most = {PhaseKind.APPROACH: speed.approach, INSERT: speed.insertion, WITHDRAW: speed.insertion}
+    for phase in asked(verify, "insert", away).plan.phases[1:]:
+        assert 0.0 < phase.speed <= most[phase.kind]
+    slid = asked(verify, "insert", gate).plan.phases[1]
+    assert slid.speed == pytest.approx(speed.insertion)
+
+
+@pytest.mark.parametrize("words", ["tense", "release", "pull more", "pull less"])
+def test_outside_only_insert_moves_the_tool(verify, gate, words):
+    decision = asked(verify, words, gate)
+    assert decision.reason is Reason.NOT_INSERTED
+    assert "tip 30.0 mm outside the trocar" in decision.words and '"insert" first' in decision.words
+
+
+@pytest.mark.parametrize("words", ["tense", "release", "pull more", "pull less"])
+def test_part_way_in_the_depth_is_told(verify, out, words):
+    decision = asked(verify, words, on_the_way(out, 0.6))
+    assert decision.reason is Reason.INSERTION_DEPTH
+    assert "mm of shaft inserted, allowed 50.0 to 250.0 mm" in decision.words
+
+
+def test_what_is_done_already_is_refused(verify, gate, home):
+    inside, outside = asked(verify, "insert", home), asked(verify, "withdraw", gate)
+    assert inside.reason is outside.reason is Reason.ALREADY_THERE
+    assert "already inserted: 98.2 mm of shaft" in inside.words
+    assert "already outside: tip 30.0 mm outside" in outside.words
+
+
+def test_held_tissue_must_be_released_first(verify, home, gate):
+    for words, q in (("withdraw", home), ("insert", gate)):
+        decision = asked(verify, words, q, gripped=True)
+        assert decision.reason is Reason.ALREADY_GRASPED
+        assert "release first" in decision.words
+
+
+def test_jaws_that_hold_something_open_anywhere(verify, gate, out):
+    for q in (gate, on_the_way(out, 0.6)):
+        phases = asked(verify, "release", q, gripped=True).plan.phases
+        assert phases[0].kind is PhaseKind.OPEN
+
+
+def test_a_shaft_off_the_trocar_with_the_tool_inside_is_refused_with_the_distance(verify, home):
+    off = home.copy()
+    off[3] += 0.01
+    for words in ("insert", "withdraw"):
+        decision = asked(verify, words, off)
+        assert decision.reason is Reason.RCM_TOLERANCE
+        assert "allowed 1000.00 um" in decision.words
+
+
+def test_a_tool_beside_the_trocar_and_too_near_the_patient_is_refused(verify, planner, gate):
+    model, outward = planner.model, planner.patient.outward
+    q, margin = gate.copy(), planner.config.scene.surface_margin
+    while place(planner, q).height > 0.8 * margin:  # down towards the surface, and aside
+        J = Configuration(model, q).J_tip[:3]
+        aside = np.cross(outward, [0.0, 1.0, 0.0])
+        q += J.T @ np.linalg.solve(J @ J.T + 1e-4 * np.eye(3), -5e-4 * outward + 5e-4 * aside)
+    decision = asked(verify, "insert", q)
+    assert decision.reason is Reason.COLLISION
+    assert "from patient's surface, allowed 5.0 mm and more" in decision.words

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Insertion and withdrawal in the running executor, without physics."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rst_control.execution.state_machine import State
+from rst_control.planning.insertion import Insertion
+from rst_control.planning.plan import Request
+from tests.unit.rst_control.support.executor_rig import Rig, shared, with_watchdogs
+
+ROUNDING = 1e-9
+
+
+@pytest.fixture(scope="module")
+def gate():
+    planner = shared()[2].planner
+    return Insertion(planner).withdraw(np.array(planner.config.scene.home))[-1].path.end
+
+
+@pytest.fixture
+def away(gate):
+    q = gate.copy()
+    q[0] += 0.4
+    return q
+
+
+def during(rig, phase, words):
+    """A rig that is well into a phase of a command."""
+    rig.awake().say(words)
+
+    def is_well_into_it():
+        view = rig.view
+        return rig.phase == phase and view.path is not None and view.motion.progress > 0.3
+
+    return rig.until(is_well_into_it, limit=90.0)
+
+
+def test_from_outside_the_tool_goes_in_works_and_comes_out_again(away):
+    rig = Rig(start=away).awake()
+    assert rig.view.insertion < -0.03
+    seen = {"insert": set(), "withdraw": set()}
+    for words in ("insert", "tense", "release", "withdraw"):
+        if words == "withdraw":
+            rig.robot.tissue = None  # that of the rig is wherever the jaws close
+        ticket = rig.say(words)
+        while not ticket.ended.done():
+            rig.tick()
+            place = rig.view.placement
+            assert place.is_outside or place.error < 1e-6
+            seen.get(words, set()).add(rig.phase)
+        assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
+        assert ticket.ended.result(0).max_rcm_error < 1e-6
+    assert seen["insert"] >= {"approach", "align", "insert"}
+    assert seen["withdraw"] >= {"align", "withdraw"}
+    assert rig.view.insertion == pytest.approx(-rig.config.scene.standoff, abs=1e-6)
+    assert rig.state is State.ACTIVE
+
+
+def test_both_need_hey_robot_first(away):
+    rig = Rig(start=away).run(0.01)
+    for words in ("insert", "withdraw"):
+        assert "hey robot" in rig.refused(words)
+    assert rig.still_for(0.1)
+
+
+@pytest.mark.parametrize("words", ["insert", "withdraw"])
+def test_neither_is_taken_from_the_voice_node_heartbeat_or_not(away, words):
+    rig = Rig(start=away).awake()
+    rig.executor.heartbeat(rig.now)
+    for is_spoken in (True, False):
+        ticket = rig.desk.take(Request(words), "/voice", is_spoken, is_by_hand=False)
+        reply = ticket.reply.result(0)
+        assert not reply.accepted and "by hand, never by voice" in reply.message
+    assert "never by voice" in rig.desk.take(Request(words), "x", True).reply.result(0).message
+    assert rig.desk.next(0.0) is None
+    assert rig.still_for(0.1)
+
+
+@pytest.mark.parametrize(
+    ("phase", "words"),
+    [("approach", "insert"), ("insert", "insert"), ("align", "withdraw"), ("withdraw", "withdraw")],
+)
+def test_a_stop_in_any_phase_brakes_along_the_path_latches_and_lets_it_go_on(away, phase, words):
+    rig = during(Rig(start=away if words == "insert" else None), phase, words)
+    path, first = rig.view.path, len(rig.sent)
+    rig.say("stop")
+    rig.rest()
+    assert rig.state is State.HALTED
+    assert rig.view.path is path
+    speeds = [np.abs(s.velocity).max() for s in rig.sent[first:]]
+    assert (len(speeds) - 1) * 0.002 < 0.1 and speeds[-1] == 0.0
+    np.testing.assert_allclose(
+        rig.joints[:8], path.evaluate(rig.view.path_position).q[:8], atol=ROUNDING
+    )
+    if phase != "approach":
+        assert max(rig.rcm(s.position) for s in rig.sent[first:]) < 1e-6
+    assert rig.still_for(0.2)
+    assert "halted" in rig.refused(words)
+    rig.say("hey robot")
+    rig.finish_long(words)
+
+
+def test_part_way_in_it_may_turn_back(away):
+    rig = during(Rig(start=away), "insert", "insert")
+    rig.say("stop")
+    rig.rest()
+    assert not rig.view.placement.is_outside
+    rig.say("hey robot")
+    assert "of shaft inserted, allowed 50.0" in rig.refused("tense")
+    rig.finish_long("withdraw")
+    assert rig.view.placement.is_outside
+
+
+def test_jaws_that_catch_tissue_end_the_withdrawal_before_it_begins(gate):
+    rig = Rig().awake()
+    rig.finish("tense")
+    rig.finish("release")  # leaves the jaws open; the rig's tissue is wherever they close
+    ticket = rig.say("withdraw")
+    joints = rig.joints
+    rig.until(ticket.ended.done)
+    assert ticket.ended.result(0).kind == "failed"
+    assert "caught tissue" in ticket.ended.result(0).reason
+    np.testing.assert_array_equal(joints[:8], rig.joints[:8])
+    assert "release first" in rig.refused("withdraw")
+
+
+# The watch over the trocar.
+
+
+def test_a_tool_pushed_below_the_surface_beside_the_trocar_brakes(away):
+    rig = Rig(start=away, config=with_watchdogs(following_error=1.0)).believing()
+    during(rig, "approach", "insert")
+    lowest = rig.view.placement.height
+    below = rig.joints.copy()
+    while rig.site.placement(below).is_outside:
+        below[1] += 0.01
+    assert lowest > 0.0 and rig.site.placement(below).error > 1e-3
+    rig.robot.push(below - rig.robot.measured_js().position)
+    rig.robot.servo_jp = lambda setpoint: None
+    rig.rest()
+    assert rig.state is State.FAULTED
+    assert "off the trocar" in rig.view.life.reason
+    assert "above the patient's surface" in rig.view.life.reason
+
+
+def test_a_shaft_pushed_aside_part_way_in_brakes(away):
+    rig = during(Rig(start=away).believing(), "insert", "insert")
+    rig.until(lambda: rig.view.insertion > 0.0)
+    rig.robot.push(np.eye(10)[3] * 0.005)
+    rig.robot.servo_jp = lambda setpoint: None
+    rig.rest()
+    assert rig.state is State.FAULTED
+    assert "off the trocar, allowed 1.00 mm" in rig.view.life.reason
+
+
+def test_the_watch_sees_every_new_measurement_of_every_tick_of_a_motion(away):
+    rig = Rig(start=away).awake()
+    measured, judged = [], []
+    locate, watch = rig.executor._locate, rig.executor._watchdogs.motion
+
+    def located(joints):
+        measured.append(locate(joints))
+        return measured[-1]
+
+    def watched(now, measurement, seen):
+        judged.append(seen.placement)
+        return watch(now, measurement, seen)
+
+    rig.executor._locate, rig.executor._watchdogs.motion = located, watched
+    rig.finish_long("insert")
+    assert len(judged) > 5000
+    assert all(one is other for one, other in zip(judged, measured, strict=False))
+
+
+@pytest.mark.parametrize("broken", [float("nan"), float("inf")])
+def test_a_shaft_whose_place_is_not_known_brakes(away, broken):
+    rig = during(Rig(start=away), "approach", "insert")
+    place = replace(rig.view.placement, error=broken, is_outside=False)
+    rig.executor._locate = lambda joints: place
+    rig.rest()
+    assert rig.state is State.FAULTED
+    assert "off the trocar" in rig.view.life.reason

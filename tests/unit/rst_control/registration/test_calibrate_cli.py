@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The trocar from a recording: what is read, which poses count, what is printed."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from mcap_ros1.writer import Writer
+from sensor_msgs.msg import JointState
+
+from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.registration.calibrate_cli import main
+from rst_control.registration.pose_file import ArmSample, PoseFileError, read_arm, rest_poses
+from rst_control.types import JOINTS
+
+TOPIC = "/joint_states"
+SHIFTS = [(0.0, 0.0), (0.03, 0.0), (-0.03, 0.0), (0.0, 0.03), (0.0, -0.03), (0.02, 0.02)]
+
+
+@pytest.fixture(scope="module")
+def visit(planner, home):
+    """Joint positions and velocities (10,) of a robot that goes from pose to pose and rests."""
+    rows, q = [], home
+    for x, y in SHIFTS:
+        goal = Configuration(planner.model, q).T_base_tip
+        goal[:3, 3] = planner.centre + np.array([x, y, 0.0])
+        path = planner.leg(q, goal)
+        for s in np.linspace(0.0, path.length, 20)[1:-1]:
+            point = path.evaluate(s)
+            beside = point.q + 0.002 * np.eye(9)[3]  # the trocar gives way while it moves
+            rows.append((robot_joints(beside, 0.0), robot_joints(point.dq * 0.02, 0.0)))
+        q = path.end
+        rows += [(robot_joints(q, 0.0), np.zeros(10))] * 10
+    return rows
+
+
+def write_mcap(path, rows, names=JOINTS):
+    with path.open("wb") as file, Writer(file) as writer:
+        for n, (position, velocity) in enumerate(rows):
+            message = JointState(name=names, position=position, velocity=velocity)
+            message.header.stamp.secs, message.header.stamp.nsecs = 100 + n // 500, n % 500
+            writer.write_message(TOPIC, message, log_time=n)
+    return path
+
+
+@pytest.fixture
+def session(tmp_path, visit):
+    write_mcap(tmp_path / "session.mcap", visit)
+    return tmp_path
+
+
+def printed(capsys, *words):
+    main([str(word) for word in words])
+    return capsys.readouterr().out
+
+
+def refused(capsys, *words):
+    with pytest.raises(SystemExit) as end:
+        main([str(word) for word in words])
+    assert end.value.code == 1
+    return capsys.readouterr().err
+
+
+def test_the_trocar_of_a_session_is_printed_with_its_residual(capsys, session):
+    out = printed(capsys, session)
+    assert "trocar: [0.406000, -0.024000, 0.415000]" in out
+    assert "from 6 shaft poses" in out and "residual 0.000 mm rms" in out
+    assert "pose 6, 0.0 s: 0.000 mm" in out
+    assert 'set_trocar "position: {x: 0.406000, y: -0.024000, z: 0.415000}"' in out
+    assert printed(capsys, session / "session.mcap") == out
+
+
+def test_poses_in_motion_count_only_when_asked_for(capsys, session):
+    assert "residual 0.000 mm" not in printed(capsys, session, "--moving")
+
+
+def test_joints_may_come_in_any_order(capsys, tmp_path, visit):
+    order = [7, 2, 9, 0, 1, 6, 5, 4, 3, 8]
+    names = [JOINTS[n] for n in order]
+    rows = [(position[order], velocity[order]) for position, velocity in visit]
+    path = write_mcap(tmp_path / "other.mcap", rows, names)
+    assert "trocar: [0.406000, -0.024000, 0.415000]" in printed(capsys, path)
+
+
+def test_a_table_of_joints_will_do(capsys, tmp_path, visit):
+    path = tmp_path / "poses.csv"
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, JOINTS)
+        writer.writeheader()
+        writer.writerows(
+            dict(zip(JOINTS, position, strict=True)) for position, v in visit if not v.any()
+        )
+    assert "from 6 shaft poses" in printed(capsys, path)
+
+
+def test_the_table_that_session_log_exports_will_do(capsys, tmp_path, visit):
+    path = tmp_path / "joint_states.csv"
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["log_time", "header.stamp", "name", "position", "velocity"])
+        for n, (position, velocity) in enumerate(visit):
+            lists = [JOINTS, position.tolist(), velocity.tolist()]
+            writer.writerow([n, f"{n}.0", *map(json.dumps, lists)])
+    assert "from 6 shaft poses" in printed(capsys, path)
+
+
+def test_a_part_of_the_recording_may_be_too_little(capsys, session):
+    assert "shaft poses recorded, allowed 5 and more" in refused(capsys, session, "--since", "9")
+
+
+def test_every_file_that_cannot_be_used_is_named_with_the_reason(capsys, tmp_path, session):
+    whole = (session / "session.mcap").read_bytes()
+    cases = {
+        "missing.mcap": (None, "No such file"),
+        "cut.mcap": (whole[: len(whole) // 2], "session_log recover"),
+        "empty.mcap": (b"", "session_log recover"),
+        "other.mcap": (b"x" * 1000, "session_log recover"),
+        "other.csv": (b"a,b\n1,2\n", "no joint states: 'joint_1'"),
+        "words.csv": (",".join(JOINTS).encode() + b"\n" + b"x," * 10, "no joint states"),
+        "none.csv": (b"", "no joint states"),
+    }
+    for name, (content, reason) in cases.items():
+        if content is not None:
+            (tmp_path / name).write_bytes(content)
+        error = refused(capsys, tmp_path / name)
+        assert name in error and reason in error, (name, error)
+    assert "no joint states on /arm" in refused(capsys, session, "--topic", "/arm")
+
+
+def test_a_message_without_a_joint_of_the_arm_is_refused(tmp_path, visit):
+    path = write_mcap(tmp_path / "tool.mcap", [(p[7:], v[7:]) for p, v in visit], JOINTS[7:])
+    with pytest.raises(PoseFileError, match="joint_1"):
+        list(read_arm(path, TOPIC))
+
+
+def sample(time, joint, speed=0.0):
+    return ArmSample(time, np.full(7, joint), speed)
+
+
+def test_a_pose_counts_once_and_again_after_another():
+    samples = [sample(0.0, 0.0), sample(1.0, 0.005), sample(2.0, 0.5), sample(3.0, 0.0)]
+    poses = rest_poses(samples, apart=0.01, at_rest_speed=0.01)
+    assert [(p.time, p.position[0]) for p in poses] == [(0.0, 0.0), (2.0, 0.5), (3.0, 0.0)]
+
+
+def test_poses_in_motion_or_outside_the_span_do_not_count():
+    samples = [sample(0.0, 0.0), sample(1.0, 0.5, speed=0.02), sample(2.0, 0.9), sample(3.0, 1.2)]
+    assert len(rest_poses(samples, 0.01, 0.01)) == 3
+    assert len(rest_poses(samples, 0.01, np.inf)) == 4
+    assert [p.time for p in rest_poses(samples, 0.01, 0.01, (0.5, 2.5))] == [2.0]
+
+
+def test_samples_without_speed_count_as_at_rest():
+    assert len(rest_poses([sample(0.0, 0.0, speed=float("nan"))], 0.01, 0.01)) == 1

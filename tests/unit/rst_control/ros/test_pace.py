@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Simulated time against the clock."""
+
+from __future__ import annotations
+
+import pytest
+
+from rst_control.ros.simulator.pace import Pace
+
+
+class World:
+    now = 10.0
+
+    def clock(self) -> float:
+        return self.now
+
+    def sleep(self, duration: float) -> None:
+        self.now += duration
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 4.0])
+def test_simulated_time_keeps_its_factor(factor):
+    world = World()
+    pace = Pace(0.002, factor, world.clock, world.sleep)
+    for _ in range(1000):
+        pace.wait()
+    assert world.now == pytest.approx(10.0 + 2.0 / factor)
+    assert pace.late == 0
+
+
+def test_lateness_is_made_up_for_without_a_pause():
+    world = World()
+    pace = Pace(0.002, 1.0, world.clock, world.sleep)
+    world.now += 0.05
+    late = [pace.wait() for _ in range(30)]
+    assert late[0] == pytest.approx(0.048)
+    assert late[-1] == pytest.approx(0.0)
+    assert pace.late == pytest.approx(24, abs=1)
+    assert world.now == pytest.approx(10.0 + 30 * 0.002)
+
+
+def test_what_is_given_up_is_not_made_up_for():
+    world = World()
+    pace = Pace(0.002, 1.0, world.clock, world.sleep)
+    world.now += 5.0
+    pace.give_up(pace.wait())
+    pace.wait()
+    assert world.now == pytest.approx(15.002)
+    assert pace.given_up == pytest.approx(4.998)
+
+
+def test_factor_zero_never_waits():
+    world = World()
+    pace = Pace(0.002, 0.0, world.clock, world.sleep)
+    for _ in range(100):
+        assert pace.wait() == 0.0
+    assert world.now == 10.0

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The simulator says whether the tissue it shows is triangulated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rst_control.config import load_simulation_config
+from rst_control.simulation.exposure import exposure, exposure_words
+from rst_control.simulation.tissue import Tissue
+
+SCENE = load_simulation_config().scene
+STEP = 1e-3
+
+
+def pulled(way, missed=(0.0, 0.0, 0.0), steps=600):
+    """The shipped sheet, grasped a little off the point meant, and pulled by a way [m]."""
+    tissue = Tissue(SCENE.tissue, STEP)
+    tip = np.array(SCENE.grasp_point) + missed
+    assert tissue.grasp(tip)
+    for share in np.linspace(0.0, 1.0, steps):
+        force = tissue.advance(tip + share * np.array(way))
+    for _ in range(200):
+        force = tissue.advance(tip + np.array(way))
+    return tissue, force
+
+
+def test_tissue_that_nobody_holds_has_no_verdict():
+    assert exposure(Tissue(SCENE.tissue, STEP), SCENE, np.zeros(3)) is None
+    assert exposure_words(None, SCENE) == "no tissue held"
+
+
+def test_the_sheet_pulled_upwards_is_triangulated():
+    tissue, force = pulled((0.0, 0.0, 0.006))
+    held = exposure(tissue, SCENE, force)
+    assert exposure_words(held, SCENE) == "triangulated"
+    assert held.tension == pytest.approx(np.linalg.norm(force))
+    assert held.grasp_error < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("way", "missed", "words"),
+    [
+        ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), "N, at least 0.3"),
+        ((0.0, 0.0, 0.006), (0.0, 0.0015, 0.0), "grasp error 1.5 mm, at most 1"),
+        ((0.0, 0.0, 0.025), (0.0, 0.0, 0.0), "strain"),
+    ],
+)
+def test_what_keeps_it_from_being_triangulated_is_told(way, missed, words):
+    tissue, force = pulled(way, missed)
+    told = exposure_words(exposure(tissue, SCENE, force), SCENE)
+    assert told.startswith("not triangulated: ")
+    assert words in told
+
+
+def test_other_bands_give_another_verdict():
+    tissue, force = pulled((0.0, 0.0, 0.006))
+    strict = replace(SCENE, triangulation=replace(SCENE.triangulation, strain=0.2))
+    assert "strain 0.263, at most 0.2" in exposure_words(exposure(tissue, strict, force), strict)

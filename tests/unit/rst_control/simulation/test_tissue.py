@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The sheet of tissue: statics, dynamics, taking hold and letting go."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rst_control.config import load_simulation_config
+from rst_control.simulation.tissue import Tissue
+from rst_control.tissue.sheet import rim_nodes
+
+STEP = 1e-3
+SCENE = load_simulation_config().scene
+CONFIG = SCENE.tissue
+GRASP = np.array(CONFIG.reference_point)
+PULL = np.array(CONFIG.reference_pull)
+ALONG = PULL / np.linalg.norm(PULL)
+
+
+def tissue(**changes) -> Tissue:
+    return Tissue(replace(CONFIG, **changes), STEP)
+
+
+def pulled(sheet: Tissue, distance: float, speed: float = 0.02, settle: float = 0.5) -> np.ndarray:
+    """Grasp, pull at a speed, wait; force on the jaws."""
+    assert sheet.grasp(GRASP)
+    steps = max(int(distance / speed / STEP), 1)
+    for k in range(steps):
+        sheet.advance(GRASP + ALONG * distance * (k + 1) / steps)
+    for _ in range(int(settle / STEP)):
+        force = sheet.advance(GRASP + ALONG * distance)
+    return force
+
+
+@pytest.mark.parametrize("stiffness", [20.0, 100.0, 400.0, 1000.0])
+def test_pull_at_the_reference_has_the_stiffness_asked_for(stiffness):
+    distance = float(np.linalg.norm(PULL))
+    force = pulled(tissue(stiffness=stiffness, bed_stiffness=0.0), distance)
+    assert -force @ ALONG == pytest.approx(stiffness * distance, rel=0.01)
+
+
+def test_force_grows_with_displacement_and_is_nearly_linear():
+    distances = np.linspace(0.002, 0.02, 10)
+    felt = np.array([-pulled(tissue(), d) @ ALONG for d in distances])
+    assert (np.diff(felt) > 0.0).all()
+    assert np.allclose(felt / distances / CONFIG.stiffness, 1.0, atol=0.25)
+
+
+def test_force_opposes_the_pull():
+    force = pulled(tissue(), 0.01)
+    assert -force @ ALONG > 0.95 * np.linalg.norm(force)
+
+
+def test_at_rest_the_rim_the_jaws_and_the_surroundings_balance():
+    sheet = tissue()
+    pulled(sheet, 0.015, settle=2.0)
+    balance = sheet.balance
+    assert np.linalg.norm(balance.jaws) > 1.0
+    assert np.allclose(balance.jaws + balance.rim, balance.surroundings, atol=1e-6)
+
+
+def test_without_a_bed_the_rim_alone_carries_the_pull():
+    sheet = tissue(bed_stiffness=0.0)
+    force = pulled(sheet, 0.015, settle=2.0)
+    assert np.allclose(sheet.balance.rim, -force, atol=1e-6)
+
+
+def test_every_step_the_forces_explain_the_change_of_momentum():
+    sheet = tissue()
+    rng = np.random.default_rng(4)
+    sheet.grasp(GRASP)
+    tip, before = GRASP.copy(), sheet.momentum
+    for _ in range(300):
+        tip = tip + rng.normal(0.0, 2e-4, 3)
+        sheet.advance(tip)
+        after, done = sheet.momentum, sheet.balance
+        forces = done.surroundings - done.jaws - done.rim
+        assert np.allclose(after - before, forces * STEP, atol=1e-12)
+        before = after
+
+
+def test_taking_hold_changes_no_force():
+    sheet = tissue()
+    assert sheet.grasp(GRASP + np.array([0.001, 0.0005, -0.001]))
+    assert np.linalg.norm(sheet.advance(GRASP + np.array([0.001, 0.0005, -0.001]))) < 1e-9
+
+
+def test_release_drops_the_force_to_zero_at_once_and_the_sheet_comes_back():
+    sheet = tissue()
+    pulled(sheet, 0.015)
+    sheet.release()
+    assert not sheet.is_held
+    for _ in range(3000):
+        assert not sheet.advance(GRASP).any()
+    rest = tissue().nodes
+    assert np.abs(sheet.nodes - rest).max() < 5e-4
+
+
+def test_jaws_that_close_away_from_the_sheet_hold_nothing():
+    sheet = tissue()
+    assert not sheet.grasp(GRASP + np.array([0.0, 0.0, 2.0 * CONFIG.grasp_radius]))
+    assert not sheet.is_held
+    assert not sheet.advance(GRASP + np.array([0.0, 0.0, 0.1])).any()
+
+
+def test_the_rim_is_never_grasped_and_never_moves():
+    sheet = tissue()
+    fixed = rim_nodes(CONFIG)
+    corner = sheet.nodes[fixed][0]
+    assert not sheet.grasp(corner)
+    pulled(sheet, 0.02)
+    assert np.array_equal(sheet.nodes[fixed], tissue().nodes[fixed])
+
+
+@pytest.mark.parametrize("stiffness", [20.0, 1000.0])
+def test_a_violent_pull_stays_finite_and_settles(stiffness):
+    sheet = tissue(stiffness=stiffness)
+    sheet.grasp(GRASP)
+    rng = np.random.default_rng(7)
+    for _ in range(300):
+        sheet.advance(GRASP + rng.uniform(-0.01, 0.01, 3))
+    for _ in range(3000):
+        force = sheet.advance(GRASP)
+    assert np.isfinite(sheet.nodes).all()
+    assert np.linalg.norm(force) < 0.01 * stiffness * 0.01 + 1e-3
+
+
+def test_strain_and_flatness_are_zero_at_rest_and_tell_of_pull_and_push():
+    sheet = tissue()
+    assert sheet.max_strain == pytest.approx(0.0, abs=1e-9)
+    assert sheet.out_of_plane_rms == pytest.approx(0.0, abs=1e-9)
+    sheet.grasp(GRASP)
+    for k in range(500):
+        sheet.advance(GRASP + np.array([0.0, 2e-5 * k, 0.0]))
+    assert sheet.max_strain > 0.01
+    assert sheet.out_of_plane_rms > 1e-4
+
+
+def test_reset_puts_everything_back():
+    sheet = tissue()
+    pulled(sheet, 0.02)
+    sheet.reset()
+    assert not sheet.is_held
+    assert np.array_equal(sheet.nodes, tissue().nodes)
+    assert not sheet.advance(GRASP).any()
+
+
+def test_the_same_pull_gives_the_same_bits():
+    assert np.array_equal(pulled(tissue(), 0.01), pulled(tissue(), 0.01))
+
+
+def test_a_sheet_turned_in_space_pulls_the_same():
+    turned = tissue(
+        centre=(0.0, 0.0, 0.0),
+        along=(0.0, 1.0, 0.0),
+        across=(0.0, 0.0, 1.0),
+        reference_point=(0.0, 0.035, 0.0),
+        reference_pull=(0.0, 0.00981, -0.00196),
+    )
+    assert turned.grasp(np.array([0.0, 0.035, 0.0]))
+    upright = tissue()
+    upright.grasp(GRASP)
+    for k in range(800):
+        step = 1e-5 * k
+        a = turned.advance(np.array([0.0, 0.035 + step, 0.0]))
+        b = upright.advance(GRASP + np.array([0.0, 0.0, step]))
+    assert a[1] == pytest.approx(b[2], rel=1e-6)

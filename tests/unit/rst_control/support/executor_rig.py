@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A controller without ROS on a robot without physics, ticked by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from rst_control.admission.command_queue import CommandDesk
+from rst_control.assembly import make_executor, make_site
+from rst_control.config import load_motion_config
+from rst_control.execution.state_machine import State
+from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.plan import Request
+from rst_control.registration.site import PresentSite
+from rst_control.supervision.presence import Presence
+from tests.support.fake_robot import FakeRobot, LinearSpring
+
+PERIOD = 0.002
+AT_ONCE = ("hey robot", "stop", "terminate")
+
+
+@lru_cache(maxsize=1)
+def shared():
+    config, model = load_motion_config(), load_robot()
+    return config, model, make_site(config, model)
+
+
+def tip_of(joints):
+    return Configuration(shared()[1], planning_joints(joints)[0]).tip
+
+
+class Rig:
+    """Time goes on only by `run`."""
+
+    def __init__(self, stiffness=200.0, config=None, start=None):
+        settings, _, site = shared()
+        self.config = config or settings
+        self.now = 10.0
+        q = np.array(self.config.scene.home if start is None else start)
+        begin = robot_joints(q, self.config.scene.home_opening)
+        self.robot = FakeRobot(begin, lambda: self.now, tissue=LinearSpring(tip_of, stiffness))
+        self.site = PresentSite(site)
+        self.rcm = lambda joints: self.site.placement(joints).error
+        self.presence = Presence()  # of other nodes
+        self.executor = make_executor(self.config, self.site, self.robot.clear_fault, self.presence)
+        self.desk = CommandDesk(self.executor, self.site.verify, lambda: self.now)
+        self.sent = []  # every set-point, None where nothing was sent
+
+    def believing(self):
+        """Any measurement is believed, so that what it leads to besides can be seen."""
+        self.executor._watchdogs.look = lambda *_: None
+        return self
+
+    def tick(self):
+        self.now += PERIOD
+        setpoint = self.executor.tick(self.now, self.robot.measured_js())
+        if setpoint is not None:
+            self.robot.servo_jp(setpoint)
+        self.sent.append(setpoint)
+        return setpoint
+
+    def run(self, seconds):
+        for _ in range(round(seconds / PERIOD)):
+            self.tick()
+        return self
+
+    def until(self, condition, limit=30.0):
+        for _ in range(round(limit / PERIOD)):
+            if condition():
+                return self
+            self.tick()
+        raise AssertionError(f"not within {limit} s; {self.executor.view}")
+
+    def give(self, words, spoken=False, owner="", **amounts):
+        """Give a command and tick until it is answered."""
+        ticket = self.desk.take(Request(words, **amounts), "test", spoken, owner=owner)
+        if words == "stop":  # answered before anybody ticks
+            self.tick()
+        while not ticket.reply.done():
+            waiting = self.desk.next(0.0) if words not in AT_ONCE else None
+            if waiting is not None:
+                self.desk.check(waiting)
+            self.tick()
+        return ticket
+
+    def say(self, words, **more):
+        """Give a command that must be accepted."""
+        ticket = self.give(words, **more)
+        assert ticket.reply.result(0).accepted, ticket.reply.result(0).message
+        return ticket
+
+    def refused(self, words, **more):
+        """Give a command that must be refused; returns the reason."""
+        reply = self.give(words, **more).reply.result(0)
+        assert not reply.accepted, reply.message
+        return reply.message
+
+    def finish(self, words, **more):
+        """Give a motion and carry it out to its end."""
+        ticket = self.say(words, **more)
+        self.until(ticket.ended.done)
+        assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
+        return ticket.ended.result(0)
+
+    def finish_long(self, words):
+        """Like `finish`, for what takes longer than the others."""
+        ticket = self.say(words)
+        self.until(ticket.ended.done, limit=120.0)
+        assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
+        return ticket.ended.result(0)
+
+    def awake(self):
+        self.run(0.01)
+        self.say("hey robot")
+        return self
+
+    def moving(self, *phases):
+        """Set off with "tense" and go on until one of the phases is well under way."""
+        self.awake().say("tense")
+        return self.until(lambda: self.phase in phases and self.executor.view.motion.progress > 0.3)
+
+    @property
+    def view(self):
+        return self.executor.view
+
+    @property
+    def state(self):
+        return self.view.life.state
+
+    @property
+    def phase(self):
+        return self.view.phase
+
+    @property
+    def joints(self):
+        """Last set-point's joints."""
+        return next(s.position for s in reversed(self.sent) if s is not None)
+
+    def diary(self):
+        return [entry.kind for entry in self.executor.diary]
+
+    def rest(self, limit=2.0):
+        """Go on until nothing moves."""
+        return self.until(lambda: self.state not in (State.MOVING, State.STOPPING), limit)
+
+    def still_for(self, seconds):
+        """Whether the set-point stays exactly where it is."""
+        before = self.joints
+        self.run(seconds)
+        return bool(np.array_equal(before, self.joints))
+
+
+def with_watchdogs(**changes):
+    """Settings with other watchdogs."""
+    config = shared()[0]
+    watchdogs = replace(config.controller.watchdogs, **changes)
+    return replace(config, controller=replace(config.controller, watchdogs=watchdogs))

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tension from joint torques: what is told, how far it is trusted, and why not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rst_control.config import URDF_FILE, load_motion_config
+from rst_control.config.torque_tension import TorqueTensionConfig, load_torque_tension
+from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinematics.inverse_dynamics import InverseDynamics
+from rst_control.kinematics.rcm import rcm_jacobian
+from rst_control.tension.torque_estimator import (
+    TensionEstimate,
+    TorqueTension,
+    load_matrix,
+    unit,
+)
+from rst_control.types import Measurement
+
+Array = NDArray[np.float64]
+TEXT = URDF_FILE.read_text(encoding="utf-8")
+SCENE = load_motion_config().scene
+HOME, TROCAR = np.array(SCENE.home), np.array(SCENE.trocar)
+CONFIG = load_torque_tension()
+PULL = unit(CONFIG.pull_direction)
+PERIOD = 0.025  # [s] of the arm's feedback
+OPEN, CLOSED = 0.6, 0.0
+
+
+class Arm:
+    """An arm whose torques are exact but for a bias, with a pull and a trocar's load on it."""
+
+    def __init__(self, config: TorqueTensionConfig = CONFIG) -> None:
+        self.estimator, self.dynamics = TorqueTension(config, TEXT), InverseDynamics(TEXT)
+        self.now, self.bias, self.speed = 0.0, np.zeros(7), np.zeros(10)
+        self.sign, self.pushed = 1.0, np.zeros(7)
+        self.q = HOME
+
+    def read(self, load: tuple[float, float, float], opening: float, gripped: bool) -> Measurement:
+        """One reading under a pull and two forces across the shaft [N]."""
+        A = load_matrix(self.estimator._dynamics.model, self.q, TROCAR, PULL)
+        motors = self.dynamics(self.q) + A @ np.array(load) + self.bias + self.pushed
+        return Measurement(
+            position=robot_joints(self.q, opening),
+            velocity=self.speed,
+            effort=np.append(self.sign * motors, [0.0, 0.0, 0.0]),
+            stamp=self.now,
+            gripped=gripped,
+        )
+
+    def rest(self, seconds: float = 1.0) -> TensionEstimate:
+        """Jaws open, nothing held."""
+        return self.feel((0.0, 0.0, 0.0), seconds, OPEN, gripped=False)
+
+    def feel(
+        self,
+        load: tuple[float, float, float],
+        seconds: float = 1.0,
+        opening: float = CLOSED,
+        gripped: bool = True,
+    ) -> TensionEstimate:
+        for _ in range(round(seconds / PERIOD)):
+            self.now += PERIOD
+            found = self.estimator.update(self.read(load, opening, gripped), TROCAR)
+        return found
+
+
+@pytest.fixture
+def arm() -> Arm:
+    arm = Arm()
+    arm.rest()
+    return arm
+
+
+def test_a_pull_is_told_to_its_size(arm: Arm) -> None:
+    found = arm.feel((1.2, 0.0, 0.0))
+    assert found.tension == pytest.approx(1.2, abs=1e-3)
+    np.testing.assert_allclose(found.force, -1.2 * PULL, atol=1e-3)
+    assert found.distrust == ""
+
+
+def test_a_shaft_that_leans_on_its_trocar_is_no_tension(arm: Arm) -> None:
+    found = arm.feel((0.5, 3.0, -2.0))
+    assert found.tension == pytest.approx(0.5, abs=1e-3)
+    np.testing.assert_allclose(found.lateral, [3.0, -2.0], atol=1e-2)
+
+
+def test_the_tare_takes_away_what_is_wrong_all_the_time(arm: Arm) -> None:
+    arm.bias = np.array([0.5, -0.7, 0.3, 0.6, -0.1, 0.15, 0.05])
+    arm.rest(2.0)
+    assert arm.feel((1.0, 0.0, 0.0)).tension == pytest.approx(1.0, abs=1e-3)
+
+
+def test_without_a_tare_it_says_so_and_what_it_is_worth() -> None:
+    arm = Arm()
+    arm.bias = np.array(CONFIG.error.offset)
+    found = arm.feel((1.0, 0.0, 0.0))
+    assert found.distrust.startswith("no tare")
+    assert found.sigma > 2.0 * abs(found.tension - 1.0) / 3.0  # as unsure as it is wrong
+
+
+def test_jaws_that_hold_something_give_no_tare() -> None:
+    arm = Arm()
+    arm.feel((1.0, 0.0, 0.0), 2.0, OPEN, gripped=True)
+    assert arm.estimator.tare is None
+    arm.feel((0.0, 0.0, 0.0), 2.0, CLOSED, gripped=False)  # closed: they may hold what slipped in
+    assert arm.estimator.tare is None
+
+
+def test_far_from_where_it_was_tared_it_is_not_trusted(arm: Arm) -> None:
+    arm.q = HOME + np.array([0.0, 0.4, 0, 0, 0, 0, 0, 0, 0])
+    found = arm.feel((1.0, 0.0, 0.0))
+    assert "joint_2 is 0.40 rad from where it was taken, allowed 0.35" in found.distrust
+
+
+def test_an_old_tare_is_not_trusted(arm: Arm) -> None:
+    arm.now += CONFIG.tare.holds_for + 1.0
+    assert "s old, allowed 600" in arm.feel((1.0, 0.0, 0.0)).distrust
+
+
+def test_in_fast_motion_it_is_not_trusted(arm: Arm) -> None:
+    arm.speed = np.array([0, 0, 0, 0.5, 0, 0, 0, 0, 0, 0])
+    assert "joint_4 at 0.50 rad/s" in arm.feel((1.0, 0.0, 0.0)).distrust
+
+
+def test_an_elbow_that_is_pushed_is_not_taken_for_tension(arm: Arm) -> None:
+    arm.pushed = np.array([0.0, 0.0, 6.0, 0.0, 0.0, 0.0, 0.0])
+    assert "misfit" in arm.feel((1.0, 0.0, 0.0)).distrust
+
+
+def test_noisy_torques_are_not_trusted() -> None:
+    noisy = replace(CONFIG.error, noise=tuple(10.0 * n for n in CONFIG.error.noise))  # type: ignore[arg-type]
+    arm = Arm(replace(CONFIG, error=noisy))
+    arm.rest()
+    assert "allowed 0.25 N" in arm.feel((1.0, 0.0, 0.0)).distrust
+
+
+def test_after_a_gap_it_begins_anew(arm: Arm) -> None:
+    arm.feel((1.0, 0.0, 0.0))
+    arm.now += 2.0 * CONFIG.gap
+    assert "torque readings so far" in arm.feel((0.0, 0.0, 0.0), PERIOD).distrust
+    assert arm.feel((0.0, 0.0, 0.0)).tension == pytest.approx(0.0, abs=1e-3)
+
+
+def test_efforts_of_the_other_sign_are_found_and_can_be_turned() -> None:
+    arm = Arm()
+    arm.sign = -1.0
+    assert "change effort_sign" in arm.rest().distrust
+    turned = Arm(replace(CONFIG, effort_sign=-1))
+    turned.sign = -1.0
+    turned.rest()
+    assert turned.feel((1.0, 0.0, 0.0)).distrust == ""
+
+
+def test_a_rising_pull_is_told_late_by_the_delay_it_states(arm: Arm) -> None:
+    rate = 1.0  # [N/s]
+    for _ in range(80):
+        arm.now += PERIOD
+        true = rate * (arm.now - 1.0)
+        found = arm.estimator.update(arm.read((true, 0.0, 0.0), CLOSED, True), TROCAR)
+    assert (true - found.tension) / rate == pytest.approx(arm.estimator.delay, abs=PERIOD)
+
+
+def test_a_reading_seen_twice_counts_once(arm: Arm) -> None:
+    reading = arm.read((1.0, 0.0, 0.0), CLOSED, True)
+    once = arm.estimator.update(reading, TROCAR).tension
+    assert arm.estimator.update(reading, TROCAR).tension == once
+
+
+def test_told_spread_is_the_true_one() -> None:
+    """Noise alone: the standard deviation that is told is the one that is there."""
+    quiet = replace(
+        CONFIG.error,
+        offset=(0.0,) * 7,
+        friction=(0.0,) * 7,
+        gain=0.0,
+        model=0.0,
+        tool_mass=0.0,
+        trocar_friction=0.0,
+    )
+    config = replace(CONFIG, error=quiet, filter_time=0.0)
+    arm, rng, told = Arm(config), np.random.default_rng(5), []
+    arm.rest()
+    noise, errors = np.array(CONFIG.error.noise), []
+    for _ in range(800):
+        arm.pushed = rng.normal(size=7) * noise
+        found = arm.feel((1.0, 0.0, 0.0), PERIOD)
+        errors.append(found.tension - 1.0)
+        told.append(found.sigma**2 - float(_tare_share(found, arm)))
+    assert np.std(errors) == pytest.approx(np.sqrt(np.mean(told)), rel=0.1)
+
+
+def _tare_share(found: TensionEstimate, arm: Arm) -> float:
+    """The tare was exact here, but is taken for as noisy as the readings: half of the variance."""
+    assert arm.estimator.tare is not None
+    return 0.5 * found.sigma**2
+
+
+def test_columns_of_the_loads_are_power_over_speed() -> None:
+    """Virtual work: a motor's torque times its speed is the force times the speed of its point."""
+    model = Arm().estimator._dynamics.model
+    A = load_matrix(model, HOME, TROCAR, PULL)
+    rng = np.random.default_rng(1)
+    for _ in range(10):
+        dq = np.append(rng.normal(size=7), [0.0, 0.0])
+        step = 1e-6 * dq
+        moved = (Configuration(model, HOME + step).tip - Configuration(model, HOME - step).tip) / 2
+        assert A[:, 0] @ step[:7] == pytest.approx(float(PULL @ moved), rel=1e-6, abs=1e-12)
+        J = rcm_jacobian(Configuration(model, HOME), TROCAR)  # moves the trocar past the shaft
+        np.testing.assert_allclose(A[:, 1:].T @ dq[:7], J @ dq, atol=1e-9)
+
+
+def test_the_opening_is_no_part_of_the_posture(arm: Arm) -> None:
+    q, opening = planning_joints(robot_joints(HOME, OPEN))
+    np.testing.assert_allclose(q, HOME)
+    assert opening == pytest.approx(OPEN)

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The viewer is optional: with rviz it is started on our layout, without it that is said."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+
+from rst_control.visualization import start_rviz
+
+
+def test_without_rviz_it_says_how_to_get_it_and_ends(monkeypatch, capsys):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setattr(os, "execv", lambda *_: 1 / 0)
+    start_rviz.main()
+    assert "apt-get install rviz" in capsys.readouterr().err
+
+
+def test_rviz_gets_our_layout_and_what_roslaunch_says(monkeypatch):
+    started = []
+    monkeypatch.setattr(shutil, "which", lambda name: f"/bin/{name}")
+    monkeypatch.setattr(os, "execv", lambda program, words: started.append((program, words)))
+    monkeypatch.setattr(sys, "argv", ["viewer", "__name:=rviz"])
+    start_rviz.main()
+    ((program, words),) = started
+    assert program == "/bin/rviz" and words[1] == "-d" and words[3:] == ["__name:=rviz"]
+    assert start_rviz.LAYOUT.is_file() and words[2] == str(start_rviz.LAYOUT)

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import wave
+
+from session_log.export import export
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.writer import SessionWriter
+from support.story import Story
+
+
+def test_lost_sound_becomes_silence_of_the_same_length(tmp_path):
+    story = Story()
+    for first, value in ((0, 100), (512, 200), (2048, 300)):
+        story.say(
+            first / 16000,
+            "/a",
+            "voice_assist/AudioChunk",
+            rate=16000,
+            first_sample=first,
+            samples=[value] * 512,
+        )
+    with SessionWriter(tmp_path / "s.mcap") as writer:
+        for message in story.messages:
+            writer.add(message)
+    result = export(SessionReader(tmp_path / "s.mcap"), tmp_path / "out", [], "/a")
+    assert (result.samples, result.lost_samples) == (1536, 1024)
+    with wave.open(str(result.sound)) as sound:
+        content = sound.readframes(sound.getnframes())
+    values = [int.from_bytes(content[i : i + 2], "little") for i in range(0, len(content), 2)]
+    assert values == [100] * 512 + [200] * 512 + [0] * 1024 + [300] * 512

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files of the writer, read by the public libraries alone."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from mcap.records import Message as McapMessage
+from mcap.stream_reader import StreamReader
+from mcap_ros1.decoder import DecoderFactory
+
+from session_log.errors import RecordingFailed
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.writer import SessionWriter
+from session_log.types import Message
+from support.message_classes import class_of, serialise, source_of
+
+ROOT = Path(__file__).resolve().parents[4]
+NOW = 1_795_200_000_000_000_000
+KILLS = 20
+
+
+def event(kind, sequence=1):
+    message = class_of("rst_control/Event")(kind=kind, command="stop")
+    source = source_of("/rst_control/event", "rst_control/Event", "/controller")
+    return Message(source, serialise(message), NOW + sequence, sequence)
+
+
+def test_a_closed_file_is_read_by_mcap_alone(tmp_path):
+    with SessionWriter(tmp_path / "s.mcap") as writer:
+        writer.add_metadata("session", {"seed": "7"})
+        for k in range(3):
+            writer.add(event(f"kind {k}", k + 1))
+    with (tmp_path / "s.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()], validate_crcs=True)
+        assert reader.get_header().profile == "ros1"
+        summary = reader.get_summary()
+        assert summary.statistics.message_count == 3
+        assert [s.encoding for s in summary.schemas.values()] == ["ros1msg"]
+        decoded = [d for *_, d in reader.iter_decoded_messages()]
+        assert [d.kind for d in decoded] == ["kind 0", "kind 1", "kind 2"]
+        assert [m.metadata for m in reader.iter_metadata()] == [{"seed": "7"}]
+
+
+def test_the_channel_names_publisher_type_and_latching(tmp_path):
+    source = source_of("/mode", "voice_assist/Mode", "/voice", is_latched=True)
+    data = serialise(class_of("voice_assist/Mode")())
+    with SessionWriter(tmp_path / "s.mcap") as writer:
+        writer.add(Message(source, data, NOW, 1))
+    with (tmp_path / "s.mcap").open("rb") as file:
+        channel = next(iter(make_reader(file).get_summary().channels.values()))
+    kind = class_of("voice_assist/Mode")
+    expected = {"md5sum": kind._md5sum, "callerid": "/voice", "latching": "1"}
+    assert (channel.topic, channel.metadata) == ("/mode", expected)
+
+
+def test_two_publishers_of_a_topic_are_told_apart_and_share_a_schema(tmp_path):
+    data = serialise(class_of("voice_assist/Mode")())
+    with SessionWriter(tmp_path / "s.mcap") as writer:
+        for name in ("/a", "/b"):
+            writer.add(Message(source_of("/mode", "voice_assist/Mode", name), data, NOW, 1))
+    with (tmp_path / "s.mcap").open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert (len(summary.channels), len(summary.schemas)) == (2, 1)
+
+
+def test_a_type_that_nobody_here_knows_is_kept_byte_for_byte(tmp_path):
+    from session_log.types import Source
+
+    source = Source("/odd", "strange_msgs/Odd", "0" * 32, "this is no definition", "/x")
+    with SessionWriter(tmp_path / "s.mcap") as writer:
+        writer.add(Message(source, b"\0\xff raw", NOW, 1))
+    with (tmp_path / "s.mcap").open("rb") as file:
+        ((schema, channel, message),) = make_reader(file).iter_messages()
+    assert (schema.name, channel.topic, message.data) == ("strange_msgs/Odd", "/odd", b"\0\xff raw")
+
+
+def test_what_was_committed_is_readable_while_the_file_is_still_open(tmp_path):
+    writer = SessionWriter(tmp_path / "s.mcap")
+    writer.add(event("accepted"))
+    writer.commit()
+    (message,) = SessionReader(tmp_path / "s.mcap").messages()
+    assert message == event("accepted")
+    writer.abandon()
+
+
+def test_a_folder_that_does_not_exist_is_named(tmp_path):
+    with pytest.raises(RecordingFailed, match=r"no/s.mcap: No such file"):
+        SessionWriter(tmp_path / "no" / "s.mcap")
+
+
+WRITE_UNTIL_KILLED = """
+import sys
+from pathlib import Path
+from session_log.types import Message, Source
+from session_log.mcap_file.writer import SessionWriter
+source = Source("/t", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data", "/w")
+writer = SessionWriter(Path(sys.argv[1]))
+for k in range(1, 10**9):
+    text = (b"%d" % k) * 40
+    writer.add(Message(source, len(text).to_bytes(4, "little") + text, 1795200000 * 10**9 + k, k))
+    if k % 3 == 0:
+        writer.commit()
+        sys.stdout.write("%d\\n" % k)
+        sys.stdout.flush()
+"""
+
+
+def test_sigkill_takes_nothing_that_was_acknowledged(tmp_path):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    for kill in range(KILLS):
+        path = tmp_path / f"{kill}.mcap"
+        process = subprocess.Popen(
+            [sys.executable, "-c", WRITE_UNTIL_KILLED, str(path)],
+            stdout=subprocess.PIPE,
+            env=environment,
+            cwd=ROOT,
+        )
+        for _ in range(1 + 37 * kill):
+            process.stdout.readline()
+        process.send_signal(signal.SIGKILL)
+        lines = process.stdout.read().split(b"\n")
+        process.wait()
+        acknowledged = max((int(line) for line in lines[:-1] if line), default=3)
+        assert _sequences(path) >= acknowledged
+        assert sum(1 for _ in SessionReader(path).messages()) >= acknowledged
+
+
+def _sequences(path):
+    """How many messages in unbroken order the public reader gets out of a cut file."""
+    count = 0
+    with path.open("rb") as file:
+        try:
+            for record in StreamReader(file).records:
+                if isinstance(record, McapMessage):
+                    assert record.sequence == count + 1
+                    count += 1
+        except Exception as error:  # the end of a cut file: whatever the public reader makes of it
+            assert "EndOfFile" in type(error).__name__ or "struct" in str(type(error))
+    return count

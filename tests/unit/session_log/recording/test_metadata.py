@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import hashlib
+import subprocess
+
+from session_log.recording import metadata
+
+
+def test_the_commit_and_what_was_changed_since_are_named(tmp_path):
+    def git(*words):
+        subprocess.run(["git", "-C", tmp_path, *words], check=True, capture_output=True)
+
+    git("init")
+    (tmp_path / "a").write_text("1")
+    git("add", "a")
+    git("-c", "user.name=t", "-c", "user.email=t@example.org", "commit", "-m", "first")
+    assert metadata.code_facts(tmp_path)["changed_files"] == ""
+    (tmp_path / "a").write_text("2")
+    facts = metadata.code_facts(tmp_path)
+    assert len(facts["commit"]) == 40 and "a" in facts["changed_files"]
+
+
+def test_outside_a_repository_the_commit_is_unknown(tmp_path):
+    assert metadata.code_facts(tmp_path)["commit"] == "unknown"
+
+
+def test_a_named_file_gets_its_hash_beside_it(tmp_path):
+    (tmp_path / "model.pt").write_bytes(b"weights")
+    facts = metadata.named_facts({"model": str(tmp_path / "model.pt"), "seed": 7})
+    assert facts["model_sha256"] == hashlib.sha256(b"weights").hexdigest()
+    assert facts["seed"] == "7"
+
+
+def test_parameters_become_text_without_the_urdf():
+    facts = metadata.parameter_facts({"b": {"x": 1}, "a": 2, "robot_description": "<robot/>"})
+    assert list(facts) == ["a", "b"] and facts["b"] == "x: 1"
+
+
+def test_the_machine_is_described_without_empty_fields():
+    assert all(metadata.machine_facts().values())
+
+
+def test_versions_leave_out_what_is_not_installed():
+    assert list(metadata.version_facts(["mcap", "no-such-package-at-all"])) == ["mcap"]

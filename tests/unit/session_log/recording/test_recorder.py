@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import errno
+import os
+import threading
+import time
+from dataclasses import replace
+from itertools import count
+
+import pytest
+
+from session_log.errors import RecordingFailed
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import survey
+from session_log.mcap_file.writer import SessionWriter
+from session_log.recording.recorder import Recorder
+from session_log.types import Source
+from support.message_classes import class_of, serialise, source_of
+
+PATIENCE = 20.0  # [s] after which a test gives up; none is expected to take it
+
+
+def wait_until(claim):
+    deadline = time.monotonic() + PATIENCE
+    while not claim():
+        assert time.monotonic() < deadline, "it did not happen"
+        time.sleep(0.002)
+
+
+def text(topic="/t", publisher="/p"):
+    return Source(topic, "std_msgs/String", "992c", "string data", publisher)
+
+
+def full():
+    return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_many_threads_lose_nothing(tmp_path, recorder_config):
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+    tallies = [recorder.register(text(f"/t{i}")) for i in range(8)]
+    recorder.start()
+
+    def publish(tally):
+        for k in range(500):
+            assert recorder.offer(tally, b"%d" % k)
+
+    threads = [threading.Thread(target=publish, args=(tally,)) for tally in tallies]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert recorder.close() == ""
+    result = survey(SessionReader(tmp_path / "s.mcap"))
+    assert {t.messages for t in result.topics.values()} == {500}
+    assert (result.messages, result.missing, result.condition.is_closed) == (4000, 0, True)
+
+
+def test_what_is_said_to_be_written_is_in_the_file(tmp_path, recorder_config):
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+    tally = recorder.register(text())
+    recorder.start()
+    for _ in range(10):
+        recorder.offer(tally, b"x")
+    received = time.time_ns()
+    wait_until(lambda: recorder.status().written_until > received)
+    assert sum(1 for _ in SessionReader(tmp_path / "s.mcap").messages()) == 10
+    recorder.close()
+
+
+def test_messages_are_dropped_only_above_the_limit_and_counted(tmp_path, recorder_config):
+    def never():
+        raise RecordingFailed(tmp_path, full())
+
+    config = replace(recorder_config, queue_messages=100)
+    recorder = Recorder(never, config, time.time_ns)
+    tally = recorder.register(text())
+    taken = [recorder.offer(tally, b"x") for _ in range(130)]
+    assert taken == [True] * 100 + [False] * 30
+    status = recorder.status()
+    assert (status.received, status.dropped, status.waiting) == (130, 30, 100)
+
+
+def test_a_limit_of_bytes_holds_too(recorder_config):
+    recorder = Recorder(pytest.fail, replace(recorder_config, queue_size=1_000_000), time.time_ns)
+    tally = recorder.register(text())
+    assert recorder.offer(tally, bytes(900_000))
+    assert not recorder.offer(tally, bytes(200_000))
+    assert recorder.offer(tally, bytes(50_000))
+
+
+def test_a_folder_that_cannot_be_written_is_said_and_tried_again(tmp_path, recorder_config):
+    attempts = []
+
+    def open_writer():
+        attempts.append(1)
+        if len(attempts) < 4:
+            raise RecordingFailed(tmp_path / "s.mcap", PermissionError(13, "Permission denied"))
+        return SessionWriter(tmp_path / "s.mcap")
+
+    config = replace(recorder_config, retry_period=0.05)
+    recorder = Recorder(open_writer, config, time.time_ns)
+    tally = recorder.register(text())
+    recorder.start()
+    recorder.offer(tally, b"early")
+    wait_until(lambda: "Permission denied" in recorder.status().error)
+    assert not recorder.status().is_recording
+    wait_until(lambda: recorder.status().is_recording)
+    assert recorder.close() == ""
+    (message,) = SessionReader(tmp_path / "s.mcap").messages()
+    assert message.data == b"early"
+
+
+def test_a_disk_that_fills_and_empties_again_costs_nothing(tmp_path, recorder_config):
+    room = [10_000]
+
+    def write(fd, data):
+        if room[0] < len(data):
+            raise full()
+        room[0] -= len(data)
+        return os.write(fd, data)
+
+    def open_writer():
+        writer = SessionWriter(tmp_path / "s.mcap")
+        writer._stream._write = write
+        return writer
+
+    recorder = Recorder(open_writer, replace(recorder_config, retry_period=0.05), time.time_ns)
+    tally = recorder.register(text())
+    recorder.start()
+    for _ in range(300):
+        recorder.offer(tally, bytes(100))
+    wait_until(lambda: "No space left" in recorder.status().error)
+    room[0] = 10**9
+    wait_until(lambda: recorder.status().is_recording)
+    assert recorder.close() == ""
+    result = survey(SessionReader(tmp_path / "s.mcap"))
+    assert (result.messages, result.missing, result.condition.damage) == (300, 0, [])
+    assert recorder.status().written == 300
+
+
+def test_memory_stays_bounded_while_the_disk_is_full(tmp_path, recorder_config):
+    def write(fd, data):
+        raise full()
+
+    def open_writer():
+        writer = SessionWriter(tmp_path / "s.mcap")
+        writer._stream._write = write
+        return writer
+
+    config = replace(recorder_config, queue_messages=100, retry_period=0.05)
+    recorder = Recorder(open_writer, config, time.time_ns)
+    tally = recorder.register(text())
+    recorder.offer(tally, b"x")
+    recorder.start()
+    wait_until(lambda: recorder.status().error)
+    held = recorder._writer._stream.tell()
+    for _ in range(3):
+        for _ in range(100):
+            recorder.offer(tally, bytes(100))
+        time.sleep(0.15)  # several attempts
+    status = recorder.status()
+    assert (status.waiting, status.dropped) == (100, 200)
+    assert recorder._writer._stream.tell() == held
+    recorder.close()
+
+
+def test_what_was_written_makes_room_for_more(tmp_path, recorder_config):
+    config = replace(recorder_config, queue_size=1_000_000)
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), config, time.time_ns)
+    tally = recorder.register(text())
+    recorder.start()
+    for k in range(5):
+        assert recorder.offer(tally, bytes(900_000))
+        wait_until(lambda expected=k + 1: recorder.status().written == expected)
+    recorder.close()
+
+
+def test_the_acknowledged_time_is_never_ahead_of_the_clock(tmp_path, recorder_config):
+    times = count(1)
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, times.__next__)
+    recorder.start()
+    wait_until(lambda: recorder.status().written_until > 0)
+    for _ in range(50):
+        assert recorder.status().written_until < next(times)
+    recorder.close()
+
+
+def test_closing_while_the_disk_is_full_says_how_much_was_lost(tmp_path, recorder_config):
+    def never():
+        raise RecordingFailed(tmp_path / "s.mcap", full())
+
+    recorder = Recorder(never, recorder_config, time.time_ns)
+    tally = recorder.register(text())
+    recorder.start()
+    for _ in range(3):
+        recorder.offer(tally, b"x")
+    assert recorder.close().endswith("No space left on device; 3 messages were not written")
+
+
+def test_an_unexpected_error_is_kept_in_sight(tmp_path, recorder_config):
+    def broken():
+        raise KeyError("a bug")
+
+    recorder = Recorder(broken, recorder_config, time.time_ns)
+    recorder.start()
+    wait_until(lambda: "KeyError" in recorder.status().error)
+    assert not recorder.status().is_recording
+    assert "a bug" in recorder.close()
+
+
+def test_gaps_in_the_publishers_own_count_are_reported_and_recorded(tmp_path, recorder_config):
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+    tally = recorder.register(source_of("/rst_control/event", "rst_control/Event", "/controller"))
+    recorder.start()
+    for sequence in (5, 6, 9, 10, 12):
+        message = class_of("rst_control/Event")()
+        message.header.seq = sequence
+        recorder.offer(tally, serialise(message))
+    assert recorder.status().missed == 3
+    recorder.close()
+    losses = SessionReader(tmp_path / "s.mcap").check().latest("losses")
+    assert losses == {"/rst_control/event from /controller": "0 dropped, 3 missed"}
+
+
+def test_the_latched_message_from_before_the_connection_opens_no_gap(recorder_config):
+    recorder = Recorder(pytest.fail, recorder_config, time.time_ns)
+    source = source_of("/mode", "voice_assist/Mode", "/voice", is_latched=True)
+    tally = recorder.register(source)
+    for sequence in (1, 7, 8, 10):
+        message = class_of("voice_assist/Mode")()
+        message.header.seq = sequence
+        recorder.offer(tally, serialise(message))
+    assert recorder.status().missed == 1
+
+
+def test_metadata_may_come_at_any_time_and_the_last_of_a_name_counts(tmp_path, recorder_config):
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+    recorder.start()
+    recorder.add_metadata("parameters", {"gain": "1"})
+    recorder.add_metadata("parameters", {"gain": "2"})
+    recorder.close()
+    condition = SessionReader(tmp_path / "s.mcap").check()
+    assert condition.latest("parameters") == {"gain": "2"}
+    assert [name for name, _ in condition.metadata] == ["parameters", "parameters"]
+
+
+class Blocking:
+    """A disk whose writes take as long as the test likes."""
+
+    def __init__(self):
+        self.is_free = threading.Event()
+        self.is_free.set()
+
+    def write(self, fd, data):
+        assert self.is_free.wait(PATIENCE)
+        return os.write(fd, data)
+
+
+def test_a_disk_that_hangs_without_an_error_is_an_error_until_it_goes_on(tmp_path, recorder_config):
+    disk, now = Blocking(), [0.0]
+
+    def open_writer():
+        writer = SessionWriter(tmp_path / "s.mcap")
+        writer._stream._write = disk.write
+        return writer
+
+    recorder = Recorder(open_writer, recorder_config, time.time_ns, lambda: now[0])
+    tally = recorder.register(text())
+    recorder.start()
+    wait_until(lambda: recorder.status().is_recording)
+    disk.is_free.clear()
+    recorder.offer(tally, b"x")
+    wait_until(lambda: recorder.status().waiting == 0)  # the writer has taken it, and hangs
+    assert recorder.status().is_recording
+    now[0] += recorder_config.stall_time + 0.1
+    status = recorder.status()
+    assert status.error == "the disk has taken nothing for more than 3 s"
+    assert not status.is_recording and status.written == 0
+    disk.is_free.set()
+    wait_until(lambda: recorder.status().is_recording)
+    assert recorder.close() == "" and recorder.status().written == 1
+
+
+def test_a_drop_counts_as_loss_for_a_while_and_stays_counted(recorder_config):
+    now = [0.0]
+    config = replace(recorder_config, queue_messages=100)
+    recorder = Recorder(pytest.fail, config, time.time_ns, lambda: now[0])
+    tally = recorder.register(text())
+    for _ in range(100):
+        recorder.offer(tally, b"x")
+    assert recorder.status().error == ""
+    recorder.offer(tally, b"one too many")
+    now[0] = config.stall_time
+    assert recorder.status().error == "messages are being dropped: the disk is too slow"
+    now[0] += 0.1
+    assert (recorder.status().error, recorder.status().dropped) == ("", 1)

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The sound of each utterance is cut out where it was said, with silence where it was lost."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from session_log.errors import SessionLogError
+from session_log.mcap_file.writer import SessionWriter
+from session_log.replay.spoken import AROUND, spoken
+from support.story import Story
+
+RATE, BLOCK = 16000, 512
+
+
+def written(path, utterances, lost=()):
+    """A session whose every block of sound holds its own number."""
+    story = Story()
+    for number in range(round(6.0 * RATE / BLOCK)):
+        if number not in lost:
+            story.say(
+                number * BLOCK / RATE,
+                "/voice_assist/audio",
+                "voice_assist/AudioChunk",
+                rate=RATE,
+                first_sample=number * BLOCK,
+                samples=[number + 1] * BLOCK,
+            )
+    for start, end, text, command in utterances:
+        story.say(
+            end + 0.2,
+            "/voice_assist/utterance",
+            "voice_assist/Utterance",
+            transcript=text,
+            phrases=["tense"],
+            wer=[0.0],
+            command=command,
+            speech_start=float(start),
+            speech_end=float(end),
+            decision=float(end + 0.2),
+        )
+    with SessionWriter(path) as writer:
+        for message in sorted(story.messages, key=lambda m: m.log_time):
+            writer.add(message)
+    return path
+
+
+def test_each_utterance_has_its_own_sound_and_time(tmp_path):
+    said = [(1.0, 1.5, "tense", "tense"), (3.0, 3.4, "ten", "")]
+    first, second = spoken(written(tmp_path / "session.mcap", said))
+    assert (first.heard, first.command) == ("tense", "tense")
+    assert (second.heard, second.command) == ("ten", "")
+    assert first.time == pytest.approx(1.0, abs=0.001)
+    assert len(first.samples) == round((0.5 + 2 * AROUND) * RATE)
+    blocks = (np.arange(len(first.samples)) + round((1.0 - AROUND) * RATE)) // BLOCK + 1
+    assert np.mean(first.samples == blocks) > 0.99
+
+
+def test_lost_sound_is_silence(tmp_path):
+    path = written(tmp_path / "session.mcap", [(1.0, 1.5, "tense", "tense")], lost=range(35, 40))
+    (only,) = spoken(path)
+    assert set(np.unique(only.samples)) & {36, 37, 38, 39, 40} == set()
+    assert 0 in only.samples
+
+
+def test_an_utterance_without_any_sound_is_left_out(tmp_path):
+    path = written(tmp_path / "session.mcap", [(20.0, 21.0, "tense", "tense")])
+    assert spoken(path) == []
+
+
+def test_what_is_no_session_is_refused(tmp_path):
+    with pytest.raises(SessionLogError):
+        spoken(tmp_path)

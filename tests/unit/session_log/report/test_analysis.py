@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import math
+
+import numpy as np
+import pytest
+
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import Survey
+from session_log.report import analysis
+from session_log.report.extract import extract
+from session_log.report.session_data import Event, Heard, Intervals, SessionData, Span
+
+
+@pytest.fixture(scope="module")
+def data(story, report_config):
+    return extract(SessionReader(story[0]), report_config)
+
+
+def heard(command, end, decision, transcript=None):
+    words = command if transcript is None else transcript
+    return Heard(end - 0.5, end, decision, words, command, "", command, 0.0, 0.9, "active", "r", 0)
+
+
+def session(heard=(), events=(), states=()):
+    return SessionData(Survey(None), list(heard), list(events), states=list(states))
+
+
+def rows_of(config, *parts):
+    return analysis.command_rows(session(*parts), config)
+
+
+def test_the_story_is_told_in_order(data, report_config):
+    rows = analysis.command_rows(data, report_config)
+    assert [row.command for row in rows] == [
+        "hey robot",
+        "tense",
+        "pull more",
+        "pull more",
+        "pull less",
+        "tense",
+        "pull more",
+        "stop",
+        "hey robot",
+        "release",
+        "terminate",
+    ]
+    assert [row.outcome for row in rows].count("refused") == 1
+    assert rows[5].message == "tissue is held already" and rows[5].action is None
+    assert all(row.action is not None for row in rows if row.outcome == "accepted")
+
+
+def test_latency_runs_from_the_end_of_speech_to_the_start_of_motion(report_config):
+    events = [Event(10.31, "accepted", "tense", "ok"), Event(10.42, "motion_started", "tense", "")]
+    (row,) = rows_of(report_config, [heard("tense", 10.0, 10.3)], events)
+    assert row.decision_latency == pytest.approx(0.3)
+    assert row.action_latency == pytest.approx(0.42)
+
+
+def test_a_stop_acts_when_it_is_received_and_counts_once_by_both_ways(report_config):
+    events = [
+        Event(5.26, "stop_received", "", "by topic"),
+        Event(5.27, "stop_received", "stop", "by service"),
+        Event(5.6, "at_rest", "stop", ""),
+    ]
+    (row,) = rows_of(report_config, [heard("stop", 5.0, 5.25)], events)
+    assert (row.command, row.action) == ("stop", 5.26)
+
+
+def test_a_refusal_has_no_action(report_config):
+    events = [Event(1.1, "refused", "release", "nothing grasped")]
+    (row,) = rows_of(report_config, [heard("release", 0.8, 1.0)], events)
+    assert (row.outcome, row.message) == ("refused", "nothing grasped")
+    assert math.isnan(row.action_latency)
+
+
+def test_a_command_that_the_controller_never_answered_is_told(report_config):
+    (row,) = rows_of(report_config, [heard("tense", 0.8, 1.0)], [])
+    assert (row.outcome, row.action) == ("no answer", None)
+
+
+def test_an_answer_long_after_the_decision_belongs_to_someone_else(report_config):
+    events = [Event(9.0, "accepted", "tense", "")]
+    rows = rows_of(report_config, [heard("tense", 0.8, 1.0)], events)
+    assert [(r.heard is not None, r.outcome) for r in rows] == [
+        (True, "no answer"),
+        (False, "accepted"),
+    ]
+
+
+def test_commands_by_hand_are_rows_without_latency(report_config):
+    events = [Event(3.0, "accepted", "tense", "ok"), Event(3.2, "motion_started", "tense", "")]
+    (row,) = rows_of(report_config, [], events)
+    assert (row.command, row.heard, row.action) == ("tense", None, 3.2)
+    assert math.isnan(row.action_latency)
+
+
+def test_two_commands_by_hand_at_once_are_two(report_config):
+    events = [Event(1.0, "refused", "tense", "halted"), Event(1.05, "accepted", "hey robot", "")]
+    rows = rows_of(report_config, [], events)
+    assert [(row.command, row.outcome) for row in rows] == [
+        ("tense", "refused"),
+        ("hey robot", "accepted"),
+    ]
+
+
+def test_each_of_two_equal_commands_gets_its_own_answer(report_config):
+    said = [heard("pull more", 1.0, 1.2), heard("pull more", 2.0, 2.2)]
+    events = [
+        Event(1.21, "accepted", "pull more", "first"),
+        Event(1.3, "motion_started", "pull more", ""),
+        Event(2.21, "accepted", "pull more", "second"),
+        Event(2.3, "motion_started", "pull more", ""),
+    ]
+    rows = rows_of(report_config, said, events)
+    assert [(r.message, r.action) for r in rows] == [("first", 1.3), ("second", 2.3)]
+
+
+def test_a_command_into_a_running_motion_acts_when_it_is_accepted(report_config):
+    said = [heard("pull more", 1.0, 1.2), heard("pull more", 1.5, 1.7)]
+    events = [
+        Event(1.21, "accepted", "pull more", ""),
+        Event(1.3, "motion_started", "pull more", ""),
+        Event(1.71, "accepted", "pull more", ""),
+    ]
+    rows = rows_of(report_config, said, events, [Span(1.3, 3.0, "moving")])
+    assert rows[1].action == 1.71
+
+
+def test_a_motion_of_another_command_is_not_the_action(report_config):
+    events = [
+        Event(1.21, "accepted", "tense", ""),
+        Event(1.5, "accepted", "release", ""),
+        Event(1.6, "motion_started", "release", ""),
+        Event(9.0, "motion_started", "tense", ""),
+    ]
+    rows = rows_of(report_config, [heard("tense", 1.0, 1.2)], events)
+    assert rows[0].action is None
+
+
+def test_statistics_agree_with_numpy_and_leave_nan_out():
+    x = np.array([3.0, 1.0, math.nan, 2.0])
+    found = analysis.statistics(x)
+    assert (found.count, found.mean, found.median, found.largest) == (3, 2.0, 2.0, 3.0)
+    assert found.rms == pytest.approx(math.sqrt(14 / 3))
+    assert math.isnan(analysis.statistics([]).mean)
+
+
+def test_rcm_error_counts_only_while_moving(data):
+    error, moving = data.controller["rcm_error"], data.controller["moving"] > 0
+    assert analysis.rcm_while_moving(data).count == int(moving.sum()) > 100
+    assert analysis.rcm_while_moving(data).largest == pytest.approx(float(error[moving].max()))
+
+
+def test_late_cycles_are_counted_and_the_longest_is_placed():
+    loop = Intervals("/t")
+    for k, length in enumerate([0.002] * 50 + [0.009] + [0.002] * 49 + [0.0031]):
+        loop.time.append(float(k))
+        loop.length.append(length)
+    timing = analysis.loop_timing(loop, 1.5)
+    assert (timing.late, timing.longest_at) == (2, 50.0)
+    assert timing.period.largest == pytest.approx(0.009)

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.writer import SessionWriter
+from session_log.report.extract import extract
+from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, write_session
+
+
+def write(path, messages):
+    with SessionWriter(path) as writer:
+        for message in messages:
+            writer.add(message)
+
+
+@pytest.fixture(scope="module")
+def data(story, report_config):
+    return extract(SessionReader(story[0]), report_config)
+
+
+def test_every_utterance_is_there_with_its_times(data):
+    assert [h.transcript for h in data.heard] == [words for _, _, words, _, _ in SPEECH]
+    first = data.heard[0]
+    assert (first.speech_start, first.speech_end) == pytest.approx((2.0, 2.7), abs=1e-6)
+    assert 0.2 < first.decision - first.speech_end < 0.4
+
+
+def test_states_become_spans_without_holes(data):
+    assert data.states[0].word == "standby" and data.states[-1].word == "standby"
+    for one, next_one in zip(data.states, data.states[1:], strict=False):
+        assert one.end == next_one.start and one.word != next_one.word
+    assert {s.word for s in data.states} == {"standby", "active", "moving", "stopping", "halted"}
+    assert [s.word for s in data.phases if s.word][: len(MOTION[:3])] == ["reach", "close", "pull"]
+
+
+def test_the_rcm_error_is_unknown_while_the_tool_is_outside(data):
+    is_outside = data.controller["time"] < OUTSIDE_UNTIL
+    assert is_outside.any()
+    assert (np.isnan(data.controller["rcm_error"]) == is_outside).all()
+
+
+def test_fast_topics_are_sampled_and_every_interval_is_kept(data, report_config):
+    duration = data.survey.duration
+    assert len(data.tension) == pytest.approx(duration * 50, rel=0.02)
+    assert len(data.joints) == pytest.approx(duration * 50, rel=0.02)
+    (joints, _) = data.loops
+    assert len(joints.length) == data.survey.topics["/joint_states"].messages - 1
+
+
+def test_a_lost_message_makes_no_late_cycle(tmp_path, report_config):
+    story = Story()
+    for sequence in (1, 2, 3, 40, 41):
+        story.say(0.002 * sequence, "/joint_states", "sensor_msgs/JointState")
+        data = story.messages[-1].data
+        numbered = sequence.to_bytes(4, "little") + data[4:]
+        story.messages[-1] = replace(story.messages[-1], data=numbered)
+    write(tmp_path / "s.mcap", story.messages)
+    (loop,) = extract(SessionReader(tmp_path / "s.mcap"), report_config).loops
+    assert list(loop.length) == pytest.approx([0.002] * 3, abs=1e-6)
+
+
+def test_a_stamp_that_was_not_set_is_replaced_by_the_time_of_arrival(tmp_path, report_config):
+    story = Story(duration=1.0)
+    story.event(0.5, "accepted", "tense", "")
+    (message,) = story.messages
+    unset = replace(message, data=message.data[:4] + bytes(8) + message.data[12:])
+    story.messages = [unset]
+    write(tmp_path / "s.mcap", story.messages)
+    (event,) = extract(SessionReader(tmp_path / "s.mcap"), report_config).events
+    assert event.time == 0.0
+
+
+def test_messages_that_do_not_fit_are_counted_not_fatal(tmp_path, report_config):
+    story = Story(duration=1.0)
+    story.event(0.5, "accepted", "tense", "")
+    story.put(0.6, "/rst_control/event", b"\1\2")
+    write(tmp_path / "s.mcap", story.messages)
+    found = extract(SessionReader(tmp_path / "s.mcap"), report_config)
+    assert found.undecodable == {"/rst_control/event": 1} and len(found.events) == 1
+
+
+def test_many_pictures_are_thinned_over_the_whole_session(tmp_path, report_config):
+    story = Story(duration=1.0)
+    for k in range(200):
+        story.say(
+            k * 1.0,
+            "/robot/scene/compressed",
+            "sensor_msgs/CompressedImage",
+            format="png",
+            data=b"x",
+        )
+    write(tmp_path / "s.mcap", story.messages)
+    times = [p.time for p in extract(SessionReader(tmp_path / "s.mcap"), report_config).pictures]
+    assert 8 <= len(times) <= 16 and times[0] == 0.0 and times[-1] > 160.0
+
+
+def test_the_worst_of_diagnostics_is_kept_with_its_time(data):
+    (health,) = data.health
+    assert (health.worst, health.worst_message, health.last_message) == (1, "late", "running")
+    assert health.worst_time == pytest.approx(20.5, abs=0.01)
+
+
+def test_an_empty_recording_has_nothing(tmp_path, report_config):
+    write_session(tmp_path / "s.mcap", duration=-1.0)
+    data = extract(SessionReader(tmp_path / "s.mcap"), report_config)
+    assert data.heard == [] and data.joints is None and data.survey.messages == 0

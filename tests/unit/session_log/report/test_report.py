@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The report as a reader gets it: sections, figures, nothing from outside the page."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+from PIL import Image
+
+from session_log.errors import OutputFailed
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.writer import SessionWriter
+from session_log.report import write_report
+from session_log.report.text_table import length
+from support.story import Story, write_session
+
+FIGURES = {"timeline", "latency", "rcm_error", "tension", "scene", "joints", "loop_timing"}
+FIGURES |= {"accuracy", "confusion"}
+SECTIONS = [
+    "Timeline",
+    "Commands",
+    "What stopped the robot, and why",
+    "What was refused, and why",
+    "Recognition accuracy",
+    "What was taken for what",
+    "From the end of speech to motion",
+    "RCM error",
+    "Tissue tension",
+    "The scene",
+    "Joint ranges and margins",
+    "Loop timing",
+    "Health",
+    "Recording",
+    "Origin",
+]
+
+
+class Page(HTMLParser):
+    """Text, headings and sources of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.headings, self.sources, self.rows, self._tag = [], [], [], ""
+        self.feed(text)
+        self.words = re.sub(r"<style>.*?</style>|<[^>]*>", " ", text, flags=re.DOTALL)
+
+    def handle_starttag(self, tag, attributes):
+        self._tag = tag
+        values = dict(attributes)
+        self.sources += [values[k] for k in ("src", "srcset", "href") if k in values]
+        if tag == "tr":
+            self.rows.append([])
+
+    def handle_data(self, data):
+        if self._tag == "h2" and data.strip():
+            self.headings.append(data)
+        if self._tag == "span" and self.rows and data.strip():
+            self.rows[-1].append(data)
+
+
+@pytest.fixture(scope="module")
+def report(story, report_config, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report")
+    result = write_report(SessionReader(story[0]), folder, report_config)
+    return result, Page(result.page.read_text(encoding="utf-8"))
+
+
+def test_every_section_is_there(report):
+    assert report[1].headings == SECTIONS
+
+
+def test_every_figure_is_a_png_of_a_papers_width(report):
+    result, _ = report
+    assert {path.stem for path in result.figures} == FIGURES
+    for path in result.figures:
+        with Image.open(path) as image:
+            assert image.format == "PNG" and image.width == pytest.approx(7.16 * 60, abs=2)
+
+
+def test_the_page_needs_nothing_outside_itself(report):
+    _, page = report
+    assert len(page.sources) == 2 * len(FIGURES)
+    assert all(source.startswith("data:image/png;base64,") for source in page.sources)
+    assert "http" not in page.words and "<script" not in report[0].page.read_text(encoding="utf-8")
+
+
+def test_latency_stands_beside_the_papers_table(report):
+    rows = {row[0]: row for row in report[1].rows if len(row) == 7}
+    paper = {"hey robot": 1.97, "tense": 1.14, "release": 1.42, "pull more": 2.39}
+    paper |= {"pull less": 2.50, "stop": 1.29, "terminate": 1.52}
+    for command, latency in paper.items():
+        assert rows[command][-1] == f"{latency:.2f}"
+    assert rows["all"][1] == "10"
+
+
+def test_refusals_and_ignored_talk_are_told_with_their_reason(report):
+    rows = {row[1]: row for row in report[1].rows if len(row) == 8}
+    assert rows["“could you pass me the clamp”"][-1].startswith("nothing close enough")
+    assert any(
+        row[4] == "refused" and row[-1] == "tissue is held already"
+        for row in report[1].rows
+        if len(row) == 8
+    )
+
+
+def test_what_was_refused_has_a_table_of_its_own(report):
+    rows = [row for row in report[1].rows if len(row) == 4 and row[1] == "tense"]
+    assert rows == [["28.8\u00a0s", "tense", "“tense”", "tissue is held already"]]
+
+
+def test_accuracy_counts_what_was_meant_and_never_heard(report):
+    rows = {row[0]: row[1:] for row in report[1].rows if len(row) == 5}
+    assert rows["stop"] == ["2", "1", "50.0\u00a0%", "1.3 to 98.7\u00a0%"]
+    assert rows["all commands"][:2] == ["12", "11"]
+    assert rows["no command"][:2] == ["2", "2"]
+
+
+def test_both_rcm_errors_and_the_trocars_change_are_told(report):
+    words = report[1].words
+    assert "From the joint states, by the recorded robot model and trocar alone, while" in words
+    assert "Trocar set at 20.0 s (by a service call)." in words
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        (2.95e-8, "29.5 nm"),
+        (50e-6, "50 µm"),
+        (0.1e-6, "0.1 µm"),
+        (0.0123, "12.3 mm"),
+        (0.0, "0 µm"),
+        (3e-17, "below 0.001 nm"),
+        (float("nan"), "–"),
+    ],
+)
+def test_lengths_keep_their_digits_in_a_fitting_unit(value, words):
+    assert length(value).replace("\u00a0", " ") == words
+
+
+def test_a_session_by_hand_has_commands_but_no_latency(tmp_path, report_config):
+    story = Story(duration=3.0)
+    story.event(1.0, "accepted", "tense", "reaches")
+    story.event(1.1, "motion_started", "tense", "")
+    with SessionWriter(tmp_path / "s.mcap") as writer:
+        for message in story.messages:
+            writer.add(message)
+    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
+    page = Page(result.page.read_text(encoding="utf-8"))
+    assert any(row[1:3] == ["by\u00a0hand", "tense"] for row in page.rows if len(row) == 8)
+    assert "No spoken command led to an action." in page.words
+    assert {path.stem for path in result.figures} == {"timeline"}
+
+
+def test_origin_and_limits_are_named(report):
+    words = report[1].words
+    assert "0123456789abcdef0123456789abcdef01234567" in words
+    assert "model_sha256" in words and "limit of 50\u00a0µm" in words
+
+
+def test_what_was_recorded_is_text_never_markup(tmp_path, report_config, monkeypatch):
+    from support import story as synthetic_session
+
+    hostile = [(1.0, 0.5, "<script>alert(1)</script>", "", "<b>no</b>")]
+    monkeypatch.setattr(synthetic_session, "SPEECH", hostile)
+    write_session(tmp_path / "s.mcap", duration=3.0, rate=50)
+    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
+    text = result.page.read_text(encoding="utf-8")
+    assert "<script>" not in text and "&lt;script&gt;alert(1)" in text and "<b>no" not in text
+
+
+def test_a_session_without_anything_still_gives_a_page_that_says_so(tmp_path, report_config):
+    write_session(tmp_path / "s.mcap", duration=-1.0)
+    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
+    page = Page(result.page.read_text(encoding="utf-8"))
+    assert result.figures == []
+    assert page.headings == [s for s in SECTIONS if s != "What was taken for what"]
+    assert "Nobody recorded what was meant to be said" in page.words
+    assert "No spoken command led to an action." in page.words
+
+
+def test_a_killed_recording_is_reported_with_a_warning(story, tmp_path, report_config):
+    content = story[0].read_bytes()
+    (tmp_path / "s.mcap").write_bytes(content[: len(content) * 2 // 3])
+    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
+    assert "The recorder did not close this file" in result.page.read_text(encoding="utf-8")
+
+
+def test_figures_are_also_written_for_a_paper_when_asked(tmp_path, report_config):
+    write_session(tmp_path / "s.mcap", duration=4.0, rate=50)
+    config = replace(report_config, vector=True)
+    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, config)
+    assert (tmp_path / "rcm_error.pdf") in result.figures
+    assert (tmp_path / "rcm_error.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_folder_that_cannot_be_made_is_named(story, tmp_path, report_config):
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(OutputFailed, match=r"cannot write .*file"):
+        write_report(SessionReader(story[0]), tmp_path / "file", report_config)

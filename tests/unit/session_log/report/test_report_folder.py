@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The report over a folder of recordings, some of which cannot be read."""
+
+import json
+import os
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from session_log.errors import OutputFailed, SessionMissing
+from session_log.mcap_file.writer import SessionWriter
+from session_log.report import folder, many_sessions, one_session
+from session_log.report.many_sessions import NothingReadable, recordings
+from session_log.report.parallel import EngineMissing, EngineUnreachable, spread
+from support.story import write_session
+from tests.unit.session_log.report.test_report import Page
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory):
+    """Two sound sessions, a killed one, a file that is none, and a recovered copy."""
+    top = tmp_path_factory.mktemp("sessions")
+    for k in range(2):
+        write_session(top / f"day {k}" / "session.mcap", rate=20, seed=k)
+    whole = (top / "day 0" / "session.mcap").read_bytes()
+    (top / "killed").mkdir()
+    (top / "killed" / "session.mcap").write_bytes(whole[: len(whole) // 2])
+    (top / "odd").mkdir()
+    (top / "odd" / "bag.mcap").write_bytes(b"#ROSBAG V2.0")
+    shutil.copy(top / "day 1" / "session.mcap", top / "day 1" / "session_recovered.mcap")
+    return top
+
+
+@pytest.fixture
+def sessions(source, tmp_path):
+    return Path(shutil.copytree(source, tmp_path / "sessions"))
+
+
+def read(report):
+    return Page(report.page.read_text(encoding="utf-8"))
+
+
+def test_readable_sessions_are_pooled_and_the_others_named(sessions, tmp_path, report_config):
+    report = folder([sessions], tmp_path / "out", report_config, with_pages=False)
+    assert report.sessions == 3
+    assert [u.path.name for u in report.unread] == ["bag.mcap"]
+    page = read(report)
+    rows = {row[0]: row[1:] for row in page.rows if len(row) == 5}
+    assert rows["hey robot"][:2] == ["5", "5"] and rows["stop"][0] == "4"  # one is cut in half
+    named = next(row for row in page.rows if len(row) == 2 and "bag.mcap" in row[0])
+    assert "is not an MCAP recording" in named[1]
+    assert "One recording is not readable" in page.words
+    assert {path.stem for path in report.figures} == {"accuracy", "confusion", "latency"}
+
+
+def test_every_session_has_a_page_that_its_row_leads_to(sessions, report_config):
+    shutil.rmtree(sessions / "day 1")
+    report = folder([sessions], sessions, report_config, beside=True)
+    links = re.findall(r'<a href="([^"]+)"', report.page.read_text(encoding="utf-8"))
+    assert sorted(links) == ["day%200/report.html", "killed/report.html"]
+    for name in ("day 0", "killed"):
+        page = (sessions / name / "report.html").read_text(encoding="utf-8")
+        assert f"Session {name}" in page and "Timeline" in page
+    assert not (sessions / "odd" / "report.html").exists()
+
+
+def test_pages_below_the_output_leave_the_recordings_alone(sessions, tmp_path, report_config):
+    before = sorted(sessions.rglob("*"))
+    report = folder([sessions / "killed"], tmp_path / "out", report_config)
+    assert sorted(sessions.rglob("*")) == before
+    (link,) = re.findall(r'<a href="([^"]+)"', report.page.read_text(encoding="utf-8"))
+    assert link.startswith("sessions/killed_") and (tmp_path / "out" / link).is_file()
+
+
+def test_a_session_is_read_again_only_when_it_changed(
+    sessions, tmp_path, report_config, monkeypatch
+):
+    opened = []
+    reader = one_session.SessionReader
+    monkeypatch.setattr(
+        one_session, "SessionReader", lambda path: opened.append(path.parent.name) or reader(path)
+    )
+
+    def make():
+        opened.clear()
+        return folder([sessions], tmp_path / "out", report_config, with_pages=False)
+
+    first = make()
+    assert sorted(opened) == ["day 0", "day 1", "killed", "odd"]
+    text = first.page.read_text(encoding="utf-8")
+    assert make().page.read_text(encoding="utf-8") == text
+    assert opened == ["odd"]  # what could not be read is tried again
+    os.utime(sessions / "day 1" / "session.mcap", ns=(1, 1))
+    make()
+    assert sorted(opened) == ["day 1", "odd"]
+
+
+def test_other_settings_or_a_damaged_summary_are_no_reason_to_trust_it(
+    sessions, tmp_path, report_config
+):
+    from dataclasses import replace
+
+    out = tmp_path / "out"
+    folder([sessions], out, report_config, with_pages=False)
+    kept = next((out / "sessions").glob("day 0*/report_summary.json"))
+    values = json.loads(kept.read_text(encoding="utf-8"))
+    values["summary"]["trials"] = "none"
+    kept.write_text(json.dumps(values), encoding="utf-8")
+    strict = replace(report_config, rcm_limit=20e-6)
+    words = read(folder([sessions], out, strict, with_pages=False)).words
+    assert "samples above 20\u00a0µm" in words
+    kept.write_text("{", encoding="utf-8")
+    assert folder([sessions], out, strict, with_pages=False).sessions == 3
+
+
+def test_one_broken_session_does_not_end_the_others(sessions, tmp_path, report_config, monkeypatch):
+    summarise = one_session.summarise
+
+    def failing(name, *rest):
+        if name == "day 0":
+            raise ZeroDivisionError("in the middle")
+        return summarise(name, *rest)
+
+    monkeypatch.setattr(one_session, "summarise", failing)
+    report = folder([sessions], tmp_path / "out", report_config, with_pages=False)
+    assert report.sessions == 2
+    assert "ZeroDivisionError: in the middle" in {u.reason for u in report.unread}
+
+
+def test_recordings_are_found_once_and_copies_left_out(sessions):
+    found = recordings([sessions, sessions / "day 0" / "session.mcap"])
+    assert [str(p.relative_to(sessions)) for p in found] == [
+        "day 0/session.mcap",
+        "day 1/session.mcap",
+        "killed/session.mcap",
+        "odd/bag.mcap",
+    ]
+
+
+def test_a_recovered_copy_without_its_original_counts(tmp_path):
+    with SessionWriter(tmp_path / "session_recovered.mcap"):
+        pass
+    assert [p.name for p in recordings([tmp_path])] == ["session_recovered.mcap"]
+
+
+def test_a_folder_without_recordings_is_named(tmp_path, report_config):
+    with pytest.raises(SessionMissing, match=r"without any recording"):
+        folder([tmp_path], tmp_path / "out", report_config)
+    with pytest.raises(SessionMissing, match=r"none: no such file"):
+        folder([tmp_path / "none"], tmp_path / "out", report_config)
+
+
+def test_a_folder_in_which_nothing_can_be_read_says_why(tmp_path, report_config):
+    (tmp_path / "a.mcap").write_bytes(b"x")
+    with pytest.raises(NothingReadable, match=r"none of 1 recordings .*not an MCAP recording"):
+        folder([tmp_path], tmp_path / "out", report_config)
+
+
+def test_an_output_that_cannot_be_made_is_named(sessions, tmp_path, report_config):
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises((OutputFailed, NothingReadable), match=r"cannot write .*file"):
+        folder([sessions / "day 0"], tmp_path / "file", report_config, with_pages=False)
+
+
+def test_names_of_sessions_in_different_folders_do_not_collide(source):
+    names = {many_sessions._page_name(source / k / "session.mcap") for k in ("a/x", "b/x", "a/y")}
+    assert len(names) == 3
+
+
+def test_spreading_in_one_process_needs_no_engine(monkeypatch):
+    monkeypatch.setattr(
+        "session_log.report.parallel.importlib.import_module", lambda name: pytest.fail(name)
+    )
+    assert list(spread(abs, iter([-1, 2, -3]))) == [1, 2, 3]
+
+
+def test_more_jobs_without_dask_say_what_to_install(monkeypatch):
+    def missing(name):
+        raise ImportError(name)
+
+    monkeypatch.setattr("session_log.report.parallel.importlib.import_module", missing)
+    with pytest.raises(EngineMissing, match=r"requirements-bench\.txt"):
+        list(spread(abs, [1], jobs=2))
+
+
+@pytest.mark.parametrize("address", ["127.0.0.1:1", "nonsense://x"])
+def test_a_cluster_that_is_not_there_is_named(monkeypatch, address):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("session_log.report.parallel.CONNECT_TIME", "1s")
+    with pytest.raises(EngineUnreachable, match=address):
+        list(spread(abs, [1], cluster=address))
+
+
+def test_two_processes_and_a_cluster_find_what_one_process_finds(sessions, tmp_path, report_config):
+    distributed = pytest.importorskip("distributed")
+    texts = []
+
+    def make(**ways):
+        out = tmp_path / str(len(texts))
+        report = folder([sessions], out, report_config, with_pages=False, **ways)
+        texts.append(report.page.read_text(encoding="utf-8"))
+        return report
+
+    assert make().sessions == make(jobs=2).sessions == 3
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as cluster:
+        assert make(cluster=cluster.scheduler_address).sessions == 3
+    assert texts[0] == texts[1] == texts[2]

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Summaries of sessions and what they add up to."""
+
+import json
+import math
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from session_log.mcap_file.reader import SessionReader
+from session_log.report import pool_tables
+from session_log.report.analysis import command_rows, rcm_while_moving
+from session_log.report.extract import extract
+from session_log.report.pool import Pool, reason_of
+from session_log.report.shaft import rcm_from_joints
+from session_log.report.summary import Given, Moments, from_json, moments, summarise
+from session_log.report.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER, Trial
+
+
+@pytest.fixture(scope="module")
+def data(story, report_config):
+    return extract(SessionReader(story[0]), report_config)
+
+
+@pytest.fixture(scope="module")
+def summary(data, report_config):
+    rows, rcm = command_rows(data, report_config), rcm_from_joints(data, report_config)
+    return summarise("story", data, rows, rcm, report_config)
+
+
+def pool_of(config, *summaries):
+    pool = Pool(config)
+    for k, summary in enumerate(summaries):
+        pool.add(Path(f"{k}.mcap"), None, summary)
+    return pool
+
+
+def changed(summary, *pairs, **fields):
+    found = tuple(Trial(float(k), meant, taken, "") for k, (meant, taken) in enumerate(pairs))
+    return replace(summary, trials=found, **fields)
+
+
+def test_a_summary_says_what_the_session_says(summary, data):
+    moving = rcm_while_moving(data)
+    assert (summary.rcm.count, summary.rcm.largest) == (moving.count, moving.largest)
+    assert summary.rcm.rms == pytest.approx(moving.rms)
+    assert summary.tension == pytest.approx(2.0, abs=0.05)
+    assert summary.ignored == 2 and summary.is_complete and summary.commit.startswith("0123456789")
+    assert len(summary.given) == 11 and sum(g.outcome == "refused" for g in summary.given) == 1
+
+
+def test_a_summary_survives_its_file(summary):
+    odd = replace(summary, margin=math.nan)
+    text = json.dumps(asdict(odd))
+    again = from_json(json.loads(text))
+    assert json.dumps(asdict(again)) == text and len(text) < 8000
+    assert math.isnan(again.margin) and again.trials == summary.trials
+
+
+def test_something_else_is_no_summary(summary):
+    values = asdict(summary)
+    with pytest.raises((TypeError, KeyError)):
+        from_json({**values, "unknown": 1})
+    del values["trials"]
+    with pytest.raises((TypeError, KeyError)):
+        from_json(values)
+
+
+def test_joined_moments_are_those_of_all_numbers():
+    rng = np.random.default_rng(5)
+    parts = [rng.normal(size=n) for n in (1, 17, 200)]
+    parts.append(np.array([math.nan]))
+    joined = sum(map(moments, parts), Moments())
+    every = moments(np.concatenate(parts))
+    assert (joined.count, joined.largest) == (every.count, every.largest) == (218, joined.largest)
+    assert joined.mean == pytest.approx(every.mean) and joined.rms == pytest.approx(every.rms)
+    assert math.isnan(Moments().mean) and math.isnan(Moments().rms)
+
+
+def test_software_versions_are_counted(summary, report_config):
+    pool = pool_of(report_config, summary, replace(summary, commit="ffff"), summary)
+    assert pool.commits == {summary.commit: 2, "ffff": 1}
+
+
+def test_the_order_of_sessions_does_not_matter(summary, report_config):
+    other = changed(summary, ("stop", NOTHING), ("tense", "stop"), started=1.0)
+    third = replace(summary, started=2.0, given=summary.given[:3])
+    texts = []
+    for order in ((summary, other, third), (third, summary, other)):
+        pool = pool_of(report_config, *order)
+        made = (
+            pool_tables.accuracy_table,
+            pool_tables.confusion_table,
+            pool_tables.latency_table,
+            pool_tables.motion_table,
+        )
+        texts.append([make(pool).rows for make in made])
+        starts = [m.started for m in pool.sorted_members()]
+        assert starts == sorted(starts)
+    assert texts[0] == texts[1]
+
+
+def test_accuracy_counts_commands_apart_from_words_that_are_none(summary, report_config):
+    pairs = [("tense", "tense"), ("tense", OTHER), ("stop", "tense"), (NO_COMMAND, OTHER)]
+    pairs += [(NO_COMMAND, "stop"), (NOT_SAID, "stop")]
+    pool = pool_of(report_config, changed(summary, *pairs))
+    assert pool.accuracy("tense")[:2] == (1, 2)
+    assert pool.accuracy("stop")[:2] == (0, 1)
+    assert pool.accuracy()[:2] == (1, 3)
+    assert pool.accuracy(NO_COMMAND)[:2] == (1, 2)
+    assert pool.accuracy("release")[:2] == (0, 0)
+    rows, columns, counts = pool_tables.confusion_counts(pool)
+    assert rows == ["tense", "stop", NO_COMMAND, NOT_SAID]
+    assert columns == ["tense", "stop", OTHER, NOTHING]
+    assert counts == [[1, 0, 1, 0], [1, 0, 0, 0], [0, 1, 1, 0], [0, 1, 0, 0]]
+
+
+def test_latency_stands_beside_the_paper_with_bounds_where_there_are_values(summary, report_config):
+    def given(command, action):
+        return Given(command, True, 0.2, action, "accepted", "", False)
+
+    many = tuple(given("tense", 0.01 * k) for k in range(1, 101))
+    few = (given("stop", 0.3), given("stop", 0.5), given("release", math.nan))
+    by_hand = (Given("tense", False, math.nan, math.nan, "accepted", "", False),)
+    pool = pool_of(report_config, replace(summary, given=(*many, *few, *by_hand)))
+    rows = {row[0]: row[1:] for row in pool_tables.latency_table(pool).rows}
+    assert rows["tense"][:3] == ("100", "0.20", "0.51")
+    assert rows["tense"][3:] == ("0.51 (0.40 to 0.61)", "0.95 (0.90 to 1.00)", "1.14")
+    assert rows["stop"] == ("2", "0.20", "0.40", "0.40", "0.49", "1.29")
+    assert rows["release"] == ("0", "0.20", "–", "–", "–", "1.42")
+    assert rows["all"][0] == "102" and rows["all"][-1] == "1.75"
+
+
+def test_a_command_unknown_to_the_paper_has_a_row_without_its_figure(summary, report_config):
+    extra = Given("wave", True, 0.1, 0.2, "accepted", "", False)
+    pool = pool_of(report_config, replace(summary, given=(extra,)))
+    rows = {row[0]: row for row in pool_tables.latency_table(pool).rows}
+    assert rows["wave"] == ("wave", "1", "0.10", "0.20", "0.20", "0.20", "–")
+
+
+@pytest.mark.parametrize(
+    ("message", "reason"),
+    [
+        ('in standby; say "hey robot" first', "in standby"),
+        ("tension limit: 2.25 N asked for, allowed 2.00 N", "tension limit"),
+        ("joint_4 at 2.571 rad", "joint_… at … rad"),
+        ("", "no reason given"),
+    ],
+)
+def test_refusals_are_counted_by_their_kind(message, reason):
+    assert reason_of(message) == reason
+
+
+def test_refusals_of_many_sessions_are_counted_most_frequent_first(summary, report_config):
+    def refused(command, message):
+        return Given(command, True, 0.1, math.nan, "refused", message, False)
+
+    given = [refused("tense", "halted; say"), refused("stop", "x"), refused("tense", "halted")]
+    pool = pool_of(report_config, replace(summary, given=tuple(given)))
+    assert pool_tables.refusals_table(pool).rows == [("tense", "halted", "2"), ("stop", "x", "1")]
+
+
+def test_a_pool_keeps_numbers_not_sessions(summary, report_config):
+    """A thousand sessions must not weigh more than their rows and latencies."""
+    pool = pool_of(report_config, summary, summary)
+    assert not any(isinstance(v, tuple) and v for v in vars(pool.members[0]).values())
+    assert len(pool.latencies().decision) == 22

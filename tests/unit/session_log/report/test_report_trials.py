@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What was meant beside what it was taken for, also where nothing or too much was taken."""
+
+import pytest
+
+from session_log.mcap_file.summary import Survey
+from session_log.report.session_data import Heard, Intended, SessionData
+from session_log.report.trials import (
+    NO_COMMAND,
+    NOT_SAID,
+    NOTHING,
+    OTHER,
+    Trial,
+    trials,
+)
+
+COMMANDS = ("hey robot", "tense", "pull more", "stop")
+
+
+def heard(start, transcript, command=""):
+    end = start + 0.5
+    return Heard(start, end, end + 0.2, transcript, command, "", "", 0.0, 0.9, "active", "r", False)
+
+
+def judge(config, intended, said):
+    data = SessionData(Survey(None), said, phrases=COMMANDS)
+    data.intended = [Intended(time, phrase) for time, phrase in intended]
+    return [(t.intended, t.taken) for t in trials(data, config)]
+
+
+@pytest.mark.parametrize(
+    ("phrase", "said", "expected"),
+    [
+        ("tense", [heard(1.1, "tense", "tense")], ("tense", "tense")),
+        ("tense", [], ("tense", NOTHING)),
+        ("tense", [heard(1.1, "")], ("tense", NOTHING)),
+        ("tense", [heard(1.1, "dense")], ("tense", OTHER)),
+        ("tense", [heard(1.1, "stop", "stop")], ("tense", "stop")),
+        ("", [heard(1.1, "pass me the clamp")], (NO_COMMAND, OTHER)),
+        ("", [heard(1.1, "stop", "stop")], (NO_COMMAND, "stop")),
+        ("", [], (NO_COMMAND, NOTHING)),
+        ("pull", [heard(1.1, "pull")], (NO_COMMAND, OTHER)),  # no command has this phrase
+    ],
+)
+def test_one_phrase_is_judged(report_config, phrase, said, expected):
+    assert judge(report_config, [(1.0, phrase)], said) == [expected]
+
+
+@pytest.mark.parametrize(
+    ("meant", "taken", "right"),
+    [
+        ("tense", "tense", True),
+        ("tense", "stop", False),
+        ("tense", NOTHING, False),
+        ("tense", OTHER, False),
+        (NO_COMMAND, OTHER, True),
+        (NO_COMMAND, NOTHING, True),
+        (NO_COMMAND, "tense", False),
+        (NOT_SAID, "stop", False),
+    ],
+)
+def test_right_is_the_command_meant_and_none_where_none_was(meant, taken, right):
+    assert Trial(0.0, meant, taken, "").is_correct is right
+
+
+def test_speech_belongs_to_the_phrase_that_last_began(report_config):
+    intended = [(1.0, "pull more"), (2.4, "stop")]
+    said = [heard(1.1, "pull more", "pull more"), heard(2.5, "stop", "stop")]
+    expected = [("pull more", "pull more"), ("stop", "stop")]
+    assert judge(report_config, intended, said) == expected
+
+
+def test_speech_may_be_stamped_a_little_before_its_phrase(report_config):
+    early = 1.0 - report_config.intended_slack / 2
+    assert judge(report_config, [(1.0, "tense")], [heard(early, "tense", "tense")]) == [
+        ("tense", "tense")
+    ]
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_a_command_that_nobody_said_counts_against_the_recogniser(report_config, late):
+    start = 1.0 + report_config.intended_window + 0.5 if late else 0.2
+    found = judge(report_config, [(1.0, "tense")], [heard(start, "stop", "stop")])
+    assert sorted(found) == sorted([("tense", NOTHING), (NOT_SAID, "stop")])
+
+
+def test_talk_that_is_no_command_and_that_nobody_announced_is_no_trial(report_config):
+    said = [heard(0.2, "where is the nurse"), heard(30.0, "thank you")]
+    assert judge(report_config, [(1.0, "tense")], said) == [("tense", NOTHING)]
+
+
+def test_the_first_command_counts_and_a_different_second_one_is_an_error(report_config):
+    said = [heard(1.1, "stop", "stop"), heard(1.8, "hey robot", "hey robot")]
+    found = judge(report_config, [(1.0, "tense")], said)
+    assert sorted(found) == [(NOT_SAID, "hey robot"), ("tense", "stop")]
+
+
+def test_the_same_command_heard_twice_is_one_trial(report_config):
+    said = [heard(1.1, "stop", "stop"), heard(1.2, "stop", "stop")]
+    assert judge(report_config, [(1.0, "stop")], said) == [("stop", "stop")]
+
+
+def test_a_session_that_does_not_know_what_was_meant_has_no_trials(report_config):
+    assert judge(report_config, [], [heard(1.1, "stop", "stop")]) == []

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The alarms in the documentation, on the screen and in the settings are those of the code."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+import yaml
+from rich.console import Console
+
+from typed_config import ConfigError
+from voice_assist.alarms.appearance import LOOKS, SYMBOLS, headline, is_lit, line
+from voice_assist.alarms.catalogue import ENTRIES, markdown
+from voice_assist.alarms.earcons import PATTERNS
+from voice_assist.alarms.presenter import latch_alarm
+from voice_assist.alarms.screen import AlarmScreen
+from voice_assist.alarms.types import Earcon, Kind, Priority
+from voice_assist.cli import main
+from voice_assist.config import CONFIG_DIR
+from voice_assist.config.alarms import alarms_config, load_alarms_config
+
+ROOT = Path(__file__).resolve().parents[4]
+STOP = latch_alarm("stop topic, from /voice_assist", is_loaded=False)
+FAULT = latch_alarm("tension 2.50 N, allowed 2.40 N", is_loaded=True)
+
+
+def test_the_documentation_holds_the_tables_of_the_code():
+    assert markdown() in (ROOT / "docs" / "alarms.md").read_text(encoding="utf-8")
+
+
+def test_the_command_prints_these_tables(capsys):
+    main(["alarms", "--markdown"])
+    assert capsys.readouterr().out == markdown() + "\n"
+
+
+def test_the_catalogue_shows_every_sound_once():
+    assert [entry.earcon for entry in ENTRIES] == list(Earcon)
+    assert all(e.told.priority is PATTERNS[e.earcon].priority for e in ENTRIES)
+
+
+def test_the_documentation_claims_no_conformity():
+    words = (ROOT / "docs" / "alarms.md").read_text(encoding="utf-8")
+    assert "no conformity with it is claimed" in words
+
+
+def test_kinds_and_priorities_differ_without_colour():
+    assert len({SYMBOLS[kind] for kind in Kind}) == len(Kind)
+    lines = {headline(entry.told) for entry in ENTRIES}
+    alarms = [e for e in ENTRIES if e.told.kind is not Kind.NOTICE]
+    assert len(lines) >= len(alarms) + 1
+
+
+def test_a_line_tells_kind_priority_cause_and_next_step():
+    assert line(FAULT) == (
+        '▲ FAULT !!! HIGH: tension 2.50 N, allowed 2.40 N -> Say "hey robot", then "release".'
+    )
+
+
+@pytest.mark.parametrize("priority", Priority)
+def test_flashing_is_as_fast_as_the_priority_asks(priority):
+    times = [i / 100 for i in range(1000)]
+    lit = [is_lit(priority, time) for time in times]
+    begins = sum(1 for a, b in pairwise(lit) if b and not a)
+    usual = {Priority.HIGH: (1.4, 2.8), Priority.MEDIUM: (0.4, 0.8)}  # [Hz] IEC 60601-1-8
+    low, high = usual.get(priority, (0.0, 0.0))
+    assert low * 10 - 1 <= begins <= high * 10
+    assert LOOKS[priority].flashes == 0.0 or 0.4 < sum(lit) / len(lit) < 0.6
+
+
+def shown(screen):
+    console = Console(width=120, record=True, file=open("/dev/null", "w"))  # noqa: SIM115, PTH123
+    console.print(screen)
+    return console.export_text()
+
+
+def test_the_screen_shows_what_stands_what_else_and_what_was():
+    screen = AlarmScreen(lambda: 1_700_000_000.0)
+    assert "all is well" in shown(screen)
+    screen.show(STOP, False, ())
+    screen.show(FAULT, True, (line(STOP),))
+    words = shown(screen)
+    assert "FAULT !!! HIGH (acknowledged)" in words and "next: Say" in words
+    assert "also: ■ STOP" in words
+    screen.show(None, False, ())
+    words = shown(screen)
+    assert "all is well" in words and "STOP !! MEDIUM" in words  # in the past
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "value", "problem"),
+    [
+        ("sound", "volume_db", 6.0, "volume_db"),
+        ("sound", "repeat_high", 60.0, "a number from 2.5 to 15 s"),
+        ("sound", "loudness", 3, "loudness"),
+        ("board", "shown_for", "long", "shown_for"),
+        ("look", "place", [0.0, 0.0], "place"),
+    ],
+)
+def test_a_wrong_setting_is_refused_by_name(section, key, value, problem):
+    data = yaml.safe_load((CONFIG_DIR / "alarms.yaml").read_text(encoding="utf-8"))
+    data[section][key] = value
+    with pytest.raises(ConfigError, match=problem):
+        alarms_config(data)
+
+
+def test_bursts_repeat_within_the_usual_pauses():
+    sound = load_alarms_config().sound
+    assert 2.5 <= sound.repeat_high <= 15.0 and 2.5 <= sound.repeat_medium <= 30.0
+    assert sound.repeat_high < sound.repeat_medium

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whatever stops the robot is in the diary that gets recorded, with its cause.
+
+The controller runs without ROS on a robot without physics. Each entry of its diary becomes, field
+by field, a message of `rst_control/event`, and its view one of `rst_control/state`: both recorded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from rst_control.execution.state_machine import LATCHED, State
+from tests.unit.rst_control.support.executor_rig import Rig, with_watchdogs
+from voice_assist.alarms.causes import GIVE_UPS, LATCHES, UNKNOWN, find
+
+ROOT = Path(__file__).resolve().parents[4]
+RECORDER = ROOT / "catkin_ws/src/session_log/config/recorder.yaml"
+
+
+def freeze(rig):
+    rig.robot.freeze()
+
+
+def push(rig):
+    rig.robot.servo_jp = lambda setpoint: None
+    rig.robot.push(np.full(10, 0.06))
+
+
+def disconnect(rig):
+    rig.robot.is_connected = False
+
+
+def fault(rig):
+    rig.robot.fault = "brakes on"
+
+
+def stiffen(rig):
+    rig.until(lambda: rig.view.tension > 0.9)
+    rig.believing()  # a tension that leaps is a sensor's fault to the watch over the sensors
+    limit = rig.config.controller.tension.limit
+    rig.robot.tissue.stiffness *= 1.02 * limit / rig.view.tension
+
+
+def slip(rig):
+    rig.robot.tissue = None
+
+
+def stop(rig):
+    rig.executor.stop("stop topic, from /voice_assist")
+
+
+def stop_by_word(rig):
+    rig.say("stop")
+
+
+def cancel(rig):
+    rig.executor.stop('stop by cancelling the action "tense"')
+
+
+def unrecorded(rig):
+    rig.executor.stop("not recorded: recorder silent for 1.2 s, allowed 1.0 s")
+
+
+def shut_down(rig):
+    rig.executor.stop("the controller is being shut down")
+
+
+def error(rig):
+    rig.executor.crashed(ArithmeticError("not a number"))
+
+
+def two_errors(rig):
+    error(rig)
+    rig.executor.crashed(ArithmeticError("still not a number"))
+
+
+def silence(rig):
+    rig.executor._ledger.order = replace(rig.executor._ledger.order, is_spoken=True)
+
+
+IN_MOTION = {
+    freeze: "stale",
+    push: "sensor fault",
+    disconnect: "not connected",
+    fault: "robot fault",
+    stiffen: "over tension",
+    slip: "slipped",
+    stop: "stop by topic",
+    stop_by_word: "stop by command",
+    cancel: "stop by cancel",
+    unrecorded: "not recorded",
+    shut_down: "shutdown",
+    error: "loop error",
+    two_errors: "loop error",
+    silence: "voice silent",
+}
+AT_REST = {
+    push: "sensor fault",
+    disconnect: "not connected",
+    fault: "robot fault",
+    stop: "stop by topic",
+    shut_down: "shutdown",
+    error: "loop error",
+}
+
+
+def latched(rig):
+    return rig.executor._life.state in LATCHED
+
+
+def events(rig):
+    """The diary so far, which is published and recorded."""
+    return list(rig.executor.diary)
+
+
+def causes(messages):
+    return {find(LATCHES, m.message, UNKNOWN).name for m in messages if m.kind == "halted"}
+
+
+@pytest.mark.parametrize("happening", IN_MOTION, ids=lambda h: h.__name__)
+def test_what_stops_a_motion_is_in_the_diary_and_in_the_state_with_its_cause(happening):
+    rig = Rig().moving("pull")
+    happening(rig)
+    rig.until(lambda: latched(rig), limit=2.0)
+    rig.tick()
+    assert causes(events(rig)) == {IN_MOTION[happening]}
+    assert rig.view.life.is_latched
+    assert find(LATCHES, rig.view.life.reason, UNKNOWN).name == IN_MOTION[happening]
+
+
+@pytest.mark.parametrize("happening", AT_REST, ids=lambda h: h.__name__)
+def test_what_latches_a_robot_at_rest_is_in_the_diary_with_its_cause(happening):
+    rig = Rig().awake()
+    happening(rig)
+    rig.until(lambda: latched(rig), limit=2.0)
+    assert causes(events(rig)) == {AT_REST[happening]}
+
+
+def test_a_fault_that_follows_a_stop_at_rest_is_in_the_diary_too():
+    rig = Rig().awake()
+    stop(rig)
+    rig.until(lambda: latched(rig))
+    fault(rig)
+    rig.until(lambda: rig.state is State.FAULTED, limit=1.0)
+    assert causes(events(rig)) == {"stop by topic", "robot fault"}
+
+
+def test_a_loop_that_fails_again_and_again_still_tells_its_state():
+    rig = Rig().moving("reach")
+
+    def fail(joints):
+        raise ArithmeticError("not a number")
+
+    rig.executor._locate = fail
+    before = rig.view.stamp
+    for _ in range(5):
+        with pytest.raises(ArithmeticError) as raised:
+            rig.tick()
+        rig.executor.crashed(raised.value)
+    assert rig.view.life.state is State.FAULTED and "not a number" in rig.view.life.reason
+    assert rig.view.stamp > before
+    assert causes(events(rig)) == {"loop error"}
+
+
+def test_a_phase_that_takes_too_long_is_in_the_diary():
+    rig = Rig(config=with_watchdogs(phase_timeout=4.0)).moving("reach")
+    rig.now += 5.5
+    rig.until(lambda: latched(rig), limit=1.0)
+    assert causes(events(rig)) <= {"overtime", "stale"} and causes(events(rig))
+
+
+def test_a_motion_that_is_given_up_says_why_when_it_has_come_to_rest():
+    rig = Rig().awake()
+    rig.robot.tissue = None
+    rig.say("tense")
+    rig.until(lambda: rig.state is State.ACTIVE, limit=30.0)
+    rest = [m for m in events(rig) if m.kind == "at_rest"]
+    assert [find(GIVE_UPS, m.message, UNKNOWN).name for m in rest] == ["closed on nothing"]
+
+
+def test_who_terminates_a_motion_is_in_the_diary():
+    rig = Rig().moving("pull")
+    rig.say("terminate")
+    rig.rest()
+    told = [(m.kind, m.message) for m in events(rig)]
+    assert ("at_rest", "terminated") in told
+    assert "terminate" in [m.command for m in events(rig) if m.kind == "accepted"]
+
+
+def test_the_recorder_is_there_before_the_first_stop_refusal_or_alarm():
+    early = set(yaml.safe_load(RECORDER.read_text(encoding="utf-8"))["subscribe_early"])
+    state = {"/rst_control/event", "/rst_control/state", "/rst_control/stop"}
+    voice = {"/voice_assist/alarm", "/voice_assist/utterance"}
+    assert state | voice | {"/diagnostics", "/rosout", "/robot/fault"} <= early

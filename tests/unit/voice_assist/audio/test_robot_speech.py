@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import pytest
+
+from tests.unit.voice_assist.pipeline.test_pipeline import COMMANDS, commands, make, refusals, run
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
+from voice_assist.audio.robot_speech import Spoke, Talkback
+from voice_assist.config import load_voice_config
+from voice_assist.types import Mode
+
+CONFIG = load_voice_config().audio.talkback
+SILENCE = load_voice_config().recognizer.early.silence_added  # [s] behind what ends
+START = 100.0  # [s] stamp of the first frame
+REASON = "the robot itself was speaking; say it again"
+
+
+def hear(text, *told, mode=Mode.ACTIVE, recognizer=None):
+    """A sentence, and what is told of the loudspeaker at which second of it."""
+    pipeline, clock = make(mode, recognizer)
+    for at, is_speaking in told:
+        pipeline.robot_spoke(Spoke(is_speaking, START + at))
+    return run(pipeline, clock, frames(say(text), start=START))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_robots_own_voice_neither_moves_nor_wakes_it_and_may_stop_it(command):
+    events = hear(command, (0.0, True))
+    if command in ("stop", "terminate"):
+        assert commands(events) == [command]
+    else:
+        assert commands(events) == []
+        assert [(r.nearest, r.reason) for r in refusals(events)] == [(command, REASON)]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_once_it_has_ended_everything_counts_again(command):
+    events = hear(command, (-5.0, True), (-CONFIG.tail, False))
+    assert commands(events) == [command]
+
+
+def test_speech_that_began_while_it_spoke_does_not_count():
+    assert commands(hear("pull more", (-5.0, True), (0.4, False))) == []
+
+
+def test_its_end_need_not_be_told():
+    assert commands(hear("tense", (-CONFIG.longest, True))) == ["tense"]
+    assert commands(hear("tense", (-CONFIG.longest + 1.0, True))) == []
+
+
+def test_an_end_without_a_beginning_refuses_nothing():
+    assert commands(hear("tense", (0.5, False))) == ["tense"]
+
+
+def test_it_cannot_wake_what_its_own_stop_has_stopped():
+    events = hear("stop 0.5 hey robot", (0.0, True), mode=Mode.ACTIVE)
+    assert commands(events) == ["stop"]
+
+
+def test_a_beginning_told_again_lasts_longer():
+    talkback = Talkback(CONFIG)
+    talkback.tell(Spoke(True, 0.0))
+    talkback.tell(Spoke(True, 10.0))
+    assert talkback.is_in(10.0 + CONFIG.longest)
+    assert not talkback.is_in(10.1 + CONFIG.longest)
+    talkback.reset()
+    assert not talkback.is_in(0.0)
+
+
+OVER = "the now mumble 0.3 stop 0.3 mumble the now"
+
+
+def test_a_stop_in_the_midst_of_its_own_voice_counts():
+    assert commands(hear(OVER, (0.0, True))) == ["stop"]
+    assert commands(hear(OVER, (0.0, True), mode=Mode.STANDBY)) == ["stop"]
+
+
+def test_in_the_midst_of_somebody_elses_it_does_not():
+    assert commands(hear(OVER)) == []
+    assert commands(hear(OVER, (-5.0, True), (-CONFIG.tail - 0.1, False))) == []
+
+
+def test_what_is_no_stop_or_unsure_does_not_count_in_its_midst():
+    assert commands(hear(OVER.replace("stop", "tense"), (0.0, True))) == []
+    assert commands(hear(OVER.replace("stop", "pull more"), (0.0, True))) == []
+    unsure = CONFIG.stop_confidence - 0.01
+    assert commands(hear(OVER, (0.0, True), recognizer=FakeRecognizer(confidence=unsure))) == []
+
+
+def test_its_midst_is_looked_at_only_while_it_speaks():
+    recognizer = FakeRecognizer()
+    hear(OVER, recognizer=recognizer)
+    before = len(recognizer.heard)
+    hear(OVER, (0.0, True), recognizer=recognizer)
+    looks = recognizer.heard[before:]
+    assert sum(length <= CONFIG.window + SILENCE for length in looks) > before / 2

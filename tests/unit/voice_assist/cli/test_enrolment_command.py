@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The verb `enroll` says at its start which phrases nobody could keep apart."""
+
+import dataclasses
+
+import pytest
+
+from voice_assist.cli.enroll import Enrol, enroll
+from voice_assist.config import CONFIG_DIR, load_voice_config
+from voice_assist.errors import VoiceError
+
+
+def asked(tmp_path):
+    nowhere = tmp_path / "no_such_folder"
+    return Enrol("ada", tmp_path, nowhere, None, None, again=False, settings=CONFIG_DIR)
+
+
+def with_another(voice, phrase):
+    commands = voice.commands.commands
+    like = next(c for c in commands if c.phrase == "pull more")
+    new = dataclasses.replace(like, phrase=phrase, spellings=())
+    return dataclasses.replace(
+        voice, commands=dataclasses.replace(voice.commands, commands=(*commands, new))
+    )
+
+
+def test_phrases_too_alike_are_told_before_anything_is_recorded(tmp_path, capsys):
+    with pytest.raises(VoiceError, match="no_such_folder"):
+        enroll(with_another(load_voice_config(), "pull moore"), asked(tmp_path))
+    told = " ".join(capsys.readouterr().out.split())
+    assert "warning: 'pull more' and 'pull moore'" in told
+    assert "too alike" in told
+
+
+def test_the_shipped_phrases_need_no_warning(tmp_path, capsys):
+    with pytest.raises(VoiceError, match="no_such_folder"):
+        enroll(load_voice_config(), asked(tmp_path))
+    assert "warning" not in capsys.readouterr().out
+
+
+def test_an_input_that_has_ended_is_said_in_words_and_nothing_is_lost(tmp_path, monkeypatch):
+    def ended(prompt):
+        raise EOFError
+
+    wanted = dataclasses.replace(asked(tmp_path), wavs=None)
+    with pytest.raises(VoiceError, match=r"input has ended .* what was recorded is kept"):
+        enroll(load_voice_config(), wanted, ask=ended)
+    assert (tmp_path / "ada").is_dir()

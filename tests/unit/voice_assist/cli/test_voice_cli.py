@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+import soundfile
+from rich.console import Console
+
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, make_detector, say
+from voice_assist.cli import listen as listen_module
+from voice_assist.cli import main
+from voice_assist.cli.listen import Screen, row
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.types import Decision, Hypothesis, Lost, Match, Mode, NoMatch, Partial
+
+
+def fails(arguments, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    return ended.value.code, capsys.readouterr().err
+
+
+def test_phrases_prints_all_that_is_accepted(capsys):
+    main(["phrases"])
+    shown = capsys.readouterr().out
+    for phrase in ("hey robot", "tense", "release", "pull more", "pull less", "terminate"):
+        assert phrase in shown
+    assert "'stop stop'" in shown
+    assert "stop         in standby and active" in shown
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        ([], "verb"),
+        (["dance"], "invalid choice"),
+        (["listen", "--speed", "-1", "--wav", "x"], "allowed: a number from 0 to 1000"),
+        (["listen", "--wav", "x", "--device", "y"], "not allowed with"),
+        (["evaluate"], "required"),
+        (["evaluate", "x.csv", "--out", "y", "--jobs", "0"], "a whole number from 1"),
+        (["evaluate", "none.csv", "--out", "out.json"], "none.csv: No such file"),
+        (["evaluate", "x.csv", "--out", "y", "--snr", "3"], "give both"),
+        (["evaluate", "x.csv", "--out", "y", "--mode", "asleep"], "invalid choice"),
+        (["--config", "nowhere", "phrases"], "a readable file"),
+        (["listen", "--wav", "none.wav", "--model", "none.pt"], "none.pt"),
+    ],
+)
+def test_wrong_arguments_end_with_2_and_say_why(arguments, problem, capsys):
+    code, shown = fails(arguments, capsys)
+    assert code == 2
+    assert problem in shown
+    assert "Traceback" not in shown
+
+
+def decision(outcome, text="pull more"):
+    return Decision(
+        hypothesis=Hypothesis(text, -0.1, 0.0),
+        outcome=outcome,
+        confidence=0.93,
+        mode=Mode.ACTIVE,
+        speech_start=1.0,
+        speech_end=1.5,
+        decided=1.72,
+        is_early=True,
+    )
+
+
+def test_a_row_shows_all_there_is_to_know():
+    assert row(decision(Match("pull more", {"pull more": 0.0}))) == (
+        *("pull more", "pull more", "0.00", "0.93", "220 ms", ""),
+    )
+    refused = row(decision(NoMatch("too far", "tense", {"tense": 2.0}), "hello there"))
+    assert refused == ("hello there", "(tense)", "2.00", "0.93", "220 ms", "too far")
+
+
+def test_the_screen_shows_level_partial_mode_and_trouble():
+    screen = Screen(Mode.ACTIVE)
+    screen.show(Partial("pull", 1.0))
+    screen.show(Lost(160, 1.0))
+    screen.show(decision(Match("pull more", {"pull more": 0.0})))
+    screen.trouble = "microphone 'usb': not found"
+    console = Console(width=120, record=True, file=open("/dev/null", "w"))  # noqa: SIM115, PTH123
+    console.print(screen)
+    shown = console.export_text()
+    for part in ("active", "-60 dB", " pull", "160 samples lost", "pull more", "'usb': not found"):
+        assert part in shown
+
+
+def test_listen_plays_a_recording_and_shows_the_commands(tmp_path, monkeypatch, capsys):
+    path = tmp_path / "sound.wav"
+    soundfile.write(path, np.asarray(say("hey robot 0.8 tense")), 16_000)
+    monkeypatch.setattr(
+        listen_module,
+        "make_pipeline",
+        lambda config, clock: Pipeline(config, FakeRecognizer(), make_detector(), clock),
+    )
+    main(["listen", "--wav", str(path), "--speed", "0"])
+    shown = capsys.readouterr().out
+    assert "hey robot" in shown and "tense" in shown and "active" in shown
+
+
+def test_no_microphone_is_said_so(monkeypatch, capsys):
+    from voice_assist.audio import portaudio
+
+    monkeypatch.setattr(portaudio.PortAudio, "devices", lambda self: [])
+    with pytest.raises(SystemExit) as ended:
+        main(["devices"])
+    assert ended.value.code == 1
+    assert "no microphone found" in capsys.readouterr().out
+
+
+def test_microphones_are_listed_by_name(monkeypatch, capsys):
+    from voice_assist.audio import portaudio
+
+    found = [portaudio.Device("USB", 48_000, False), portaudio.Device("pulse", 44_100, True)]
+    monkeypatch.setattr(portaudio.PortAudio, "devices", lambda self: found)
+    main(["devices"])
+    assert capsys.readouterr().out == "USB  48000 Hz\npulse  44100 Hz  (default)\n"

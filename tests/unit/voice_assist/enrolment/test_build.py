@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A whole enrolment, with few steps, of a voice of espeak-ng that training never used."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from voice_assist.config import VoiceConfig, load_voice_config
+from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
+from voice_assist.enrolment.build import build
+from voice_assist.enrolment.checks import TakeCheck
+from voice_assist.enrolment.pipeline_probe import Ear
+from voice_assist.enrolment.script import Session, Step
+from voice_assist.profile.active import PersonalRecognizer, personalise
+from voice_assist.profile.manifest import ACTIVE, COMMAND, REFUSED, TALK, Take
+from voice_assist.profile.profile import Profile, ProfileError, create_profile
+from voice_assist.recognizer import load_recognizer
+from voice_assist.recognizer.embedded import EmbeddedRecognizer
+from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
+from voice_assist.types import RATE, Samples
+
+pytestmark = [
+    pytest.mark.skipif(not shutil.which("espeak-ng"), reason="espeak-ng is not installed"),
+    pytest.mark.timeout(1200),  # [s] for a busy machine; alone it takes half a minute
+]
+
+VOICE = f"{HELD_OUT_ACCENT}+Alex"
+PHRASES = ("hey robot", "pull more", "pull less", "stop")  # of all commands, to be quick
+TALKED = ("where is the trocar", "we are almost done", "thank you", "next case at two")
+TALK_NOT_ENROLLED = ("the music is too loud", "he told me to pull more shifts", "call the ward")
+
+
+def spoken(text: str, rate: float = 1.0) -> Samples:
+    (sound,) = speak([Prompt(text, "espeak", VOICE, rate, 0.5)])
+    assert sound is not None
+    quiet = np.random.default_rng(1).normal(0.0, 3e-4, len(sound) + RATE // 2)
+    quiet[RATE // 4 : RATE // 4 + len(sound)] += sound / 32768.0
+    return quiet.astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def base() -> EmbeddedRecognizer:
+    found = load_recognizer()
+    assert isinstance(found, EmbeddedRecognizer)
+    return found
+
+
+@pytest.fixture(scope="module")
+def voice(tmp_path_factory: pytest.TempPathFactory) -> VoiceConfig:
+    whole = load_voice_config(profile__folder=str(tmp_path_factory.mktemp("profiles")))
+    some = tuple(c for c in whole.commands.commands if c.phrase in PHRASES)
+    return dataclasses.replace(whole, commands=dataclasses.replace(whole.commands, commands=some))
+
+
+@pytest.fixture(scope="module")
+def config() -> EnrolmentConfig:
+    whole = load_enrolment_config()
+    quick = dataclasses.replace(
+        whole.adapt, copies=1, broken_off=1, others=15, steps=4, batch=6, rate=1e-4
+    )
+    check = dataclasses.replace(whole.self_check, folds=2, others=12)
+    return dataclasses.replace(whole, talk=8.0, adapt=quick, self_check=check)
+
+
+@pytest.fixture(scope="module")
+def profile(voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognizer) -> Profile:
+    made = create_profile("ada", base.model_hash, Path(voice.profile.folder))
+    check = TakeCheck(config.checks, voice.commands, base)
+    session = Session(made, config, voice.commands.phrases, check)
+    for rate in (0.9, 1.0, 1.1):
+        for phrase in voice.commands.phrases:
+            session.offer(Step(COMMAND, phrase, 2.0, 1, 1), spoken(phrase, rate))
+    for text in TALKED:
+        session.offer(Step(TALK, "", 2.0, 1, 1), spoken(text))
+    build(made, voice, config, base)
+    return made
+
+
+def test_a_profile_of_good_takes_is_active_with_report_and_thresholds(
+    profile: Profile, voice: VoiceConfig
+) -> None:
+    assert profile.manifest.state == ACTIVE, profile.manifest.why
+    report = json.loads(profile.read("report.json"))
+    assert report["takes"]["right_by_profile"] >= report["takes"]["right_by_base"]
+    assert report["talk"] == {"pieces": 4, "taken_by_base": 0, "taken_by_profile": 0}
+    assert [e["phrase"] for e in report["expected"]] == list(voice.commands.phrases)
+    assert "Active." in profile.read("report.md").decode()
+
+
+def test_with_the_profile_commands_are_taken_and_talk_does_nothing(
+    profile: Profile, voice: VoiceConfig, base: EmbeddedRecognizer
+) -> None:
+    in_force = dataclasses.replace(voice, profile=dataclasses.replace(voice.profile, name="ada"))
+    personal = personalise(in_force.profile, base)
+    assert isinstance(personal, PersonalRecognizer)
+    ear = Ear(in_force, personal)
+    said = {phrase: ear(spoken(phrase, 1.05)).taken for phrase in voice.commands.phrases}
+    assert said == {phrase: (phrase,) for phrase in voice.commands.phrases}
+    heard = {text: ear(spoken(text)).taken for text in (*TALKED, *TALK_NOT_ENROLLED)}
+    assert heard == dict.fromkeys(heard, ())
+
+
+def test_a_profile_of_wrong_words_is_refused_and_names_them(
+    profile: Profile, voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognizer
+) -> None:
+    swapped = create_profile("eve", base.model_hash, Path(voice.profile.folder))
+    other = {"pull more": "pull less", "pull less": "pull more"}
+    for take in profile.manifest.takes:
+        phrase = other.get(take.phrase, take.phrase)
+        told: Take = dataclasses.replace(take, phrase=phrase)
+        swapped.add_take(profile.sound(take), told)
+    problems = build(swapped, voice, config, base)
+    assert len(problems) == 6
+    assert all("wrong word: 'pull " in problem for problem in problems)
+    assert swapped.manifest.state == REFUSED
+    assert swapped.manifest.why == problems
+    assert not swapped.has("model.pt")
+    with pytest.raises(ProfileError, match="failed its own check"):
+        personalise(dataclasses.replace(voice.profile, name="eve"), base)
+
+
+def test_too_few_takes_are_refused_by_name(
+    voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognizer
+) -> None:
+    empty = create_profile("bob", base.model_hash, Path(voice.profile.folder))
+    with pytest.raises(ProfileError, match=r"too few takes of 'hey robot' 0, .*at least 3 of each"):
+        build(empty, voice, config, base)

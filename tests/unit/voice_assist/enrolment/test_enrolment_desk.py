@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Enrolment for a screen and from recorded sessions."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say, silence
+from voice_assist.cli.enroll_terminal import guide
+from voice_assist.config import load_voice_config
+from voice_assist.config.enrolment import load_enrolment_config
+from voice_assist.enrolment.checks import TakeCheck
+from voice_assist.enrolment.from_session import COLUMNS, Uncorrected, read_takes, take_over
+from voice_assist.enrolment.remote_session import EnrolmentDesk
+from voice_assist.enrolment.script import Session, Step
+from voice_assist.errors import ManifestError
+from voice_assist.profile.manifest import COMMAND, TALK
+from voice_assist.profile.profile import create_profile, open_profile
+from voice_assist.types import FULL_SCALE, Frame
+
+VOICE = load_voice_config()
+CONFIG = dataclasses.replace(load_enrolment_config(), talk=0.0, room=1.0)
+PHRASES = VOICE.commands.phrases
+
+
+class Room:
+    """A room in which a person says what was put on a list."""
+
+    def __init__(self) -> None:
+        self.said: list[str] = []
+        self.is_armed = False
+
+    def listen(self) -> Iterator[Frame]:
+        text = self.said.pop(0)
+        yield from frames(say(text, 0.5, 4.0) if text else silence(5.0).astype(np.float32))
+
+
+class Base(FakeRecognizer):
+    model_hash = "ab" * 32
+
+
+def make_desk(root: Path) -> tuple[EnrolmentDesk, Room]:
+    room = Room()
+    args = VOICE, CONFIG, Base({"stop": 9.0}), root, room.listen, lambda: room.is_armed
+    return EnrolmentDesk(*args), room
+
+
+def test_a_screen_is_led_through_the_script(tmp_path: Path) -> None:
+    desk, room = make_desk(tmp_path)
+    told = desk("ada", "next")
+    assert told.step is not None
+    assert told.step.kind == "room"
+    room.said = ["", "hey robot", "tense"]
+    for expected in ("hey robot", "tense", "release"):
+        told = desk("ada", "record")
+        assert told.success, told.message
+        assert told.step is not None
+        assert told.step.phrase == expected
+    assert len(open_profile("ada", tmp_path).manifest.takes) == 3
+
+
+def test_a_wrong_word_is_asked_for_again(tmp_path: Path) -> None:
+    desk, room = make_desk(tmp_path)
+    room.said = ["", "stop"]
+    desk("ada", "record")
+    told = desk("ada", "record")
+    assert not told.success
+    assert "wrong word: 'stop' was heard" in told.message
+    assert told.step is not None
+    assert told.step.phrase == "hey robot"
+
+
+def test_nothing_is_recorded_while_commands_move_the_robot(tmp_path: Path) -> None:
+    desk, room = make_desk(tmp_path)
+    room.is_armed = True
+    told = desk("ada", "record")
+    assert not told.success
+    assert "say terminate before you enrol" in told.message
+    assert not open_profile("ada", tmp_path).manifest.takes
+
+
+@pytest.mark.parametrize(
+    ("name", "action", "message"),
+    [
+        ("ada", "sing", "action 'sing', allowed: next, record, learn"),
+        ("../ada", "next", "profile name"),
+        ("ada", "learn", "recogniser 'fake' cannot be adapted, allowed: the embedded model"),
+    ],
+)
+def test_what_cannot_be_done_is_told(tmp_path: Path, name: str, action: str, message: str) -> None:
+    told = make_desk(tmp_path)[0](name, action)
+    assert not told.success
+    assert message in told.message
+
+
+# --- recorded sessions
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    time: float
+    heard: str
+    command: str
+    samples: np.ndarray
+
+
+def as_recorded(text: str) -> np.ndarray:
+    return np.rint(say(text, 0.3, 0.3) * FULL_SCALE).astype(np.int16)
+
+
+@pytest.fixture
+def reader(monkeypatch: pytest.MonkeyPatch) -> str:
+    module = ModuleType("fake_sessions")
+    said = [("tense", "tense"), ("mumble", ""), ("he said", ""), ("stop", "stop")]
+    found = [Recorded(float(i), t, c, as_recorded(t)) for i, (t, c) in enumerate(said)]
+    module.read = lambda path: found  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "fake_sessions", module)
+    return "fake_sessions:read"
+
+
+def correct(path: Path, said: dict[int, str]) -> None:
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    with path.open("w", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        table.writeheader()
+        for row in rows:
+            table.writerow({**row, "said": said.get(int(row["number"]), row["said"])})
+
+
+def test_nothing_is_learned_from_a_session_that_nobody_corrected(
+    tmp_path: Path, reader: str
+) -> None:
+    path = tmp_path / "said.csv"
+    with pytest.raises(Uncorrected, match=r"said.csv was written; correct the column said"):
+        read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
+    rows = list(csv.DictReader(path.open()))
+    assert [row["said"] for row in rows] == ["tense", "", "", "stop"]
+
+
+def test_corrected_utterances_become_takes_once(tmp_path: Path, reader: str) -> None:
+    path, session_path = tmp_path / "said.csv", tmp_path / "session.mcap"
+    with pytest.raises(Uncorrected):
+        read_takes(session_path, path, PHRASES, reader)
+    correct(path, {2: "release", 3: "talk", 4: ""})
+    takes = read_takes(session_path, path, PHRASES, reader)
+    assert [(t.kind, t.phrase) for t in takes] == [
+        (COMMAND, "tense"),
+        (COMMAND, "release"),
+        (TALK, ""),
+    ]
+    profile = create_profile("ada", "ab" * 32, tmp_path / "profiles")
+    check = TakeCheck(CONFIG.checks, VOICE.commands, FakeRecognizer({"release": -5.0}))
+    script = Session(profile, CONFIG, PHRASES, check)
+    assert take_over(script, takes, lambda *_: None) == 3
+    assert take_over(script, takes, lambda *_: None) == 0
+    assert [take.phrase for take in profile.manifest.takes] == ["tense", "release", ""]
+
+
+@pytest.mark.parametrize(
+    ("said", "problem"),
+    [({1: "banana"}, "said 'banana', allowed: hey robot, .*, or nothing")],
+)
+def test_a_correction_that_is_no_command_is_refused(
+    tmp_path: Path, reader: str, said: dict[int, str], problem: str
+) -> None:
+    path = tmp_path / "said.csv"
+    with pytest.raises(Uncorrected):
+        read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
+    correct(path, said)
+    with pytest.raises(ManifestError, match=problem):
+        read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
+
+
+@pytest.mark.parametrize("name", ["nowhere:read", "json:nothing", "json"])
+def test_a_reader_that_is_not_there_is_named(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ManifestError, match=f"session_reader '{name}'"):
+        read_takes(tmp_path, None, PHRASES, name)
+
+
+# --- the terminal
+
+
+class Microphone:
+    """Gives what is said next, from the moment it is opened."""
+
+    opened = 0
+
+    def __init__(self, said: list[str]) -> None:
+        self._said = said
+
+    def __enter__(self) -> Microphone:
+        Microphone.opened += 1
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        Microphone.opened -= 1
+
+    def __iter__(self) -> Iterator[Frame]:
+        text = self._said.pop(0)
+        yield from frames(say(text, 0.5, 4.0) if text else silence(5.0).astype(np.float32))
+
+
+def test_the_terminal_asks_again_and_goes_on_after_ctrl_c(tmp_path: Path) -> None:
+    profile = create_profile("ada", "ab" * 32, tmp_path / "profiles")
+    config = dataclasses.replace(CONFIG, repetitions=3)
+    check = TakeCheck(config.checks, VOICE.commands, Base({"stop": 9.0}))
+    said = ["", "stop", "hey robot", "tense"]
+    asked: list[str] = []
+
+    def ready(step: Step) -> None:
+        assert Microphone.opened == 0  # nobody listens until the person is ready
+        asked.append(step.phrase)
+        if not said:
+            raise KeyboardInterrupt
+
+    shown = StringIO()
+    console = Console(file=shown, width=100)
+    with pytest.raises(KeyboardInterrupt):
+        guide(Session(profile, config, PHRASES, check), lambda: Microphone(said), console, ready)
+    assert asked == ["", "hey robot", "hey robot", "tense", "release"]
+    assert "wrong word: 'stop' was heard" in shown.getvalue()
+    assert "once more, please" in " ".join(shown.getvalue().split())
+    rest = Session(open_profile("ada", tmp_path / "profiles"), config, PHRASES, check).next()
+    assert rest is not None
+    assert (rest.phrase, rest.number, rest.of) == ("release", 3, 21)

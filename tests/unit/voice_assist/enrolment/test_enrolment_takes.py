@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which takes are kept: the checks, the script, and recordings that exist already."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, say, silence, tone
+from voice_assist.config import load_voice_config
+from voice_assist.config.enrolment import load_enrolment_config
+from voice_assist.enrolment.checks import TakeCheck
+from voice_assist.enrolment.from_files import find_recordings, take_over
+from voice_assist.enrolment.recording import record
+from voice_assist.enrolment.script import GOOD, UNLIKE, Session
+from voice_assist.errors import AudioError, ManifestError
+from voice_assist.profile.manifest import COMMAND, ROOM, TALK
+from voice_assist.profile.profile import Profile, create_profile, open_profile
+from voice_assist.types import RATE, Frame, Samples, frozen_samples
+
+COMMANDS = load_voice_config().commands
+CONFIG = load_enrolment_config()
+
+
+def check(**scores: float) -> TakeCheck:
+    return TakeCheck(CONFIG.checks, COMMANDS, FakeRecognizer(scores))
+
+
+def said(text: str, before: float = 0.3, after: float = 0.3) -> Samples:
+    return say(text, before, after)
+
+
+def test_a_clear_take_is_good_and_says_what_it_is_like() -> None:
+    checked = check()(COMMAND, "pull more", said("pull more"))
+    assert checked.is_good
+    assert checked.heard == "pull more"
+    assert checked.seconds == pytest.approx(0.5, abs=0.1)
+    assert checked.level_db == pytest.approx(-13.5, abs=1.0)
+    assert checked.snr_db > 50.0
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        (lambda s: 0.003 * s, r"too quiet: -\d+ dB of full scale, allowed: at least -45"),
+        (lambda s: np.clip(20.0 * s, -1.0, 1.0), r"clipped: \d+.\d% .* allowed: up to 0.2%"),
+        (lambda s: s[5000:], r"cut at the start: 0.0\d s before it, allowed: 0.05"),
+        (lambda s: s[:-5200], r"cut at the end: 0.0\d s after it, allowed: 0.05"),
+        (lambda s: s + noise(len(s), 0.09), r"too noisy: \d dB over the room, allowed: at least"),
+        (lambda s: np.tile(s, 4), r"too long: \d.\d\d s of speech, allowed: up to 2.00"),
+    ],
+)
+def test_a_bad_take_is_told_with_value_and_limit(
+    change: Callable[[Samples], Samples], problem: str
+) -> None:
+    samples = np.asarray(change(said("tense release")), np.float32)
+    checked = check()(COMMAND, "tense", samples)
+    assert not checked.is_good
+    assert not checked.is_other
+    assert any(matches(problem, found) for found in checked.problems), checked.problems
+
+
+def test_a_click_is_too_short() -> None:
+    click = np.concatenate([silence(0.5), 0.3 * np.ones(1200), silence(0.5)])
+    problems = check()(COMMAND, "stop", click.astype(np.float32)).problems
+    assert any(
+        matches(r"too short: 0.\d\d s of speech, allowed: at least 0.15", p) for p in problems
+    )
+
+
+def test_nothing_is_too_quiet() -> None:
+    assert "too quiet" in check()(COMMAND, "stop", np.zeros(RATE, np.float32)).problems[0]
+
+
+def test_another_command_is_a_wrong_word() -> None:
+    checked = check(**{"pull less": 9.0, "pull more": -30.0})(
+        COMMAND, "pull more", said("pull less")
+    )
+    assert checked.is_other
+    assert matches(
+        r"wrong word: 'pull less' was heard, by 9.0 nat, allowed: 'pull more'", checked.problems[0]
+    )
+
+
+def test_another_command_that_is_hardly_heard_may_be_an_accent() -> None:
+    checked = check(**{"pull less": 0.5, "pull more": -0.5})(
+        COMMAND, "pull more", said("pull less")
+    )
+    assert checked.is_good
+
+
+def test_talk_needs_some_speech_and_the_room_none() -> None:
+    assert check()(TALK, "", said("he said the not is what")).is_good
+    quiet = np.concatenate([tone("now")[:1600], silence(5.0)]).astype(np.float32)
+    assert "too little talk" in check()(TALK, "", quiet).problems[0]
+    assert check()(ROOM, "", silence(3.0).astype(np.float32)).is_good
+
+
+@pytest.fixture
+def profile(tmp_path: Path) -> Profile:
+    return create_profile("ada", "ab" * 32, tmp_path / "profiles")
+
+
+def session(profile: Profile, repetitions: int = 3, talk: float = 4.0, **scores: float) -> Session:
+    config = dataclasses.replace(CONFIG, repetitions=repetitions, talk=talk, talk_piece=2.0)
+    return Session(profile, config, COMMANDS.phrases, check(**scores))
+
+
+def follow(script: Session, limit: int = 100) -> list[str]:
+    """Do as the script asks."""
+    asked = []
+    while (step := script.next()) is not None and len(asked) < limit:
+        asked.append(step.phrase or step.kind)
+        if step.kind == COMMAND:
+            sound = said(step.phrase)
+        elif step.kind == TALK:
+            sound = said("he said the not is what")[: 2 * RATE]
+        else:
+            sound = silence(step.seconds).astype(np.float32)
+        script.offer(step, sound)
+    return asked
+
+
+def test_the_script_asks_for_the_room_the_commands_in_turns_and_talk(profile: Profile) -> None:
+    asked = follow(session(profile))
+    assert asked[0] == ROOM
+    assert asked[1:8] == list(COMMANDS.phrases)
+    assert asked[1:22] == list(COMMANDS.phrases) * 3
+    assert set(asked[22:]) == {TALK}
+    assert 2 <= len(asked[22:]) <= 3
+
+
+def test_what_is_there_is_not_asked_again(profile: Profile) -> None:
+    first = follow(session(profile), limit=9)
+    again = open_profile("ada", profile.folder.parent)
+    rest = follow(session(again))
+    assert len(first) == 9
+    assert [*first, *rest] == follow(
+        session(create_profile("bob", "ab" * 32, profile.folder.parent))
+    )
+
+
+def test_a_wrong_word_is_never_kept(profile: Profile) -> None:
+    script = session(profile, **{"stop": 9.0, "tense": -60.0})
+    step = next(s for s in [script.next()] if s)
+    script.offer(step, silence(3.0).astype(np.float32))
+    for _ in range(5):
+        step = dataclasses.replace(step, kind=COMMAND, phrase="tense")
+        assert script.offer(step, said("stop")).is_other
+    assert [take.kind for take in profile.manifest.takes] == [ROOM]
+
+
+def test_what_is_unlike_twice_is_how_the_person_says_it(profile: Profile) -> None:
+    script = session(profile, tense=-60.0)
+    step = script.next()
+    assert step is not None
+    step = dataclasses.replace(step, kind=COMMAND, phrase="tense")
+    assert script.offer(step, said("mumble")).is_unlike
+    assert not profile.manifest.takes
+    script.offer(step, said("mumble"))
+    assert [take.verdict for take in profile.manifest.takes] == [UNLIKE]
+    script.offer(step, said("tense"))
+    assert [take.verdict for take in profile.manifest.takes] == [UNLIKE, GOOD]
+
+
+def write(folder: Path, name: str, sound: Samples) -> None:
+    folder.mkdir(exist_ok=True)
+    soundfile.write(folder / name, sound, RATE)
+
+
+def test_recordings_are_taken_over_by_their_names_once(profile: Profile, tmp_path: Path) -> None:
+    folder = tmp_path / "wavs"
+    write(folder, "pull_more-1.wav", said("pull more"))
+    write(folder, "stop-2.flac", said("stop"))
+    write(folder, "talk-1.wav", said("he said the not is what"))
+    write(folder, "tense.wav", 0.001 * said("tense"))
+    found = find_recordings(folder, COMMANDS.phrases)
+    told: list[str] = []
+    script = session(profile)
+    assert take_over(script, found, lambda path, _: told.append(path.name)) == 3
+    kept = {(take.kind, take.phrase) for take in profile.manifest.takes}
+    assert kept == {(COMMAND, "pull more"), (COMMAND, "stop"), (TALK, "")}
+    assert len(told) == 4
+    assert take_over(script, found, lambda *_: None) == 0
+
+
+def test_a_list_says_what_is_in_which_recording(tmp_path: Path) -> None:
+    folder = tmp_path / "wavs"
+    write(folder, "a.wav", said("tense"))
+    write(folder, "b.wav", said("now"))
+    (folder / "takes.csv").write_text("path,transcript\na.wav,Tense!\nb.wav,\n")
+    found = find_recordings(folder, COMMANDS.phrases)
+    assert [(r.path.name, r.kind, r.phrase) for r in found] == [
+        ("a.wav", COMMAND, "tense"),
+        ("b.wav", TALK, ""),
+    ]
+
+
+def test_a_recording_of_no_command_is_named(tmp_path: Path) -> None:
+    folder = tmp_path / "wavs"
+    write(folder, "banana-1.wav", said("now"))
+    with pytest.raises(ManifestError, match=r"banana-1.wav: 'banana' is no command, allowed: hey"):
+        find_recordings(folder, COMMANDS.phrases)
+    with pytest.raises(ManifestError, match="no such folder"):
+        find_recordings(tmp_path / "none", COMMANDS.phrases)
+
+
+def test_a_take_with_a_gap_is_not_recorded() -> None:
+    frames = [Frame(frozen_samples(np.zeros(512)), n, 0.0) for n in (0, 512, 2048)]
+    levels: list[float] = []
+    with pytest.raises(AudioError, match="1024 samples of sound were lost"):
+        record(iter(frames), 0.1, lambda level, done: levels.append(done))
+    assert levels == pytest.approx([0.32, 0.64])
+    with pytest.raises(AudioError, match="ended in the middle"):
+        record(iter(frames[:2]), 0.1, lambda level, done: None)
+
+
+def noise(length: int, level: float) -> Samples:
+    return np.asarray(level * np.random.default_rng(2).standard_normal(length), np.float32)
+
+
+def matches(pattern: str, text: str) -> bool:
+    import re
+
+    return re.search(pattern, text) is not None

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Thresholds of a person: by risk, with bounds that few takes leave wide; and the check itself."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from voice_assist.config import load_voice_config
+from voice_assist.config.enrolment import load_enrolment_config
+from voice_assist.enrolment.selfcheck import Trial, Verdict
+from voice_assist.enrolment.thresholds import (
+    Evidence,
+    choose,
+    expect,
+    rate_at_most,
+    share_at_most,
+)
+from voice_assist.profile.thresholds import Setting, Settings, from_bytes, overlay, to_bytes
+
+COMMANDS = load_voice_config().commands
+CONFIG = load_enrolment_config()
+MOTION, HALT, WAKE = (COMMANDS.get(p) for p in ("pull more", "stop", "hey robot"))
+sure = st.lists(st.floats(0.0, 1.0), max_size=6).map(tuple)
+
+
+def test_a_motion_is_raised_above_what_it_was_wrongly_heard_in() -> None:
+    least = choose(MOTION, Evidence((0.93, 0.95, 0.97), 0, (0.83, 0.2)), 0.05)
+    assert least == pytest.approx(0.88)
+
+
+def test_a_motion_is_not_raised_above_its_own_takes() -> None:
+    assert choose(MOTION, Evidence((0.9, 0.95), 0, (0.9,)), 0.05) == pytest.approx(0.85)
+
+
+def test_a_halt_is_lowered_to_its_takes_and_never_raised() -> None:
+    assert choose(HALT, Evidence((0.58, 0.9), 0, ()), 0.05) == pytest.approx(0.53)
+    assert choose(HALT, Evidence((0.9,), 0, (0.99,)), 0.05) == HALT.least_confidence
+
+
+def test_what_arms_is_lowered_only_where_nothing_spoke_against() -> None:
+    assert choose(WAKE, Evidence((0.3, 0.8), 0, ()), 0.05) == pytest.approx(0.25)
+    assert choose(WAKE, Evidence((0.3, 0.8), 0, (0.9,)), 0.05) == WAKE.least_confidence
+
+
+@given(own=sure, against=sure)
+def test_no_evidence_makes_a_motion_easier_or_a_halt_harder(
+    own: tuple[float, ...], against: tuple[float, ...]
+) -> None:
+    evidence = Evidence(own, 0, against)
+    assert choose(MOTION, evidence, 0.05) >= MOTION.least_confidence
+    assert choose(HALT, evidence, 0.05) <= HALT.least_confidence
+
+
+@given(st.floats(0.0, 0.95), st.floats(0.0, 0.95))
+def test_no_file_makes_a_motion_easier_or_a_halt_harder(motion: float, halt: float) -> None:
+    wanted = (
+        Setting(phrase="pull more", least_confidence=motion),
+        Setting(phrase="stop", least_confidence=halt),
+    )
+    own = overlay(COMMANDS, from_bytes(to_bytes(Settings(commands=wanted))))
+    assert own.get("pull more").least_confidence == max(motion, MOTION.least_confidence)
+    assert own.get("stop").least_confidence == min(halt, HALT.least_confidence)
+    assert own.get("tense") == COMMANDS.get("tense")
+
+
+def test_bounds_are_those_of_clopper_pearson_and_garwood() -> None:
+    assert share_at_most(0, 3) == pytest.approx(1.0 - 0.05 ** (1.0 / 3.0))
+    assert share_at_most(3, 3) == 1.0
+    assert rate_at_most(0, 1.0) == pytest.approx(2.996, abs=0.001)
+    assert rate_at_most(1, 0.0) == float("inf")
+
+
+def test_misses_count_takes_that_were_not_heard_and_those_below() -> None:
+    expected = expect(MOTION, 0.6, Evidence((0.5, 0.9), 1, (0.8,)), (0.8, 0.3), 0.5)
+    assert (expected.takes, expected.missed, expected.false) == (3, 2, 1)
+    assert expected.miss_at_most == pytest.approx(share_at_most(2, 3))
+    assert expected.false_per_hour_at_most == pytest.approx(rate_at_most(1, 0.5))
+
+
+def trials(n: int, phrase: str, base: str, profile: str) -> list[Trial]:
+    def taken(command: str) -> tuple[str, ...]:
+        return (command,) if command else ()
+
+    return [Trial(f"{i}", phrase, taken(base), taken(profile)) for i in range(n)]
+
+
+def good() -> Verdict:
+    own = [*trials(15, "tense", "tense", "tense"), *trials(6, "tense", "", "tense")]
+    others = [*trials(40, "stop", "stop", "stop"), *trials(80, "", "", "")]
+    return Verdict(own=own, talk=trials(4, "", "", ""), others=others)
+
+
+def test_a_better_profile_that_harms_nobody_passes() -> None:
+    assert good().problems(CONFIG) == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        ({"own": trials(21, "tense", "tense", "")}, "takes: 0 of 21 right, allowed: at least 21"),
+        (
+            {"own": trials(3, "pull more", "", "pull less")},
+            "takes for another command: 3, allowed: up to 0",
+        ),
+        ({"talk": trials(1, "", "", "tense")}, "commands taken from talk: 1, allowed: up to 0"),
+        (
+            {"others": trials(40, "stop", "stop", "")},
+            "of 40 commands of other voices lost: 40, allowed: up to 1",
+        ),
+        (
+            {"others": trials(80, "", "", "release")},
+            "of 80 near misses and talk of others newly taken: 80, allowed: up to 2",
+        ),
+        ({"wrong_words": ["takes/0001.wav: wrong word"]}, "takes/0001.wav: wrong word"),
+    ],
+)
+def test_whatever_got_worse_is_named_with_what_was_allowed(
+    change: dict[str, object], problem: str
+) -> None:
+    problems = dataclasses.replace(good(), **change).problems(CONFIG)  # type: ignore[arg-type]
+    assert any(problem in found for found in problems), problems

@@ -1,0 +1,325 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, make_detector, say
+from voice_assist.audio.mixing import add_noise, end_of_speech, speech_power
+from voice_assist.config import load_voice_config
+from voice_assist.errors import ManifestError
+from voice_assist.evaluation import command as evaluate_module
+from voice_assist.evaluation.command import Job, evaluate
+from voice_assist.evaluation.evaluator import (
+    Clip,
+    Evaluator,
+    Outcome,
+    StreamClock,
+    Taken,
+    read_manifest,
+    read_noises,
+)
+from voice_assist.evaluation.metrics import summarize, verdict
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.types import RATE, Mode
+
+CONFIG = load_voice_config()
+
+
+class FakeTimer:
+    """Seconds of work, advanced by hand."""
+
+    def __init__(self):
+        self.now = 7.0
+
+    def __call__(self):
+        return self.now
+
+
+def write(path, text, rate=RATE):
+    soundfile.write(path, say(text, before=0.1, after=0.1), RATE)
+    return path.name
+
+
+@pytest.fixture
+def manifest(tmp_path):
+    rows = [
+        "id,path,transcript,speaker",
+        f"1,{write(tmp_path / 'a.wav', 'hey robot')},Hey robot!,x",
+        f"2,{write(tmp_path / 'b.flac', 'pull less')},pull less,x",
+        f"3,{write(tmp_path / 'c.wav', 'pull less')},pull more,x",
+        f"4,{write(tmp_path / 'd.wav', 'mumble')},tense,x",
+        f"5,{write(tmp_path / 'e.ogg', 'he said release')},he said release,x",
+        f"6,{write(tmp_path / 'f.wav', 'release')},what he said,x",
+        f"7,{write(tmp_path / 'g.wav', 'stop')},stop,x",
+    ]
+    path = tmp_path / "clips.csv"
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+@pytest.fixture
+def fakes(monkeypatch):
+    monkeypatch.setattr(evaluate_module, "make_recognizer", lambda config: FakeRecognizer())
+    monkeypatch.setattr(
+        evaluate_module,
+        "make_pipeline",
+        lambda config, clock, recognizer: Pipeline(config, recognizer, make_detector(), clock),
+    )
+
+
+def job(manifest, **changes):
+    given = {
+        "manifest": manifest,
+        "out": manifest.parent / "out.json",
+        "mode": "active",
+        "noise": None,
+        "snr_db": None,
+        "jobs": 1,
+        "details": None,
+    }
+    return Job(**{**given, **changes})
+
+
+def test_every_clip_is_counted_where_it_belongs(manifest, fakes):
+    figures = evaluate(CONFIG, job(manifest))
+    assert figures == json.loads((manifest.parent / "out.json").read_text())
+    assert figures["n"] == 7
+    commands = figures["commands"]
+    assert commands["hey robot"] == {"n": 1, "correct": 1, "rejected": 0, "confused": {}}
+    assert commands["pull less"]["correct"] == 1
+    assert commands["pull more"] == {
+        "n": 1,
+        "correct": 0,
+        "rejected": 0,
+        "confused": {"pull less": 1},
+    }
+    assert commands["tense"]["rejected"] == 1
+    assert commands["terminate"]["n"] == 0
+    assert figures["accuracy"] == pytest.approx(3 / 5)
+    negatives = figures["negatives"]
+    assert (negatives["n"], negatives["accepted"]) == (2, 1)
+    assert negatives["by_command"] == {"release": 1}
+    assert negatives["accepted_per_hour"] == pytest.approx(1 / negatives["hours"])
+    assert figures["model"] == "fake"
+    assert figures["real_time_factor"] > 0.0
+
+
+def test_latencies_are_from_the_end_of_speech(manifest, fakes):
+    latency = evaluate(CONFIG, job(manifest))["latency_ms"]
+    assert set(latency["stop"]) == {"p50", "p95", "p99"}
+    assert -150.0 < latency["stop"]["p50"] < 150.0
+    assert 50.0 < latency["pull less"]["p50"] < 500.0
+    assert latency["tense"] == {"p50": None, "p95": None, "p99": None}
+
+
+def test_in_standby_motions_are_rejected(manifest, fakes):
+    figures = evaluate(CONFIG, job(manifest, mode="standby"))
+    assert figures["commands"]["hey robot"]["correct"] == 1
+    assert figures["commands"]["stop"]["correct"] == 1
+    assert figures["commands"]["pull less"]["rejected"] == 1
+    assert figures["negatives"]["accepted"] == 0
+
+
+def test_a_line_per_clip_can_be_written(manifest, fakes):
+    details = manifest.parent / "details.csv"
+    evaluate(CONFIG, job(manifest, details=details))
+    lines = details.read_text().splitlines()
+    assert len(lines) == 8
+    assert "pull less" in lines[3]
+
+
+def claims_by_path(manifest, **changes):
+    details = manifest.parent / "details.csv"
+    evaluate(CONFIG, job(manifest, details=details, **changes))
+    with details.open(newline="") as file:
+        lines = list(csv.DictReader(file))
+    return {Path(line["path"]).name: json.loads(line["claims"]) for line in lines}
+
+
+def test_claims_are_what_was_taken_right_or_wrong(manifest, fakes):
+    claims = claims_by_path(manifest)
+    assert [c["command"] for c in claims["c.wav"]] == ["pull less"]
+    assert [(c["command"], c["is_taken"]) for c in claims["g.wav"]] == [("stop", True)]
+    assert 0.0 < claims["g.wav"][0]["confidence"] <= 1.0
+    assert claims["d.wav"] == claims["e.ogg"] == []
+
+
+def test_a_refused_decision_claims_only_what_its_words_say(manifest, fakes):
+    claims = claims_by_path(manifest, mode="standby")
+    assert claims["d.wav"] == claims["e.ogg"] == []
+    assert {(c["command"], c["is_taken"]) for c in claims["b.flac"]} == {("pull less", False)}
+
+
+def test_noise_is_added_at_the_level_asked_for(manifest, fakes):
+    folder = manifest.parent / "noise"
+    folder.mkdir()
+    hiss = 0.1 * np.random.default_rng(0).standard_normal(RATE)
+    soundfile.write(folder / "hiss.wav", hiss, RATE)
+    figures = evaluate(CONFIG, job(manifest, noise=folder, snr_db=30.0))
+    assert figures["snr_db"] == 30.0
+    assert figures["commands"]["pull less"]["correct"] == 1
+
+
+@pytest.mark.parametrize("changes", [{"noise": "x"}, {"snr_db": 3.0}])
+def test_noise_and_level_belong_together(manifest, changes):
+    with pytest.raises(ManifestError, match="give both"):
+        evaluate(CONFIG, job(manifest, **changes))
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        ("", "no column 'path'"),
+        ("file,transcript\na.wav,x\n", "no column 'path'; columns are: file, transcript"),
+        ("path,text\na.wav,x\n", "no column 'transcript'"),
+        ("path,transcript\n", "has no rows"),
+        ("path,transcript\nnone.wav,stop\n", r"row 2: .*none\.wav: no such file"),
+        ("path,transcript\n\n,stop\n", "row 3: the path is empty"),
+        ("path,transcript\nclips.csv,stop\n", r"row 2: .*not a sound file"),
+        ("path,transcript\n.,stop\n", "row 2: .*no such file"),
+    ],
+)
+def test_a_manifest_that_cannot_be_used_says_why(tmp_path, content, problem):
+    path = tmp_path / "clips.csv"
+    path.write_text(content)
+    with pytest.raises(ManifestError, match=problem):
+        read_manifest(path, CONFIG.commands)
+
+
+def test_a_missing_manifest_is_named(tmp_path):
+    with pytest.raises(ManifestError, match=r"none\.csv"):
+        read_manifest(tmp_path / "none.csv", CONFIG.commands)
+
+
+def test_a_manifest_of_a_spreadsheet_is_read(tmp_path):
+    write(tmp_path / "a.wav", "stop")
+    path = tmp_path / "clips.csv"
+    path.write_bytes('\ufeffTranscript , Path\r\n"Stop, stop!",a.wav\r\n'.encode())
+    (clip,) = read_manifest(path, CONFIG.commands)
+    assert (clip.row, clip.phrase) == (2, "stop")
+
+
+def test_a_place_that_cannot_be_written_is_named(manifest, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ManifestError, match="cannot be written"):
+        evaluate(CONFIG, job(manifest, out=tmp_path / "file" / "out.json"))
+
+
+def test_a_folder_without_sound_is_no_noise(tmp_path):
+    (tmp_path / "readme.txt").write_text("no sound")
+    with pytest.raises(ManifestError, match="no sound files"):
+        read_noises(tmp_path)
+
+
+def test_sound_damaged_behind_its_header_is_named_by_its_row(tmp_path):
+    soundfile.write(tmp_path / "a.flac", say("stop"), RATE)
+    whole = (tmp_path / "a.flac").read_bytes()
+    (tmp_path / "a.flac").write_bytes(whole[:200] + bytes(len(whole) - 200))
+    clip = Clip(5, tmp_path / "a.flac", "stop", "stop")
+    evaluator = Evaluator(
+        lambda clock: Pipeline(CONFIG, FakeRecognizer(), make_detector(), clock), Mode.ACTIVE
+    )
+    try:
+        evaluator(clip)
+    except ManifestError as error:
+        assert "row 5" in str(error)
+
+
+def test_the_clock_adds_the_work_to_the_stream():
+    timer = FakeTimer()
+    clock = StreamClock(timer)
+    clock.begin(1.0)
+    assert clock() == 1.0
+    timer.now += 0.2
+    assert clock() == pytest.approx(1.2)
+    clock.end()
+    clock.begin(1.1)  # arrived while the work before it went on
+    assert clock() == pytest.approx(1.2)
+    timer.now += 0.1
+    clock.end()
+    timer.now += 99.0  # between frames nothing is worked
+    clock.begin(5.0)
+    assert clock() == 5.0
+    assert clock.compute == pytest.approx(0.3)
+
+
+def outcome(phrase, *commands):
+    taken = tuple(Taken(c, c, 0.1 * (i + 1), 0.9) for i, c in enumerate(commands))
+    return Outcome(Clip(2, None, phrase, phrase), 36.0, taken, (), (), 0.5, 37.0)
+
+
+def test_a_wrong_command_beside_the_right_one_is_a_confusion():
+    assert verdict(outcome("tense", "tense")) == "correct"
+    assert verdict(outcome("tense", "tense", "tense")) == "correct"
+    assert verdict(outcome("tense", "tense", "stop")) == "stop"
+    assert verdict(outcome("tense")) == "rejected"
+
+
+def test_rates_of_nothing_are_none():
+    figures = summarize([], ("stop",))
+    assert figures["accuracy"] is None
+    assert figures["negatives"]["accepted_per_hour"] is None
+    assert figures["real_time_factor"] is None
+
+
+def test_percentiles_are_those_of_the_clips():
+    outcomes = [
+        Outcome(
+            Clip(i, None, "stop", "stop"), 1.0, (Taken("stop", "stop", i / 1e3, 1.0),), (), (), 0, 1
+        )
+        for i in range(101)
+    ]
+    assert summarize(outcomes, ("stop",))["latency_ms"]["stop"] == {
+        "p50": pytest.approx(50.0),
+        "p95": pytest.approx(95.0),
+        "p99": pytest.approx(99.0),
+    }
+
+
+def test_false_commands_are_counted_per_hour():
+    negatives = summarize([outcome("", "stop", "tense"), outcome("")], ("stop",))["negatives"]
+    assert negatives["hours"] == pytest.approx(0.02)
+    assert negatives["accepted_per_hour"] == pytest.approx(100.0)
+
+
+def test_the_end_of_speech_is_found_by_level():
+    assert end_of_speech(say("stop", before=0.3, after=0.7)) == pytest.approx(0.52, abs=0.011)
+    noisy = say("stop", before=0.3, after=0.7)
+    noisy = noisy + 0.01 * np.random.default_rng(0).standard_normal(len(noisy))
+    assert end_of_speech(noisy.astype(np.float32)) == pytest.approx(0.52, abs=0.03)
+
+
+def test_a_soft_last_sound_of_a_clip_cut_close_belongs_to_the_speech():
+    sound = say("stop stop", before=0.0, after=0.0)
+    hiss = 0.02 * np.random.default_rng(0).standard_normal(2400).astype(np.float32)
+    assert end_of_speech(np.r_[sound, hiss]) == pytest.approx(len(sound) / RATE + 0.15, abs=0.011)
+
+
+def test_silence_ends_with_the_clip():
+    assert end_of_speech(np.zeros(RATE, np.float32)) == 1.0
+    assert end_of_speech(np.zeros(0, np.float32)) == 0.0
+    assert speech_power(np.zeros(RATE, np.float32)) == 0.0
+
+
+@pytest.mark.parametrize("snr_db", [20.0, 0.0])
+def test_noise_is_below_the_speech_by_its_ratio(snr_db):
+    rng = np.random.default_rng(0)
+    speech = say("stop stop stop", before=0.2, after=0.2)
+    stream = 0.1 * speech.astype(np.float64)
+    noise = rng.standard_normal(4000).astype(np.float32)
+    mixed = add_noise(stream, noise, 0.1 * speech, snr_db, rng)
+    added = np.square(mixed - stream).mean()
+    ratio = 10 * np.log10(speech_power(0.1 * speech) / added)
+    assert ratio == pytest.approx(snr_db, abs=0.5)
+
+
+def test_silent_noise_changes_nothing():
+    rng = np.random.default_rng(0)
+    stream = 0.1 * say("stop").astype(np.float64)
+    np.testing.assert_array_equal(
+        add_noise(stream, np.zeros(100, np.float32), say("stop"), 0.0, rng), stream
+    )

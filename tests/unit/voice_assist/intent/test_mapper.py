@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import pytest
+
+from voice_assist.config import load_voice_config
+from voice_assist.intent.mapper import Mapper
+from voice_assist.types import Match, NoMatch
+
+MAPPER = Mapper(load_voice_config().commands)
+
+TAKEN = {
+    "hey robot": ["hey robot", "Hey, robot.", "HEY ROBOT!", " hey  robot "],
+    "tense": ["tense", "Tense.", "TENSE!"],
+    "release": ["release", "Release!"],
+    "pull more": ["pull more", "Pull more.", "pull-more", "PULL, MORE"],
+    "pull less": ["pull less", "Pull less!"],
+    "stop": [
+        "stop",
+        "Stop!",
+        "stop, stop",
+        "Stop! Stop! Stop!",
+        "stop now",
+        "please stop",
+        "no, stop!",
+    ],
+    "terminate": ["terminate", "Terminate."],
+}
+IGNORED = [
+    *("", "   ", "...", "thank you", "pull", "more", "less", "hey", "robot"),
+    *(
+        "tents",
+        "dense",
+        "tens",
+        "tension",
+        "intense",
+        "pretense",
+        "tensed",
+        "tense up",
+        "tense tense",
+    ),
+    *("least", "lease", "police", "re lease", "released", "releasing", "the release form"),
+    *(
+        "release forms",
+        "release it",
+        "please release",
+        "full more",
+        "pull moor",
+        "bull more",
+        "poor more",
+    ),
+    *(
+        "pull more gauze",
+        "pull me more",
+        "more pull",
+        "pull less hard",
+        "less pull",
+        "pull more or less",
+    ),
+    *(
+        "pull more pull less",
+        "shop",
+        "top",
+        "step",
+        "stopped",
+        "stopping",
+        "stop pulling",
+        "stopwatch",
+    ),
+    *("stop the bleeding", "non stop", "bus stop", "don't stop", "do not stop", "never stop"),
+    *("don't pull more", "do not pull less", "never release", "not tense", "no pull more"),
+    *("don't terminate", "terminal", "terminated", "termination", "terminate it", "germinate"),
+    *("a robot", "hey robin", "they rob it", "hey robot arm", "robot", "hey robot look", "hey"),
+    *(
+        "can you pass me the scissors",
+        "he told me to pull more shifts",
+        "pull more is what he said",
+    ),
+    *("i would release it and pull more", "the tension is high", "we should stop for coffee later"),
+    *("zero one two", "5", "hey robot tense", "tense release", "no", "not", "never", "stop not"),
+    *("stop no", "no tense", "less more", "pull les", "pul more", "hey robots"),
+]
+
+
+@pytest.mark.parametrize(
+    ("command", "text"), [(command, text) for command, texts in TAKEN.items() for text in texts]
+)
+def test_a_command_is_taken_in_each_of_its_spellings(command, text):
+    outcome = MAPPER(text)
+    assert isinstance(outcome, Match)
+    assert outcome.command == command
+    assert outcome.wer[command] == 0.0
+
+
+@pytest.mark.parametrize("text", IGNORED)
+def test_what_is_no_command_does_nothing(text):
+    outcome = MAPPER(text)
+    assert isinstance(outcome, NoMatch)
+    assert outcome.reason
+
+
+def test_more_phrases_must_do_nothing_than_something():
+    assert len(IGNORED) > sum(map(len, TAKEN.values()))
+
+
+def test_a_tie_is_no_match_and_names_both():
+    config = load_voice_config()
+    entries = [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
+    for entry in entries:
+        if entry["phrase"] in ("pull more", "pull less"):
+            longer = {"pull more": "now pull more here", "pull less": "now pull less there"}
+            entry.update(phrase=longer[entry["phrase"]], threshold=0.45)
+    outcome = Mapper(load_voice_config(commands__commands=entries).commands)("now pull more there")
+    assert isinstance(outcome, NoMatch)
+    words = "it fits 'now pull more here' and 'now pull less there' equally well"
+    assert outcome.reason == words
+
+
+def test_the_nearest_command_and_its_error_are_named():
+    outcome = MAPPER("pull more gauze")
+    assert outcome.nearest == "pull more"
+    assert outcome.reason == "WER 0.50 to 'pull more', allowed below 0.50"
+
+
+def test_silence_has_no_nearest_command():
+    assert MAPPER("") == NoMatch("nothing was said", "", MAPPER("").wer)
+    assert set(MAPPER("").wer) == set(TAKEN)
+
+
+def test_the_lowest_error_below_its_own_threshold_wins():
+    config = load_voice_config()
+    entries = [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
+    for entry in entries:
+        entry["threshold"] = 0.5 if entry["phrase"] == "pull less" else 0.3
+        if entry["phrase"] == "pull less":
+            entry["phrase"] = "please pull less"
+    outcome = Mapper(load_voice_config(commands__commands=entries).commands)("please pull mess")
+    assert isinstance(outcome, Match) and outcome.command == "please pull less"
+
+
+def test_no_shipped_command_can_grow_into_another_but_a_halt():
+    assert not any(MAPPER.can_grow(command) for command in TAKEN)
+    assert MAPPER.can_grow("pull")
+    assert MAPPER.can_grow("hey")
+    assert not MAPPER.can_grow("pull over")
+
+
+def test_all_accepted_phrases_are_listed():
+    accepted = MAPPER.accepted()
+    assert set(accepted) == set(TAKEN)
+    assert accepted["pull more"] == ("pull more",)
+    assert "stop stop" in accepted["stop"]
+
+
+@pytest.mark.parametrize(
+    ("beginning", "is_lost"),
+    [
+        ("", False),
+        ("pull", False),
+        ("hey robo", False),
+        ("the", False),  # may be part of a word
+        ("stop stop stop it", False),  # one more "stop" makes it a stop with one word wrong
+        ("the ", False),  # "the stop stop stop stop" is one too
+        ("the patient ", True),
+        ("pull them more ", True),
+        ("what he said is st", True),
+    ],
+)
+def test_beginnings_that_no_command_has(beginning, is_lost):
+    assert MAPPER.cannot_become(beginning) is is_lost

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What hangs is told from what gets no processor."""
+
+import os
+import re
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from voice_assist.pipeline.hang_detection import HangWatch, waits
+
+ALLOWED = 0.3  # [s]
+TICK = 0.05  # [s] between looks
+
+
+class Machine:
+    """Threads that wait for a processor by a share of the time."""
+
+    def __init__(self, **shares):
+        self.now, self.shares = 100.0, shares
+
+    def read(self):
+        return {name: share * self.now for name, share in self.shares.items()}
+
+    def objection_after(self, seconds):
+        watch, since = HangWatch(ALLOWED, self.read), self.now
+        words = ""
+        for _ in range(round(seconds / TICK)):
+            words = words or watch.objection(since, self.now)
+            self.now += TICK
+        return words or watch.objection(since, self.now)
+
+
+def test_what_stands_still_on_a_free_machine_hangs_once_the_time_is_over():
+    assert Machine(hear=0.0, beat=0.01).objection_after(0.95 * ALLOWED) == ""
+    words = Machine(hear=0.0, beat=0.01).objection_after(ALLOWED + 2 * TICK)
+    assert re.fullmatch(r"recognition hangs: 0\.3\d s on one frame, allowed 0\.3 s", words)
+
+
+@pytest.mark.parametrize("who", ["hear", "holder_of_the_lock"])
+def test_what_gets_a_tenth_of_a_processor_does_not_hang(who):
+    shares = {"hear": 0.0, "beat": 0.0, who: 0.9}
+    assert Machine(**shares).objection_after(9 * ALLOWED) == ""
+
+
+def test_what_hangs_on_a_busy_machine_is_found_too_only_later():
+    shares = {"hear": 0.0, "beat": 0.5}
+    assert Machine(**shares).objection_after(1.5 * ALLOWED) == ""
+    assert "hangs" in Machine(**shares).objection_after(2.5 * ALLOWED)
+
+
+def test_where_the_kernel_tells_nothing_all_time_counts():
+    assert "hangs" in Machine().objection_after(ALLOWED + 2 * TICK)
+
+
+def test_work_that_goes_on_from_frame_to_frame_never_adds_up():
+    watch, now = HangWatch(ALLOWED, dict), 0.0
+    for _ in range(100):
+        since, now = now, now + 0.8 * ALLOWED
+        assert watch.objection(since, since) == watch.objection(since, now) == ""
+        assert watch.objection(None, now) == ""
+
+
+def test_a_thread_that_is_new_brings_no_wait_of_its_life_along():
+    times = iter([{"hear": 1.0}, {"hear": 1.0, "new": 50.0}])
+    watch = HangWatch(ALLOWED, lambda: next(times))
+    watch.objection(5.0, 5.0)
+    assert "hangs" in watch.objection(5.0, 6.0)
+
+
+def test_a_missing_or_damaged_record_is_passed_over(tmp_path):
+    for name, text in (("1", "5 2000000000 3"), ("2", ""), ("3", "x y z")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "schedstat").write_text(text)
+    (tmp_path / "4").mkdir()
+    assert waits(tmp_path) == {"1": 2.0}
+    assert waits(tmp_path / "none") == {}
+
+
+BURN = "import time\nend = time.monotonic() + 60\nwhile time.monotonic() < end: pass"
+WORK = 0.3  # [s] of a processor
+SHARES = 6  # processes that want the same processor as this one
+
+
+@pytest.fixture
+def busy():
+    """Other processes that burn the one processor that this one may use."""
+    if not waits():
+        pytest.skip("this kernel tells no waits (/proc/self/task/*/schedstat)")
+    allowed = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(allowed)})
+    burners = [subprocess.Popen((sys.executable, "-c", BURN)) for _ in range(SHARES)]
+    yield
+    for burner in burners:
+        burner.kill()
+        burner.wait()
+    os.sched_setaffinity(0, allowed)
+
+
+def test_on_a_machine_that_others_keep_busy_little_of_the_time_counts(busy):
+    def work():
+        end = time.thread_time() + WORK
+        while time.thread_time() < end:
+            pass
+
+    watch, since, used = HangWatch(0.0), time.monotonic(), [0.0]
+    thread = threading.Thread(target=work)
+    thread.start()
+    while thread.is_alive():
+        used.append(watch.used(since, time.monotonic()))
+        time.sleep(TICK)
+    assert max(used) < 0.75 * (time.monotonic() - since)  # a seventh of the processor was its own
+
+
+def test_on_that_machine_a_thread_that_hangs_is_found_in_the_end(busy):
+    over = threading.Event()
+    thread = threading.Thread(target=over.wait)
+    thread.start()
+    watch, since = HangWatch(ALLOWED), time.monotonic()
+    words, patience = "", since + 60.0
+    while not words and time.monotonic() < patience:
+        time.sleep(TICK)  # only for this does the watch itself want a processor
+        words = watch.objection(since, time.monotonic())
+    over.set()
+    thread.join()
+    assert "hangs" in words

@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Recognition that hangs or crashes: the robot is stopped, the spotter goes on, nothing is hidden.
+
+The threads of the node are the real ones; ROS, the networks and the clock are made up.
+"""
+
+import threading
+import time
+from collections import deque
+from contextlib import suppress
+from importlib import import_module
+from pkgutil import extend_path
+from queue import Queue
+from types import SimpleNamespace
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+
+import rst_control
+import voice_assist
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
+from voice_assist.config import load_voice_config
+from voice_assist.pipeline.hang_detection import HangWatch
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.spotter.fusion import SecondWay
+from voice_assist.spotter.spotter import Spotted
+
+for package in (rst_control, voice_assist):  # pytest's paths hide the generated messages
+    package.__path__ = extend_path(package.__path__, package.__name__)
+node = import_module("voice_assist.ros.voice_node")
+diagnostics = import_module("voice_assist.ros.diagnostics")
+
+WAIT = 20.0  # [s] for another thread; only a broken one lets it pass
+BEATS = 5  # heartbeats that show that they go on
+CONFIG = load_voice_config()
+LIMIT, MIDDLE = CONFIG.recognizer.hung_after, CONFIG.spotter.middle
+
+
+class Moody(FakeRecognizer):
+    """Hears, but for a time hangs for ever, or crashes, or takes time."""
+
+    def __init__(self, clock):
+        super().__init__()
+        self.clock, self.looks = clock, 0
+        self.takes, self.error, self.is_hanging = 0.0, None, False
+        self.hangs, self.go = threading.Event(), threading.Event()
+
+    def transcribe(self, samples, *more):
+        self.looks += 1
+        self.clock.now += self.takes
+        if self.error is not None:
+            raise self.error
+        if self.is_hanging:
+            self.hangs.set()
+            assert self.go.wait(3 * WAIT)
+        return super().transcribe(samples, *more)
+
+
+class Spotter:
+    """Spots once, when it is told that the word has come."""
+
+    def __init__(self):
+        self.heard, self.is_said = [], False
+        self.belief = None
+
+    def __call__(self, frame):
+        self.heard.append(frame.first_sample)
+        is_said, self.is_said = self.is_said, False
+        return Spotted(frame.stamp, 9.0) if is_said else None
+
+    def best(self, since, until=0):
+        return self.belief
+
+    def reset(self):
+        raise AssertionError("the stream of a thread is its own")
+
+
+class Room:
+    """What the node hears, and all that it does."""
+
+    def __init__(self, monkeypatch, clock):
+        self.sound, self.done = Queue(), threading.Event()
+        self.seen = deque()
+        self.recognizer, self.spotter = Moody(clock), Spotter()
+        self.calls_dropped, self.ended = 0, []
+        self._next = 0
+        quiet = lambda *_, **__: None  # noqa: E731
+        fake_rospy = SimpleNamespace(
+            set_param=quiet,
+            loginfo=quiet,
+            logwarn=quiet,
+            logerr=quiet,
+            logfatal=quiet,
+            on_shutdown=quiet,
+            is_shutdown=self.done.is_set,
+            signal_shutdown=self.ended.append,
+            spin=self.done.wait,
+        )
+        caller = SimpleNamespace(call=quiet, forget=self.forget, trouble="")
+        replaced = {
+            "rospy": fake_rospy,
+            "LOOK": 0.002,
+            "_HEARTBEAT_EVERY": 1,
+            "_now": lambda: clock.now,
+            "_steady": lambda: clock.now,
+            "HangWatch": lambda allowed: HangWatch(allowed, dict),  # nobody lacks a processor
+            "Publishers": lambda: self,
+            "CommandCaller": lambda *_: caller,
+            "SpeakingTopic": lambda _: SimpleNamespace(take=list),
+            "Diagnostics": self.diagnostics,
+            "make_recognizer": lambda _: self.recognizer,
+            "make_spotter": lambda _: (self.spotter, "0"),
+            "make_source": lambda *_: self,
+            "make_pipeline": self.pipeline,
+        }
+        for name, value in replaced.items():
+            monkeypatch.setattr(node, name, value)
+        self.node = node.VoiceNode(load_voice_config())
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self):
+        with suppress(SystemExit):  # after a crash
+            self.node.run()
+
+    # --- in place of parts of the node
+
+    @staticmethod
+    def pipeline(config, clock, recognizer, spotting, witness):
+        second = SecondWay(config.spotter, spotting)
+        return Pipeline(config, recognizer, make_detector(), clock, second, witness)
+
+    def diagnostics(self, health, clock, deaf_after):
+        def publish():
+            summary = diagnostics._summary(health, clock(), deaf_after)
+            self.seen.append(("diagnostics", *summary))
+
+        return SimpleNamespace(publish=publish)
+
+    def forget(self):
+        self.calls_dropped += 1
+
+    def __enter__(self):
+        return iter(self.sound.get, None)
+
+    def __exit__(self, *_):
+        pass
+
+    def __getattr__(self, name):
+        """A publisher."""
+        if name not in (
+            "audio",
+            "circumstance",
+            "partial",
+            "utterance",
+            "mode",
+            "stop",
+            "heartbeat",
+        ):
+            raise AttributeError(name)
+        return lambda *_: self.seen.append((name,))
+
+    # --- what a test does
+
+    def hear(self, words):
+        """Let words come in, in no time; gives the samples that came since the beginning."""
+        for frame in frames(say(words), self._next, 0.0):
+            self._next = frame.first_sample + len(frame.samples)
+            self.sound.put(frame)
+        return self._next
+
+    def count(self, kind):
+        return sum(entry[0] == kind for entry in list(self.seen))
+
+    def more(self, kind, number):
+        """Wait until that much more of a kind was published."""
+        enough = self.count(kind) + number
+        until(lambda: self.count(kind) >= enough, f"{number} more {kind}")
+
+    def reach(self, kind, number):
+        """Wait until so much of a kind was published in all."""
+        until(lambda: self.count(kind) >= number, f"{number} {kind} in all")
+
+    def state(self):
+        """Level and words of the newest diagnostics."""
+        return [entry[1:] for entry in list(self.seen) if entry[0] == "diagnostics"][-1]
+
+    def hang(self):
+        """Hang while a word is heard."""
+        self.recognizer.is_hanging = True
+        self.hear("tense")
+        assert self.recognizer.hangs.wait(WAIT)
+        self.more("heartbeat", 2)  # whoever watches has seen when it began
+
+    def close(self):
+        self.recognizer.is_hanging = False
+        self.recognizer.go.set()
+        self.sound.put(None)
+        self.done.set()
+        self._thread.join(WAIT)
+
+
+def until(is_done, what):
+    end = time.monotonic() + WAIT
+    while not is_done():
+        assert time.monotonic() < end, f"never: {what}"
+        time.sleep(0.001)
+
+
+@pytest.fixture
+def clock():
+    return SimpleNamespace(now=0.0)
+
+
+@pytest.fixture
+def room(monkeypatch, clock):
+    room = Room(monkeypatch, clock)
+    room.hear("")  # a quiet room
+    room.more("heartbeat", 1)
+    yield room
+    room.close()
+
+
+def test_a_look_that_takes_as_long_as_it_may_is_no_hang(room, clock):
+    room.hang()
+    clock.now += 0.95 * LIMIT
+    room.more("heartbeat", BEATS)
+    assert room.count("stop") == 0
+
+
+def test_a_hang_stops_the_robot_once_and_ends_the_heartbeat(room, clock):
+    room.hang()
+    clock.now += 1.05 * LIMIT
+    room.reach("stop", 1)
+    assert room.calls_dropped == 1  # what was to be called goes with it
+    room.more("diagnostics", 1)
+    beats = room.count("heartbeat")
+    room.more("diagnostics", 3)
+    assert room.count("heartbeat") == beats
+    assert room.count("stop") == 1
+
+
+def test_diagnostics_name_the_hang_and_what_is_allowed(room, clock):
+    room.hang()
+    clock.now += 10.0 * LIMIT
+    room.reach("stop", 1)
+    room.more("diagnostics", 1)
+    level, words = room.state()
+    assert level == DiagnosticStatus.ERROR
+    assert words == f"recognition hangs: {10 * LIMIT:.2f} s on one frame, allowed {LIMIT:g} s"
+
+
+def test_a_hang_does_not_hide_a_stop_from_the_spotter(room, clock):
+    room.hang()
+    clock.now += 1.05 * LIMIT
+    room.reach("stop", 1)
+    room.spotter.is_said = True
+    end = room.hear("stop")
+    until(lambda: room.spotter.heard[-1] >= end - 512, "the spotter hears on")
+    assert room.count("stop") == 2  # although the first was but a moment ago
+    assert room.count("utterance") == 0  # recognition itself hears nothing
+
+
+def test_in_a_hang_the_spotter_stops_once_where_else_it_would_ask_the_recognizer(room, clock):
+    room.hang()
+    room.spotter.belief = MIDDLE
+    room.more("heartbeat", BEATS)
+    assert room.count("stop") == 0
+    clock.now += 1.05 * LIMIT
+    room.reach("stop", 2)  # for the hang, and for the word
+    room.more("diagnostics", 2)
+    assert room.count("stop") == 2
+    assert room.count("utterance") == 0
+
+
+def test_the_spotter_stops_before_the_hang_is_noticed(room):
+    room.hang()
+    room.spotter.is_said = True
+    end = room.hear("")
+    until(lambda: room.spotter.heard[-1] >= end - 512, "the spotter hears on")
+    assert room.count("stop") >= 1
+
+
+def test_after_a_hang_that_ends_the_heartbeat_comes_back_and_nothing_else(room, clock):
+    room.hang()
+    clock.now += 1.05 * LIMIT
+    room.reach("stop", 1)
+    room.recognizer.is_hanging = False
+    room.recognizer.go.set()
+    room.more("heartbeat", BEATS)
+    assert room.count("stop") == 1
+
+
+def test_looks_that_are_slow_each_but_within_the_limit_never_add_up_to_a_hang(room):
+    room.recognizer.takes = LIMIT / 4
+    room.hear("hey robot 1 mumble mumble 1 the now")
+    until(lambda: room.recognizer.looks > 8, "many looks")
+    room.recognizer.takes = 0.0
+    room.more("diagnostics", 2)
+    assert room.count("stop") == 0
+
+
+def test_a_recognizer_that_crashes_stops_the_robot_at_once_and_is_named(room):
+    room.recognizer.error = ArithmeticError("no such number")
+    room.hear("tense")
+    until(lambda: "hear: no such number" in room.ended, "the node ends with the reason")
+    assert room.count("stop") == 1
+    room.more("diagnostics", 1)
+    beats = room.count("heartbeat")
+    room.more("diagnostics", 2)
+    assert room.count("heartbeat") == beats
+    assert room.state() == (DiagnosticStatus.ERROR, "hear: no such number")

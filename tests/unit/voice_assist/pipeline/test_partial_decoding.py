@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
+from voice_assist.config import load_voice_config
+from voice_assist.pipeline.partial_decoding import Hearing
+from voice_assist.types import RATE, Frame, Hypothesis, Utterance, frozen_samples
+from voice_assist.vad.segmenter import Growth
+
+PINNED = {
+    "recognizer__early__partial_interval": 0.096,
+    "recognizer__early__settle": 0.096,
+    "recognizer__early__pause": 0.16,
+    "recognizer__early__silence_added": 0.0,
+}
+EARLY = load_voice_config(**PINNED).recognizer.early
+FRAME = 0.032
+
+
+class Rig:
+    """Feeds a hearing with frames of speech and quiet."""
+
+    def __init__(self, early=EARLY):
+        self.recognizer = FakeRecognizer()
+        self.now = 0.0
+        self.late = 0.0
+        self.quiet = 0.0
+        self.speech_end = 0.0
+        self.hearing = Hearing(self.recognizer, early, lambda: self.now + self.late)
+
+    def feed(self, is_speech, is_complete=False, seconds=None):
+        """One frame; tells whether something can be decided."""
+        self.now += FRAME
+        self.quiet = 0.0 if is_speech else self.quiet + FRAME
+        self.speech_end = self.now if is_speech else self.speech_end
+        samples = frozen_samples(np.zeros(round((seconds or self.now) * RATE)))
+        utterance = Utterance(samples, 0.0, self.speech_end, is_complete)
+        frame = Frame(samples[:512], 0, self.now - FRAME)
+        self.growth = Growth(utterance, self.quiet, True, 1.0)
+        return self.hearing(self.growth, frame, self.now)
+
+    @property
+    def looks(self):
+        return len(self.recognizer.heard)
+
+
+def test_looks_are_an_interval_apart_while_there_is_speech():
+    rig = Rig()
+    for _ in range(31):
+        rig.feed(True)
+    assert rig.looks == 10
+
+
+def test_in_the_pause_there_is_one_look_and_one_turn():
+    rig = Rig()
+    turns = [rig.feed(True) for _ in range(4)] + [rig.feed(False) for _ in range(8)]
+    assert turns[3] and turns[6] and turns[8]
+    assert sum(turns) == 3
+    assert rig.looks == 2
+    assert rig.hearing.is_settled(rig.growth)
+
+
+def test_the_end_of_an_utterance_is_a_turn_without_a_new_look():
+    rig = Rig()
+    for is_speech in [True] * 4 + [False] * 8:
+        rig.feed(is_speech)
+    looks = rig.looks
+    assert rig.feed(False, is_complete=True)
+    assert rig.looks == looks
+
+
+def test_silence_is_put_behind_the_settled_look_alone():
+    added = load_voice_config(**{**PINNED, "recognizer__early__silence_added": 0.15})
+    rig = Rig(added.recognizer.early)
+    for is_speech in [True] * 4 + [False] * 3:
+        rig.feed(is_speech)
+    assert rig.recognizer.heard == [
+        pytest.approx(4 * FRAME, abs=1e-3),
+        pytest.approx(7 * FRAME + 0.15, abs=1e-3),
+    ]
+
+
+def test_speech_after_a_pause_is_looked_at_again():
+    rig = Rig()
+    for is_speech in [True] * 4 + [False] * 6 + [True] * 4:
+        rig.feed(is_speech)
+    assert rig.looks == 4
+
+
+def test_far_behind_the_stream_only_the_end_is_looked_at():
+    rig = Rig()
+    rig.late = 1.0
+    for is_speech in [True] * 20 + [False] * 8:
+        rig.feed(is_speech)
+    assert rig.looks == 0
+    assert rig.feed(False, is_complete=True)
+    assert rig.looks == 1
+
+
+def test_long_utterances_are_heard_through_a_window():
+    rig = Rig()
+    for _ in range(4):
+        rig.feed(True, seconds=6.0)
+    assert rig.feed(False, is_complete=True, seconds=6.0)
+    assert rig.recognizer.heard == [EARLY.window, EARLY.window]
+    assert rig.hearing.is_window
+
+
+def test_scores_are_computed_once_for_a_look():
+    rig = Rig()
+    for _ in range(4):
+        rig.feed(True)
+    first = rig.hearing.scores(("tense", "stop"))
+    assert rig.hearing.scores(("tense", "stop")) is first
+    for _ in range(4):
+        rig.feed(True)
+    assert rig.hearing.scores(("tense", "stop")) is not first
+
+
+def test_the_tail_of_a_word_after_a_decision_is_not_looked_at():
+    rig = Rig()
+    for _ in range(4):
+        rig.feed(True)
+    rig.hearing.restart(rig.growth)
+    looks = rig.looks
+    for is_speech in [True] * 5 + [False] * 6:
+        assert not rig.feed(is_speech)
+    assert rig.looks == looks
+    for _ in range(8):
+        rig.feed(True)
+    assert rig.looks > looks
+
+
+def test_without_early_decisions_only_the_end_is_looked_at():
+    rig = Rig(load_voice_config(**PINNED, recognizer__early__is_enabled=False).recognizer.early)
+    turns = [rig.feed(is_speech) for is_speech in [True] * 20 + [False] * 8]
+    assert rig.looks == 0 and not any(turns)
+    assert rig.feed(False, is_complete=True)
+    assert rig.recognizer.heard == [pytest.approx(29 * FRAME, abs=1e-3)]
+
+
+def test_each_look_may_ask_what_loses():
+    rig = Rig()
+    asked = []
+
+    def transcribe(samples, loses):
+        asked.append(loses("the patient "))
+        return Hypothesis("the patient", 0.0, 0.0)
+
+    rig.recognizer.transcribe = transcribe
+    rig.hearing = Hearing(
+        rig.recognizer, EARLY, lambda: rig.now, loses=lambda text: text.startswith("the ")
+    )
+    for _ in range(8):
+        rig.feed(True)
+    assert asked and all(asked)

@@ -1,0 +1,413 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import itertools
+
+import numpy as np
+import pytest
+
+from tests.unit.voice_assist.support.fake_speech import (
+    FakeRecognizer,
+    frames,
+    make_detector,
+    say,
+    silence,
+)
+from voice_assist.config import load_voice_config
+from voice_assist.intent.dialogue import Answered
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.types import (
+    RATE,
+    Call,
+    Decision,
+    Halt,
+    Hypothesis,
+    Lost,
+    Match,
+    Mode,
+    NoMatch,
+    Partial,
+    SetMode,
+    never,
+)
+
+
+class StreamClock:
+    """Shows the time at which the newest frame ended."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+def make(mode=Mode.ACTIVE, recognizer=None, detector=None, **changes):
+    clock = StreamClock()
+    config = load_voice_config(**changes)
+    hearer, detector = recognizer or FakeRecognizer(), detector or make_detector()
+    pipeline = Pipeline(config, hearer, detector, clock)
+    pipeline.set_mode(mode, "test")
+    return pipeline, clock
+
+
+def run(pipeline, clock, sound):
+    events = []
+    for frame in sound:
+        clock.now = frame.stamp + frame.duration
+        events += pipeline(frame)
+    return events
+
+
+def hear(text, mode=Mode.ACTIVE, recognizer=None, **changes):
+    pipeline, clock = make(mode, recognizer, **changes)
+    return run(pipeline, clock, frames(say(text)))
+
+
+def decisions(events):
+    return [event for event in events if isinstance(event, Decision)]
+
+
+def commands(events):
+    return [d.outcome.command for d in decisions(events) if isinstance(d.outcome, Match)]
+
+
+def refusals(events):
+    return [d.outcome for d in decisions(events) if isinstance(d.outcome, NoMatch)]
+
+
+COMMANDS = ("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_each_command_is_heard_once(command):
+    assert commands(hear(command)) == [command]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_each_command_is_heard_without_early_decisions_too(command):
+    events = hear(command, recognizer__early__is_enabled=False)
+    assert commands(events) == [command]
+    assert not decisions(events)[0].is_early
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_in_standby_only_hey_robot_and_stop_count(command):
+    heard = commands(hear(command, Mode.STANDBY))
+    assert heard == ([command] if command in ("hey robot", "stop") else [])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "do not pull more",
+        "never release",
+        "pull",
+        "pull more is what he said",
+        "he said release",
+        "tense what",
+        "more pull",
+        "do not stop",
+        "please pull more",
+        "pull more pull less",
+    ],
+)
+def test_talk_that_holds_a_command_does_nothing(text):
+    events = hear(text)
+    assert commands(events) == []
+    assert len(refusals(events)) == 1
+
+
+def test_silence_gives_nothing_at_all():
+    pipeline, clock = make()
+    assert run(pipeline, clock, frames(silence(5.0).astype(np.float32))) == []
+
+
+def test_stop_is_decided_before_the_word_has_faded():
+    events = hear("stop")
+    (decision,) = decisions(events)
+    assert decision.is_early
+    assert decision.decided < 100.0 + 0.5 + 0.22 + 0.1
+    assert decision.actions == (Halt(), Call("stop"))
+
+
+def test_stop_in_the_middle_of_talk_after_a_pause_is_heard():
+    assert commands(hear("he said 0.6 stop 0.6 is what he said")) == ["stop"]
+
+
+def test_stop_pulling_stops_once():
+    assert commands(hear("stop 0.1 pulling")) == ["stop"]
+
+
+def test_stop_stop_is_one_stop():
+    assert commands(hear("stop stop")) == ["stop"]
+
+
+def test_stop_may_follow_a_command_in_the_same_breath():
+    assert commands(hear("pull more 0.2 stop")) == ["pull more", "stop"]
+
+
+def test_another_command_in_the_same_breath_is_refused_with_a_reason():
+    events = hear("pull more 0.25 pull less")
+    assert commands(events) == ["pull more"]
+    assert "pause before the next command" in refusals(events)[0].reason
+
+
+def test_two_commands_with_a_pause_are_two():
+    assert commands(hear("pull more 0.7 pull less")) == ["pull more", "pull less"]
+
+
+def test_a_motion_waits_for_a_short_pause():
+    (decision,) = decisions(hear("pull more"))
+    assert decision.is_early
+    assert (
+        decision.decided >= decision.speech_end + load_voice_config().recognizer.early.pause - 1e-6
+    )
+
+
+def test_a_phrase_that_can_grow_waits_for_the_end_of_the_utterance():
+    config = load_voice_config()
+    grown = [
+        {
+            "phrase": "pull more please",
+            "spellings": [],
+            "threshold": 0.3,
+            "modes": ["active"],
+            "then": "same",
+            "call": "pull more",
+            "is_motion": True,
+            "is_halt": False,
+            "least_confidence": 0.5,
+            "fire_above": 1000.0,
+        }
+    ]
+    grown += [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
+    (decision,) = decisions(hear("pull more", commands__commands=grown))
+    assert isinstance(decision.outcome, Match) and not decision.is_early
+
+
+def test_the_second_opinion_refuses_a_motion():
+    events = hear("pull more", recognizer=FakeRecognizer({"pull more": -3.0}))
+    assert commands(events) == []
+    worth = load_voice_config().recognizer.confidence.scores(-3.0)
+    assert worth < 0.5
+    assert f"confidence {worth:.2f}, allowed: at least 0.80" in refusals(events)[0].reason
+
+
+@pytest.mark.parametrize("text", ["pull more", "tense", "release", "pull less"])
+def test_a_motion_that_the_decoder_only_guesses_is_refused_whatever_its_scores(text):
+    least = load_voice_config().recognizer.motion_confidence
+    events = hear(text, recognizer=FakeRecognizer(confidence=least - 0.01))
+    assert commands(events) == []
+    assert f"of the transcript, allowed: at least {least:.2f}" in refusals(events)[0].reason
+    assert commands(hear(text, recognizer=FakeRecognizer(confidence=least + 0.01))) == [text]
+
+
+@pytest.mark.parametrize("text", ["hey robot", "terminate", "stop"])
+def test_what_moves_nothing_is_not_held_to_the_confidence_of_motions(text):
+    config = load_voice_config()
+    guessed = FakeRecognizer(confidence=config.recognizer.motion_confidence - 0.05)
+    assert commands(hear(text, recognizer=guessed)) == [text]
+
+
+def test_the_second_opinion_refuses_what_sounds_like_another_command():
+    events = hear("pull more", recognizer=FakeRecognizer({"pull less": 21.0}))
+    assert commands(events) == []
+    assert "sounds more like 'pull less'" in refusals(events)[0].reason
+
+
+def test_an_unsure_stop_is_refused_at_the_end_and_says_so():
+    events = hear("stop", recognizer=FakeRecognizer(confidence=0.3))
+    assert commands(events) == []
+    assert refusals(events)[0].reason.startswith("confidence 0.30, allowed: at least")
+    assert refusals(events)[0].nearest == "stop"
+
+
+def test_the_second_opinion_never_refuses_a_stop():
+    assert commands(hear("stop", recognizer=FakeRecognizer({"stop": -99.0}))) == ["stop"]
+
+
+def test_the_second_opinion_can_fire_a_stop():
+    config = load_voice_config()
+    entries = [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
+    for entry in entries:
+        entry["fire_above"] = 0.5 if entry["is_halt"] else 1000.0
+    recognizer = FakeRecognizer({"stop": 2.0})
+    events = hear("mumble", recognizer=recognizer, commands__commands=entries)
+    assert commands(events) == ["stop"]
+    assert decisions(events)[0].origin == "spotter"
+
+
+def test_without_second_opinion_the_transcript_decides():
+    recognizer = FakeRecognizer({"pull more": -9.0})
+    events = hear("pull more", recognizer=recognizer, recognizer__second_opinion=False)
+    assert commands(events) == ["pull more"]
+
+
+def test_hey_robot_activates_and_terminate_puts_back():
+    pipeline, clock = make(Mode.STANDBY)
+    events = run(pipeline, clock, frames(say("hey robot 0.8 tense 0.8 terminate 0.8 tense")))
+    assert commands(events) == ["hey robot", "tense", "terminate"]
+    assert pipeline.state.mode is Mode.STANDBY
+    first = decisions(events)[0]
+    assert first.mode is Mode.STANDBY
+    assert first.actions == (Call("hey robot"), SetMode(Mode.ACTIVE, "hey robot"))
+
+
+def test_a_refusal_by_the_controller_is_written_into_the_mode():
+    pipeline, clock = make(Mode.STANDBY)
+    run(pipeline, clock, frames(say("hey robot")))
+    (action,) = pipeline.answer(Answered("hey robot", False, "the robot is faulted"))
+    assert action.mode is Mode.ACTIVE and "the robot is faulted" in action.reason
+
+
+def test_partials_grow_and_end_empty():
+    events = [e for e in hear("he said release what") if isinstance(e, Partial)]
+    texts = [event.text for event in events]
+    assert texts[-1] == ""
+    assert texts[-2] == "he said release what"
+    assert all(b.startswith(a) for a, b in itertools.pairwise(texts[:-1]))
+
+
+def test_lost_sound_is_reported_and_the_rest_of_a_sentence_does_not_move():
+    pipeline, clock = make()
+    first = frames(say("do not", after=0.0))
+    lost = 4800
+    rest = frames(say("pull more", before=0.05), first[-1].first_sample + 512 + lost)
+    events = run(pipeline, clock, [*first, *rest])
+    assert [e.samples for e in events if isinstance(e, Lost)] == [lost]
+    assert commands(events) == []
+
+
+def test_after_lost_sound_and_quiet_commands_count_again():
+    pipeline, clock = make()
+    first = frames(say("do not", after=0.0))
+    rest = frames(say("pull more", before=1.0), first[-1].first_sample + 512 + 4800)
+    assert commands(run(pipeline, clock, [*first, *rest])) == ["pull more"]
+
+
+def test_talk_longer_than_the_limit_is_cut_and_its_rest_does_not_move():
+    talk = "he said what is the " * 7  # 8.75 s in one breath
+    for extra in range(4):
+        events = hear(talk + "the " * extra + "0.3 release")
+        assert commands(events) == []
+
+
+def test_long_talk_is_heard_through_a_window_and_told_as_no_command():
+    recognizer = FakeRecognizer()
+    events = hear("he said what is the " * 6, recognizer=recognizer)
+    assert max(recognizer.heard) <= 4.2
+    assert commands(events) == [] and len(refusals(events)) == 1
+
+
+def noisy(text, before, after):
+    """A sentence between clicks so dense that endpointing takes them for speech."""
+    click = np.concatenate([say("mumble", 0.0, 0.0)[:1000], np.zeros(600, np.float32)])
+    around = [np.tile(click, round(seconds * 10)) for seconds in (before, after)]
+    return np.concatenate([silence(0.5), around[0], say(text, 0.12, 0.12), around[1], silence(1.0)])
+
+
+@pytest.mark.parametrize("before", [0.5, 1.4, 2.9, 3.3, 7.6, 8.2, 12.0])
+@pytest.mark.parametrize("text", ["stop", "pull more"])
+def test_a_command_between_long_noise_is_heard(text, before):
+    pipeline, clock = make()
+    assert commands(run(pipeline, clock, frames(noisy(text, before, 6.0).astype(np.float32)))) == [
+        text
+    ]
+
+
+class Lapsing(FakeRecognizer):
+    """Hears nothing in the first look at a word."""
+
+    def __init__(self, word):
+        super().__init__()
+        self.word, self.lapses = word, 0
+
+    def transcribe(self, samples, loses=never):
+        heard = super().transcribe(samples, loses)
+        if self.word in heard.text and not self.lapses:
+            self.lapses += 1
+            return Hypothesis("", -1.5, 1.0)
+        return heard
+
+
+@pytest.mark.parametrize("pause", ["0.25", "0.3", "0.35"])
+@pytest.mark.parametrize("words", range(4, 17, 3))
+def test_talk_in_which_one_look_hears_nothing_stays_one_utterance(words, pause):
+    talk = ["he", "said", "what", "the", "mumble", "is", "now", "the"] * 2
+    recognizer = Lapsing("release")
+    events = hear(" ".join([*talk[:words], pause, "release"]), recognizer=recognizer)
+    assert recognizer.lapses == 1
+    assert commands(events) == []
+    assert len(refusals(events)) == 1
+
+
+def test_long_noise_without_early_decisions_does_nothing():
+    pipeline, clock = make(recognizer__early__is_enabled=False)
+    sound = noisy("", 20.0, 0.0)
+    assert not decisions(run(pipeline, clock, frames(sound.astype(np.float32))))
+
+
+def test_noise_alone_costs_little_and_does_nothing():
+    recognizer = FakeRecognizer()
+    pipeline, clock = make(recognizer=recognizer)
+    sound = noisy("", 20.0, 0.0)
+    assert not decisions(run(pipeline, clock, frames(sound.astype(np.float32))))
+    assert max(recognizer.heard) < 2.2
+
+
+def test_nothing_is_transcribed_in_quiet_or_twice():
+    recognizer = FakeRecognizer()
+    pipeline, clock = make(recognizer=recognizer)
+    run(pipeline, clock, frames(say("tense", after=3.0)))
+    assert len(recognizer.heard) <= 6  # 3 partials, the pause, its score
+
+
+def test_a_slow_recogniser_skips_partials_and_still_decides():
+    recognizer = FakeRecognizer()
+    pipeline, clock = make(recognizer=recognizer)
+    events = []
+    for frame in frames(say("pull more")):
+        clock.now = frame.stamp + frame.duration + 2.0  # always two seconds behind
+        events += pipeline(frame)
+    assert commands(events) == ["pull more"]
+    assert not any(d.is_early for d in decisions(events))
+
+
+def test_the_same_sound_gives_the_same_decisions_again():
+    pipeline, clock = make()
+    sound = say("hey robot 0.8 tense 0.8 he said stop 0.5 stop 1.0 pull more 0.7 release")
+    outcomes = []
+    for _ in range(2):
+        pipeline.reset()
+        pipeline.set_mode(Mode.STANDBY, "test")
+        outcomes.append(
+            [(d.outcome, d.decided) for d in decisions(run(pipeline, clock, frames(sound)))]
+        )
+    assert outcomes[0] == outcomes[1]
+    assert len(outcomes[0]) == 6
+
+
+def test_stamps_enclose_the_speech():
+    (decision,) = decisions(hear("pull more"))
+    assert decision.speech_start == pytest.approx(100.5, abs=0.05)
+    assert decision.speech_end == pytest.approx(100.5 + 0.47, abs=0.12)
+    assert decision.decided >= decision.speech_end
+
+
+@pytest.mark.parametrize("mode", ["off", "endpointing_only", "on"])
+def test_commands_are_heard_with_every_setting_of_noise_reduction(mode):
+    assert commands(hear("hey robot 0.8 tense", audio__denoise__mode=mode)) == [
+        "hey robot",
+        "tense",
+    ]
+
+
+def test_no_first_consonant_is_lost():
+    recognizer = FakeRecognizer()
+    heard = []
+    transcribe = recognizer.transcribe
+    recognizer.transcribe = lambda samples, *_: heard.append(samples) or transcribe(samples)
+    sound = say("tense")
+    hear("tense", recognizer=recognizer)
+    quiet = np.flatnonzero(np.abs(heard[-1]) > 0.01)[0] / RATE
+    assert quiet > 0.2, "the pre-roll reaches back before the first loud sample"
+    assert len(sound)

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A profile at work: which one is used, which is refused and why, and what deletes it."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+import torch
+
+from typed_config import ConfigError
+from voice_assist.cli import enroll
+from voice_assist.config import VoiceConfig, load_voice_config
+from voice_assist.config.profile import NOBODY
+from voice_assist.profile import model_file, thresholds
+from voice_assist.profile.active import (
+    PersonalRecognizer,
+    facts_of,
+    personalise,
+    profile_in_force,
+    with_profile,
+)
+from voice_assist.profile.manifest import ACTIVE, REFUSED
+from voice_assist.profile.profile import Profile, ProfileError, create_profile
+from voice_assist.recognizer import load_recognizer
+from voice_assist.recognizer.embedded import EmbeddedRecognizer
+from voice_assist.replay.replayer import restore_settings
+
+
+@pytest.fixture(scope="module")
+def base() -> EmbeddedRecognizer:
+    found = load_recognizer()
+    assert isinstance(found, EmbeddedRecognizer)
+    return found
+
+
+@pytest.fixture
+def profile(tmp_path: Path, base: EmbeddedRecognizer) -> Profile:
+    made = create_profile("ada", base.model_hash, tmp_path / "profiles")
+    state = {"ctc.bias": base.model.get_parameter("ctc.bias").detach() + 1.0}
+    made.put(model_file.NAME, model_file.to_bytes(state, base.model_hash))
+    wanted = (thresholds.Setting(phrase="pull more", least_confidence=0.8),)
+    made.put(thresholds.NAME, thresholds.to_bytes(thresholds.Settings(commands=wanted)))
+    made.judge(ACTIVE)
+    return made
+
+
+def config(profile: Profile, **changes: str) -> VoiceConfig:
+    wanted = {"name": "ada", "folder": str(profile.folder.parent), **changes}
+    return load_voice_config(**{f"profile__{key}": value for key, value in wanted.items()})
+
+
+def test_nobody_is_the_base_itself(base: EmbeddedRecognizer) -> None:
+    settings = load_voice_config()
+    assert settings.profile.name == NOBODY
+    assert personalise(settings.profile, base) is base
+    assert with_profile(settings) == (settings, None)
+    assert facts_of(base) == {}
+
+
+def test_an_active_profile_brings_its_weights_thresholds_and_digest(
+    profile: Profile, base: EmbeddedRecognizer
+) -> None:
+    settings = config(profile)
+    personal = personalise(settings.profile, base)
+    assert isinstance(personal, PersonalRecognizer)
+    change = personal.model.get_parameter("ctc.bias") - base.model.get_parameter("ctc.bias")
+    torch.testing.assert_close(change, torch.ones_like(change), atol=0.01, rtol=0.0)
+    in_force, voiceprint = with_profile(settings)
+    assert in_force.commands.get("pull more").least_confidence == 0.8
+    assert voiceprint is None
+    assert facts_of(personal) == {"profile": "ada", "profile_sha256": profile.digest}
+
+
+def test_one_switch_leads_back_to_the_base(profile: Profile, base: EmbeddedRecognizer) -> None:
+    assert personalise(config(profile, name=NOBODY).profile, base) is base
+
+
+def test_a_refused_profile_is_not_used_and_says_why(profile: Profile) -> None:
+    profile.judge(REFUSED, ("commands taken from talk: 2, allowed: up to 0",))
+    with pytest.raises(ProfileError, match=r"failed its own check \(commands taken from talk: 2"):
+        profile_in_force(config(profile).profile)
+
+
+def test_an_unfinished_profile_is_not_used(tmp_path: Path) -> None:
+    unfinished = create_profile("ada", "ab" * 32, tmp_path)
+    with pytest.raises(ProfileError, match=r"is not finished.*voice_assist enroll ada"):
+        profile_in_force(config(unfinished).profile)
+
+
+def test_a_profile_of_another_recogniser_is_not_used(
+    profile: Profile, base: EmbeddedRecognizer
+) -> None:
+    profile.rebase("cd" * 32)
+    with pytest.raises(ProfileError, match=r"on top of the recogniser cdcdcdcdcdcd, allowed: "):
+        personalise(config(profile).profile, base)
+
+
+def test_damage_is_found_before_anything_is_heard(profile: Profile) -> None:
+    path = profile.folder / model_file.NAME
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(ProfileError, match=r"model.pt has the SHA-256"):
+        profile_in_force(config(profile).profile)
+
+
+def test_a_pinned_profile_that_changed_is_not_used(profile: Profile) -> None:
+    pinned = config(profile, sha256=profile.digest).profile
+    found = profile_in_force(pinned)
+    assert found is not None
+    assert found.digest == profile.digest
+    profile.put("report.md", b"changed")
+    with pytest.raises(ProfileError, match="it was changed since"):
+        profile_in_force(pinned)
+
+
+def test_a_missing_profile_names_those_that_are_there(profile: Profile) -> None:
+    with pytest.raises(ProfileError, match=r"no profile 'bob' in .*, there: ada"):
+        profile_in_force(config(profile, name="bob").profile)
+
+
+def test_a_name_that_no_profile_can_have_is_refused_at_start(profile: Profile) -> None:
+    with pytest.raises(ConfigError, match=r"profile"):
+        config(profile, name="../ada")
+
+
+def test_settings_recorded_before_there_were_profiles_mean_nobody() -> None:
+    recorded = {"recognizer": {"model": "embedded"}}
+    settings, warnings = restore_settings(recorded, None)
+    assert settings.profile.name == NOBODY
+    assert not any("profile" in warning or "speaker" in warning for warning in warnings)
+    assert settings.speaker.gate == "off"
+
+
+def test_deleting_asks_first(profile: Profile, capsys: pytest.CaptureFixture[str]) -> None:
+    asked: list[str] = []
+
+    def no(question: str) -> str:
+        asked.append(question)
+        return ""
+
+    root = profile.folder.parent
+    assert enroll.delete("ada", root, sure=False, ask=no) == 1
+    assert profile.folder.exists()
+    assert "all its recordings" in asked[0]
+    assert enroll.delete("ada", root, sure=False, ask=lambda _: "y") == 0
+    assert not profile.folder.exists()
+    assert "3 files deleted" in capsys.readouterr().out
+
+
+def test_profiles_are_listed_and_shown_with_what_is_wrong(
+    profile: Profile, capsys: pytest.CaptureFixture[str]
+) -> None:
+    root = profile.folder.parent
+    create_profile("bob", "ab" * 32, root)
+    (root / "bob" / "profile.json").write_text("{")
+    assert enroll.manage("list", None, root, False) == 0
+    listed = capsys.readouterr().out
+    assert "active, 0 takes" in listed
+    assert "profile.json is damaged" in listed.replace("\n", " ")
+    assert enroll.manage("show", "ada", root, False) == 0
+    assert profile.digest[:20] in capsys.readouterr().out.replace("\n", "")
+    with pytest.raises(ProfileError, match="needs the name of a profile, there: ada, bob"):
+        enroll.manage("show", None, root, False)
+
+
+def test_a_voiceprint_is_handed_on(profile: Profile) -> None:
+    profile.put("voiceprint.npz", b"print")
+    settings = dataclasses.replace(config(profile))
+    assert with_profile(settings)[1] == b"print"

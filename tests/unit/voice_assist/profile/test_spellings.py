@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Phrases that the recogniser cannot write become commands by what it writes instead."""
+
+from dataclasses import replace
+
+import pytest
+
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
+from typed_config import load_config, load_yaml
+from voice_assist.config import CONFIG_DIR, CommandsConfig, load_voice_config
+from voice_assist.errors import VoiceError
+from voice_assist.intent.confusability import closest_pairs
+from voice_assist.intent.mapper import Mapper
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.profile import spellings
+from voice_assist.profile.manifest import Take
+from voice_assist.profile.profile import create_profile
+from voice_assist.profile.spellings import MOST, learn_spellings, overlay
+from voice_assist.types import Call, Decision, Match, Mode, NoMatch, frozen_samples
+
+FILES = {"commands_de.yaml": "de", "commands_es.yaml": "es", "endoscope_commands.yaml": "en-us"}
+GERMAN = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "commands_de.yaml"))
+
+
+def learn(**written):
+    return learn_spellings({k.replace("_", " "): v for k, v in written.items()}, GERMAN, "de")
+
+
+def learned(**written):
+    return {s.phrase: s.learned for s in learn(**written)[0].commands}
+
+
+def why(**written):
+    return [refused.why for refused in learn(**written)[1]]
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_each_example_set_holds_together_and_no_two_commands_are_too_alike(file):
+    commands = load_config(CommandsConfig, load_yaml(CONFIG_DIR / file), file)
+    pairs = closest_pairs(commands, FILES[file])
+    assert "too alike" not in {p.verdict for p in pairs}, pairs[0].told
+    assert any(c.is_halt and c.phrase == "stop" for c in commands.commands)  # also for the spotter
+    replace(load_voice_config(), commands=commands)
+    calls = {c.call for c in commands.commands}
+    assert {"hey robot", "stop", "terminate"} < calls
+    assert len([c for c in calls if c.startswith("look ")]) == (10 if "endoscope" in file else 0)
+
+
+def test_what_was_written_most_becomes_a_spelling():
+    takes = ["mere see", "makes in", "makes in", "Makes in!", "makes in"]
+    assert learned(mehr_ziehen=takes) == {"mehr ziehen": ("makes in",)}
+
+
+def test_a_long_text_counts_when_written_once_and_a_short_one_when_written_twice():
+    assert learned(weniger_ziehen=["very desiring"]) == {"weniger ziehen": ("very desiring",)}
+    assert "8 letters" in why(halt=["hold"])[0]
+    assert learned(halt=["hold", "hold"]) == {"halt": ("hold",)}
+
+
+def test_what_was_written_for_two_commands_belongs_to_none():
+    told = learn(spannen=["stand by us"] * 2, loslassen=["stand by us"] * 2)
+    assert told[0].commands == () and len(told[1]) == 2
+    assert "it was written for 'loslassen', too" in told[1][1].why
+
+
+def test_what_belongs_to_another_command_is_refused():
+    (reason,) = why(spannen=["stop"] * 3)
+    assert "'stop'" in reason
+    assert learned(spannen=["stop"] * 3, stop=["stop"]) == {}
+
+
+def test_what_sounds_too_much_like_another_command_is_refused():
+    (reason,) = why(spannen=["bay enden"] * 2)
+    assert "too alike" in reason and "beenden" in reason
+
+
+def test_a_spelling_of_a_motion_never_denies():
+    assert "denies" in why(mehr_ziehen=["do not see them"] * 2)[0]
+
+
+def test_nothing_is_learned_of_silence_or_of_what_is_right_already():
+    assert learned(spannen=["", "", "spannen", "Spannen."]) == {}
+
+
+def test_only_the_most_frequent_are_kept():
+    texts = [f"{word} and the rest" for word in ("one", "owl", "red", "sky", "toy", "fur", "gym")]
+    told, refused = learn(spannen=texts)
+    assert len(told.commands[0].learned) == MOST and "more frequent" in refused[0].why
+
+
+def test_the_profile_keeps_them_and_they_are_laid_over_the_commands():
+    told, _ = learn(mehr_ziehen=["makes in"] * 2)
+    again = spellings.from_bytes(spellings.to_bytes(told))
+    commands = overlay(GERMAN, again)
+    assert again == told and Mapper(commands)("Makes in.").command == "mehr ziehen"
+    assert isinstance(Mapper(GERMAN)("makes in"), NoMatch)
+    for text in ("makes", "it makes in the end", "makes out", "do not makes in"):
+        assert isinstance(Mapper(commands)(text), NoMatch), text
+
+
+def test_a_damaged_file_of_spellings_is_refused():
+    for data in (b"", b"{}", b'{"commands": [{"phrase": "x"}]}', b"[" * 9000):
+        with pytest.raises(VoiceError, match="spellings"):
+            spellings.from_bytes(data)
+
+
+def test_what_was_learned_for_a_command_that_is_gone_is_left_out():
+    told, _ = learn(mehr_ziehen=["makes in"] * 2)
+    others = tuple(c for c in GERMAN.commands if c.phrase != "mehr ziehen")
+    assert overlay(replace(GERMAN, commands=others), told).phrases == tuple(
+        c.phrase for c in others
+    )
+
+
+def test_a_profile_learns_from_its_own_takes(tmp_path):
+    profile = create_profile("anna", "0" * 64, tmp_path)
+    for phrase, text in (("tense", "mumble please"), ("release", "release")):
+        for _ in range(2):
+            take = Take(
+                **{"file": "takes/0001.wav", "sha256": "0" * 64, "kind": "command"},
+                **{"phrase": phrase, "time": "now", "source": "test", "seconds": 1.0},
+                **{"level_db": -20.0, "snr_db": 30.0, "heard": "", "verdict": "good"},
+            )
+            profile.add_take(frozen_samples(say(text)), take)
+    commands = load_voice_config().commands
+    assert spellings.put_spellings(profile, FakeRecognizer(), commands) == ()
+    found = spellings.from_bytes(profile.read(spellings.NAME))
+    assert [(s.phrase, s.learned) for s in found.commands] == [("tense", ("mumble please",))]
+
+
+# In the pipeline: the recogniser hears tones, of which "mumble more" is one that nobody named.
+
+
+def decide(text, recognizer=None, **learned):
+    config = load_voice_config()
+    changed = tuple(
+        replace(c, learned=learned.get(c.phrase.replace(" ", "_"), ()))
+        for c in config.commands.commands
+    )
+    config = replace(config, commands=replace(config.commands, commands=changed))
+    pipeline = Pipeline(config, recognizer or FakeRecognizer(), make_detector(), lambda: 0.0)
+    pipeline.set_mode(Mode.ACTIVE, "test")
+    events = [e for frame in frames(say(text)) for e in pipeline(frame)]
+    return [e for e in events if isinstance(e, Decision)]
+
+
+def test_a_learned_spelling_moves_and_nothing_like_it_does():
+    (decision,) = decide("mumble please", tense=("mumble please",))
+    assert isinstance(decision.outcome, Match) and decision.outcome.command == "tense"
+    assert decision.actions == (Call("tense"),)
+    for text in ("mumble", "do not mumble please", "mumble please what he said"):
+        for decision in decide(text, tense=("mumble please",)):
+            assert isinstance(decision.outcome, NoMatch) and not decision.actions, text
+    assert all(isinstance(d.outcome, NoMatch) for d in decide("mumble please"))
+
+
+def test_the_second_opinion_scores_what_was_written_and_may_refuse_it():
+    told = {"mumble please": -30.0, "tense": -40.0, "release": 0.0}
+    (decision,) = decide("mumble please", FakeRecognizer(told), tense=("mumble please",))
+    assert isinstance(decision.outcome, NoMatch)
+    assert "sounds more like 'release'" in decision.outcome.reason

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from voice_assist.audio.robot_speech import Spoke, Talkback
+from voice_assist.config import load_voice_config
+from voice_assist.ros import robot_speech
+from voice_assist.ros.robot_speech import SpeakingTopic
+
+CONFIG = load_voice_config().audio.talkback
+TOLD = st.lists(st.tuples(st.booleans(), st.floats(0.0, 0.03)), max_size=50)
+
+
+class Topic:
+    """A topic whose messages a test makes."""
+
+    def __init__(self, monkeypatch):
+        self.now = 0.0
+        monkeypatch.setattr(robot_speech.rospy, "Subscriber", self.subscribe)
+        self.topic = SpeakingTopic(lambda: self.now)
+
+    def subscribe(self, name, kind, callback):
+        self.name, self.callback = name, callback
+
+    def tell(self, is_speaking):
+        self.callback(SimpleNamespace(data=is_speaking))
+
+
+@pytest.fixture
+def topic(monkeypatch):
+    return Topic(monkeypatch)
+
+
+def test_what_is_told_is_taken_once(topic):
+    assert topic.name == "voice_assist/speaking"
+    topic.now = 3.0
+    topic.tell(True)
+    assert topic.topic.take() == [Spoke(True, 3.0)]
+    assert topic.topic.take() == []
+
+
+@given(TOLD)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_however_often_it_is_told_no_more_than_two_are_left_that_mean_the_same(topic, told):
+    topic.now, everything, left = 0.0, Talkback(CONFIG), Talkback(CONFIG)
+    for is_speaking, later in told:
+        topic.now += later
+        topic.tell(is_speaking)
+        everything.tell(Spoke(is_speaking, topic.now))
+    taken = topic.topic.take()
+    assert len(taken) <= 2
+    for spoke in taken:
+        left.tell(spoke)
+    for at in (0.0, 0.3, CONFIG.tail + topic.now, CONFIG.longest, CONFIG.longest + topic.now):
+        assert left.is_in(at) == everything.is_in(at)

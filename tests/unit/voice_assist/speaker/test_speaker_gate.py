@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Motion in the enrolled voice only; "stop" from anyone, whatever the gate says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
+from voice_assist.config import load_voice_config
+from voice_assist.errors import ModelError
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.speaker import gate as gates
+from voice_assist.speaker.cohort import Cohort, read_cohort
+from voice_assist.speaker.gate import ClosedGate, SpeakerGate, make_gate
+from voice_assist.speaker.network import WIDTH, VoiceNetwork, unit
+from voice_assist.speaker.speech import piece_up, spoken
+from voice_assist.speaker.voiceprint import Voiceprint, VoiceprintError, make_voiceprint
+from voice_assist.types import RATE, Call, Decision, Halt, Match, Mode, NoMatch, frozen_samples
+
+CONFIG = load_voice_config(speaker__gate="on").speaker
+MOTIONS = ("tense", "release", "pull more", "pull less")
+OTHERS = ("hey robot", "stop", "terminate")
+
+
+def run(sound, gate, mode=Mode.ACTIVE):
+    config = load_voice_config()
+    pipeline = Pipeline(config, FakeRecognizer(), make_detector(), lambda: 0.0, gate=gate)
+    pipeline.set_mode(mode, "test")
+    events = [event for frame in frames(sound) for event in pipeline(frame)]
+    return [event for event in events if isinstance(event, Decision)]
+
+
+def nobody(samples):
+    return "not this voice: score 0.1, allowed: at least 2.0"
+
+
+def anybody(samples):
+    return ""
+
+
+@pytest.mark.parametrize("phrase", MOTIONS)
+def test_a_motion_in_another_voice_is_refused_by_name(phrase):
+    (decision,) = run(say(phrase), nobody)
+    assert isinstance(decision.outcome, NoMatch) and decision.outcome.nearest == phrase
+    assert decision.outcome.reason.startswith("not this voice") and not decision.actions
+
+
+@pytest.mark.parametrize("phrase", MOTIONS)
+def test_a_motion_in_the_enrolled_voice_moves(phrase):
+    (decision,) = run(say(phrase), anybody)
+    assert decision.outcome.command == phrase and Call(phrase) in decision.actions
+
+
+@pytest.mark.parametrize("gate", [nobody, ClosedGate("the model is missing")])
+@pytest.mark.parametrize("phrase", OTHERS)
+def test_what_moves_nothing_is_taken_from_any_voice(phrase, gate):
+    (decision,) = run(say(phrase), gate)
+    assert isinstance(decision.outcome, Match) and decision.outcome.command == phrase
+
+
+@pytest.mark.parametrize("mode", Mode)
+def test_a_stop_never_asks_the_gate(mode):
+    def never(samples):
+        raise AssertionError("a stop waited for the gate")
+
+    for text in ("stop", "please stop", "stop stop", "mumble 1.0 stop"):
+        assert any(Halt() in d.actions for d in run(say(text), never, mode)), text
+
+
+def test_a_gate_that_cannot_judge_refuses_motion_with_its_reason():
+    (decision,) = run(say("tense"), ClosedGate("the model is missing"))
+    assert "cannot judge: the model is missing" in decision.outcome.reason
+
+
+def test_what_moves_nothing_anyway_is_refused_for_its_own_reason():
+    for text in ("do not pull more", "what he said", "tense"):
+        mode = Mode.STANDBY if text == "tense" else Mode.ACTIVE
+        for decision in run(say(text), anybody, mode):
+            assert isinstance(decision.outcome, NoMatch) and not decision.actions
+
+
+def test_the_gate_hears_the_utterance_and_judges_it_once():
+    heard = []
+
+    def gate(samples):
+        heard.append(len(spoken(samples)) / RATE)
+        return ""
+
+    run(say("tense"), gate)
+    assert heard and min(heard) > 0.15
+
+
+# The parts of the gate.
+
+
+def voice(angle, rng, wobble=0.3):
+    """A point near a direction in a plane of the embedding's sphere."""
+    point = np.zeros(WIDTH)
+    point[:2] = np.cos(angle), np.sin(angle)
+    return unit(point + wobble * rng.standard_normal(WIDTH) / np.sqrt(WIDTH))
+
+
+@pytest.fixture
+def cohort():
+    rng = np.random.default_rng(1)
+    return Cohort(np.array([[voice(a, rng) for _ in range(4)] for a in np.linspace(0.8, 6.0, 120)]))
+
+
+def embed_as(angle, seed=2):
+    """A network that hears one voice in every sound, and embeds it near an angle."""
+    rng = np.random.default_rng(seed)
+    return lambda samples: voice(angle, rng)
+
+
+def noise(seconds, seed=3):
+    return np.random.default_rng(seed).standard_normal(round(seconds * RATE)).astype(np.float32)
+
+
+def print_of(angle, cohort):
+    return make_voiceprint([0.1 * noise(1.0)] * 8, embed_as(angle), cohort, "d", CONFIG)
+
+
+def test_a_voiceprint_lets_its_own_voice_through_and_no_other(cohort):
+    known = print_of(0.0, cohort)
+    assert known.missed == 0.0 and known.takes == 8
+    own = SpeakerGate(known, embed_as(0.0, 5), cohort, CONFIG)
+    other = SpeakerGate(known, embed_as(1.5, 5), cohort, CONFIG)
+    assert own(frozen_samples(noise(1.0))) == ""
+    assert "not this voice: score" in other(frozen_samples(noise(1.0)))
+
+
+def test_the_share_of_background_voices_let_through_is_what_was_asked_for(cohort):
+    known = print_of(0.0, cohort)
+    scores = cohort.impostors(known.centre)
+    assert (scores >= known.threshold).mean() == pytest.approx(CONFIG.false_accept, abs=0.005)
+
+
+def test_a_score_that_is_no_number_does_not_pass(cohort):
+    known = replace(print_of(0.0, cohort), threshold=float("nan"))
+    assert SpeakerGate(known, embed_as(0.0), cohort, CONFIG)(frozen_samples(noise(1.0)))
+
+
+def test_a_network_that_raises_refuses(cohort):
+    def broken(samples):
+        raise RuntimeError("out of memory")
+
+    gate = SpeakerGate(print_of(0.0, cohort), broken, cohort, CONFIG)
+    assert "failed" in gate(frozen_samples(noise(1.0)))
+
+
+def test_too_little_speech_is_refused_with_the_limit(cohort):
+    gate = SpeakerGate(print_of(0.0, cohort), embed_as(0.0), cohort, CONFIG)
+    assert "0.25 s" in gate(frozen_samples(noise(0.1)))
+    assert "too short" in gate(frozen_samples(np.zeros(RATE)))
+
+
+def test_a_voice_like_many_others_gets_no_voiceprint(cohort):
+    rng = np.random.default_rng(4)
+    with pytest.raises(VoiceprintError, match="of its own takes, allowed: up to 25%"):
+        make_voiceprint(
+            [noise(1.0)] * 8, lambda s: voice(rng.uniform(1, 6), rng), cohort, "d", CONFIG
+        )
+
+
+def test_too_few_takes_give_no_voiceprint(cohort):
+    with pytest.raises(VoiceprintError, match=r"3 takes with 3\.0 s of speech"):
+        make_voiceprint([noise(1.0)] * 3, embed_as(0.0), cohort, "d", CONFIG)
+
+
+def test_a_voiceprint_survives_its_file_and_a_damaged_one_is_refused(cohort):
+    known = print_of(0.0, cohort)
+    again = Voiceprint.from_bytes(known.to_bytes())
+    np.testing.assert_allclose(again.centre, known.centre)
+    assert again.threshold == known.threshold and again.cohort == "d"
+    for data in (b"", b"x" * 500, known.to_bytes()[:-200]):
+        with pytest.raises(VoiceprintError):
+            Voiceprint.from_bytes(data)
+
+
+def test_a_gate_that_is_off_is_none_and_one_without_a_profile_stays_closed():
+    assert make_gate(load_voice_config().speaker, None) is None
+    closed = make_gate(CONFIG, None)
+    assert "no profile with a voiceprint" in closed(frozen_samples(noise(1.0)))
+    assert "cannot be read" in make_gate(CONFIG, b"damaged")(frozen_samples(noise(1.0)))
+
+
+def test_a_gate_without_its_network_stays_closed(cohort, monkeypatch):
+    def missing():
+        raise ModelError("the package 'resemblyzer' is missing")
+
+    _, digest = read_cohort()
+    monkeypatch.setattr(gates, "VoiceNetwork", missing)
+    data = replace(print_of(0.0, cohort), cohort=digest).to_bytes()
+    assert "resemblyzer" in make_gate(CONFIG, data)(frozen_samples(noise(1.0)))
+
+
+def test_a_voiceprint_of_another_background_is_refused(cohort):
+    gate = make_gate(CONFIG, print_of(0.0, cohort).to_bytes())
+    assert "other background voices" in gate(frozen_samples(noise(1.0)))
+
+
+# The real network and background.
+
+
+def test_the_network_gives_unit_vectors_whatever_the_length_and_level():
+    embed = VoiceNetwork()
+    for seconds in (0.25, 1.0, 4.0):
+        point = embed(0.1 * noise(seconds))
+        assert point.shape == (WIDTH,) and np.linalg.norm(point) == pytest.approx(1.0)
+    loud, soft = embed(0.02 * noise(1.0)), embed(0.002 * noise(1.0))
+    np.testing.assert_allclose(loud, soft, atol=1e-4)
+
+
+def test_several_are_heard_as_one_by_one():
+    embed = VoiceNetwork()
+    sounds = [0.1 * noise(seconds, seed) for seed, seconds in enumerate((0.3, 1.0, 0.3, 4.0))]
+    one_by_one = np.stack([embed(sound) for sound in sounds])
+    np.testing.assert_allclose(embed.many(sounds), one_by_one, atol=1e-5)
+    assert np.abs(one_by_one @ one_by_one.T - np.eye(4)).max() > 1e-3  # they differ
+
+
+def test_the_shipped_background_is_of_many_speakers_and_holds_no_sound():
+    cohort, digest = read_cohort()
+    assert cohort.pieces.shape[0] > 200 and cohort.pieces.shape[1:] == (4, WIDTH)
+    assert len(digest) == 64
+
+
+def test_a_damaged_background_is_refused(tmp_path):
+    path = tmp_path / "cohort.npz"
+    for write in (lambda: None, lambda: path.write_bytes(b"x"), lambda: np.savez(path, pieces=[1])):
+        write()
+        with pytest.raises(ModelError):
+            read_cohort(path)
+
+
+def test_pauses_are_no_speech_and_pieces_are_equal():
+    word = 0.1 * noise(0.5)
+    sound = np.concatenate([np.zeros(8000), word, np.zeros(16000), word]).astype(np.float32)
+    assert 0.9 * RATE < len(spoken(sound)) < 1.3 * RATE
+    assert len(spoken(np.zeros(1000, np.float32))) == 0
+    assert [len(p) for p in piece_up(word, 0.3)] == [4000, 4000]

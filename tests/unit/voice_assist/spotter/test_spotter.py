@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import subprocess
+
+import numpy as np
+import pytest
+import soundfile
+import soxr
+
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
+from voice_assist.assembly import make_spotter
+from voice_assist.audio.source import FRAME
+from voice_assist.config import load_voice_config
+from voice_assist.errors import CommandsError, ModelError
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.spotter.features import STEP, Embedder
+from voice_assist.spotter.fusion import Belief, SecondWay
+from voice_assist.spotter.head import CONTEXT, read_head
+from voice_assist.spotter.spotter import Spotted, Spotter
+from voice_assist.types import RATE, Call, Decision, Frame, Halt, Hypothesis, Match, frozen_samples
+
+CONFIG = load_voice_config(spotter__alone=0.5).spotter  # more sensitive than it is shipped
+RULE = load_voice_config(
+    spotter__alone=8.0,
+    spotter__middle=4.0,
+    spotter__agree=1.0,
+    spotter__near=3.0,
+    spotter__sure=0.9,
+)
+
+
+@pytest.fixture(scope="module")
+def spotter():
+    found, digest = make_spotter(CONFIG)
+    assert len(digest) == 64
+    return found
+
+
+@pytest.fixture
+def listen(spotter):
+    def run(samples):
+        spotter.reset()
+        return [s for frame in frames(samples.astype(np.float32)) if (s := spotter(frame))]
+
+    return run
+
+
+def spoken(words, folder, voice="en-us"):
+    path = folder / "said.wav"
+    subprocess.run(["espeak-ng", "-v", voice, "-w", str(path), words], check=True)
+    sound, rate = soundfile.read(path, dtype="float32")
+    sound = soxr.resample(sound, rate, RATE)
+    loud = 0.3 * sound / np.abs(sound).max()
+    quiet = 2e-4 * np.random.default_rng(0).standard_normal(3 * RATE + len(loud))
+    quiet[RATE : RATE + len(loud)] += loud
+    return quiet
+
+
+@pytest.mark.parametrize("voice", ["en-us", "en-gb"])
+def test_a_spoken_stop_fires_once(listen, tmp_path, voice):
+    assert len(listen(spoken("stop", tmp_path, voice))) == 1
+
+
+@pytest.mark.parametrize("words", ["release", "pull more", "hello there", "good morning everyone"])
+def test_other_words_do_not_fire(listen, tmp_path, words):
+    assert listen(spoken(words, tmp_path)) == []
+
+
+@pytest.mark.parametrize("level", [0.0, 1e-4, 0.01, 0.3])
+def test_noise_never_fires(listen, level):
+    rng = np.random.default_rng(3)
+    assert listen(level * rng.standard_normal(20 * RATE)) == []
+
+
+def test_tones_and_knocks_never_fire(listen):
+    time = np.arange(10 * RATE) / RATE
+    beeps = 0.3 * np.sin(2 * np.pi * 880 * time) * (np.mod(time, 1.0) < 0.12)
+    knocks = np.zeros(10 * RATE)
+    knocks[::12_345] = 0.9
+    assert listen(beeps + knocks) == []
+
+
+def test_a_stop_right_after_a_gap_in_the_stream_is_heard(spotter, tmp_path):
+    spotter.reset()
+    sound = spoken("stop", tmp_path).astype(np.float32)
+    for frame in frames(sound[: RATE // 2]):
+        assert spotter(frame) is None
+    later = frames(sound[RATE - 1600 :], first_sample=100 * FRAME)
+    assert len([s for frame in later if (s := spotter(frame))]) == 1
+
+
+def test_scores_do_not_depend_on_the_size_of_blocks(spotter, tmp_path):
+    sound = spoken("stop", tmp_path).astype(np.float32)
+    found = []
+    for size in (160, FRAME, 5000):
+        spotter.reset()
+        for at in range(0, len(sound) - size, size):
+            spotter(Frame(frozen_samples(sound[at : at + size]), at, at / RATE))
+        found.append([look.score for look in spotter.looks])
+    newest = min(map(len, found)) - 10
+    reference = found[0][:newest]
+    assert len(reference) > 10
+    for scores in found[1:]:
+        assert scores[:newest] == pytest.approx(reference, abs=1e-4)
+
+
+def test_an_embedding_comes_with_every_step_from_the_first_on():
+    embedder = Embedder()
+    assert len(list(embedder(np.zeros(STEP - 1, np.float32)))) == 0
+    (first,) = embedder(np.zeros(1, np.float32))
+    assert first == pytest.approx(embedder.quiet, abs=1e-4)
+
+
+class Scripted:
+    """Scores in the order of the looks, and quiet embeddings."""
+
+    def __init__(self, scores):
+        self.scores = iter(scores)
+
+    def __call__(self, seen):
+        assert seen.shape[0] == CONTEXT
+        return next(self.scores, -10.0)
+
+
+def scripted(scores):
+    return Spotter(RULE.spotter, Embedder(), Scripted(scores), CONTEXT)
+
+
+def run(spotter, seconds):
+    silence = np.zeros(round(seconds * RATE), np.float32)
+    return [s for frame in frames(silence) if (s := spotter(frame))]
+
+
+def test_one_high_look_is_not_enough():
+    assert run(scripted([-10, 12, -10, 12, -10]), 1.0) == []
+
+
+def test_what_fired_stays_latched_while_the_score_stays_high():
+    (fired,) = run(scripted([-10.0] * 3 + [9.0] * 40), 4.0)
+    assert fired.score == pytest.approx(9.0)
+    assert fired.time == pytest.approx(100.0 + 5 * STEP / RATE, abs=FRAME / RATE)
+
+
+def test_it_fires_again_after_a_rest():
+    scores = [9.0, 9.0] + [-10.0] * 15 + [9.0, 9.0] + [-10.0] * 10
+    assert len(run(scripted(scores), 3.0)) == 2
+
+
+def test_the_best_look_is_that_of_the_time_asked_for():
+    spotter = scripted([-10.0, 3.0, 3.0] + [-10.0] * 20)
+    run(spotter, 1.0)
+    assert spotter.best(100.0) == pytest.approx(3.0)
+    assert spotter.best(100.6) < 0.0
+    assert spotter.best(999.0) == float("-inf")
+
+
+# --- the rule
+
+
+class Told:
+    """A spotter that says what it is told to."""
+
+    def __init__(self, best=None, at=None, is_sent=False):
+        self.told, self.at, self.is_sent = best, at, is_sent
+
+    def __call__(self, frame):
+        if self.at is not None and frame.stamp >= self.at:
+            self.at = None
+            return Spotted(frame.stamp + frame.duration, 9.0, self.is_sent)
+        return None
+
+    def best(self, since):
+        return self.told
+
+    def reset(self):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("confidence", "is_ready", "spotted", "stops"),
+    [
+        (0.7, True, None, True),  # nobody listens: as if there were no spotter
+        (0.7, False, None, False),
+        (0.95, True, -10.0, True),  # sure
+        (0.95, True, -20.0, True),  # sure, whatever the spotter heard
+        (0.95, False, -20.0, False),  # sure, but the word may go on
+        (0.7, True, -20.0, False),  # one side alone half believes
+        (0.7, True, 1.5, True),  # both half believe
+        (0.7, False, 1.5, False),
+        (0.7, False, 4.5, True),  # the spotter believes: at once
+    ],
+)
+def test_a_written_stop_needs_certainty_or_agreement(confidence, is_ready, spotted, stops):
+    second = SecondWay(RULE.spotter, Told(spotted))
+    assert second.confirms(Belief(confidence, is_ready, spotted), "stop") == stops
+
+
+@pytest.mark.parametrize(
+    ("spotted", "ratio", "stops"),
+    [(None, 5.0, False), (3.0, 5.0, False), (5.0, -2.0, True), (5.0, -4.0, False)],
+)
+def test_the_spotter_overrules_only_near_the_recognisers_own_opinion(spotted, ratio, stops):
+    assert SecondWay(RULE.spotter, Told(spotted)).overrules(spotted, ratio) == stops
+
+
+def test_what_is_spotted_must_be_a_halt():
+    with pytest.raises(CommandsError, match="allowed: stop"):
+        load_voice_config(spotter__phrase="tense")
+
+
+def test_a_damaged_model_is_named(tmp_path):
+    path = tmp_path / "spotter.pt"
+    path.write_bytes(b"no weights")
+    with pytest.raises(ModelError, match=r"spotter\.pt"):
+        read_head(path)
+
+
+# --- in the pipeline
+
+
+def decisions(text, told, confidence=0.8, scores=None):
+    recognizer = FakeRecognizer(scores, confidence)
+    second = SecondWay(RULE.spotter, told)
+    pipeline = Pipeline(RULE, recognizer, make_detector(), lambda: 0.0, second)
+    events = [e for frame in frames(say(text)) for e in pipeline(frame)]
+    return [e for e in events if isinstance(e, Decision)]
+
+
+def stops(found):
+    return [d for d in found if any(isinstance(a, Halt) for a in d.actions)]
+
+
+def test_an_unsure_stop_that_the_spotter_did_not_hear_is_refused_with_its_reason():
+    (decision,) = decisions("stop", Told(-9.0), 0.7)
+    assert stops([decision]) == []
+    assert "spotter" in decision.outcome.reason
+
+
+def test_an_unsure_stop_that_the_spotter_heard_too_stops():
+    (decision,) = stops(decisions("stop", Told(2.0), 0.7))
+    assert decision.origin == "recognizer"
+
+
+def test_without_a_spotter_an_unsure_stop_stops():
+    assert len(stops(decisions("stop", None, 0.7))) == 1
+    assert len(stops(decisions("stop", Told(None), 0.7))) == 1
+
+
+def test_a_word_near_stop_that_the_spotter_believes_in_stops():
+    (decision,) = stops(decisions("mumble", Told(5.0), scores={"stop": -1.0}))
+    assert decision.origin == "spotter"
+    assert stops(decisions("mumble", Told(5.0), scores={"stop": -9.0})) == []
+    assert stops(decisions("mumble", Told(0.0), scores={"stop": -1.0})) == []
+
+
+def test_a_denied_stop_is_not_fired_by_half_belief():
+    assert stops(decisions("not stop", Told(5.0), scores={"stop": -1.0})) == []
+
+
+def test_the_spotter_alone_stops_in_quiet_and_says_who_it_was():
+    (decision,) = stops(decisions("1.0", Told(None, at=100.8)))
+    assert decision.origin == "spotter"
+    assert decision.outcome == Match("stop", decision.outcome.wer)
+    assert decision.hypothesis == Hypothesis("", 0.0, 0.0)
+
+
+def test_a_stop_that_was_sent_already_is_told_and_not_sent_again():
+    (decision,) = decisions("1.0", Told(None, at=100.8, is_sent=True))
+    assert decision.outcome.command == "stop"
+    assert stops([decision]) == []
+    assert Call("stop") in decision.actions
+
+
+def test_after_a_stop_spotted_in_quiet_the_recogniser_still_hears_the_next():
+    found = stops(decisions("1.0 stop", Told(None, at=100.4)))
+    assert [d.origin for d in found] == ["spotter", "recognizer"]
+
+
+def test_both_ways_give_one_decision_for_one_word():
+    early = stops(decisions("stop", Told(9.0, at=100.6), 0.95))
+    late = stops(decisions("stop", Told(9.0, at=100.9), 0.95))
+    assert len(early) == len(late) == 1
+    assert (early[0].origin, late[0].origin) == ("spotter", "recognizer")

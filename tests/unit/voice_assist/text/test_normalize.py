@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from voice_assist.text.normalize import is_negated, normalize, spoken_number
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", ""),
+        ("  \n", ""),
+        ("...", ""),
+        ("Hey, Robot!", "hey robot"),
+        ("PULL  MORE.", "pull more"),
+        ("pull-more", "pull more"),
+        ("Don't stop", "do not stop"),
+        ("don\u2019t stop", "do not stop"),
+        ("dont stop", "do not stop"),
+        ("I can't", "i can not"),
+        ("it won't", "it will not"),
+        ("we're", "we are"),
+        ("5 mm", "five mm"),
+        ("pull 20 more", "pull twenty more"),
+        ("in 1905", "in one thousand nine hundred five"),
+        ("caf\u00e9 na\u00efve", "cafe naive"),
+        ("\uff33\uff34\uff2f\uff30", "stop"),
+        ("o'clock", "oclock"),
+        ("stop\u200bnow", "stop now"),
+        ("\u0663", "three"),
+    ],
+)
+def test_text_becomes_plain_words(text, words):
+    assert " ".join(normalize(text)) == words
+
+
+@given(st.text(max_size=60))
+def test_words_hold_only_lower_case_letters(text):
+    for word in normalize(text):
+        assert word.isalpha()
+        assert word == word.casefold() or not word.isascii()
+
+
+@given(st.text(alphabet="abc XYZ'.,-0123", max_size=40))
+def test_normalising_twice_changes_nothing(text):
+    once = normalize(text)
+    assert normalize(" ".join(once)) == once
+
+
+@pytest.mark.parametrize(
+    "text", ["don't", "do not pull", "never", "no", "I cannot", "dont", "without it", "won't"]
+)
+def test_denials_are_noticed(text):
+    assert is_negated(normalize(text))
+
+
+@pytest.mark.parametrize("text", ["now", "know", "nothing else", "note", "pull more", "knot"])
+def test_words_that_only_look_like_denials_are_none(text):
+    assert not is_negated(normalize(text))
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        (0, "zero"),
+        (13, "thirteen"),
+        (40, "forty"),
+        (99, "ninety nine"),
+        (100, "one hundred"),
+        (312, "three hundred twelve"),
+        (1000, "one thousand"),
+        (20_005, "twenty thousand five"),
+        (1_000_000, "one zero zero zero zero zero zero"),
+    ],
+)
+def test_numbers_are_spoken(value, words):
+    assert spoken_number(value) == words

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import jiwer
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from voice_assist.text.wer import Pair, align, distance, least_distance, wer
+
+SENTENCES = st.lists(st.sampled_from(["pull", "more", "less", "stop"]), max_size=6)
+
+
+@pytest.mark.parametrize(
+    ("reference", "heard", "rate"),
+    [
+        ("pull more", "pull more", 0.0),
+        ("pull more", "pull less", 0.5),
+        ("pull more", "pull", 0.5),
+        ("pull more", "", 1.0),
+        ("stop", "stop stop stop", 2.0),
+        ("tense", "tents", 1.0),
+        ("", "", 0.0),
+        ("", "thank you", 2.0),
+    ],
+)
+def test_rate_counts_errors_per_word_of_the_reference(reference, heard, rate):
+    assert wer(reference.split(), heard.split()) == rate
+
+
+@given(SENTENCES.filter(len), SENTENCES)
+def test_rate_agrees_with_an_independent_implementation(reference, heard):
+    assert wer(reference, heard) == pytest.approx(jiwer.wer(" ".join(reference), " ".join(heard)))
+
+
+@given(SENTENCES, SENTENCES)
+def test_distance_is_symmetric_and_zero_only_for_equals(a, b):
+    assert distance(a, b) == distance(b, a)
+    assert (distance(a, b) == 0) == (a == b)
+
+
+@given(SENTENCES, SENTENCES, SENTENCES)
+def test_distance_obeys_the_triangle_inequality(a, b, c):
+    assert distance(a, c) <= distance(a, b) + distance(b, c)
+
+
+@given(SENTENCES, SENTENCES)
+def test_alignment_has_the_cost_of_the_distance_and_loses_no_word(a, b):
+    pairs = align(a, b)
+    assert sum(pair.step != "equal" for pair in pairs) == distance(a, b)
+    assert [p.reference for p in pairs if p.reference] == a
+    assert [p.heard for p in pairs if p.heard] == b
+
+
+def test_alignment_can_be_read():
+    assert align(["pull", "more"], ["pull", "less"]) == (
+        Pair("equal", "pull", "pull"),
+        Pair("substitute", "more", "less"),
+    )
+    assert align(["stop"], []) == (Pair("delete", "stop", ""),)
+    assert align([], ["stop"]) == (Pair("insert", "", "stop"),)
+
+
+def test_no_continuation_is_nearer_than_the_least_distance():
+    spoken = ["pull", "less"]
+    for beginning in ([], ["pull"], ["the"], ["less"], ["pull", "the", "less"]):
+        least = least_distance(spoken, beginning)
+        rests = [[], ["less"], ["pull", "less"], ["pull"], ["more", "less"]]
+        assert least == min(distance(spoken, [*beginning, *rest]) for rest in rests)

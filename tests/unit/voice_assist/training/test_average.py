@@ -1,0 +1,52 @@
+"""The mean of checkpoints."""
+
+import sys
+
+import pytest
+import torch
+from whisper.model import ModelDimensions
+
+from voice_assist.recognizer.checkpoint import read_checkpoint
+from voice_assist.recognizer.embedded import restore
+from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.training.fit import average
+from voice_assist.training.fit.export import export
+
+SMALL = ModelDimensions(80, 512, 32, 2, 2, 51864, 64, 32, 2, 1)
+OTHER = ModelDimensions(80, 512, 32, 2, 1, 51864, 64, 32, 2, 1)
+
+
+def made(seed, dims=SMALL):
+    torch.manual_seed(seed)
+    model = HybridWhisper(dims)
+    model.initialise()
+    return model.eval()
+
+
+def test_every_weight_is_the_mean(tmp_path, monkeypatch):
+    paths = [tmp_path / f"{seed}.pt" for seed in range(3)]
+    for seed, path in enumerate(paths):
+        export(made(seed), path)
+    out = tmp_path / "mean.pt"
+    monkeypatch.setattr(sys, "argv", ["average", *map(str, paths), "--out", str(out)])
+    average.main()
+    parts = [restore(read_checkpoint(path)).state_dict() for path in paths]
+    for name, weight in restore(read_checkpoint(out)).state_dict().items():
+        mean = sum(part[name] for part in parts) / 3
+        torch.testing.assert_close(weight, mean, atol=2e-3, rtol=2e-3)  # kept in half precision
+
+
+def test_a_model_averaged_with_itself_is_itself():
+    weights = made(1).state_dict()
+    for name, weight in average.average([made(1), made(1)]).state_dict().items():
+        torch.testing.assert_close(weight, weights[name])
+
+
+def test_models_of_different_shapes_are_refused():
+    with pytest.raises(ValueError, match=r"different shapes.*n_audio_layer=2.*n_audio_layer=1"):
+        average.average([made(1), made(1, OTHER)])
+
+
+def test_no_model_is_refused():
+    with pytest.raises(ValueError, match="at least one"):
+        average.average([])

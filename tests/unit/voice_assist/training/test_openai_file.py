@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A file is OpenAI's only if the whisper library knows its digest."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import subprocess
+import sys
+
+import pytest
+import whisper
+
+from voice_assist.errors import ModelError
+from voice_assist.training.fit.openai_file import openai_name
+
+
+def test_a_known_digest_is_named(tmp_path, monkeypatch):
+    file = tmp_path / "any.pt"
+    file.write_bytes(b"weights")
+    digest = hashlib.sha256(b"weights").hexdigest()
+    monkeypatch.setattr(whisper, "_MODELS", {"huge.en": f"there/{digest}/huge.en.pt"})
+    assert openai_name(file) == "huge.en"
+
+
+def test_a_changed_file_is_refused(tmp_path):
+    file = tmp_path / "tiny.en.pt"
+    file.write_bytes(b"weights, changed")
+    with pytest.raises(ModelError, match=re.escape(f"{file} has the SHA-256 ")):
+        openai_name(file)
+
+
+def test_a_missing_file_is_told_in_words(tmp_path):
+    command = [
+        sys.executable,
+        "-m",
+        "voice_assist.training.fit.openai_file",
+        str(tmp_path / "no.pt"),
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "no.pt: no such file" in done.stderr
+    assert "Traceback" not in done.stderr

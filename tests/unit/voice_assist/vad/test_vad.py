@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.unit.voice_assist.support.fake_speech import frames, say, silence
+from voice_assist.config import load_voice_config
+from voice_assist.types import RATE
+from voice_assist.vad.detector import Either, EnergyDetector, make_detector
+from voice_assist.vad.endpointer import Analyzer, SpeechState
+from voice_assist.vad.segmenter import Cutter, last
+
+CONFIG = load_voice_config(
+    audio__vad__start=0.5,
+    audio__vad__stop=0.3,
+    audio__vad__resume=0.5,
+    audio__vad__min_speech=0.06,
+    audio__vad__hangover=0.32,
+    audio__vad__max_utterance=2.0,
+).audio.vad
+FRAME = 0.032
+
+
+def analyze(probabilities, config=CONFIG):
+    analyzer = Analyzer(config)
+    return [analyzer(p, FRAME) for p in probabilities]
+
+
+def test_a_click_is_no_utterance():
+    ends = analyze([0.0, 0.9, 0.0, 0.0])
+    assert [e.state for e in ends][1] is SpeechState.STARTING
+    assert not any(e.is_start for e in ends)
+    assert ends[-1].state is SpeechState.QUIET
+
+
+def test_speech_starts_after_its_least_length_and_ends_after_the_hangover():
+    ends = analyze([0.9] * 5 + [0.0] * 12)
+    assert [e.is_start for e in ends].index(True) == 1
+    assert [e.is_end for e in ends].index(True) == 5 + 9
+    assert ends[14].state is SpeechState.QUIET
+
+
+def test_a_short_pause_does_not_end_an_utterance():
+    ends = analyze([0.9] * 5 + [0.0] * 5 + [0.9] * 5)
+    assert sum(e.is_start for e in ends) == 1
+    assert not any(e.is_end for e in ends)
+    assert ends[9].state is SpeechState.STOPPING
+    assert ends[9].quiet == pytest.approx(5 * FRAME)
+    assert ends[10].quiet == 0.0
+
+
+def test_within_speech_the_lower_threshold_holds_it():
+    ends = analyze([0.9] * 3 + [0.3] * 20)
+    assert all(e.state is SpeechState.SPEAKING for e in ends[2:])
+
+
+def test_the_lower_threshold_does_not_start_speech():
+    assert all(e.state is SpeechState.QUIET for e in analyze([0.4] * 20))
+
+
+FAINT = load_voice_config(
+    audio__vad__start=0.2,
+    audio__vad__stop=0.35,
+    audio__vad__resume=0.4,
+    audio__vad__hangover=0.32,
+).audio.vad
+
+
+def test_faint_speech_is_held_by_its_own_measure_and_ends_by_it():
+    ends = analyze([0.3] * 3 + [0.12] * 20 + [0.09] * 12, FAINT)
+    assert all(e.state is SpeechState.SPEAKING for e in ends[2:23])
+    assert [e.is_end for e in ends].index(True) == 23 + 9
+
+
+def test_clear_speech_is_not_held_by_what_would_hold_faint_speech():
+    ends = analyze([0.9] * 3 + [0.3] * 12, FAINT)
+    assert [e.is_end for e in ends].index(True) == 3 + 9
+
+
+def test_speech_that_became_clear_is_measured_by_its_highest_probability():
+    ends = analyze([0.3] * 3 + [0.9] + [0.3] * 12, FAINT)
+    assert [e.is_end for e in ends].index(True) == 4 + 9
+
+
+def test_one_sure_frame_and_fainter_ones_are_speech():
+    assert any(e.is_start for e in analyze([0.0] * 3 + [0.36, 0.14], FAINT))
+    assert not any(e.is_start for e in analyze([0.0] * 3 + [0.36, 0.1, 0.36, 0.1], FAINT))
+
+
+def test_an_utterance_is_not_measured_by_the_one_before_it():
+    ends = analyze([0.9] * 3 + [0.0] * 12 + [0.3] * 3 + [0.12] * 20, FAINT)
+    assert all(e.state is SpeechState.SPEAKING for e in ends[-20:])
+
+
+def test_the_highest_probability_of_an_utterance_is_told():
+    ends = analyze([0.9] * 3 + [0.0] * 12 + [0.2, 0.7, 0.6, 0.8], FAINT)
+    assert [e.clearness for e in ends[-4:]] == [0.2, 0.7, 0.7, 0.8]
+
+
+def test_time_since_the_first_speech_is_counted():
+    ends = analyze([0.0] * 3 + [0.9] * 5)
+    assert ends[-1].spoken == pytest.approx(5 * FRAME)
+
+
+@given(st.lists(st.floats(0.0, 1.0), max_size=200))
+def test_starts_and_ends_take_turns(probabilities):
+    inside = False
+    for end in analyze(probabilities):
+        if end.is_start:
+            assert not inside
+            inside = True
+        if end.is_end:
+            assert inside
+            inside = False
+        assert inside == (end.state in (SpeechState.SPEAKING, SpeechState.STOPPING))
+
+
+def cut(sound, config=CONFIG):
+    cutter, analyzer, detector = Cutter(config), Analyzer(config), EnergyDetector(12.0)
+    return [g for f in frames(sound) if (g := cutter(f, analyzer(detector(f.samples), f.duration)))]
+
+
+def test_an_utterance_grows_to_its_end_and_holds_what_was_before_it():
+    growths = cut(say("tense"))
+    lengths = [len(g.utterance.samples) for g in growths]
+    assert lengths == sorted(lengths)
+    assert [g.utterance.is_complete for g in growths] == [False] * (len(growths) - 1) + [True]
+    loud = np.flatnonzero(np.abs(growths[-1].utterance.samples) > 0.01)
+    assert loud[0] / RATE == pytest.approx(CONFIG.pre_roll, abs=0.07)
+    assert (loud[-1] - loud[0]) / RATE == pytest.approx(0.22, abs=0.01)
+
+
+def test_the_sound_of_an_utterance_is_that_of_the_stream():
+    sound = say("tense")
+    heard = cut(sound)[-1].utterance.samples
+    start = int(np.argmax(np.convolve(sound, heard[::-1], "valid")))
+    np.testing.assert_allclose(heard, sound[start : start + len(heard)], atol=2e-5)
+
+
+def test_talk_without_end_is_cut_and_its_rest_is_not_whole():
+    growths = cut(say("tense " * 20))
+    complete = [g for g in growths if g.utterance.is_complete]
+    assert len(complete) >= 2
+    assert [g.is_whole for g in complete] == [True] + [False] * (len(complete) - 1)
+    assert max(len(g.utterance.samples) for g in growths) <= 2.0 * RATE + 512
+
+
+def test_after_a_restart_only_the_rest_is_left():
+    cutter, analyzer, detector = Cutter(CONFIG), Analyzer(CONFIG), EnergyDetector(12.0)
+    sizes = []
+    for f in frames(say("tense")):
+        growth = cutter(f, analyzer(detector(f.samples), f.duration))
+        if growth and not sizes:
+            cutter.restart(keep=0.064)
+            sizes.append(0)
+        elif growth:
+            assert not growth.is_whole
+            sizes.append(len(growth.utterance.samples))
+    assert sizes[1] == 3 * 512
+
+
+def test_the_newest_part_of_sound():
+    samples = np.arange(RATE, dtype=np.float32)
+    assert last(samples, 0.5)[0] == RATE / 2
+    assert len(last(samples, 9.0)) == RATE
+
+
+def test_energy_takes_a_loud_burst_for_speech_and_a_quiet_room_for_none():
+    detector = EnergyDetector(9.0)
+    sure = [detector(f.samples) for f in frames(say("tense"))]
+    assert max(sure) > 0.99
+    assert sure[0] < 0.1 and sure[-1] < 0.1
+
+
+def test_energy_gets_used_to_a_steady_fan():
+    detector = EnergyDetector(9.0)
+    fan = 0.05 * np.random.default_rng(0).standard_normal(RATE * 25)
+    sure = [detector(f.samples) for f in frames(np.r_[silence(1.0), fan].astype(np.float32))]
+    assert sure[40] > 0.9
+    assert max(sure[-50:]) < 0.1
+
+
+def test_either_takes_the_surer_detector():
+    low, high = EnergyDetector(60.0), EnergyDetector(9.0)
+    both = Either(low, high)
+    assert max(both(f.samples) for f in frames(say("tense"))) > 0.99
+    both.reset()
+
+
+def test_silero_hears_no_speech_in_noise_and_keeps_the_threads_of_torch():
+    import torch
+
+    threads = torch.get_num_threads()
+    torch.set_num_threads(2)
+    try:
+        detector = make_detector(load_voice_config().audio.vad)
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(threads)
+    noise = 0.02 * np.random.default_rng(0).standard_normal(RATE)
+    heard = [detector(f.samples) for f in frames(noise.astype(np.float32))]
+    assert max(heard) < load_voice_config().audio.vad.start
+    with pytest.raises(ValueError, match="allowed: 512"):
+        detector(np.zeros(100, np.float32))
+
+
+def test_silero_gives_the_same_again_after_a_reset():
+    from voice_assist.vad.silero import SileroDetector
+
+    detector = SileroDetector()
+    sound = frames(0.1 * np.random.default_rng(0).standard_normal(8000).astype(np.float32))
+    first = [detector(f.samples) for f in sound]
+    detector.reset()
+    assert [detector(f.samples) for f in sound] == first
