@@ -115,7 +115,8 @@ LOOKS = tuple(command for command in Command if command.value.startswith("look "
 class Reason(Enum):
     """Why a command is refused, or a motion stopped or given up.
 
-    The value is the `reason_code` of the messages, for programs; sentences beside it are for people.
+    The value is the `reason_code` of the messages, for programs.
+    The sentences beside it are for people.
     """
 
     # a command is refused
