@@ -154,6 +154,21 @@ def test_a_key_that_is_not_known_is_refused_beside_every_key(path):
 
 
 @files
+def test_a_former_key_is_refused_and_the_error_names_the_present_one(path):
+    kind, data, failures = kinds()[path], content(path), []
+    for place, inner in list(mappings(kind, data)):
+        for former, present in getattr(inner, "RENAMED", {}).items():
+            if present not in at(data, place):
+                failures.append(f"{inner.__name__}: there is no {present}")
+            with added(data, place, former, 1):
+                words = str(refusal(kind, data, path.name))
+            wanted = (shown((*place, former)), f"its name is now {present}")
+            if not all(part in words for part in wanted):
+                failures.append(f"{shown((*place, former))}: {words}")
+    assert not failures, "\n".join(failures)
+
+
+@files
 def test_what_stands_in_place_of_a_mapping_is_refused(path):
     kind, data, failures = kinds()[path], content(path), []
     for place, _ in list(mappings(kind, data)):

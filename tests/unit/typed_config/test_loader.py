@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import pytest
 
@@ -18,6 +20,8 @@ from typed_config import (
 
 @dataclass(frozen=True, kw_only=True)
 class Inner:
+    RENAMED: ClassVar[Mapping[str, str]] = {"strength": "gain"}
+
     gain: float = number(0.0, 10.0, "1/s")
 
 
@@ -64,6 +68,8 @@ def test_good_settings_become_a_frozen_dataclass():
         ({"inner": {"gain": "4 1/s"}}, "inner.gain", "0 to 10"),
         ({"inner": {}}, "inner.gain is missing", "0 to 10"),
         ({"inner": {"gain": 1, "gian": 1}}, "inner.gian", "did you mean gain?"),
+        ({"inner": {"strength": 1}}, "inner.strength", "no such key; its name is now gain"),
+        ({"entries": [{"strength": 1}]}, "entries[0].strength", "its name is now gain"),
         ({"trocar": [0.1, 0.2]}, "trocar", "a list of 3"),
         ({"trocar": [0.1, 0.2, 400]}, "trocar[2]", "-2 to 2 m"),
         ({"count": 2.5}, "count", "whole number"),

@@ -22,7 +22,9 @@ def load_config(kind: type[T], data: object, where: str = "") -> T:
     """Build the dataclass `kind` from a mapping.
 
     A key that is a word of Python has an underscore behind it in the dataclass: `from_`. What a
-    dataclass finds wrong in its `__post_init__` is named from `where` on too.
+    dataclass finds wrong in its `__post_init__` is named from `where` on too. A dataclass may map
+    former keys to their present names: `RENAMED: ClassVar[Mapping[str, str]]`. A former key is
+    refused, and the error names the present one.
 
     Args:
         kind: Frozen dataclass whose fields were declared with `typed_config.fields`.
@@ -37,8 +39,7 @@ def load_config(kind: type[T], data: object, where: str = "") -> T:
     fields = _fields(cast("Hashable", kind))
     for key in data:
         if key not in fields:
-            close = difflib.get_close_matches(str(key), fields, n=1)
-            hint = f"did you mean {close[0]}?" if close else "one of " + ", ".join(fields)
+            hint = _hint(kind, str(key), fields)
             raise ConfigError(join(where, str(key)), data[key], f"no such key; {hint}")
     values = {}
     for key, field in fields.items():
@@ -50,6 +51,15 @@ def load_config(kind: type[T], data: object, where: str = "") -> T:
         return kind(**values)
     except ConfigError as error:
         raise error.under(where) from error
+
+
+def _hint(kind: type[Any], key: str, fields: Mapping[str, _Field]) -> str:
+    """What the user may have meant by an unknown key."""
+    renamed: Mapping[str, str] = getattr(kind, "RENAMED", {})
+    if key in renamed:
+        return f"its name is now {renamed[key]}"
+    close = difflib.get_close_matches(key, fields, n=1)
+    return f"did you mean {close[0]}?" if close else "one of " + ", ".join(fields)
 
 
 @dataclass(frozen=True)
