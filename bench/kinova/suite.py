@@ -210,7 +210,7 @@ def _set_off(rig: AnyRig, number: int) -> None:
         return long_enough and view.motion.progress >= share
 
     if not rig.until(is_there, 120.0):
-        raise RuntimeError(f"never on the way: {rig.executor.view.life}")
+        raise RuntimeError(f"never on the way: {rig.executor.view.mode}")
 
 
 def _watch(rig: AnyRig, act: Callable[[], None]) -> Ended:
@@ -232,7 +232,7 @@ def _watch(rig: AnyRig, act: Callable[[], None]) -> Ended:
     act()
     for _ in range(round(1.5 / rig.period)):
         rig.tick(each)
-    if rig.executor.view.life.state in IN_MOTION:
+    if rig.executor.view.mode.state in IN_MOTION:
         raise RuntimeError("it does not rest")
     rests[1] = float(np.linalg.norm(rig.tip - start))
     return Ended(speed, rests[0], rests[1], max(errors))

@@ -40,7 +40,7 @@ def test_a_stop_on_the_way_holds_the_shaft_in_the_trocar(rig):
     rig.give("look down left")
     assert rig.until(lambda: _progress(rig) > 0.4)
     rig.give("stop")
-    assert rig.until(lambda: rig.executor.view.life.state is State.HALTED, limit=1.0)
+    assert rig.until(lambda: rig.executor.view.mode.state is State.HALTED, limit=1.0)
     assert 0.3 < rig.executor.view.path_position / rig.executor.view.path.length < 0.9
     assert rig.executor.view.placement.error < WORST
 

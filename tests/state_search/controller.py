@@ -152,17 +152,17 @@ class Controller:
     def key(self):
         """All that later ticks depend on, but for words and times."""
         executor = self.executor
-        life, mover = executor._life, executor._mover
+        mode, mover = executor._mode, executor._mover
         return (
-            *(life.state, life.is_active, life.then),
+            *(mode.state, mode.is_active, mode.mode_after),
             *(self._moving(), _where(mover.held), mover.grasp is None),
-            *(executor._ledger.order is None, bool(life.reason)),
+            *(executor._ledger.order is None, bool(mode.reason)),
             _jaws(mover),
             not executor._waking.is_waiting,
         )
 
     def _moving(self):
-        motion, life = self.executor._mover.motion, self.executor._life
+        motion, mode = self.executor._mover.motion, self.executor._mode
         is_spoken = self.executor._ledger.is_spoken
         if motion is None:
             return None
@@ -172,7 +172,7 @@ class Controller:
                 *(len(motion._waiting), motion._run.is_done, bool(motion.failure)),
                 motion.plan.command in ADVANCING,
             )
-        is_watched = life.then is not State.FAULTED  # as Executor._watch has it
+        is_watched = mode.mode_after is not State.FAULTED  # as Executor._watch has it
         return is_watched and is_spoken, is_watched and motion.raises_tension
 
     def take(self, given):

@@ -15,7 +15,7 @@ from rst_control.admission.recording_gate import RecordingWatch
 from rst_control.execution import state_machine
 from rst_control.execution.executor import Executor
 from rst_control.execution.setpoint import Mover
-from rst_control.execution.state_machine import Life, State
+from rst_control.execution.state_machine import ControllerMode, State
 from rst_control.supervision.watchdogs import Watchdogs
 from rst_control.types import BY_HAND, LOOKS, Command
 from tests.state_search.controller import Controller, explore
@@ -123,21 +123,25 @@ def test_the_voice_mode_depends_on_nothing_but_the_mode_and_the_word():
 
 def motion_while_halted(patch):
     refusal = state_machine.refusal
-    lax = lambda life, command: None if command in MOTIONS else refusal(life, command)  # noqa: E731
+    lax = lambda mode, command: None if command in MOTIONS else refusal(mode, command)  # noqa: E731
     patch.setattr(state_machine, "refusal", lax)
-    patch.setattr(state_machine, "started", lambda life: Life(State.MOVING, life.is_active))
+    patch.setattr(
+        state_machine, "started", lambda mode: ControllerMode(State.MOVING, mode.is_active)
+    )
 
 
 def a_stop_that_is_forgotten_while_braking(patch):
     stopped = state_machine.stopped
-    forgetful = lambda life, reason: (  # noqa: E731
-        life if life.state is State.STOPPING else stopped(life, reason)
+    forgetful = lambda mode, reason: (  # noqa: E731
+        mode if mode.state is State.STOPPING else stopped(mode, reason)
     )
     patch.setattr(state_machine, "stopped", forgetful)
 
 
 def braking_that_leads_to_active(patch):
-    patch.setattr(state_machine, "at_rest", lambda life: Life(State.ACTIVE, life.is_active))
+    patch.setattr(
+        state_machine, "at_rest", lambda mode: ControllerMode(State.ACTIVE, mode.is_active)
+    )
 
 
 def a_path_verified_elsewhere(patch):
@@ -161,7 +165,7 @@ def hey_robot_that_outlives_a_stop(patch):
 
 
 def motion_that_does_not_brake(patch):
-    patch.setattr(state_machine, "stopped", lambda life, reason: life)
+    patch.setattr(state_machine, "stopped", lambda mode, reason: mode)
     patch.setattr(Mover, "brake", lambda self: False)
 
 

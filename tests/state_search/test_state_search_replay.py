@@ -3,7 +3,7 @@
 
 The search (`test_state_search.py`) leaves to chance how long a phase takes. Here the
 same inputs go to a controller with its real planner and motion, on the robot without physics: every
-way in which an input changes the life of the controller is taken at least once.
+way in which an input changes the mode of the controller is taken at least once.
 """
 
 import pytest
@@ -27,17 +27,17 @@ STEPS = [
 ]
 
 
-def life_of(key):
+def mode_of(key):
     state, is_active, then = key[:3]
     return state, is_active, then if state is State.STOPPING else None
 
 
 def ways():
-    """For each change of life by an input, the shortest way that ends with it."""
+    """For each change of mode by an input, the shortest way that ends with it."""
     graph, found = explore(STEPS), {}
     for key, edges in graph.edges.items():
         for step, edge in edges.items():
-            change, way = (life_of(key), step, life_of(edge.to)), (*graph.way[key], step)
+            change, way = (mode_of(key), step, mode_of(edge.to)), (*graph.way[key], step)
             if change not in found or len(way) < len(found[change]):
                 found[change] = way
     return graph, list(found.values())
@@ -93,10 +93,10 @@ def test_a_controller_with_real_paths_goes_the_way_that_the_search_went(way):
     rig.home = awake_at_home()
     for step in way:
         key = GRAPH.edges[key][step].to
-        do(rig, step, life_of(key))
-        life = rig.executor._life  # a tick that raised shows no view
-        then = life.then if life.state is State.STOPPING else None
-        assert (life.state, life.is_active, then) == life_of(key), str(step)
+        do(rig, step, mode_of(key))
+        mode = rig.executor._mode  # a tick that raised shows no view
+        then = mode.mode_after if mode.state is State.STOPPING else None
+        assert (mode.state, mode.is_active, then) == mode_of(key), str(step)
 
 
 def awake_at_home():

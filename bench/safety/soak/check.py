@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rst_control.admission.recording_gate import ADVANCING
 from rst_control.execution.orders import View
-from rst_control.execution.state_machine import IN_MOTION, Life, State
+from rst_control.execution.state_machine import IN_MOTION, ControllerMode, State
 from rst_control.planning.patient_surface import Placement
 from rst_control.planning.plan import Plan
 from rst_control.robot.setpoint_servo import ServoLimits
@@ -126,20 +126,20 @@ class Checker:
     # Mode.
 
     def _check_life(self, moment: Moment) -> None:
-        was, life = moment.before.life, moment.after.life
-        way = f"{_words(was)} to {_words(life)}, orders {moment.said}"
-        if life.state is State.MOVING:
+        was, mode = moment.before.mode, moment.after.mode
+        way = f"{_words(was)} to {_words(mode)}, orders {moment.said}"
+        if mode.state is State.MOVING:
             if was.state not in (State.ACTIVE, State.MOVING):
                 self._note("mode: motion from elsewhere than active", moment, way)
-            if not life.is_active:
+            if not mode.is_active:
                 self._note("mode: motion while not activated", moment, way)
             if moment.was_stopped:
                 self._note("mode: motion goes on after a stop", moment, way)
         woken = self._is_woken(moment)
-        if was.is_latched and not life.is_latched and not woken:
+        if was.is_latched and not mode.is_latched and not woken:
             self._note('mode: latch lifted without "hey robot"', moment, way)
-        is_up = was.state is State.STOPPING and life.state in (State.ACTIVE, State.MOVING)
-        if is_up and was.then is not State.ACTIVE and not woken:
+        is_up = was.state is State.STOPPING and mode.state in (State.ACTIVE, State.MOVING)
+        if is_up and was.mode_after is not State.ACTIVE and not woken:
             self._note("mode: braking led elsewhere than it should", moment, way)
 
     def _is_woken(self, moment: Moment) -> bool:
@@ -172,7 +172,7 @@ class Checker:
         is_still = not (moved.any() or sent.velocity.any() or last.velocity.any())
         if is_still or self._is_taken_anew(moment, sent):
             return
-        states = (moment.before.life.state, moment.after.life.state)
+        states = (moment.before.mode.state, moment.after.mode.state)
         if not any(state in IN_MOTION for state in states):
             if moved.any() or sent.velocity.any():
                 words = f"{moved.max():.2e} rad in {states[1].value}"
@@ -216,7 +216,7 @@ class Checker:
             self._note("RCM: set-point", moment, f"{place.rcm_error * 1e3:.3f} mm off")
 
     def _follow_stop(self, moment: Moment) -> None:
-        is_still = moment.after.life.state not in IN_MOTION
+        is_still = moment.after.mode.state not in IN_MOTION
         if moment.was_stopped and self._stopped is None:
             self._stopped = self.ticks
         if self._stopped is None:
@@ -254,17 +254,17 @@ class Checker:
 
     def _check_rest(self, moment: Moment) -> None:
         """At rest the joints come to stand once the servo has played what was sent."""
-        if moment.after.life.state in IN_MOTION or moment.is_servo_braking:
+        if moment.after.mode.state in IN_MOTION or moment.is_servo_braking:
             self._rested = moment.now
             return
         if moment.now - self._rested <= SETTLED:
             return
         fastest = float(np.abs(moment.velocity).max())
         if fastest > RESTING:
-            words = f"{fastest:.4f} rad/s in {moment.after.life.state.value}"
+            words = f"{fastest:.4f} rad/s in {moment.after.mode.state.value}"
             self._note("mode: joints move at rest", moment, words)
 
 
-def _words(life: Life) -> str:
-    then = f" to {life.then.value}" if life.state is State.STOPPING else ""
-    return f"{life.state.value}{then}"
+def _words(mode: ControllerMode) -> str:
+    then = f" to {mode.mode_after.value}" if mode.state is State.STOPPING else ""
+    return f"{mode.state.value}{then}"

@@ -144,9 +144,9 @@ class Session:
     @property
     def _standing(self) -> Standing:
         view = self.executor.view
-        is_active = view.life.is_active and self.voice.is_active
+        is_active = view.mode.is_active and self.voice.is_active
         outside = view.placement.is_outside
-        return Standing(is_active, view.life.is_latched, view.is_tissue_held, outside)
+        return Standing(is_active, view.mode.is_latched, view.is_tissue_held, outside)
 
     def _hear(self, event: Event) -> None:
         if not self.voice.is_alive:
@@ -217,7 +217,7 @@ class Session:
     def _publish(self) -> None:
         """What the node's publisher does: empties the diary, and looks after the recording."""
         view = self.executor.view
-        reason = self.watch.stop_reason(view.plan) if view.life.state is State.MOVING else ""
+        reason = self.watch.stop_reason(view.plan) if view.mode.state is State.MOVING else ""
         if reason:
             self.stop(reason)
         while self.executor.diary:

@@ -47,7 +47,7 @@ class Stage:
     @property
     def state(self) -> State:
         """Of the controller."""
-        return self.rig.executor.view.life.state
+        return self.rig.executor.view.mode.state
 
     def ready(self, is_holding: bool | None = None) -> None:
         """At rest and active, with tissue held or not; None: as it is.

@@ -12,7 +12,7 @@ from bench.safety.soak.check import SETTLED, Bounds, Checker, Moment
 from bench.safety.soak.events import FAULTS, TALK, Chance, Standing
 from bench.safety.soak.session import Stretch, carried_out, make_bounds
 from rst_control.execution.orders import View
-from rst_control.execution.state_machine import Life, State
+from rst_control.execution.state_machine import ControllerMode, State
 from rst_control.planning.patient_surface import Placement
 from rst_control.planning.plan import Phase, PhaseKind, Plan
 from rst_control.robot.setpoint_servo import ServoLimits
@@ -30,9 +30,9 @@ BOUNDS = Bounds(
     period=0.002,
     most_periods=5,
 )
-ACTIVE, MOVING = Life(State.ACTIVE, True), Life(State.MOVING, True)
-HALTED = Life(State.HALTED, True, reason="stop")
-BRAKING = Life(State.STOPPING, True, State.HALTED, "stop")
+ACTIVE, MOVING = ControllerMode(State.ACTIVE, True), ControllerMode(State.MOVING, True)
+HALTED = ControllerMode(State.HALTED, True, reason="stop")
+BRAKING = ControllerMode(State.STOPPING, True, State.HALTED, "stop")
 OFF = Setpoint(1.5e-3 * np.eye(10)[1], ZERO, 10.002)
 TENSE = Plan(Command.TENSE, "pulls", (Phase(PhaseKind.REACH),))
 
@@ -42,9 +42,9 @@ def placement(position):
     return Placement(abs(float(position[1])), 0.1, 0.1, -0.1, is_outside=False)
 
 
-def view(life=ACTIVE, plan=None, position=ZERO):
+def view(mode=ACTIVE, plan=None, position=ZERO):
     measured = Measurement(position, ZERO, ZERO, 0.0)
-    return replace(View.at_start(), life=life, plan=plan, measurement=measured)
+    return replace(View.at_start(), mode=mode, plan=plan, measurement=measured)
 
 
 def moment(n=0, **changes):
@@ -100,7 +100,7 @@ def test_what_is_taken_anew_is_no_motion():
     [
         ("mode: motion from elsewhere than active", [ways(HALTED, MOVING)]),
         ("mode: motion from elsewhere than active", [ways(BRAKING, MOVING, said=("hey robot",))]),
-        ("mode: motion while not activated", [ways(MOVING, Life(State.MOVING))]),
+        ("mode: motion while not activated", [ways(MOVING, ControllerMode(State.MOVING))]),
         ("mode: motion goes on after a stop", [ways(MOVING, MOVING, was_stopped=True)]),
         ('mode: latch lifted without "hey robot"', [ways(HALTED, ACTIVE)]),
         ("mode: braking led elsewhere than it should", [ways(BRAKING, ACTIVE)]),

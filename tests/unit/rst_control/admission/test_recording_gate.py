@@ -177,7 +177,7 @@ class RecordedRig(Rig):
     def tick(self):
         self.watch.heard("/recorder", self.problem)
         view = self.executor.view
-        if view.life.state is State.MOVING and (reason := self.watch.stop_reason(view.plan)):
+        if view.mode.state is State.MOVING and (reason := self.watch.stop_reason(view.plan)):
             self.executor.stop(reason)
         return super().tick()
 
@@ -234,7 +234,7 @@ def test_with_the_setting_stop_a_pull_brakes_and_a_release_is_finished():
     rig.until(lambda: rig.executor.view.tension > 0.2)
     rig.record("disk full")
     rig.until(lambda: rig.state is State.HALTED)
-    assert rig.executor.view.life.reason == "not recorded: /recorder: disk full"
+    assert rig.executor.view.mode.reason == "not recorded: /recorder: disk full"
     assert rig.executor.view.is_tissue_held, "a stop keeps the grip"
     rig.say("hey robot")
     rig.finish("release")

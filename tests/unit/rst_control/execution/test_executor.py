@@ -86,7 +86,7 @@ def test_the_seven_commands_do_what_the_table_of_meanings_says():
     assert rig.finish("release").tension == 0.0
     assert not rig.view.is_tissue_held and rig.view.grasp is None
     rig.say("terminate")
-    assert rig.state is State.STANDBY and not rig.view.life.is_active
+    assert rig.state is State.STANDBY and not rig.view.mode.is_active
 
 
 def test_the_measured_joints_are_the_first_set_point():

@@ -43,14 +43,14 @@ class Watch:
         after = self.rig.view
         if setpoint is not None and last is not None:
             self.check_step(before, after, last, setpoint)
-        if after.life.state is State.MOVING:
-            assert after.life.is_active
-            assert before.life.state in (State.MOVING, State.ACTIVE, State.STANDBY, *LATCHED)
+        if after.mode.state is State.MOVING:
+            assert after.mode.is_active
+            assert before.mode.state in (State.MOVING, State.ACTIVE, State.STANDBY, *LATCHED)
         return setpoint
 
     def check_step(self, before, after, last, setpoint):
         moved = np.abs(setpoint.position - last.position)
-        was_in_motion = before.life.state in IN_MOTION or after.life.state in IN_MOTION
+        was_in_motion = before.mode.state in IN_MOTION or after.mode.state in IN_MOTION
         if not was_in_motion:
             assert not setpoint.velocity.any()
             taken_anew = np.array_equal(setpoint.position, after.measurement.position)

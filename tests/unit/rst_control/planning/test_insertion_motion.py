@@ -144,8 +144,8 @@ def test_a_tool_pushed_below_the_surface_beside_the_trocar_brakes(away):
     rig.robot.servo_jp = lambda setpoint: None
     rig.rest()
     assert rig.state is State.FAULTED
-    assert "off the trocar" in rig.view.life.reason
-    assert "above the patient's surface" in rig.view.life.reason
+    assert "off the trocar" in rig.view.mode.reason
+    assert "above the patient's surface" in rig.view.mode.reason
 
 
 def test_a_shaft_pushed_aside_part_way_in_brakes(away):
@@ -155,7 +155,7 @@ def test_a_shaft_pushed_aside_part_way_in_brakes(away):
     rig.robot.servo_jp = lambda setpoint: None
     rig.rest()
     assert rig.state is State.FAULTED
-    assert "off the trocar, allowed 1.00 mm" in rig.view.life.reason
+    assert "off the trocar, allowed 1.00 mm" in rig.view.mode.reason
 
 
 def test_the_watch_sees_every_new_measurement_of_every_tick_of_a_motion(away):
@@ -184,4 +184,4 @@ def test_a_shaft_whose_place_is_not_known_brakes(away, broken):
     rig.executor._locate = lambda joints: place
     rig.rest()
     assert rig.state is State.FAULTED
-    assert "off the trocar" in rig.view.life.reason
+    assert "off the trocar" in rig.view.mode.reason

@@ -17,7 +17,7 @@ def moving(owner):
     rig.say("hey robot")
     rig.say("tense", owner=owner)
     rig.run(0.2)
-    assert rig.executor.view.life.state is State.MOVING
+    assert rig.executor.view.mode.state is State.MOVING
     return rig
 
 
@@ -26,33 +26,33 @@ def test_who_asked_for_a_motion_and_is_lost_stops_it(how):
     rig = moving(PANEL)
     rig.presence.report({PANEL: how})
     rig.tick()
-    assert rig.executor.view.life.state is State.STOPPING
-    rig.until(lambda: rig.executor.view.life.state is State.FAULTED)
-    assert rig.executor.view.life.reason == f"/panel {how} during its motion"
+    assert rig.executor.view.mode.state is State.STOPPING
+    rig.until(lambda: rig.executor.view.mode.state is State.FAULTED)
+    assert rig.executor.view.mode.reason == f"/panel {how} during its motion"
 
 
 def test_it_goes_on_when_somebody_else_is_lost():
     rig = moving(PANEL)
     rig.presence.report({"/other": ENDED})
     rig.run(0.1)
-    assert rig.executor.view.life.state is State.MOVING
+    assert rig.executor.view.mode.state is State.MOVING
 
 
 def test_a_motion_that_nobody_has_to_watch_goes_on():
     rig = moving("")
     rig.presence.report({PANEL: ENDED, "": ENDED})
     rig.run(0.1)
-    assert rig.executor.view.life.state is State.MOVING
+    assert rig.executor.view.mode.state is State.MOVING
 
 
 def test_nothing_goes_on_by_itself_when_it_is_back():
     rig = moving(PANEL)
     rig.presence.report({PANEL: STOPPED})
-    rig.until(lambda: rig.executor.view.life.state is State.FAULTED)
+    rig.until(lambda: rig.executor.view.mode.state is State.FAULTED)
     rig.presence.report({})
     before = rig.executor.view.setpoint
     rig.run(1.0)
-    assert rig.executor.view.life.state is State.FAULTED
+    assert rig.executor.view.mode.state is State.FAULTED
     assert (rig.executor.view.setpoint == before).all()
     rig.say("hey robot")
     rig.say("tense", owner=PANEL)
@@ -65,7 +65,7 @@ def test_who_is_lost_already_sets_nothing_off():
     rig.presence.report({PANEL: ENDED})
     ticket = rig.give("tense", owner=PANEL)
     assert ticket.reply.result().message == "/panel ended"
-    assert rig.executor.view.life.state is State.ACTIVE
+    assert rig.executor.view.mode.state is State.ACTIVE
     rig.say("tense")  # by hand it may
 
 
@@ -73,14 +73,14 @@ def test_without_the_master_all_brakes_and_nothing_begins():
     rig = moving("")
     rig.presence.report({MASTER: ENDED})
     rig.tick()
-    assert rig.executor.view.life.state is State.STOPPING
-    rig.until(lambda: rig.executor.view.life.state is State.FAULTED)
-    assert rig.executor.view.life.reason.startswith("the ROS master ended")
+    assert rig.executor.view.mode.state is State.STOPPING
+    rig.until(lambda: rig.executor.view.mode.state is State.FAULTED)
+    assert rig.executor.view.mode.reason.startswith("the ROS master ended")
     for words in ("hey robot", "tense"):
         assert not rig.give(words).reply.result().accepted
     rig.presence.report({})
     rig.run(0.5)
-    assert rig.executor.view.life.state is State.FAULTED
+    assert rig.executor.view.mode.state is State.FAULTED
     rig.say("hey robot")
 
 
@@ -91,7 +91,7 @@ def test_at_rest_without_the_master_the_grip_is_kept_by_the_same_set_point():
     before = rig.executor.view.setpoint
     rig.presence.report({MASTER: STOPPED})
     rig.run(0.2)
-    assert rig.executor.view.life.state is State.FAULTED
+    assert rig.executor.view.mode.state is State.FAULTED
     rig.presence.report({})
     rig.run(0.2)
     assert all((sent.position == before).all() for sent in rig.sent[-200:])
@@ -101,7 +101,7 @@ def test_a_stop_is_taken_without_the_master():
     rig = moving("")
     rig.say("stop")
     rig.presence.report({MASTER: STOPPED})
-    rig.until(lambda: rig.executor.view.life.is_latched and not rig.executor.view.is_moving)
+    rig.until(lambda: rig.executor.view.mode.is_latched and not rig.executor.view.is_moving)
 
 
 def test_braking_to_a_latch_keeps_the_first_cause_while_the_heartbeat_pauses():
@@ -115,4 +115,4 @@ def test_braking_to_a_latch_keeps_the_first_cause_while_the_heartbeat_pauses():
     rig.say("stop")
     rig.executor.heartbeat(rig.now - 10.0)
     rig.until(lambda: not rig.executor.view.is_moving)
-    assert rig.executor.view.life.state is State.HALTED
+    assert rig.executor.view.mode.state is State.HALTED

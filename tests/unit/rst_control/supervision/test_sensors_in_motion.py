@@ -72,7 +72,7 @@ def test_nothing_goes_on_while_the_sensors_lie_nor_after_until_hey_robot():
     rng = np.random.default_rng(1)
     end = spoil(rig, lambda m: replace(m, position=m.position + rng.choice([0.0, 0.05])))
     rig.until(lambda: rig.state is State.FAULTED, limit=1.0)
-    assert re.search(r"sensor fault: joint_\d jumped by .0.05", rig.view.life.reason)
+    assert re.search(r"sensor fault: joint_\d jumped by .0.05", rig.view.mode.reason)
     assert "sensor fault" in rig.refused("hey robot")
     end()
     assert rig.state is State.FAULTED

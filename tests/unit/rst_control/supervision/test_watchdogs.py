@@ -151,7 +151,7 @@ def fault_in_motion(rig, fault):
 def test_each_fault_brakes_along_the_path_and_latches_with_its_name(fault):
     rig = Rig().moving("pull")
     sent = fault_in_motion(rig, fault)
-    assert FAULTS[fault] in rig.view.life.reason
+    assert FAULTS[fault] in rig.view.mode.reason
     assert max(rig.rcm(s.position) for s in sent) < 1e-6
     speed = [np.linalg.norm(s.velocity) for s in sent]
     assert speed[-1] < 1e-9
@@ -204,7 +204,7 @@ def test_an_error_in_the_loop_brakes_and_a_second_one_leaves_holding_to_the_robo
     rig.executor.crashed(ArithmeticError("not a number"))
     rig.executor._locate = locate
     rig.tick()
-    assert rig.state is State.STOPPING and "not a number" in rig.view.life.reason
+    assert rig.state is State.STOPPING and "not a number" in rig.view.mode.reason
     rig.executor.crashed(ArithmeticError("again"))
     assert rig.executor._mover.motion is None
     rig.robot.hold()
@@ -222,7 +222,7 @@ def test_a_spoken_command_brakes_when_the_voice_node_falls_silent():
         rig.executor.heartbeat(rig.now)
     assert rig.state is State.MOVING
     rig.until(lambda: rig.state is State.FAULTED, limit=1.0)
-    assert "voice node silent" in rig.view.life.reason
+    assert "voice node silent" in rig.view.mode.reason
 
 
 def test_a_robot_that_held_by_itself_wakes_though_set_points_went_on_while_it_stood():
@@ -232,10 +232,10 @@ def test_a_robot_that_held_by_itself_wakes_though_set_points_went_on_while_it_st
     rig.robot.fault = "set-points stopped coming while moving, 21 ms ago"
     rig.until(lambda: not rig.executor.view.is_moving)
     rig.run(0.5)
-    assert rig.executor.view.life.reason.startswith("robot fault: set-points stopped")
+    assert rig.executor.view.mode.reason.startswith("robot fault: set-points stopped")
     rig.say("hey robot")
     rig.run(0.5)
-    assert rig.executor.view.life.state is State.ACTIVE
+    assert rig.executor.view.mode.state is State.ACTIVE
 
 
 def test_a_command_by_hand_needs_no_voice_node():
@@ -248,7 +248,7 @@ def test_a_phase_that_takes_too_long_brakes():
     rig = Rig(config=with_watchdogs(phase_timeout=2.0)).moving("reach")
     rig.now += 3.5  # in which the way, late for once, goes on by five periods only
     rig.until(lambda: rig.state is State.FAULTED, limit=0.5)
-    assert "2 s longer than planned" in rig.view.life.reason
+    assert "2 s longer than planned" in rig.view.mode.reason
 
 
 def test_a_long_way_may_take_its_time():
@@ -267,7 +267,7 @@ def test_a_shaft_off_the_trocar_brakes():
     rig.robot.push(np.full(10, 1e-3))
     rig.robot.servo_jp = lambda setpoint: None
     rig.until(lambda: rig.state is State.FAULTED, limit=0.5)
-    assert "off the trocar" in rig.view.life.reason
+    assert "off the trocar" in rig.view.mode.reason
 
 
 def test_an_arm_pushed_away_at_rest_latches():

@@ -129,7 +129,7 @@ class Rig:
 
     @property
     def state(self):
-        return self.view.life.state
+        return self.view.mode.state
 
     @property
     def phase(self):

@@ -109,7 +109,7 @@ def test_a_lost_recording_that_stops_is_a_fault_and_no_persons_stop():
 def test_the_controllers_own_error_is_known():
     rig = Rig().moving("reach")
     rig.executor.crashed(ArithmeticError("not a number"))
-    assert find(LATCHES, rig.executor._life.reason, UNKNOWN).name == "loop error"
+    assert find(LATCHES, rig.executor._mode.reason, UNKNOWN).name == "loop error"
 
 
 def test_every_reason_of_verification_has_a_next_step():

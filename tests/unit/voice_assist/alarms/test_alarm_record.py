@@ -110,7 +110,7 @@ AT_REST = {
 
 
 def latched(rig):
-    return rig.executor._life.state in LATCHED
+    return rig.executor._mode.state in LATCHED
 
 
 def events(rig):
@@ -129,8 +129,8 @@ def test_what_stops_a_motion_is_in_the_diary_and_in_the_state_with_its_cause(hap
     rig.until(lambda: latched(rig), limit=2.0)
     rig.tick()
     assert causes(events(rig)) == {IN_MOTION[happening]}
-    assert rig.view.life.is_latched
-    assert find(LATCHES, rig.view.life.reason, UNKNOWN).name == IN_MOTION[happening]
+    assert rig.view.mode.is_latched
+    assert find(LATCHES, rig.view.mode.reason, UNKNOWN).name == IN_MOTION[happening]
 
 
 @pytest.mark.parametrize("happening", AT_REST, ids=lambda h: h.__name__)
@@ -162,7 +162,7 @@ def test_a_loop_that_fails_again_and_again_still_tells_its_state():
         with pytest.raises(ArithmeticError) as raised:
             rig.tick()
         rig.executor.crashed(raised.value)
-    assert rig.view.life.state is State.FAULTED and "not a number" in rig.view.life.reason
+    assert rig.view.mode.state is State.FAULTED and "not a number" in rig.view.mode.reason
     assert rig.view.stamp > before
     assert causes(events(rig)) == {"loop error"}
 

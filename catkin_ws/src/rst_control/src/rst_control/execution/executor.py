@@ -28,7 +28,7 @@ from rst_control.execution.orders import (
 )
 from rst_control.execution.setpoint import STILL, Mover
 from rst_control.execution.snapshot import view_of
-from rst_control.execution.state_machine import Life, State
+from rst_control.execution.state_machine import ControllerMode, State
 from rst_control.planning.patient_surface import NOWHERE, Placement
 from rst_control.planning.plan import Rejected
 from rst_control.supervision.watchdogs import Watchdogs, Watched
@@ -64,7 +64,7 @@ class Executor:
         self._now = 0.0
         self._measured: Measurement | None = None
         self._placement, self._max_rcm_error = NOWHERE, 0.0
-        self._life, self._life_changes = Life(), 0
+        self._mode, self._mode_changes = ControllerMode(), 0
         self._ledger = Ledger()
         self._waking = Waking(self._cannot_wake, clear_fault, self._refuse)
         self._health, self._heartbeat = "", -np.inf
@@ -136,13 +136,13 @@ class Executor:
     def crashed(self, error: Exception) -> None:
         """After a tick raised: brake along the path; where that raises too, let the robot hold."""
         reason = f"error in the control loop: {error!r}"[:300]
-        if self._life.reason != reason:
+        if self._mode.reason != reason:
             log.error(reason, exc_info=error)
-        if self._mover.motion is not None and self._life.then is not State.FAULTED:
+        if self._mover.motion is not None and self._mode.mode_after is not State.FAULTED:
             self._fault(reason)
         else:
             self._mover.lose()
-            self._latch(state_machine.at_rest(state_machine.faulted(self._life, reason)))
+            self._latch(state_machine.at_rest(state_machine.faulted(self._mode, reason)))
             self._end_order("failed", reason)
         self.view = self._seen()  # the tick did not come to it
 
@@ -162,7 +162,7 @@ class Executor:
             self._ledger.note(received or self._now, "stop_received", Command.STOP.value, reason)
             self._waking.drop("stopped")
             self._older = len(self._orders)
-            self._latch(state_machine.stopped(self._life, reason))
+            self._latch(state_machine.stopped(self._mode, reason))
 
     def _take_change(self) -> None:
         if not self._changes:
@@ -178,7 +178,7 @@ class Executor:
         for _ in range(min(ORDERS_PER_TICK, len(self._orders))):
             order = self._orders.popleft()
             outrun = self._outrun(order)
-            refusal = state_machine.refusal(self._life, order.command) or outrun
+            refusal = state_machine.refusal(self._mode, order.command) or outrun
             if refusal is not None:
                 self._refuse(order, refusal)
             elif order.serial != self._serial and order.stale is not None:
@@ -207,17 +207,17 @@ class Executor:
             self._refuse(order, refusal)
             return
         self._end_order("stopped", f'replaced by "{order.command.value}"')
-        if self._life.state is not State.MOVING:
+        if self._mode.state is not State.MOVING:
             self._max_rcm_error = self._placement.rcm_error
         self._ledger.order = order
-        self._change(state_machine.started(self._life))
+        self._change(state_machine.started(self._mode))
         self._ledger.accept(self._now, order)
         self._note("motion_started", order.command.value, order.plan.words)
 
     def _terminate(self, order: Order) -> None:
         self._ledger.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
-        self._latch(state_machine.terminated(self._life))
+        self._latch(state_machine.terminated(self._mode))
 
     def _cannot_wake(self) -> Rejected | None:
         return self._watchdogs.waking(self._now, self._measured, self._mover.motion is not None)
@@ -225,7 +225,7 @@ class Executor:
     def _resume(self, order: Order | None) -> None:
         if order is None:
             return
-        was, measured, held = self._life, self._measured, self._mover.held
+        was, measured, held = self._mode, self._measured, self._mover.held
         if (
             measured is not None
             and self._mover.motion is None
@@ -241,17 +241,17 @@ class Executor:
     def _move(self, motion: Motion, periods: int) -> Vector:
         self._watch(motion)
         velocity = self._mover.advance(periods, self._measured, self._now)
-        if motion.failure and self._life.state is State.MOVING:
-            self._latch(state_machine.failed(self._life))
+        if motion.failure and self._mode.state is State.MOVING:
+            self._latch(state_machine.failed(self._mode))
         if motion.is_done:
             self._finish(motion)
         return velocity
 
     def _watch(self, motion: Motion) -> None:
-        if self._life.state is State.STOPPING and self._life.then is State.FAULTED:
+        if self._mode.state is State.STOPPING and self._mode.mode_after is State.FAULTED:
             return
         # Braking to a latch needs no voice: its heartbeat pauses after a stop.
-        is_heard = self._ledger.is_spoken and not self._life.is_latched
+        is_heard = self._ledger.is_spoken and not self._mode.is_latched
         held = self._mover.held
         watched = Watched(
             setpoint=np.zeros(JOINT_COUNT) if held is None else held,
@@ -265,7 +265,7 @@ class Executor:
         self._fault(self._watchdogs.motion(self._now, self._measured, watched))
 
     def _finish(self, motion: Motion) -> None:
-        was = self._life
+        was = self._mode
         self._mover.finish()
         self._change(state_machine.at_rest(was))
         if was.state is State.MOVING:
@@ -276,7 +276,7 @@ class Executor:
         self._note("at_rest", self._ledger.command, reason)
         self._note_latch()
         self._end_order(
-            "stopped" if was.then in (State.HALTED, State.STANDBY) else "failed", reason
+            "stopped" if was.mode_after in (State.HALTED, State.STANDBY) else "failed", reason
         )
 
     def _rest(self) -> Vector:
@@ -294,7 +294,7 @@ class Executor:
         if held is None:
             if self._watchdogs.is_at_rest(measured):
                 self._synchronise(measured)
-        elif self._life.state is State.ACTIVE:
+        elif self._mode.state is State.ACTIVE:
             self._fault(self._watchdogs.following(measured, held))
         if not measured.gripped:
             self._mover.drop_grasp()
@@ -307,30 +307,30 @@ class Executor:
 
     @property
     def _serial(self) -> int:
-        return self._life_changes + self._mover.changes + self._changed
+        return self._mode_changes + self._mover.changes + self._changed
 
     @property
     def _tension(self) -> float:
         return self._measured.tension if self._measured else 0.0
 
-    def _change(self, life: Life) -> None:
-        if life != self._life:
-            self._life = life
-            self._life_changes += 1
+    def _change(self, mode: ControllerMode) -> None:
+        if mode != self._mode:
+            self._mode = mode
+            self._mode_changes += 1
 
-    def _latch(self, life: Life) -> None:
+    def _latch(self, mode: ControllerMode) -> None:
         """Take a state in which nothing moves; brake where something does."""
-        was = self._life
-        is_told = was.state in state_machine.LATCHED and was.reason == life.reason
-        self._change(life)
+        was = self._mode
+        is_told = was.state in state_machine.LATCHED and was.reason == mode.reason
+        self._change(mode)
         if not self._mover.brake() and not is_told:
             self._note_latch()
 
     def _fault(self, reason: str) -> None:
         if reason:
-            life = state_machine.faulted(self._life, reason)
-            if life != self._life:
-                self._latch(life)
+            mode = state_machine.faulted(self._mode, reason)
+            if mode != self._mode:
+                self._latch(mode)
 
     def _refuse(self, order: Order, refusal: Rejected) -> None:
         self._ledger.refuse(self._now, order, refusal, self._tension)
@@ -342,13 +342,13 @@ class Executor:
         self._ledger.note(self._now, kind, command, message)
 
     def _note_latch(self) -> None:
-        if self._life.state in state_machine.LATCHED:
-            self._note("halted", self._ledger.command, self._life.reason)
+        if self._mode.state in state_machine.LATCHED:
+            self._note("halted", self._ledger.command, self._mode.reason)
 
     def _seen(self) -> View:
         return view_of(
             self._now,
-            self._life,
+            self._mode,
             self._serial,
             self._mover,
             self._ledger,

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
-from rst_control.execution.state_machine import IN_MOTION, Life, State
+from rst_control.execution.state_machine import IN_MOTION, ControllerMode, State
 from rst_control.planning.patient_surface import NOWHERE, Placement
 from rst_control.planning.plan import Grasp, PhaseKind, Plan, Situation
 from rst_control.trajectory.path import Path
@@ -94,7 +94,7 @@ class View:
     """The executor's state after one tick; never changes, so any thread may read it."""
 
     stamp: float  # [s]
-    life: Life
+    mode: ControllerMode
     serial: int  # changes whenever what verification looks at has changed, but for the measurement
     motion: Glimpse | None  # None: at rest
     plan: Plan | None  # under way; None: at rest
@@ -113,7 +113,7 @@ class View:
         """Before the first tick."""
         return cls(
             stamp=0.0,
-            life=Life(),
+            mode=ControllerMode(),
             serial=0,
             motion=None,
             plan=None,
@@ -133,7 +133,7 @@ class View:
         """Of the motion, or "brake" or "hold"."""
         if self.motion is None:
             return "hold"
-        return "brake" if self.life.state is State.STOPPING else self.motion.phase.value
+        return "brake" if self.mode.state is State.STOPPING else self.motion.phase.value
 
     @property
     def rcm_error(self) -> float:
@@ -151,7 +151,7 @@ class View:
     @property
     def is_moving(self) -> bool:
         """A motion or its braking is under way."""
-        return self.life.state in IN_MOTION
+        return self.mode.state in IN_MOTION
 
     @property
     def is_tissue_held(self) -> bool:
@@ -174,9 +174,9 @@ class View:
             measurement=self.measurement,
             now=now,
             setpoint=self.setpoint,
-            is_active=self.life.is_active,
+            is_active=self.mode.is_active,
             is_moving=self.is_moving,
-            halt_reason=self.life.reason if self.life.is_latched else "",
+            halt_reason=self.mode.reason if self.mode.is_latched else "",
             grasp=self.grasp,
         )
 

@@ -6,14 +6,14 @@ from __future__ import annotations
 from rst_control.execution.event_log import Ledger
 from rst_control.execution.orders import View
 from rst_control.execution.setpoint import Mover
-from rst_control.execution.state_machine import Life
+from rst_control.execution.state_machine import ControllerMode
 from rst_control.planning.patient_surface import Placement
 from rst_control.types import Measurement
 
 
 def view_of(
     now: float,
-    life: Life,
+    mode: ControllerMode,
     serial: int,
     mover: Mover,
     ledger: Ledger,
@@ -25,7 +25,7 @@ def view_of(
 
     Args:
         now: Time of the tick [s].
-        life: Its state.
+        mode: Its state.
         serial: Number of this situation.
         mover: Motion, set-point and grasp.
         ledger: Command and last refusal.
@@ -37,7 +37,7 @@ def view_of(
     holds = measured is not None and measured.gripped
     return View(
         stamp=now,
-        life=life,
+        mode=mode,
         serial=serial,
         motion=None if motion is None else motion.glimpse,
         plan=None if motion is None else motion.plan,

@@ -34,118 +34,120 @@ IN_MOTION = (State.MOVING, State.STOPPING)
 
 
 @dataclass(frozen=True)
-class Life:
-    """State of the controller, with what braking will lead to."""
+class ControllerMode:
+    """State of the controller, and the state that braking leads to."""
 
     state: State = State.STANDBY
     is_active: bool = False  # "hey robot" was said, and no "terminate" since
-    then: State = State.STANDBY  # where STOPPING ends
+    mode_after: State = State.STANDBY  # where STOPPING ends
     reason: str = ""  # why it is halted or faulted, or will be once at rest
 
     @property
     def is_latched(self) -> bool:
         """Nothing moves until "hey robot"; true while still braking towards a latch, too."""
-        return self.state in LATCHED or (self.state is State.STOPPING and self.then in LATCHED)
+        return self.state in LATCHED or (
+            self.state is State.STOPPING and self.mode_after in LATCHED
+        )
 
 
-def refusal(life: Life, command: Command) -> Rejected | None:
+def refusal(mode: ControllerMode, command: Command) -> Rejected | None:
     """Why the state forbids a command; None where it is allowed."""
     if command is Command.STOP:
         return None
     if command is Command.HEY_ROBOT:
-        braking = life.state is State.STOPPING
+        braking = mode.state is State.STOPPING
         return (
             Rejected(Reason.NOT_AT_REST, "still braking; say it again at rest") if braking else None
         )
-    if life.state is State.STANDBY:
+    if mode.state is State.STANDBY:
         return Rejected(Reason.WRONG_MODE, 'in standby; say "hey robot" first')
     if command is Command.TERMINATE:
         return None
-    return _motion_refusal(life, command)
+    return _motion_refusal(mode, command)
 
 
-def _motion_refusal(life: Life, command: Command) -> Rejected | None:
-    if life.state is State.ACTIVE or (life.state is State.MOVING and command in RETARGETS):
+def _motion_refusal(mode: ControllerMode, command: Command) -> Rejected | None:
+    if mode.state is State.ACTIVE or (mode.state is State.MOVING and command in RETARGETS):
         return None
-    if life.state is State.MOVING:
+    if mode.state is State.MOVING:
         return Rejected(Reason.BUSY, 'busy moving; wait, or say "stop"')
-    if life.state is State.STOPPING and not life.is_latched:
+    if mode.state is State.STOPPING and not mode.is_latched:
         return Rejected(Reason.NOT_AT_REST, "braking; wait until the robot is at rest")
-    reason = Reason.FAULTED if State.FAULTED in (life.state, life.then) else Reason.HALTED
-    return Rejected(reason, f'halted ({life.reason}); say "hey robot" to go on')
+    reason = Reason.FAULTED if State.FAULTED in (mode.state, mode.mode_after) else Reason.HALTED
+    return Rejected(reason, f'halted ({mode.reason}); say "hey robot" to go on')
 
 
-def activated(life: Life) -> Life:
+def activated(mode: ControllerMode) -> ControllerMode:
     """After "hey robot" was accepted: any latch is cleared. A motion under way goes on."""
-    if life.state in IN_MOTION:
-        return life
-    return Life(State.ACTIVE, is_active=True)
+    if mode.state in IN_MOTION:
+        return mode
+    return ControllerMode(State.ACTIVE, is_active=True)
 
 
-def started(life: Life) -> Life:
+def started(mode: ControllerMode) -> ControllerMode:
     """After a verified motion was accepted.
 
     Raises:
         ValueError: The state allows no motion.
     """
-    if life.state not in (State.ACTIVE, State.MOVING):
-        raise ValueError(f"motion from state {life.state.value}, allowed: active, moving")
-    return replace(life, state=State.MOVING)
+    if mode.state not in (State.ACTIVE, State.MOVING):
+        raise ValueError(f"motion from state {mode.state.value}, allowed: active, moving")
+    return replace(mode, state=State.MOVING)
 
 
-def at_rest(life: Life) -> Life:
+def at_rest(mode: ControllerMode) -> ControllerMode:
     """After the motion reached its end, or braking came to rest."""
-    match life.state:
+    match mode.state:
         case State.MOVING:
-            return replace(life, state=State.ACTIVE)
+            return replace(mode, state=State.ACTIVE)
         case State.STOPPING:
-            return replace(life, state=life.then)
+            return replace(mode, state=mode.mode_after)
         case _:
-            return life
+            return mode
 
 
-def stopped(life: Life, reason: str) -> Life:
+def stopped(mode: ControllerMode, reason: str) -> ControllerMode:
     """After a stop by a person or program, in any state: halted, or braking towards it."""
-    match life.state:
+    match mode.state:
         case State.MOVING:
-            return replace(life, state=State.STOPPING, then=State.HALTED, reason=reason)
-        case State.STOPPING if life.then not in LATCHED:
-            return replace(life, then=State.HALTED, reason=reason)
+            return replace(mode, state=State.STOPPING, mode_after=State.HALTED, reason=reason)
+        case State.STOPPING if mode.mode_after not in LATCHED:
+            return replace(mode, mode_after=State.HALTED, reason=reason)
         case State.STANDBY | State.ACTIVE:
-            return replace(life, state=State.HALTED, reason=reason)
+            return replace(mode, state=State.HALTED, reason=reason)
         case _:
-            return life  # the first cause stays the one that is told
+            return mode  # the first cause is the one reported
 
 
-def faulted(life: Life, reason: str) -> Life:
+def faulted(mode: ControllerMode, reason: str) -> ControllerMode:
     """After a watchdog fired; in standby there is nothing to stop, and waking asks for health."""
-    match life.state:
+    match mode.state:
         case State.MOVING:
-            return replace(life, state=State.STOPPING, then=State.FAULTED, reason=reason)
-        case State.STOPPING if life.then is not State.FAULTED:
-            return replace(life, then=State.FAULTED, reason=reason)
+            return replace(mode, state=State.STOPPING, mode_after=State.FAULTED, reason=reason)
+        case State.STOPPING if mode.mode_after is not State.FAULTED:
+            return replace(mode, mode_after=State.FAULTED, reason=reason)
         case State.ACTIVE | State.HALTED:
-            return replace(life, state=State.FAULTED, reason=reason)
+            return replace(mode, state=State.FAULTED, reason=reason)
         case _:
-            return life
+            return mode
 
 
-def failed(life: Life) -> Life:
+def failed(mode: ControllerMode) -> ControllerMode:
     """After a motion could not reach its end, with nothing else wrong: braking, then active."""
-    if life.state is State.MOVING:
-        return replace(life, state=State.STOPPING, then=State.ACTIVE)
-    return life
+    if mode.state is State.MOVING:
+        return replace(mode, state=State.STOPPING, mode_after=State.ACTIVE)
+    return mode
 
 
-def terminated(life: Life) -> Life:
+def terminated(mode: ControllerMode) -> ControllerMode:
     """After "terminate": braking, then standby. A latch stays until "hey robot" clears it."""
-    life = replace(life, is_active=False)
-    match life.state:
+    mode = replace(mode, is_active=False)
+    match mode.state:
         case State.MOVING:
-            return replace(life, state=State.STOPPING, then=State.STANDBY)
-        case State.STOPPING if life.then is State.ACTIVE:
-            return replace(life, then=State.STANDBY)
+            return replace(mode, state=State.STOPPING, mode_after=State.STANDBY)
+        case State.STOPPING if mode.mode_after is State.ACTIVE:
+            return replace(mode, mode_after=State.STANDBY)
         case State.ACTIVE:
-            return replace(life, state=State.STANDBY)
+            return replace(mode, state=State.STANDBY)
         case _:
-            return life
+            return mode

@@ -75,8 +75,8 @@ def decide(site: Site, view: View) -> Reply:
     measured = view.measurement
     if refusal or measured is None:
         return Reply(False, refusal)
-    if view.life.state is State.FAULTED:
-        return Reply(False, f'halted ({view.life.reason}); say "hey robot" first')
+    if view.mode.state is State.FAULTED:
+        return Reply(False, f'halted ({view.mode.reason}); say "hey robot" first')
     if measured.gripped:
         words = "tissue is held, and its ways out lead through the present trocar"
         return Reply(False, f'{words}; say "release" first')
@@ -86,7 +86,7 @@ def decide(site: Site, view: View) -> Reply:
 def unrest(view: View, now: float, watchdogs: WatchdogConfig) -> str:
     """Why the robot is not known to be healthy and at rest at a time [s]; empty: it is."""
     if view.is_moving:
-        return f"{view.life.state.value}; wait until the robot is at rest"
+        return f"{view.mode.state.value}; wait until the robot is at rest"
     measured = view.measurement
     if view.health or measured is None:
         return view.health

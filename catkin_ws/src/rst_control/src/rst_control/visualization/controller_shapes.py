@@ -104,7 +104,7 @@ class ControllerShapes:
 def tension_words(view: View) -> str:
     """Tension, where it is to go, and the state: "1.02 N -> 1.25 N, active"."""
     goal = f" -> {view.tension_target:.2f} N" if view.tension_target else ""
-    return f"{view.tension:.2f} N{goal}, {view.life.state.value}"
+    return f"{view.tension:.2f} N{goal}, {view.mode.state.value}"
 
 
 def rcm_words(error: float) -> str:

@@ -31,14 +31,14 @@ class RosClock:
 
 def state_message(view: View, clock: RosClock) -> ControllerState:
     """The controller's state for `rst_control/state`."""
-    life, motion = view.life, view.motion
+    mode, motion = view.mode, view.motion
     message = ControllerState(
-        state=life.state.value,
+        state=mode.state.value,
         phase=view.phase,
         command=view.command,
-        active=life.is_active,
-        halted=life.state in LATCHED,
-        halt_reason=life.reason if life.is_latched else "",
+        active=mode.is_active,
+        halted=mode.state in LATCHED,
+        halt_reason=mode.reason if mode.is_latched else "",
         tissue_held=view.is_tissue_held,
         progress=motion.progress if motion else 1.0,
         path_position=view.path_position,

@@ -53,14 +53,14 @@ class Diagnostics:
     def _robot(
         self, view: View, objection: str, command_age: float, trocar: str
     ) -> DiagnosticStatus:
-        level, message = DiagnosticStatus.OK, view.life.state.value
-        if view.life.state in LATCHED:
+        level, message = DiagnosticStatus.OK, view.mode.state.value
+        if view.mode.state in LATCHED:
             level = DiagnosticStatus.WARN
-            message = f'{message}: {view.life.reason}; say "hey robot" to go on'
+            message = f'{message}: {view.mode.reason}; say "hey robot" to go on'
         if view.health:
             level, message = DiagnosticStatus.ERROR, view.health
         values = {
-            "state": view.life.state.value,
+            "state": view.mode.state.value,
             "phase": view.phase,
             "rcm error [um]": f"{view.rcm_error * 1e6:.1f}",
             "trocar": trocar,

@@ -50,7 +50,7 @@ class RecordingLink:
 
     def look(self, view: View) -> None:
         """Stop what may not go on unrecorded, and tell what is new."""
-        if view.life.state is State.MOVING and (reason := self._watch.stop_reason(view.plan)):
+        if view.mode.state is State.MOVING and (reason := self._watch.stop_reason(view.plan)):
             self._executor.stop(reason)
         news = self._news.next()
         if news is None:
