@@ -12,7 +12,7 @@ import pytest
 
 from rst_control.commands.camera_step import WAYS
 from typed_config import load_config, load_yaml
-from voice_assist.cli import main
+from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR, CommandsConfig
 from voice_assist.intent.mapper import Mapper
 from voice_assist.text.phonetic_distance import can_pronounce

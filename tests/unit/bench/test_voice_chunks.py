@@ -8,7 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from bench.voice import held_out_voices, merge_results, mixing, resumable, resumable_archive
+from bench.voice import (
+    fingerprint,
+    held_out_voices,
+    merge_results,
+    mixing,
+    resumable,
+    resumable_archive,
+)
 from bench.voice.held_out_voices import Voice, spread
 from bench.voice.mixing import Trial, stream_of, twice
 from bench.voice.replay_stream import Heard, Said, Scene
@@ -38,7 +45,7 @@ def listened(tmp_path, monkeypatch):
         seen.append(scene)
         return Heard((Said(0.1, "stop", True, 0.9, "spotter", "stop", ""),), 0.032, 0.001, 0.032)
 
-    monkeypatch.setattr(resumable.voice_sets, "CACHE", tmp_path)
+    monkeypatch.setattr(resumable.clips, "CACHE", tmp_path)
     monkeypatch.setattr(resumable, "_pool", lambda model, jobs: ThreadPoolExecutor(jobs))
     monkeypatch.setattr(resumable, "_LISTENERS", [hear])
     monkeypatch.setattr(resumable, "identity", lambda model="": f"key-of-{model}")
@@ -64,7 +71,7 @@ def test_pieces_kept_beside_the_results_are_counted_on_another_machine(
     kept = tmp_path / "kept"
     assert resumable_archive.keep("part", plan, kept, "") == 2
     assert resumable_archive.keep("part", plan, kept, "") == 0
-    monkeypatch.setattr(resumable.voice_sets, "CACHE", tmp_path / "elsewhere")
+    monkeypatch.setattr(resumable.clips, "CACHE", tmp_path / "elsewhere")
     assert resumable_archive.restore("part", kept, "another") == 0
     assert resumable_archive.restore("part", kept, "") == 2
     again = resumable.measured("part", {"": plan}, "")[""]
@@ -81,7 +88,7 @@ def test_of_a_piece_that_is_kept_only_what_was_taken_is_left(listened, tmp_path,
     plan = [Piece(seed) for seed in range(3)]
     resumable.measured("part", {"": plan}, "")
     resumable_archive.keep("part", plan, tmp_path / "kept", "")
-    monkeypatch.setattr(resumable.voice_sets, "CACHE", tmp_path / "elsewhere")
+    monkeypatch.setattr(resumable.clips, "CACHE", tmp_path / "elsewhere")
     resumable_archive.restore("part", tmp_path / "kept", "")
     found = resumable.measured("part", {"": plan}, "")[""]
     assert [r.heard.taken for r in found] == [("stop",), ("stop",), ()]
@@ -152,22 +159,33 @@ def test_code_digest_follows_the_code_and_not_its_comments(tmp_path):
     assert digest_of("x = 2\n") != plain
 
 
-def test_code_that_hears_nothing_changes_no_digest(tmp_path):
-    (tmp_path / "training").mkdir()
-    (tmp_path / "pipeline.py").write_text("x = 1\n")
-    before = resumable.code(tmp_path)
-    (tmp_path / "training" / "fit.py").write_text("y = 1\n")
-    (tmp_path / "cli.py").write_text("y = 1\n")
-    assert resumable.code(tmp_path) == before
-    (tmp_path / "judge.py").write_text("y = 1\n")
-    assert resumable.code(tmp_path) != before
+@pytest.fixture
+def decided(tmp_path, monkeypatch):
+    """What the pipeline decides on the fixed clips, instead of half a minute of listening."""
+    decided = ["stop"]
+    monkeypatch.setattr(fingerprint, "decisions", lambda model: list(decided))
+    monkeypatch.setattr(resumable.clips, "CACHE", tmp_path)
+    return decided
 
 
-def test_the_key_is_of_the_pipeline_that_really_runs(monkeypatch):
+def test_code_that_decides_the_same_keeps_the_key_and_other_decisions_change_it(
+    decided, monkeypatch
+):
+    before = resumable.identity.__wrapped__("embedded")
+    monkeypatch.setattr(resumable, "code", lambda folder: "moved")
+    assert resumable.identity.__wrapped__("embedded") == before
+    monkeypatch.setattr(resumable, "code", lambda folder: "changed")
+    decided.append("hold")
+    assert resumable.identity.__wrapped__("embedded") != before
+
+
+def test_decisions_are_made_anew_by_other_code_of_the_pipeline_that_really_runs(
+    decided, monkeypatch
+):
     seen = []
     monkeypatch.setattr(resumable, "code", lambda folder: seen.append(folder) or "x")
     resumable.identity.__wrapped__("embedded")
-    assert (seen[0] / "judge.py").is_file()
+    assert (seen[0] / "pipeline" / "pipeline.py").is_file()
 
 
 def identity_with(monkeypatch, **changes):
@@ -179,12 +197,12 @@ def identity_with(monkeypatch, **changes):
 
 
 @pytest.mark.parametrize("change", ["spotter__alone", "recognizer__early__settle"])
-def test_another_setting_gives_another_key(monkeypatch, change):
+def test_another_setting_gives_another_key(decided, monkeypatch, change):
     before = resumable.identity.__wrapped__("embedded")
     assert identity_with(monkeypatch, **{change: 0.0625}) != before
 
 
-def test_how_long_the_node_lets_recognition_hang_is_no_part_of_the_key(monkeypatch):
+def test_how_long_the_node_lets_recognition_hang_is_no_part_of_the_key(decided, monkeypatch):
     before = resumable.identity.__wrapped__("embedded")
     assert identity_with(monkeypatch, recognizer__hung_after=0.125) == before
 

@@ -124,7 +124,7 @@ def test_a_crash_of_what_is_kept_does_not_end_the_keeper(tmp_path):
     "waits", ["signal.pause()", "[signal.signal(n, lambda *_: 0) for n in (2, 15)]"]
 )
 def test_what_is_kept_ends_when_whoever_started_the_keeper_is_killed(tmp_path, waits):
-    program = "from rst_control import keep; keep.PATIENCE = 0.2; keep.main()"
+    program = "from rst_control.host import respawn; respawn.PATIENCE = 0.2; respawn.main()"
     words = command(tmp_path, f"{waits}\nwhile True: signal.pause()")
     starter = f"import subprocess; subprocess.run({(sys.executable, '-c', program, *words)!r})"
     process = subprocess.Popen((sys.executable, "-c", starter), env=with_paths())

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import wave
 
-from session_log.export import export
+from session_log.export.export import export
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
 from support.story import Story

@@ -17,7 +17,7 @@ from voice_assist.alarms.earcons import PATTERNS
 from voice_assist.alarms.presenter import latch_alarm
 from voice_assist.alarms.screen import AlarmScreen
 from voice_assist.alarms.types import Earcon, Kind, Priority
-from voice_assist.cli import main
+from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.alarms import alarms_config, load_alarms_config
 

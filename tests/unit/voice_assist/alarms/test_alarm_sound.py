@@ -15,7 +15,7 @@ from voice_assist.alarms.player import Player
 from voice_assist.alarms.presenter import latch_alarm
 from voice_assist.alarms.sound_output import ProgramOutput, player_command, write_sounds
 from voice_assist.alarms.types import Alarm, Earcon, Kind, Priority
-from voice_assist.cli import main
+from voice_assist.cli.main import main
 from voice_assist.config.alarms import load_alarms_config
 from voice_assist.errors import AudioError
 from voice_assist.types import RATE

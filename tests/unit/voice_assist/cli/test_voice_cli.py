@@ -6,8 +6,8 @@ from rich.console import Console
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, make_detector, say
 from voice_assist.cli import listen as listen_module
-from voice_assist.cli import main
 from voice_assist.cli.listen import Screen, row
+from voice_assist.cli.main import main
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.types import Decision, Hypothesis, Lost, Match, Mode, NoMatch, Partial
 

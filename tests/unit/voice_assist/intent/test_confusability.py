@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from voice_assist.cli import main
+from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.intent.confusability import ALIKE, TOO_ALIKE, closest_pairs, nearest, objection
 from voice_assist.text import phonetic_distance as pronunciation

@@ -13,8 +13,8 @@ from rst_control.errors import Collision, Infeasible, NoGrasp
 from rst_control.planning import free_space, insertion  # noqa: F401  # their errors are subclasses below
 
 SOURCE = Path(rst_control.__path__[0])
-if not (SOURCE / "lifecycle.py").exists():  # the devel space joins source and generated messages
-    SOURCE = Path(inspect.getsourcefile(insertion)).parent
+if not (SOURCE / "errors.py").exists():  # the devel space joins source and generated messages
+    SOURCE = Path(inspect.getsourcefile(insertion)).parents[1]
 EXAMPLES = {"float": 0.5, "int": 3, "str": "joint_4", "tuple[str, ...]": ("a", "b")}
 
 
@@ -77,11 +77,11 @@ def rejected():
 
 def desk_refusals():
     """Words of every refusal at the desk or at the door."""
-    for args, names in calls("_refuse", only="desk.py"):
+    for args, names in calls("_refuse", only="command_queue.py"):
         words = text_of(args[1], names) if len(args) == 2 else None
         if words is not None:
             yield words
-    door = ast.parse((SOURCE / "callers.py").read_text(encoding="utf-8"))
+    door = ast.parse((SOURCE / "admission" / "callers.py").read_text(encoding="utf-8"))
     for function in functions(door):
         if function.name == "_objection":
             names = texts_in(function, 10**6)

@@ -39,7 +39,7 @@ class Enrol:
 
     name: str
     folder: Path | None
-    from_files: Path | None
+    wavs: Path | None
     session: Path | None
     corrections: Path | None
     again: bool
