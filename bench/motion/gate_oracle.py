@@ -106,7 +106,7 @@ class Judge:
 
     def _comes_near_singular(self, case: Case) -> bool:
         """Whether the manipulability falls below its limit where the elbow does not swing."""
-        allowed = case.config.limits.least_manipulability * SINGULAR_CLOSE
+        allowed = case.config.limits.min_manipulability * SINGULAR_CLOSE
         return any(self._manipulability(case, q) < allowed for q, _ in self._led(case, 0.0))
 
     def _least_distance(self, case: Case, q: Array) -> float:
@@ -226,7 +226,7 @@ class Judge:
         if phase.path is None:
             return ""
         clearance = case.config.collision.clearance - 0.5 * RESOLUTION
-        manipulability = case.config.limits.least_manipulability / SINGULAR_CLOSE
+        manipulability = case.config.limits.min_manipulability / SINGULAR_CLOSE
         for s in np.linspace(min(phase.start, phase.target), phase.target, BODY_LOOKS):
             q = phase.path.evaluate(float(s)).q
             if self._least_distance(case, q) < clearance - BODY_TINY:

@@ -96,7 +96,7 @@ def with_clearance(config: MotionConfig, clearance: float) -> MotionConfig:
 
 def with_manipulability(config: MotionConfig, least: float) -> MotionConfig:
     """The same settings with another least manipulability."""
-    return replace(config, limits=replace(config.limits, least_manipulability=least))
+    return replace(config, limits=replace(config.limits, min_manipulability=least))
 
 
 def _unit(vector: Array) -> Array:

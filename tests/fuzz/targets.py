@@ -23,7 +23,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String, Time
 from std_srvs.srv import TriggerRequest
 
-from rst_control.admission.callers import LONGEST_NAME, MOST_CALLERS, Doorkeeper, caller_name
+from rst_control.admission.callers import LONGEST_NAME, MAX_CALLERS, Doorkeeper, caller_name
 from rst_control.admission.command_queue import LONGEST, CommandDesk, is_stop, read_command, unknown
 from rst_control.config.callers import CallersConfig
 from rst_control.host.message_limits import has_whole_header, split_messages
@@ -151,7 +151,7 @@ def fuzz_callers(data):
         assert 0 < len(name) <= LONGEST_NAME and name.isprintable()
         assert door.admit(name, is_stop=True).objection == ""
         assert door.admit(name).objection == "" or door.admit(name).objection
-        assert door.counted <= MOST_CALLERS
+        assert door.counted <= MAX_CALLERS
 
 
 def fuzz_sound(data):

@@ -192,7 +192,7 @@ def test_no_path_passes_the_check_by_hopping_over(planner, robot, model):
     lower, upper = np.maximum(limits.lower, -np.pi), np.minimum(limits.upper, np.pi)
 
     def room_at(q):
-        return kernels.least_room(robot.chain, q, model.shapes)[0]
+        return kernels.min_room(robot.chain, q, model.shapes)[0]
 
     for _ in range(60):
         middle, room = np.zeros(9), np.inf

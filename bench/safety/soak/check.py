@@ -42,7 +42,7 @@ class Bounds:
     stop: float  # [s] of ticks from a stop until set-points stand still
     waking: float  # [s] that a "hey robot" may wait for the robot to be well
     period: float  # [s] of the loop
-    most_periods: int  # of the path that one late tick may catch up with
+    max_periods: int  # of the path that one late tick may catch up with
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,7 +198,7 @@ class Checker:
 
     def _check_course(self, moment: Moment, sent: Setpoint, last: Setpoint, moved: Array) -> None:
         bounds = self.bounds
-        periods = max(1, min(bounds.most_periods, round((sent.stamp - last.stamp) / bounds.period)))
+        periods = max(1, min(bounds.max_periods, round((sent.stamp - last.stamp) / bounds.period)))
         time = periods * bounds.period
         speed = float((np.maximum(moved / time, np.abs(sent.velocity)) / bounds.joints.speed).max())
         change = np.abs(sent.velocity - last.velocity) / time

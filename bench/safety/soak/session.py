@@ -26,11 +26,11 @@ from rst_control.config import (
     load_motion_config,
     load_simulation_config,
 )
-from rst_control.execution.executor import MOST_PERIODS
+from rst_control.execution.executor import MAX_PERIODS
 from rst_control.execution.fault_reset import WAKE_TIME
 from rst_control.execution.orders import View
 from rst_control.execution.state_machine import State
-from rst_control.kinematics.joint_limits import layer_in_force
+from rst_control.kinematics.joint_limits import active_layer
 from rst_control.kinematics.robot_model import RobotModel, load_robot
 from rst_control.planning.plan import Request
 from rst_control.registration.site import PresentSite, Site
@@ -236,12 +236,12 @@ def make_bounds(config: MotionConfig) -> Bounds:
         stop=STOP_TIME,
         waking=WAKE_TIME + LATE_TIME,
         period=1.0 / controller.rate,
-        most_periods=MOST_PERIODS,
+        max_periods=MAX_PERIODS,
     )
 
 
 def _acceleration(limits: LimitsConfig) -> np.ndarray:
-    layer = layer_in_force(limits)
+    layer = active_layer(limits)
     return np.array([*layer.arm_acceleration, *[layer.tool_acceleration] * 3])
 
 

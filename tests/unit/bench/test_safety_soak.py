@@ -28,7 +28,7 @@ BOUNDS = Bounds(
     stop=0.4,
     waking=0.3,
     period=0.002,
-    most_periods=5,
+    max_periods=5,
 )
 ACTIVE, MOVING = ControllerMode(State.ACTIVE, True), ControllerMode(State.MOVING, True)
 HALTED = ControllerMode(State.HALTED, True, reason="stop")

@@ -263,7 +263,7 @@ def test_cancels_of_what_never_was_are_not_remembered_without_end():
     server = actions()
     for number in range(1000):
         server.internal_cancel_callback(GoalID(id=f"none{number}"))
-    assert len(server.status_list) <= action_server.MOST_GOALS
+    assert len(server.status_list) <= action_server.MAX_GOALS
     server.internal_goal_callback(goal("stop", "g"))
     assert server.taken == ["stop"]
 

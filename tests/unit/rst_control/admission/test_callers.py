@@ -101,12 +101,12 @@ def test_callers_without_end_are_not_remembered_without_end_and_known_ones_keep_
     taken = 0
     for n in range(1000):
         taken += door.keeper.admit(f"/stray{n}").objection == ""
-        assert door.keeper.counted <= callers.MOST_CALLERS
-    assert taken <= callers.MOST_CALLERS + 50
+        assert door.keeper.counted <= callers.MAX_CALLERS
+    assert taken <= callers.MAX_CALLERS + 50
     assert door.keeper.admit(VOICE).objection == ""
     door.now += 60.0
     door.calls("/newcomer", 1)
-    assert door.keeper.counted <= callers.MOST_CALLERS
+    assert door.keeper.counted <= callers.MAX_CALLERS
     assert sum(a.objection == "" for a in door.calls("/newcomer", 60)) == 49
 
 

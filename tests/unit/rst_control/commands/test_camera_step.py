@@ -41,7 +41,7 @@ def ask(verify, command, q):
 
 
 def changed(config, **look):
-    controller = replace(config.controller, look=replace(config.controller.look, **look))
+    controller = replace(config.controller, camera=replace(config.controller.camera, **look))
     return replace(config, controller=controller)
 
 
@@ -86,14 +86,14 @@ def test_each_direction_is_that_of_the_picture_and_keeps_the_trocar(
 
 @pytest.mark.parametrize("command", ROUND)
 def test_a_step_sideways_turns_the_tool_as_one_about_the_trocar(verify, planner, home, command):
-    look = planner.config.controller.look
+    camera = planner.config.controller.camera
     end = ask(verify, command, home).plan.phases[-1].path.end
     before, after = (Configuration(planner.model, q) for q in (home, end))
     shafts = [c.T_base_shaft[:3, 2] for c in (before, after)]
-    assert np.arccos(shafts[0] @ shafts[1]) <= look.angle + 1e-9
+    assert np.arccos(shafts[0] @ shafts[1]) <= camera.angle + 1e-9
     arms = [c.tip - planner.trocar for c in (before, after)]
     turned = np.arccos(arms[0] @ arms[1] / np.prod([np.linalg.norm(a) for a in arms]))
-    assert turned == pytest.approx(look.angle, abs=1e-6)
+    assert turned == pytest.approx(camera.angle, abs=1e-6)
     np.testing.assert_allclose(after.q[7:], home[7:], atol=1e-5)  # the wrist keeps its bend
     depths = [planner.patient.placement(c.q).wrist for c in (before, after)]
     assert depths[0] == pytest.approx(depths[1], abs=1e-7)
@@ -107,7 +107,7 @@ def test_closer_and_wider_slide_along_the_shaft(verify, witness, planner, home, 
     moved = witness._poses(path.end)["tool_tip"][:, 3] - before.tip
     shaft = before.T_base_shaft[:3, 2]
     np.testing.assert_allclose(
-        moved, sign * planner.config.controller.look.depth * shaft, atol=SINGLE
+        moved, sign * planner.config.controller.camera.depth * shaft, atol=SINGLE
     )
     depths = [planner.patient.placement(q).wrist for q in (home, path.end)]
     assert depths[1] - depths[0] == pytest.approx(sign * 0.010, abs=1e-7)
@@ -136,7 +136,7 @@ def test_the_camera_may_sit_turned_on_the_tool(robot, motion_config, home):
     [
         ("look left", {"angle": 0.5}, (0.05, 0.25), Reason.WORKSPACE),
         ("look wider", {"depth": 0.05}, (0.04, 0.25), Reason.WORKSPACE),
-        ("look left", {"most_tilt": 0.12}, (0.05, 0.25), Reason.TILT_LIMIT),
+        ("look left", {"max_tilt": 0.12}, (0.05, 0.25), Reason.TILT_LIMIT),
         ("look closer", {}, (0.05, 0.105), Reason.INSERTION_DEPTH),
         ("look wider", {}, (0.095, 0.25), Reason.INSERTION_DEPTH),
     ],

@@ -15,7 +15,7 @@ from rst_control.errors import NoGrasp, OutsideWorkspace
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.planning.plan import Accepted, PhaseKind, Request
 from rst_control.planning.planner import Planner
-from rst_control.tissue.grasp_candidates import LONGEST_PULL, MOST_ASIDE, grasp_ways, turned
+from rst_control.tissue.grasp_candidates import LONGEST_PULL, MAX_ASIDE, grasp_ways, turned
 from rst_control.tissue.sheet import free_sides, rest_points, rim_nodes, sheet_normal
 from rst_control.tissue.triangulation import pull_direction
 from rst_control.types import Reason
@@ -65,7 +65,7 @@ def test_every_way_has_the_sheet_between_the_jaws_and_the_squarest_comes_first(s
         assert np.linalg.det(R) == pytest.approx(1.0)
         assert abs(way.approach @ normal) < 1e-9  # within the sheet, from its free side
         ways_in = [-outward for _, outward in free_sides(scene.tissue)]
-        assert max(way.approach @ ways_in[0], 0.0) >= np.cos(MOST_ASIDE) - 1e-9
+        assert max(way.approach @ ways_in[0], 0.0) >= np.cos(MAX_ASIDE) - 1e-9
         assert abs(R[:, 0] @ normal) == pytest.approx(np.cos(way.askew), abs=1e-6)
     assert ways[0].askew == pytest.approx(0.0, abs=1e-6)
     askew = [round(way.askew, 6) for way in ways]

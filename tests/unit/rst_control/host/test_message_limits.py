@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from rst_control.host.message_limits import (
     LONGEST_HEADER,
     LONGEST_MESSAGE,
-    MOST_PLACES,
+    MAX_PLACES,
     NEWS_PERIOD,
     Refusals,
     announced,
@@ -76,4 +76,4 @@ def test_refusals_are_told_seldom_with_the_number_kept_back():
 def test_refusals_in_places_without_end_are_not_remembered_without_end():
     refusals = Refusals(lambda: 0.0)
     told = [refusals.tell(f"/topic{n}", "bad") for n in range(1000)]
-    assert sum(words != "" for words in told) <= MOST_PLACES + 1
+    assert sum(words != "" for words in told) <= MAX_PLACES + 1

@@ -21,7 +21,7 @@ def measure(planner, q):
 
 
 def limited(planner, least):
-    limits = replace(planner.config.limits, least_manipulability=least)
+    limits = replace(planner.config.limits, min_manipulability=least)
     return Planner(planner.model, replace(planner.config, limits=limits))
 
 
@@ -31,7 +31,7 @@ def usual_ways(planner, home):
 
 
 def test_usual_work_keeps_far_from_singular_postures(planner, home):
-    allowed = planner.config.limits.least_manipulability
+    allowed = planner.config.limits.min_manipulability
     for path in usual_ways(planner, home):
         assert min(measure(planner, knot) for knot in path.knots) > 4.0 * allowed
 

@@ -9,7 +9,7 @@ import pytest
 from rst_control.errors import Collision, JointLimitExceeded
 from rst_control.kinematics import forward
 from rst_control.planning import rrt_connect
-from rst_control.planning.collision_kernels import least_room
+from rst_control.planning.collision_kernels import min_room
 from rst_control.planning.free_space import Approach, NoWay
 from rst_control.planning.insertion import Insertion
 
@@ -38,7 +38,7 @@ def free(planner, count, seed):
 
 
 def room(planner, q):
-    return least_room(planner.model.chain, np.array(q), planner.patient.outside.shapes)[0]
+    return min_room(planner.model.chain, np.array(q), planner.patient.outside.shapes)[0]
 
 
 def least_between(planner, a, b):

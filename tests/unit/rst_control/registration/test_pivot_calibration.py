@@ -25,8 +25,8 @@ def lines(tilts):
     return np.array(points), np.array(directions)
 
 
-def fit(points, directions, least_poses=3, least_spread=0.02):
-    return fit_pivot(points, directions, least_poses, least_spread)
+def fit(points, directions, min_poses=3, min_spread=0.02):
+    return fit_pivot(points, directions, min_poses, min_spread)
 
 
 def test_the_point_of_exact_lines_is_found_with_no_residual():
@@ -53,14 +53,14 @@ def test_lines_beside_the_trocar_leave_their_distance_as_residual():
 
 def test_too_few_poses_are_refused_with_both_numbers():
     with pytest.raises(TooFewPoses, match="3 shaft poses recorded, allowed 5 and more"):
-        fit(*lines([0.2] * 3), least_poses=5)
+        fit(*lines([0.2] * 3), min_poses=5)
     with pytest.raises(TooFewPoses, match="0 shaft poses recorded, allowed 5"):
-        fit([], [], least_poses=5)
+        fit([], [], min_poses=5)
 
 
 def test_shafts_that_point_the_same_way_are_refused_with_both_angles():
     with pytest.raises(TooLittleSpread, match=r"by 0\.57 deg rms, allowed 2\.86 deg and more") as e:
-        fit(*lines([0.01] * 30), least_spread=0.05)
+        fit(*lines([0.01] * 30), min_spread=0.05)
     assert e.value.spread == pytest.approx(0.01, abs=1e-3)
     assert isinstance(e.value, PivotIllPosed)
 
@@ -68,7 +68,7 @@ def test_shafts_that_point_the_same_way_are_refused_with_both_angles():
 def test_the_same_pose_again_and_again_is_refused():
     points, directions = lines([0.2])
     with pytest.raises(TooLittleSpread):
-        fit(np.repeat(points, 10, axis=0), np.repeat(directions, 10, axis=0), least_spread=0.0)
+        fit(np.repeat(points, 10, axis=0), np.repeat(directions, 10, axis=0), min_spread=0.0)
 
 
 def test_poses_that_contradict_the_others_are_named():

@@ -20,7 +20,7 @@ from rst_control.tissue.triangulation import (
 
 LIMITS = TriangulationConfig(
     grasp_error=0.001,
-    least_angle=np.radians(30.0),
+    min_angle=np.radians(30.0),
     out_of_plane=0.001,
     tension=(0.3, 1.0),
     strain=0.6,
@@ -45,7 +45,7 @@ def test_a_flat_taut_sheet_held_in_the_middle_is_triangulated():
     found = held()
     assert found.failures(LIMITS) == ()
     assert found.out_of_plane == pytest.approx(0.0, abs=1e-12)
-    assert np.degrees(found.least_angle) > 50.0
+    assert np.degrees(found.min_angle) > 50.0
 
 
 @pytest.mark.parametrize(

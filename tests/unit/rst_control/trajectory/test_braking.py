@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rst_control.execution.state_machine import State
-from rst_control.kinematics.joint_limits import layer_in_force
+from rst_control.kinematics.joint_limits import active_layer
 from rst_control.planning.planner import Planner
 from rst_control.trajectory.profile import Bounds, Profile, stopping_speed
 from rst_control.types import PathState
@@ -56,7 +56,7 @@ def test_no_joint_brakes_harder_than_it_can_anywhere_on_the_path(paced, speed):
 @pytest.mark.parametrize("speed", [0.02, 0.1])
 def test_every_path_is_taken_so_slowly_that_it_stops_in_time(paced, speed):
     planner, paths = paced
-    layer = layer_in_force(planner.config.limits)
+    layer = active_layer(planner.config.limits)
     for path in paths:
         pace = planner.pace(path, speed)
         brake = Profile(PathState(0.0, pace.moving.speed), pace.braking)
@@ -67,7 +67,7 @@ def test_every_path_is_taken_so_slowly_that_it_stops_in_time(paced, speed):
 
 def test_a_stop_is_harder_than_the_motion_and_ends_in_time():
     rig = Rig().moving("reach")
-    layer = layer_in_force(rig.config.limits)
+    layer = active_layer(rig.config.limits)
     rig.run(0.1)
     told, before = rig.now, rig.view.path_position
     rig.executor.stop("test")

@@ -17,7 +17,7 @@ from typing import Final
 from rst_control.config.callers import CallersConfig
 
 LONGEST_NAME: Final = 100  # characters of a caller's name that are looked at and shown
-MOST_CALLERS: Final = 256  # that are counted one by one; all others share one budget
+MAX_CALLERS: Final = 256  # that are counted one by one; all others share one budget
 PAUSE: Final = 0.1  # [s] that the answer to a call beyond the budget waits, as must its sender
 NEWS_PERIOD: Final = 1.0  # [s] between entries in the diary about one caller
 UNNAMED: Final = "an unnamed node"
@@ -121,7 +121,7 @@ class Doorkeeper:
     def _budget(self, name: str, now: float) -> Budget:
         known = self._budgets.get(name)
         if known is None:
-            if len(self._budgets) >= MOST_CALLERS:
+            if len(self._budgets) >= MAX_CALLERS:
                 oldest = next(iter(self._budgets))
                 if not self._budgets[oldest].is_full(now):
                     return self._others

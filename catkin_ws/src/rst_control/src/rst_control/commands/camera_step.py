@@ -35,7 +35,7 @@ WAYS: Final[dict[Command, tuple[int, int, int]]] = {
     Command.LOOK_CLOSER: (0, 0, 1),
     Command.LOOK_WIDER: (0, 0, -1),
 }
-LEAST_ACROSS: Final = 0.3  # of a direction in the picture that is square to the way to the trocar
+MIN_ACROSS: Final = 0.3  # of a direction in the picture that is square to the way to the trocar
 
 
 class TiltOutOfRange(Infeasible):
@@ -55,7 +55,7 @@ class CameraAskew(Infeasible):
     def __init__(self, share: float) -> None:
         super().__init__(
             f"a turn about the trocar moves the picture that way by {share:.2f} of its length, "
-            f"allowed {LEAST_ACROSS:.2f} and more; the tool is bent too far"
+            f"allowed {MIN_ACROSS:.2f} and more; the tool is bent too far"
         )
         self.share = share
 
@@ -89,7 +89,7 @@ class LookPlans:
     """
 
     def __init__(self, planner: Planner) -> None:
-        self._planner, self._config = planner, planner.config.controller.look
+        self._planner, self._config = planner, planner.config.controller.camera
 
     def __call__(self, command: Command, q: Vector, measured: Measurement) -> Accepted | Rejected:
         """Plan one step from q (9,) [rad].
@@ -123,7 +123,7 @@ class LookPlans:
         way = _unit(right * seen.right + up * seen.up)
         arm = _unit(goal[:3, 3] - trocar)
         across = np.cross(arm, way)
-        if (share := float(np.linalg.norm(across))) < LEAST_ACROSS:
+        if (share := float(np.linalg.norm(across))) < MIN_ACROSS:
             raise CameraAskew(share)
         turn = _rotation(across / share, self._config.angle)
         self._require_tilt(turn @ shaft)
@@ -134,8 +134,8 @@ class LookPlans:
     def _require_tilt(self, shaft: Vector) -> None:
         inward = -self._planner.patient.outward
         tilt = float(np.arccos(np.clip(shaft @ inward, -1.0, 1.0)))
-        if tilt > self._config.most_tilt:
-            raise TiltOutOfRange(tilt, self._config.most_tilt)
+        if tilt > self._config.max_tilt:
+            raise TiltOutOfRange(tilt, self._config.max_tilt)
 
     def _words(self, command: Command) -> str:
         if WAYS[command][2]:

@@ -14,7 +14,7 @@ from rst_control.tissue.grasp_candidates import GraspWay
 from rst_control.trajectory.path import Path
 from rst_control.types import Vector
 
-MOST_PLANNED: Final = 12  # ways whose paths are planned, the best first
+MAX_PLANNED: Final = 12  # ways whose paths are planned, the best first
 TOLD: Final = 3  # reasons in a refusal
 ENOUGH_MARGIN: Final = 0.15  # share of a joint's half range; more to its limit is no better
 MARGIN_WEIGHT: Final = 4.0  # [rad] askew that a way may be, to win a whole half range of margin
@@ -42,7 +42,7 @@ def choose_grasp(planner: Planner, q: Vector) -> GraspPlan:
     if len(planner.ways) == 1:
         return _plan(planner, q, planner.ways[0])
     reasons: list[Infeasible] = []
-    for way in _ranked(planner, q)[:MOST_PLANNED]:
+    for way in _ranked(planner, q)[:MAX_PLANNED]:
         try:
             return _plan(planner, q, way)
         except Infeasible as reason:

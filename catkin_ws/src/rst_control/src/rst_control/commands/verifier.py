@@ -42,7 +42,7 @@ from rst_control.types import BY_HAND, LOOKS, Command, Measurement, Reason, Vect
 COMMANDS: Final = {command.value: command for command in Command}
 PULLS: Final = (Command.PULL_MORE, Command.PULL_LESS)
 MOTIONS: Final = (Command.TENSE, Command.RELEASE, *PULLS, *BY_HAND, *LOOKS)
-LEAST_ROOM: Final = 5e-4  # [m] of pull path left, below which pulling further makes no sense
+MIN_ROOM: Final = 5e-4  # [m] of pull path left, below which pulling further makes no sense
 ROUNDING: Final = 1e-9  # [m] that a path may be shorter than asked for
 NEAR: Final = 2e-3  # [rad] that joints may be away from where the grasp says they are
 
@@ -277,14 +277,14 @@ class Verifier:
 
     def _predicted(self, grasp: Grasp, step: float, measured: Measurement) -> Rejected | None:
         """Whether a step [m] would pull too hard, if the tissue goes on as it did so far."""
-        slope = measured.tension / grasp.s if grasp.s > LEAST_ROOM else 0.0
+        slope = measured.tension / grasp.s if grasp.s > MIN_ROOM else 0.0
         predicted = measured.tension + slope * step
         return self._target(predicted) if predicted > self._tension.maximum else None
 
     def _room(self, grasp: Grasp) -> Rejected | None:
-        if grasp.s + LEAST_ROOM <= grasp.pull.length:
+        if grasp.s + MIN_ROOM <= grasp.pull.length:
             return None
-        return self._too_far(grasp.s + LEAST_ROOM, grasp.pull.length)
+        return self._too_far(grasp.s + MIN_ROOM, grasp.pull.length)
 
     def _too_far(self, target: float, most: float) -> Rejected:
         words = f"pulled {target * 1e3:.1f} mm, allowed 0 to {most * 1e3:.1f} mm"

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 from rst_control.config.callers import CallersConfig
-from rst_control.config.camera import LookConfig
+from rst_control.config.camera import CameraStepConfig
 from rst_control.config.collision import CollisionConfig
 from rst_control.config.recording import RecordingConfig
 from rst_control.config.scene import SceneConfig, TissueConfig, TriangulationConfig
@@ -31,12 +32,12 @@ __all__ = [
     "PACKAGE",
     "URDF_FILE",
     "CameraConfig",
+    "CameraStepConfig",
     "CollisionConfig",
     "ControllerConfig",
     "JawsConfig",
     "LimitLayer",
     "LimitsConfig",
-    "LookConfig",
     "MotionConfig",
     "RcmConfig",
     "RecordingConfig",
@@ -80,6 +81,8 @@ class LimitLayer:
 class LimitsConfig:
     """limits.yaml: how far and how fast joints may move."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {"least_manipulability": "min_manipulability"}
+
     layer: str = text()
     layers: tuple[LimitLayer, ...] = items(1, 8)
     arm_lower: Arm = number(-6.2832, 0.0, "rad")
@@ -87,7 +90,7 @@ class LimitsConfig:
     position_margin: float = number(0.0, 0.5, "rad")
     pitch: float = number(0.1, 1.5708, "rad")
     finger: float = number(0.1, 1.65, "rad")
-    least_manipulability: float = number(0.0, 1e-5, "(m/rad)^8")
+    min_manipulability: float = number(0.0, 1e-5, "(m/rad)^8")
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
@@ -115,9 +118,14 @@ class SolverConfig:
 class RegistrationConfig:
     """How the trocar may be set anew, and fitted to recorded poses of the shaft."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {
+        "least_poses": "min_poses",
+        "least_spread": "min_spread",
+    }
+
     tolerance: float = number(1e-6, 1e-2, "m")
-    least_poses: int = integer(3, 1000)
-    least_spread: float = number(0.001, 1.0, "rad")
+    min_poses: int = integer(3, 1000)
+    min_spread: float = number(0.001, 1.0, "rad")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -218,6 +226,8 @@ class WatchdogConfig:
 class ControllerConfig:
     """controller.yaml: the control loop, its speeds, forces and watchdogs."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {"look": "camera"}
+
     rate: float = number(50.0, 2000.0, "Hz")
     state_rate: float = number(1.0, 200.0, "Hz")
     spoken_by: str = text()
@@ -225,7 +235,7 @@ class ControllerConfig:
     speed: SpeedConfig
     jaws: JawsConfig
     tension: TensionConfig
-    look: LookConfig
+    camera: CameraStepConfig
     watchdogs: WatchdogConfig
     recording: RecordingConfig
 

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,8 +13,8 @@ from rst_control.types import PLAN_COUNT
 from typed_config import choice, integer, number, require, require_rising, require_way
 
 Point = tuple[float, float, float]
-LEAST_ANGLE = 0.02  # [rad] between two directions of a sheet
-MOST_COSINE = 0.7  # of jaw_axis and approach_axis: what is not square is made so, within 45 deg
+MIN_ANGLE = 0.02  # [rad] between two directions of a sheet
+MAX_COSINE = 0.7  # of jaw_axis and approach_axis: what is not square is made so, within 45 deg
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +42,7 @@ class TissueConfig:
         normal = np.cross(self.along, self.across)
         sides = np.linalg.norm(self.along) * np.linalg.norm(self.across)
         require(
-            bool(np.linalg.norm(normal) > LEAST_ANGLE * sides),
+            bool(np.linalg.norm(normal) > MIN_ANGLE * sides),
             "across",
             list(self.across),
             f"another direction than along, {list(self.along)}",
@@ -52,8 +54,10 @@ class TissueConfig:
 class TriangulationConfig:
     """What a triangulated sheet keeps."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {"least_angle": "min_angle"}
+
     grasp_error: float = number(1e-5, 0.01, "m")
-    least_angle: float = number(0.0, 1.0, "rad")
+    min_angle: float = number(0.0, 1.0, "rad")
     out_of_plane: float = number(1e-5, 0.02, "m")
     tension: tuple[float, float] = number(0.0, 2.4, "N")
     strain: float = number(0.01, 5.0, "")
@@ -97,4 +101,4 @@ class SceneConfig:
             lengths = np.linalg.norm(self.approach_axis) * np.linalg.norm(self.jaw_axis)
             cosine = np.dot(self.approach_axis, self.jaw_axis) / lengths
             allowed = f"square to approach_axis, {list(self.approach_axis)}"
-            require(bool(abs(cosine) < MOST_COSINE), "jaw_axis", list(self.jaw_axis), allowed)
+            require(bool(abs(cosine) < MAX_COSINE), "jaw_axis", list(self.jaw_axis), allowed)

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from rst_control.config.motion import CONFIG_FOLDER
 from typed_config import integer, load_config, load_yaml, number, require
@@ -43,6 +45,12 @@ class TareConfig:
 class TorqueTensionConfig:
     """torque_tension.yaml."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {
+        "least_readings": "min_readings",
+        "most_sigma": "max_sigma",
+        "most_misfit": "max_misfit",
+    }
+
     pull_direction: tuple[float, ...] = number(-1.0, 1.0, "")
     effort_sign: int = integer(-1, 1)
     tool_mass: float = number(0.0, 3.0, "kg")
@@ -50,9 +58,9 @@ class TorqueTensionConfig:
     filter_time: float = number(0.0, 1.0, "s")
     gap: float = number(0.002, 1.0, "s")
     fastest: float = number(0.001, 2.0, "rad/s")
-    most_sigma: float = number(0.01, 5.0, "N")
-    most_misfit: float = number(1.0, 100.0, "")
-    least_readings: int = integer(1, 1000)
+    max_sigma: float = number(0.01, 5.0, "N")
+    max_misfit: float = number(1.0, 100.0, "")
+    min_readings: int = integer(1, 1000)
     error: TorqueErrorConfig
     tare: TareConfig
 

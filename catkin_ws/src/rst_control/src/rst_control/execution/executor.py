@@ -37,7 +37,7 @@ from rst_control.types import JOINT_COUNT, Command, Measurement, Reason, Setpoin
 log = logging.getLogger("rosout.rst_control.executor")
 
 ORDERS_PER_TICK = 4  # however many callers there are, a tick stays short
-MOST_PERIODS = 5  # of the path that one late tick may catch up with
+MAX_PERIODS = 5  # of the path that one late tick may catch up with
 
 
 class Executor:
@@ -120,7 +120,7 @@ class Executor:
         Returns:
             Where the joints should be now; None where the robot is to hold by itself.
         """
-        periods = max(1, min(MOST_PERIODS, round((now - self._now) / self._period)))
+        periods = max(1, min(MAX_PERIODS, round((now - self._now) / self._period)))
         self._now = now
         self._look(measured)
         self._take_stops()

@@ -100,7 +100,7 @@ class Motion:
 
     def overtime(self, now: float) -> float:
         """Age of the present phase beyond the time that its way takes at its speed [s]."""
-        return now - self.phase_start - self._run.phase.least_time
+        return now - self.phase_start - self._run.phase.min_time
 
     @property
     def phase(self) -> PhaseKind:

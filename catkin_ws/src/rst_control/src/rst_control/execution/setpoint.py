@@ -12,7 +12,7 @@ from rst_control.types import JOINT_COUNT, Measurement, Reason, Vector
 
 STILL = np.zeros(JOINT_COUNT)
 CLOSED = 0.0  # [rad] opening that jaws which hold tissue are sent to, as far as is known
-MOST_KEPT_OPEN = 0.15  # [rad] to which tissue keeps them; jaws that are further open hold none
+MAX_KEPT_OPEN = 0.15  # [rad] to which tissue keeps them; jaws that are further open hold none
 
 
 class Mover:
@@ -106,7 +106,7 @@ class Mover:
         self._remember_jaws()
         held = measured.position
         q, opening = planning_joints(held)
-        if measured.gripped and self._sent_to < opening <= MOST_KEPT_OPEN:
+        if measured.gripped and self._sent_to < opening <= MAX_KEPT_OPEN:
             held = robot_joints(q, self._sent_to)
         self.held, self._place = held, None
         self.changes += 1

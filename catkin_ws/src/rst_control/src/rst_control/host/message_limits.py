@@ -13,7 +13,7 @@ LONGEST_MESSAGE: Final = (
 )
 LONGEST_HEADER: Final = 65_536  # bytes of a handshake; it holds the text of a message's definition
 NEWS_PERIOD: Final = 5.0  # [s] between reports about refusals in one place
-MOST_PLACES: Final = 64  # whose refusals are counted one by one
+MAX_PLACES: Final = 64  # whose refusals are counted one by one
 
 _SIZE = struct.Struct("<I")
 
@@ -82,7 +82,7 @@ class Refusals:
             What to report, with the number of those that were kept back; empty: nothing now.
         """
         with self._lock:
-            if where not in self._told and len(self._told) >= MOST_PLACES:
+            if where not in self._told and len(self._told) >= MAX_PLACES:
                 where = ""
             now = self._clock()
             if now - self._told.get(where, float("-inf")) < NEWS_PERIOD:

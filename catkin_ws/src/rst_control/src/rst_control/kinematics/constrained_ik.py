@@ -79,7 +79,7 @@ def factor(J: Any, damping: float, L: Any) -> None:
 
 
 @kernel
-def least_change(J: Any, L: Any, r: Any, dq: Any) -> None:
+def min_norm_step(J: Any, L: Any, r: Any, dq: Any) -> None:
     """Write the smallest dq (9,) with J dq = r; L is the factor of J J^T."""
     y = np.empty(ROWS)
     for i in range(ROWS):
@@ -108,7 +108,7 @@ def project(J: Any, L: Any, v: Any, out: Any) -> None:
         for j in range(9):
             total += J[i, j] * v[j]
         r[i] = total
-    least_change(J, L, r, out)
+    min_norm_step(J, L, r, out)
     for j in range(9):
         out[j] = v[j] - out[j]
 
@@ -181,7 +181,7 @@ def solve(
             return missing, iteration
         constraints(frames, trocar, J)
         factor(J, rule[1] * missing * missing, L)
-        least_change(J, L, r, dq)
+        min_norm_step(J, L, r, dq)
         swung = posture_step(J, L, q, posture, swing)
         for j in range(9):
             dq[j] += swing[j]

@@ -19,7 +19,7 @@ from rst_control.kinematics import forward as kin
 MAX_ITERATIONS = 12  # of Newton at one knot; it takes 2 to 4
 SWING_TOLERANCE = 1e-10  # [rad]
 LOST = 1.0  # [m] that is missing where Newton went astray, or the elbow cannot swing
-LEAST_ALIGNMENT = 0.1  # [-] of swing axis and free direction, below which the elbow is stuck
+MIN_ALIGNMENT = 0.1  # [-] of swing axis and free direction, below which the elbow is stuck
 
 
 @kernel
@@ -123,14 +123,14 @@ def _correct(
     missing = np.inf
     for _ in range(MAX_ITERATIONS):
         missing, alignment = _look(chain, q, target, trocar, is_straight, axis, J, L, r, free)
-        if alignment < LEAST_ALIGNMENT or not missing < LOST:
+        if alignment < MIN_ALIGNMENT or not missing < LOST:
             return max(missing, LOST)
         lag = level
         for j in range(9):
             lag -= axis[j] * q[j]
         if missing < tolerance and abs(lag) < SWING_TOLERANCE:
             return missing
-        constrained_ik.least_change(J, L, r, dq)
+        constrained_ik.min_norm_step(J, L, r, dq)
         _with_swing(dq, free, axis, lag)
         for j in range(9):
             q[j] += dq[j]
@@ -177,7 +177,7 @@ def track(
         )
         if not missing < tolerance:
             return missing, k
-        constrained_ik.least_change(J, L, r, slopes[k])
+        constrained_ik.min_norm_step(J, L, r, slopes[k])
         _with_swing(slopes[k], free, axis, swing / length)
         for j in range(9):
             knots[k, j] = q[j]

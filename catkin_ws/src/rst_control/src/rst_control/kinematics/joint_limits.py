@@ -42,7 +42,7 @@ class JointLimits:
             raise error
 
 
-def layer_in_force(config: LimitsConfig) -> LimitLayer:
+def active_layer(config: LimitsConfig) -> LimitLayer:
     """The layer that limits.yaml chooses.
 
     Raises:
@@ -60,7 +60,7 @@ def make_limits(config: LimitsConfig, opening: float) -> JointLimits:
     Raises:
         UnknownLimitLayerError: limits.yaml asks for a layer it does not define.
     """
-    layer, margin = layer_in_force(config), config.position_margin
+    layer, margin = active_layer(config), config.position_margin
     yaw = config.finger - 0.5 * opening
     return JointLimits(
         lower=frozen_array(np.array([*config.arm_lower, -config.pitch, -yaw]) + margin, 9),

@@ -39,7 +39,7 @@ def measure(chain: Any, q: Any, trocar: Any) -> float:
 
 
 @kernel
-def _least(chain: Any, q: Any, trocar: Any, stride: int) -> float:
+def _minimum(chain: Any, q: Any, trocar: Any, stride: int) -> float:
     least = measure(chain, q[len(q) - 1], trocar)
     for k in range(0, len(q), stride):
         value = measure(chain, q[k], trocar)
@@ -63,8 +63,8 @@ def check(chain: Array, q: Array, trocar: Vector, allowed: float) -> None:
         NearSingular: It is less somewhere; names the least.
     """
     joints = np.ascontiguousarray(q)
-    least = _least(chain, joints, trocar, STRIDE)
+    least = _minimum(chain, joints, trocar, STRIDE)
     if not least >= FAR * allowed:
-        least = _least(chain, joints, trocar, 1)
+        least = _minimum(chain, joints, trocar, 1)
     if not least >= allowed:  # no number: refused, too
         raise NearSingular(least, allowed)

@@ -20,7 +20,7 @@ from typing import Protocol
 import numpy as np
 
 from rst_control.kinematics.configuration import planning_joints, robot_joints
-from rst_control.kinematics.joint_limits import layer_in_force
+from rst_control.kinematics.joint_limits import active_layer
 from rst_control.kinova.config import ARM_COUNT, KinovaConfig
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import Grip, Tool
@@ -310,7 +310,7 @@ class Bridge:
 def bridge_limits(config: KinovaConfig) -> ServoLimits:
     """Limits of the ten joints under the layer in force; the tool's by its own settings, too."""
     limits, tool = config.limits, config.bridge.tool
-    layer = layer_in_force(limits)
+    layer = active_layer(limits)
     span = np.array([limits.pitch, limits.finger, limits.finger])
     signs = np.array(tool.signs)
     ends = np.array([signs * tool.lower, signs * tool.upper])

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from rst_control.config import CONFIG_FOLDER, LimitsConfig
 from rst_control.config.simulator import ServoConfig
@@ -20,6 +22,8 @@ TOOL_COUNT = 3  # joints of OpenRST: pitch, left jaw, right jaw
 class ArmConfig:
     """The arm's driver, and how its joints are led by velocities."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {"most_correction": "max_correction"}
+
     namespace: str = text()
     joints: tuple[str, ...] = text()
     period: float = number(0.005, 0.1, "s")
@@ -27,7 +31,7 @@ class ArmConfig:
     lag: float = number(0.0, 0.2, "s")
     gain: float = number(0.1, 10.0, "1/s")
     correction_speed: float = number(1e-4, 0.2, "rad/s")
-    most_correction: float = number(1e-3, 0.2, "rad")
+    max_correction: float = number(1e-3, 0.2, "rad")
     following_error: float = number(1e-3, 0.2, "rad")
     end_tolerance: float = number(1e-4, 0.05, "rad")
     settle_time: float = number(0.05, 5.0, "s")

@@ -139,10 +139,10 @@ class Follower:
                 f"allowed {config.following_error:.4f}"
             )
         joint = int(np.abs(self._correction).argmax())
-        if abs(self._correction[joint]) > config.most_correction:
+        if abs(self._correction[joint]) > config.max_correction:
             self._object(
                 f"{config.joints[joint]} went {-self._correction[joint]:+.4f} rad further than it "
-                f"was sent, allowed {config.most_correction:.4f}"
+                f"was sent, allowed {config.max_correction:.4f}"
             )
         if feedback.stamp - self._standing_since > config.settle_time + config.lag:
             self._check_end(feedback)

@@ -70,7 +70,7 @@ class CollisionModel:
 
     def clearance(self, q: Vector) -> Clearance:
         """What is nearest to what it must keep at q (9,) [rad]."""
-        return self._clearance(*kernels.least_room(self._chain, np.array(q), self.shapes))
+        return self._clearance(*kernels.min_room(self._chain, np.array(q), self.shapes))
 
     def check(self, samples: Samples) -> None:
         """Check a path at its samples and everywhere between them.

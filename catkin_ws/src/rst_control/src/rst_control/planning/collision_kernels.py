@@ -82,7 +82,7 @@ def _height(plane: Any, end: Any) -> float:
 
 
 @kernel
-def _least(ends: Any, shapes: Any) -> tuple[float, int]:
+def _smallest_room(ends: Any, shapes: Any) -> tuple[float, int]:
     """Least room over what is allowed [m], and the index of its pair, or its stop behind them.
 
     Joints that are no numbers give a room that is none.
@@ -105,12 +105,12 @@ def _least(ends: Any, shapes: Any) -> tuple[float, int]:
 
 
 @kernel
-def least_room(chain: Any, q: Any, shapes: Any) -> tuple[float, int]:
+def min_room(chain: Any, q: Any, shapes: Any) -> tuple[float, int]:
     """Least room over what is allowed [m] at q (9,), and the index of its pair or stop."""
     frames, ends = np.empty((12, 3, 4)), np.empty((len(shapes.capsules), 6))
     kin.forward(chain, q, frames)
     place(frames, shapes, ends)
-    return _least(ends, shapes)
+    return _smallest_room(ends, shapes)
 
 
 @kernel
@@ -132,7 +132,7 @@ def motion_bound(q: Any, k: int, spacing: float, reach: Any) -> float:
 def _worst(chain: Any, q: Any, shapes: Any) -> tuple[float, int]:
     least, which = np.inf, -1
     for k in range(len(q)):
-        room, index = least_room(chain, q[k, 0], shapes)
+        room, index = min_room(chain, q[k, 0], shapes)
         if room < least:
             least, which = room, index
     return least, which
@@ -157,7 +157,7 @@ def sweep(chain: Any, q: Any, spacing: float, shapes: Any) -> tuple[float, int]:
         ahead = min(k + 1, last)
         for j in range(9):
             joints[j] = q[k, 0, j] + share * (q[ahead, 0, j] - q[k, 0, j])
-        room, which = least_room(chain, joints, shapes)
+        room, which = min_room(chain, joints, shapes)
         if not room >= 0.0:
             worst, index = _worst(chain, q, shapes)
             return (worst, index) if worst < room else (room, which)

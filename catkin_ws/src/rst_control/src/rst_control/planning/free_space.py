@@ -32,7 +32,7 @@ SHORTCUTS: Final = 150
 BESIDE: Final = 1.0  # [rad] that a joint without ends may swing beyond start and goal
 LOOKS: Final = 24  # at each leg, to measure how far parts of the robot travel
 SAME: Final = 1e-6  # [rad] of joint motion that is none
-LEAST_RADIUS: Final = 0.03  # [m] at which a joint's turning counts as way where nothing travels
+MIN_RADIUS: Final = 0.03  # [m] at which a joint's turning counts as way where nothing travels
 LIFTS: Final = 6  # steps of backing off before the second try
 LIFT: Final = 0.025  # [m] of each
 DAMPING: Final = 0.02  # [m] of the steps' least squares
@@ -113,7 +113,7 @@ class Approach:
             forward.forward(self._chain, a + k / LOOKS * (b - a), frames)
             places[k] = frames[:, :, 3]
         travelled = np.linalg.norm(np.diff(places, axis=0), axis=2).sum(axis=0)
-        turned = float(np.abs(b - a).max()) * LEAST_RADIUS
+        turned = float(np.abs(b - a).max()) * MIN_RADIUS
         length = max(float(travelled.max()), turned)
         slope = (b - a) / length
         return Path(np.array([a, b]), np.array([slope, slope]), length)

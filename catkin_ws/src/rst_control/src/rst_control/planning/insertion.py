@@ -32,7 +32,7 @@ from rst_control.types import Vector
 Array = NDArray[np.float64]
 
 SWINGS: Final = tuple(0.2 * k for k in range(-6, 7))  # [rad] of the elbow, tried for the way out
-LEAST_KNOTS: Final = 4
+MIN_KNOTS: Final = 4
 DENSITIES: Final = (1, 4)  # times as many knots as usual, where the shaft strays between them
 STRAIGHT: Final = 1e-9  # [rad] of pitch and yaw, below which the tool counts as straight
 NEARLY_STRAIGHT: Final = 0.01  # [rad] that may be straightened in the trocar: 0.3 mm at the tip
@@ -229,7 +229,7 @@ class Insertion:
     def _track(self, q: Vector, way: float, swing: float, density: int) -> Path:
         model, trocar = self._planner.model, self._planner.trocar
         length, spacing = abs(way), self._rcm.knot_spacing / density
-        count = max(LEAST_KNOTS, int(np.ceil(length / spacing)) + 1)
+        count = max(MIN_KNOTS, int(np.ceil(length / spacing)) + 1)
         knots, slopes, axis = np.zeros((count, 9)), np.zeros((count, 9)), np.empty(9)
         knots[0] = q
         here = Configuration(model, q)

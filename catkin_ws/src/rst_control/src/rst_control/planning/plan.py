@@ -48,7 +48,7 @@ class Phase:
     tension: float | None = None  # [N] to reach and hold; None: none asked for
 
     @property
-    def least_time(self) -> float:
+    def min_time(self) -> float:
         """Time that the way takes at the phase's speed [s]."""
         return abs(self.target - self.start) / self.speed if self.speed > 0.0 else 0.0
 

@@ -21,7 +21,7 @@ from rst_control.errors import (
 from rst_control.kinematics import continuation, forward, manipulability
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.ik_solver import IkSolver
-from rst_control.kinematics.joint_limits import layer_in_force, make_limits
+from rst_control.kinematics.joint_limits import active_layer, make_limits
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.planning.collision import CollisionModel
@@ -34,12 +34,12 @@ from rst_control.types import Vector, frozen_array
 
 Array = NDArray[np.float64]
 
-LEAST_KNOTS: Final = 4
+MIN_KNOTS: Final = 4
 DENSER: Final = 4  # times as many knots where the first try strays from the trocar
 SAME_PLACE: Final = 1e-7  # [m] of path below which there is nothing to move
 SEAT_SCALE: Final = 1.5  # [m/rad] of path back to the trocar; the reach: no point is faster
 PROJECTIONS: Final = 20
-MOST_BRAKING: Final = 4.0  # [m/s^2] of s, also where the joints could brake harder
+MAX_BRAKING: Final = 4.0  # [m/s^2] of s, also where the joints could brake harder
 
 
 @dataclass(frozen=True)
@@ -195,11 +195,11 @@ class Planner:
 
     def pace(self, path: Path, speed: float) -> Pace:
         """How joints can follow a path, up to `speed` [m/s] by its scale, and stop soon enough."""
-        settings, layer = self.config.controller.speed, layer_in_force(self.config.limits)
+        settings, layer = self.config.controller.speed, active_layer(self.config.limits)
         speed *= settings.scale
         samples = path.sample(self.model.chain, self.trocar)
         for _ in range(2):  # slower, the path's own curvature leaves more for braking
-            speed, hardest = speed_bounds(samples, self.limits, speed, MOST_BRAKING)
+            speed, hardest = speed_bounds(samples, self.limits, speed, MAX_BRAKING)
             braking = Bounds(speed, hardest, settings.braking_jerk)
             speed = stopping_speed(braking, layer.stopping_time, layer.stopping_distance)
         moving = Bounds(speed, min(hardest, settings.acceleration), settings.jerk)
@@ -240,7 +240,7 @@ class Planner:
 
     def _track(self, q: Vector, goal: Array, posture: Vector, spacing: float) -> Path:
         length = max(self._distance(q, goal), SAME_PLACE)
-        count = max(LEAST_KNOTS, int(np.ceil(length / spacing)) + 1)
+        count = max(MIN_KNOTS, int(np.ceil(length / spacing)) + 1)
         knots, slopes = np.zeros((count, 9)), np.zeros((count, 9))
         knots[0] = q
         start, turn = Configuration(self.model, q).T_base_tip[:3], np.empty(3)
@@ -285,7 +285,7 @@ class Planner:
         self._check_manipulability(samples.q[:, 0])
 
     def _check_manipulability(self, q: Array) -> None:
-        least = self.config.limits.least_manipulability
+        least = self.config.limits.min_manipulability
         manipulability.check(self.model.chain, q, self.trocar, least)
 
     def _check_workspace(self, tip: Array) -> None:

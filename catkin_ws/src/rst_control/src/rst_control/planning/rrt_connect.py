@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from rst_control.kernels import kernel
-from rst_control.planning.collision_kernels import least_room
+from rst_control.planning.collision_kernels import min_room
 
 RESOLUTION = 1e-3  # [m] of motion that is stepped over at least; half of it may go unseen
 
@@ -35,7 +35,7 @@ def free_share(chain: Any, shapes: Any, a: Any, b: Any) -> float:
     while True:
         for j in range(9):
             joints[j] = a[j] + share * (b[j] - a[j])
-        room, _ = least_room(chain, joints, shapes)
+        room, _ = min_room(chain, joints, shapes)
         if room < 0.0:
             return known
         if share >= 1.0:

@@ -45,7 +45,7 @@ def _fit(arguments: argparse.Namespace) -> tuple[list[ArmSample], PivotFit]:
     lines = [shaft_line(model, _joints(pose.position)) for pose in poses]
     points, directions = [line[0] for line in lines], [line[1] for line in lines]
     settings = config.rcm.registration
-    return poses, fit_pivot(points, directions, settings.least_poses, settings.least_spread)
+    return poses, fit_pivot(points, directions, settings.min_poses, settings.min_spread)
 
 
 def _report(poses: Sequence[ArmSample], fit: PivotFit) -> str:

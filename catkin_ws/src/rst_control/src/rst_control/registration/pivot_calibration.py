@@ -83,15 +83,15 @@ class PivotFit:
 
 
 def fit_pivot(
-    points: ArrayLike, directions: ArrayLike, least_poses: int, least_spread: float
+    points: ArrayLike, directions: ArrayLike, min_poses: int, min_spread: float
 ) -> PivotFit:
     """Find the point that shaft lines have in common.
 
     Args:
         points: One point of each line, base frame, [m]. Shape (n, 3).
         directions: Directions of the lines, of any length but zero. Shape (n, 3).
-        least_poses: Fewest lines that are accepted; never fewer than two.
-        least_spread: Least rms angle between the lines and their common direction [rad].
+        min_poses: Fewest lines that are accepted; never fewer than two.
+        min_spread: Least rms angle between the lines and their common direction [rad].
 
     Raises:
         TooFewPoses: There are fewer lines.
@@ -99,12 +99,12 @@ def fit_pivot(
         ValueError: A value is not finite, a direction is zero, or the shapes differ.
     """
     count = len(np.asarray(points))
-    if count < max(least_poses, FEWEST):
-        raise TooFewPoses(count, max(least_poses, FEWEST))
+    if count < max(min_poses, FEWEST):
+        raise TooFewPoses(count, max(min_poses, FEWEST))
     a, P = frozen_array(points, count, 3), _projections(frozen_array(directions, count, 3))
     spread = _spread(P)
-    if spread < max(least_spread, PARALLEL):
-        raise TooLittleSpread(spread, max(least_spread, PARALLEL))
+    if spread < max(min_spread, PARALLEL):
+        raise TooLittleSpread(spread, max(min_spread, PARALLEL))
     centre = a.mean(axis=0)  # near the answer, where rounding does least
     offsets, equal = a - centre, np.ones(count)
     p = _nearest(P, offsets, equal)

@@ -44,7 +44,7 @@ class ShaftPoses:
         if len(self._lines) >= MOST:
             return Reply(False, f"{MOST} shaft poses recorded already; fit or forget them")
         self._lines.append(shaft_line(self._model, view.measurement.position))
-        words = f"{len(self._lines)} shaft poses recorded, {self._settings.least_poses} needed"
+        words = f"{len(self._lines)} shaft poses recorded, {self._settings.min_poses} needed"
         return Reply(True, words)
 
     def forget(self) -> Reply:
@@ -60,7 +60,7 @@ class ShaftPoses:
         """
         lines = np.array(self._lines).reshape(-1, 2, 3)
         settings = self._settings
-        return fit_pivot(lines[:, 0], lines[:, 1], settings.least_poses, settings.least_spread)
+        return fit_pivot(lines[:, 0], lines[:, 1], settings.min_poses, settings.min_spread)
 
     def objection(self, fit: PivotFit) -> str:
         """Why a fit is not good enough to be set; empty: it is."""

@@ -43,7 +43,7 @@ class TorqueTensionNode:
         self._estimator = TorqueTension(config, description)
         self._readings: deque[tuple[JointState, float]] = deque(maxlen=KEPT)  # and when taken [s]
         self._news = threading.Event()
-        self._least = (1.0 - SOONER) / config.rate
+        self._min_period = (1.0 - SOONER) / config.rate
         self._times, self._taken, self._arrived = SentTimes(OLD), -np.inf, -np.inf
         self._trocar: Vector | None = None
         self._is_gripped = False
@@ -116,7 +116,7 @@ class TorqueTensionNode:
     def _on_joints(self, message: JointState) -> None:
         self._arrived = time.monotonic()
         taken = self._times.of(message.header.stamp.to_sec(), self._arrived)
-        if not 0.0 <= taken - self._taken < self._least:
+        if not 0.0 <= taken - self._taken < self._min_period:
             self._readings.append((message, taken))
             self._taken = taken
             self._news.set()

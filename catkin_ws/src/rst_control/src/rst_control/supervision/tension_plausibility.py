@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from rst_control.config.sensors import SensorConfig
-from rst_control.tension.response_check import LEAST_TENSION
+from rst_control.tension.response_check import MIN_TENSION
 from rst_control.types import Measurement
 
 
@@ -58,17 +58,17 @@ class TensionSensor:
 
     def _dead(self, measured: Measurement, pulled: float) -> str:
         allowed = self._config.slack_way
-        if pulled <= allowed or measured.tension >= LEAST_TENSION:
+        if pulled <= allowed or measured.tension >= MIN_TENSION:
             return ""
         return (
             f"tension {measured.tension:.3f} N after {pulled * 1e3:.1f} mm of pull, at least "
-            f"{LEAST_TENSION:.2f} N expected after {allowed * 1e3:.1f} mm: tissue slack, or "
+            f"{MIN_TENSION:.2f} N expected after {allowed * 1e3:.1f} mm: tissue slack, or "
             "sensor dead"
         )
 
     def _stuck(self, last: Measurement, measured: Measurement, pulled: float) -> str:
         is_same = np.array_equal(last.force, measured.force)
-        if not is_same or measured.tension < LEAST_TENSION or self._changed is None:
+        if not is_same or measured.tension < MIN_TENSION or self._changed is None:
             self._changed = pulled, measured.stamp
             return ""
         way, time = pulled - self._changed[0], measured.stamp - self._changed[1]

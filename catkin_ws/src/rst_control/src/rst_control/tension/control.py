@@ -25,7 +25,7 @@ LOADED = 4.0  # times the noise of the tension, above which tissue counts as tau
 SLACK_SHARE = 0.4  # of the way to the target, in which a slack pull can stop on the stiffest tissue
 END_REACHED = 1e-6  # [m]
 AT_REST = 2e-4  # [m/s]
-LEAST_SPEED = 1e-7  # [m/s] below which it stands
+MIN_SPEED = 1e-7  # [m/s] below which it stands
 
 
 class TensionControl:
@@ -136,7 +136,7 @@ class TensionControl:
         is_slowing = self._is_braking_hard and state.acceleration < 0.0
         self._is_braking_hard = is_slowing or safe < min(speed, state.speed)
         bounds = self._brakes if self._is_braking_hard else self._bounds
-        if min(speed, safe) < LEAST_SPEED:
+        if min(speed, safe) < MIN_SPEED:
             self._profile.go_at(0.0, bounds)
         else:
             self._profile.go_to(self._end(error), replace(bounds, speed=min(speed, safe)))

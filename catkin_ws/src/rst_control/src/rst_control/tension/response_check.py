@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections import deque
 
 EXPECTED = 0.15  # [N] of rise after which it is looked whether it came
-LEAST_SHARE = 0.25  # of the rise expected that must have come
-LEAST_TENSION = 0.05  # [N] and
-LEAST_WAY = 2e-4  # [m] of pull from the grasp, below which nothing is expected
+MIN_SHARE = 0.25  # of the rise expected that must have come
+MIN_TENSION = 0.05  # [N] and
+MIN_WAY = 2e-4  # [m] of pull from the grasp, below which nothing is expected
 
 
 class PullAnswer:
@@ -24,17 +24,17 @@ class PullAnswer:
 
     def look(self, s: float, tension: float) -> None:
         """Take in the pull from the grasp [m] and its tension [N]."""
-        if s <= self._s or self._s < LEAST_WAY or self._tension < LEAST_TENSION:
+        if s <= self._s or self._s < MIN_WAY or self._tension < MIN_TENSION:
             self._s, self._tension = s, tension
             return
         expected = self._tension / self._s * (s - self._s)
         if expected < EXPECTED:
             return
         rise = tension - self._tension
-        if rise < LEAST_SHARE * expected:
+        if rise < MIN_SHARE * expected:
             self.objection = (
                 f"tension rose by {rise:.2f} N over {(s - self._s) * 1e3:.1f} mm of pull, at least "
-                f"{LEAST_SHARE * expected:.2f} N expected: tissue torn or slipping, or sensor dead"
+                f"{MIN_SHARE * expected:.2f} N expected: tissue torn or slipping, or sensor dead"
             )
         self._s, self._tension = s, tension
 

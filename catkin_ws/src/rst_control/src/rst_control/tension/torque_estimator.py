@@ -128,8 +128,8 @@ class TorqueTension:
         self, measured: Measurement, q: Vector, sigma: float, misfit: float, tare: Tare | None
     ) -> str:
         config, speed = self._config, np.abs(measured.velocity[:ARM])
-        if self._readings < config.least_readings:
-            return f"only {self._readings} torque readings so far, at least {config.least_readings}"
+        if self._readings < config.min_readings:
+            return f"only {self._readings} torque readings so far, at least {config.min_readings}"
         if self._looks_inverted(q):
             return "torques are those of gravity with the other sign: change effort_sign"
         if tare is None:
@@ -140,12 +140,12 @@ class TorqueTension:
                 f"joint_{joint + 1} at {speed[joint]:.2f} rad/s, too fast to tell tension from "
                 f"torques, allowed {config.fastest:.2f}"
             )
-        if sigma > config.most_sigma:
-            return f"tension known to {sigma:.2f} N only, allowed {config.most_sigma:.2f} N"
-        if not misfit <= config.most_misfit:
+        if sigma > config.max_sigma:
+            return f"tension known to {sigma:.2f} N only, allowed {config.max_sigma:.2f} N"
+        if not misfit <= config.max_misfit:
             return (
                 f"torques fit no pull at the jaws: misfit {misfit:.0f}, allowed "
-                f"{config.most_misfit:.0f}; something else pushes the arm"
+                f"{config.max_misfit:.0f}; something else pushes the arm"
             )
         return ""
 

@@ -24,7 +24,7 @@ from rst_control.types import Vector
 Array = NDArray[np.float64]
 
 TILTS: Final = (0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9)  # [rad] from the shaft, within the sheet
-MOST_ASIDE: Final = math.radians(75.0)  # of the approach from the way straight in
+MAX_ASIDE: Final = math.radians(75.0)  # of the approach from the way straight in
 NEAR_SIDE: Final = 0.5  # of the clearance: a free side so near may be come over
 TURNS: Final = (0.0, 0.4, -0.4, 0.7, -0.7, 1.0, -1.0)  # [rad] of the jaws about their approach
 # A pull by this share of the way from the anchors to the grasp strains the sheet by about as much
@@ -110,7 +110,7 @@ def _approaches(scene: SceneConfig, normal: Vector) -> list[Vector]:
     shaft = np.array(scene.grasp_point) - scene.trocar
     shaft = _unit(shaft - normal * float(normal @ shaft))
     tilted = [turned(tilt * normal) @ shaft for tilt in TILTS]
-    near = [way for way in tilted if (straight @ way).max() >= math.cos(MOST_ASIDE)]
+    near = [way for way in tilted if (straight @ way).max() >= math.cos(MAX_ASIDE)]
     return near or list(straight)
 
 

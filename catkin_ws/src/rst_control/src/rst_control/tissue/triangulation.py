@@ -26,7 +26,7 @@ class Triangulation:
 
     anchors: Points  # (2, 3), the fixed points of the triangle
     grasp_error: float  # [m]
-    least_angle: float  # [rad]
+    min_angle: float  # [rad]
     out_of_plane: float  # [m] rms of the nodes within the triangle, from its plane
     tension: float  # [N]
     strain: float  # [-]
@@ -36,7 +36,7 @@ class Triangulation:
         low, high = limits.tension
         checks = (
             _above("grasp error", self.grasp_error * 1e3, limits.grasp_error * 1e3, "mm"),
-            _below("angle", np.degrees(self.least_angle), np.degrees(limits.least_angle), "deg"),
+            _below("angle", np.degrees(self.min_angle), np.degrees(limits.min_angle), "deg"),
             _above("out of plane", self.out_of_plane * 1e3, limits.out_of_plane * 1e3, "mm"),
             _below("tension", self.tension, low, "N"),
             _above("tension", self.tension, high, "N"),
@@ -70,7 +70,7 @@ def triangulation(
     return Triangulation(
         anchors=anchors,
         grasp_error=float(np.linalg.norm(missed)),
-        least_angle=float(triangle_angles(anchors[0], anchors[1], jaws).min()),
+        min_angle=float(triangle_angles(anchors[0], anchors[1], jaws).min()),
         out_of_plane=out_of_plane(nodes, anchors[0], anchors[1], jaws),
         tension=tension,
         strain=strain,

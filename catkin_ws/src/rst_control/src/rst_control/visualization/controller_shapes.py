@@ -29,7 +29,7 @@ BALL, LINE = 0.006, 0.0020  # [m] diameter of trocar and grasp point; width of l
 SHAFT_SHOWN = 0.045  # [m] of the shaft's line, either side of the trocar
 ARROW_SCALE = 0.05  # [m/N] of the tension's arrow
 ARROW_WIDTH, LETTER = 0.006, 0.020  # [m]
-LEAST_TENSION = 0.01  # [N] below which there is no arrow
+MIN_TENSION = 0.01  # [N] below which there is no arrow
 RCM_LABEL = (0.100, 0.0, 0.012)  # [m] from the trocar to its label
 TENSION_LABEL = (0.185, 0.0, 0.0)  # [m] from the tip to its label
 
@@ -95,7 +95,7 @@ class ControllerShapes:
         words = tension_words(view)
         shapes = [_label("tension words", tip + TENSION_LABEL, words)]
         tension = view.tension
-        if view.measurement is not None and tension > LEAST_TENSION:
+        if view.measurement is not None and tension > MIN_TENSION:
             ends = np.array([tip, tip + ARROW_SCALE * view.measurement.force])
             shapes.append(Shape("tension", Kind.ARROW, ends, ARROW_WIDTH, self.colour_of(tension)))
         return shapes

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from rst_control.config import CONFIG_FOLDER
 from typed_config import flag, integer, load_config, load_yaml, number, require, text
@@ -44,12 +46,14 @@ class TorqueConfig:
 class DriverConfig:
     """Kinova's driver and the arm's own controller behind it."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {"least_duration": "min_duration"}
+
     name: str = text()
     joints: tuple[str, ...] = text()
     feedback_rate: float = number(1.0, 500.0, "Hz")
     goal_time_tolerance: float = number(0.0, 10.0, "s")
     first_duration: float = number(0.0, 10.0, "s")
-    least_duration: float = number(1e-4, 1.0, "s")
+    min_duration: float = number(1e-4, 1.0, "s")
     fault_wait: float = number(0.0, 10.0, "s")
     calls: CallsConfig
     command_period: float = number(0.001, 0.2, "s")

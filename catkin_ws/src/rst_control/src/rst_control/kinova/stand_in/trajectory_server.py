@@ -65,7 +65,7 @@ class TrajectoryServer:
         self._goal = goal  # the old one is forgotten: nobody answers it any more
         goal.accept()
         config = self._config
-        waypoints = make_waypoints(goal.goal.points, config.first_duration, config.least_duration)
+        waypoints = make_waypoints(goal.goal.points, config.first_duration, config.min_duration)
         yield config.calls.validate
         if found := self._arm.validate(waypoints):
             log.error("the arm does not run this trajectory: %s", "; ".join(found))

@@ -50,18 +50,18 @@ class ArmLimits:
 
 
 def make_waypoints(
-    points: Sequence[Point], first_duration: float, least_duration: float
+    points: Sequence[Point], first_duration: float, min_duration: float
 ) -> list[Waypoint]:
     """Way-points of a goal's points.
 
     Args:
         points: In their order.
         first_duration: Of the first way-point [s].
-        least_duration: Of any other [s].
+        min_duration: Of any other [s].
     """
     durations = [first_duration]
     for before, after in pairwise(points):
-        durations.append(max(after.time - before.time, least_duration))
+        durations.append(max(after.time - before.time, min_duration))
     return [
         Waypoint(point.positions, duration)
         for point, duration in zip(points, durations, strict=False)

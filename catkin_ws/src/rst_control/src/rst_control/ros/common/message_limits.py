@@ -34,11 +34,11 @@ log = logging.getLogger("rosout.rst_control.intake")
 
 HANDSHAKE_TIME = 2.0  # [s] for a peer to say what it wants
 LOOK_PERIOD = 0.005  # [s] between looks whether the rest of it has come
-MOST_STRANGERS = 64  # peers at once that have not said yet what they want
+MAX_STRANGERS = 64  # peers at once that have not said yet what they want
 WAITING = 128  # connections that may wait to be taken up; rospy's 5 make the sixth caller wait 1 s
 CHUNK = 65_536  # bytes of an oversized message that are read and forgotten at a time
 
-_strangers = threading.BoundedSemaphore(MOST_STRANGERS)
+_strangers = threading.BoundedSemaphore(MAX_STRANGERS)
 _refusals = Refusals(time.monotonic)
 _welcome = TCPROSServer._tcp_server_callback
 _open = TCPServer._create_server_sock
@@ -61,7 +61,7 @@ def _listen(server: TCPServer) -> socket.socket:
 def _admit(server: TCPROSServer, sock: socket.socket, peer: tuple[str, int]) -> None:
     """Take up a connection in a thread of its own, so that it delays no other."""
     if not _strangers.acquire(blocking=False):
-        _refuse("connections", f"{MOST_STRANGERS} peers are connecting already")
+        _refuse("connections", f"{MAX_STRANGERS} peers are connecting already")
         sock.close()
         return
     threading.Thread(target=_meet, args=(server, sock, peer), name="meet", daemon=True).start()

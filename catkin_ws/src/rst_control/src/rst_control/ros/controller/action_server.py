@@ -26,7 +26,7 @@ from rst_control.ros.common.messages import caller_of, feedback_message, result_
 
 OnGoal = Callable[[ServerGoalHandle], None]
 
-MOST_GOALS = 200  # that actionlib remembers; it forgets one 5 s after it has ended
+MAX_GOALS = 200  # that actionlib remembers; it forgets one 5 s after it has ended
 LONGEST_ID = 200  # characters of a goal's id
 
 
@@ -81,7 +81,7 @@ class GuardedServer(actionlib.ActionServer):
         if len(goal_id.id) > LONGEST_ID:
             return f"a goal id of {len(goal_id.id)} characters, allowed: {LONGEST_ID}"
         known = len(self.status_list)
-        return f"{known} goals are known already" if known >= MOST_GOALS else ""
+        return f"{known} goals are known already" if known >= MAX_GOALS else ""
 
 
 class AssistServer:

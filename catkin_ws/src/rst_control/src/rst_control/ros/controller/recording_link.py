@@ -18,7 +18,7 @@ from rst_control.ros.common.messages import caller_of
 from rst_control.ros.controller.diagnostics import make_status
 
 LONGEST_PROBLEM = 200  # characters of what a recorder says is wrong with it
-MOST_RECORDERS = 16  # that are told apart
+MAX_RECORDERS = 16  # that are told apart
 OTHERS = "another recorder"
 GRACE = 15.0  # [s] after the start, within which a recorder that is not there yet is no news
 
@@ -73,7 +73,7 @@ class RecordingLink:
 
     def _on_beat(self, message: String) -> None:
         sender = caller_of(message)
-        if len(self._senders) >= MOST_RECORDERS and sender not in self._senders:
+        if len(self._senders) >= MAX_RECORDERS and sender not in self._senders:
             sender = OTHERS
         self._senders.add(sender)
         self._watch.heard(sender, shown(message.data, LONGEST_PROBLEM))

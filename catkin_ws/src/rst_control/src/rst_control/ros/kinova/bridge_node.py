@@ -37,7 +37,7 @@ from typed_config import ConfigError, load_config
 BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard
 TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
 DIAGNOSTICS_PERIOD = 1.0  # [s]
-MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed
+MAX_JOBS = 1000  # that wait for the loop; set-points beyond are missed
 STILL = np.zeros(len(JOINTS))
 SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
 
@@ -54,7 +54,7 @@ class KinovaBridgeNode:
         self._hardware = KinovaHardware(config.bridge)
         self._bridge = Bridge(config, self._hardware)
         self._offset, self._reader = wall_offset(), JointStateReader(JOINTS)
-        self._jobs: deque[Callable[[], None]] = deque(maxlen=MOST_JOBS)
+        self._jobs: deque[Callable[[], None]] = deque(maxlen=MAX_JOBS)
         self._told: Measurement | None = None
         self._told_grip: Repeated[bool] = Repeated(TELL_PERIOD)
         self._told_fault: Repeated[str] = Repeated(TELL_PERIOD, lambda a, b: bool(a) is bool(b))

@@ -77,7 +77,7 @@ class SimulatorDiagnostics:
         if held is not None:
             values = {
                 "grasp error [mm]": f"{1e3 * held.grasp_error:.3f}",
-                "least angle [deg]": f"{np.degrees(held.least_angle):.1f}",
+                "least angle [deg]": f"{np.degrees(held.min_angle):.1f}",
                 "out of plane rms [mm]": f"{1e3 * held.out_of_plane:.3f}",
                 "tension [N]": f"{held.tension:.3f}",
                 "strain": f"{held.strain:.3f}",

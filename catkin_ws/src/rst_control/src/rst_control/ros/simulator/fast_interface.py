@@ -22,7 +22,7 @@ from rst_control.types import JOINTS, Setpoint
 
 log = logging.getLogger("rosout.rst_control.simulator")
 
-MOST_JOBS = 1000  # that wait for the loop; set-points beyond are missed, and the servo holds
+MAX_JOBS = 1000  # that wait for the loop; set-points beyond are missed, and the servo holds
 TELL_PERIOD = 0.5  # [s] between words on grip and fault where they stay the same
 NO_STAMP = 0.0  # set-points sent by hand carry no stamp
 
@@ -86,7 +86,7 @@ class SetpointDoor:
         return lambda _: self._jobs.append(job)
 
     def _on_setpoint(self, message: RawJointState) -> None:
-        if len(self._jobs) < MOST_JOBS:
+        if len(self._jobs) < MAX_JOBS:
             self._jobs.append(lambda: self._take(message.raw))
 
     def _take(self, raw: bytes) -> None:

@@ -16,8 +16,8 @@ WAY, ARROW = (0.00, 0.45, 0.90, 1.0), (0.00, 0.70, 0.30, 1.0)  # red, green, blu
 WAY_RADIUS = 0.0006  # [m]
 ARROW_SCALE = 0.02  # [m/N]
 SHAFT_RADIUS, HEAD_RADIUS, HEAD_LENGTH = 0.0020, 0.0042, 0.0090  # [m]
-LEAST_FORCE = 0.05  # [N] below which there is no arrow
-LEAST_STEP = 1e-6  # [m] between points of a way
+MIN_FORCE = 0.05  # [N] below which there is no arrow
+MIN_STEP = 1e-6  # [m] between points of a way
 SIDES = 12
 
 
@@ -46,7 +46,7 @@ class SceneMarks:
         if len(trail) > 1:
             self._add(trail, np.full(len(trail), WAY_RADIUS), WAY)
         strength = float(np.linalg.norm(force))
-        if strength >= LEAST_FORCE:
+        if strength >= MIN_FORCE:
             along, length = force / strength, ARROW_SCALE * strength
             reach = np.array([0.0, length, length, length + HEAD_LENGTH])
             radii = np.array([SHAFT_RADIUS, SHAFT_RADIUS, HEAD_RADIUS, 0.0])
@@ -79,7 +79,7 @@ def tube(points: Points, radii: Points) -> tuple[Points, Points]:
         Vertices and their normals, ring after ring. Shapes (n * SIDES, 3).
     """
     along = np.gradient(points, axis=0)
-    along[np.linalg.norm(along, axis=1) < LEAST_STEP] = (0.0, 0.0, 1.0)  # turns back on itself
+    along[np.linalg.norm(along, axis=1) < MIN_STEP] = (0.0, 0.0, 1.0)  # turns back on itself
     normals = np.vstack([circle((0.0, 0.0, 0.0), 1.0, way, SIDES)[:-1] for way in along])
     return np.repeat(points, SIDES, axis=0) + np.repeat(radii, SIDES)[:, None] * normals, normals
 
