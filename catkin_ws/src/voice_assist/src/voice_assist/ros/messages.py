@@ -35,14 +35,14 @@ def utterance(decision: Decision, now: float) -> UtteranceMessage:
         now: Stamp of the message [s].
     """
     outcome = decision.outcome
-    is_match = isinstance(outcome, Match)
+    command, reason = (outcome.command, "") if isinstance(outcome, Match) else ("", outcome.reason)
     message = UtteranceMessage(
         transcript=decision.hypothesis.text,
         phrases=list(outcome.wer),
         wer=list(outcome.wer.values()),
-        command=outcome.command if is_match else "",
-        reason="" if is_match else outcome.reason,
-        nearest=outcome.command if is_match else outcome.nearest,
+        command=command,
+        reason=reason,
+        nearest=outcome.command if isinstance(outcome, Match) else outcome.nearest,
         confidence=decision.confidence,
         mode=decision.mode.value,
         origin=decision.origin,

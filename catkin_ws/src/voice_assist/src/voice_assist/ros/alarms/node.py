@@ -24,7 +24,7 @@ from voice_assist.alarms.appearance import is_lit, line
 from voice_assist.alarms.board import Board, Standing
 from voice_assist.alarms.player import Player
 from voice_assist.alarms.sound_output import ProgramOutput
-from voice_assist.alarms.types import Priority
+from voice_assist.alarms.types import PartHealth, Priority
 from voice_assist.config.alarms import AlarmsConfig, alarms_config, load_alarms_config
 from voice_assist.msg import Alarm as AlarmMessage
 from voice_assist.msg import Utterance
@@ -148,8 +148,10 @@ class AlarmNode:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            health = messages.part_health(status)
-            self._hand_over(lambda board, now, h=health: board.see_health(h, now))
+            self._on_health(messages.part_health(status))
+
+    def _on_health(self, health: PartHealth) -> None:
+        self._hand_over(lambda board, now: board.see_health(health, now))
 
 
 def main() -> None:
