@@ -108,9 +108,9 @@ workspace() {
     . catkin_ws/devel/setup.sh
     set -u
     .venv/bin/python -c 'from rst_control.config import load_motion_config
-from rst_control.assembly import make_site
+from rst_control.assembly import make_trocar_context
 from rst_control.kinematics.robot_model import load_robot
-make_site(load_motion_config(), load_robot())'
+make_trocar_context(load_motion_config(), load_robot())'
 }
 
 case "${1:-}" in

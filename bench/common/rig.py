@@ -18,9 +18,9 @@ from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.planning.planner import along
-from rst_control.registration.site import PresentSite, Site
+from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.simulation.pybullet_robot import PybulletRobot
-from rst_control.tissue.grasp_candidates import grasp_ways, turned
+from rst_control.tissue.grasp_candidates import grasp_candidates, turned
 from rst_control.trajectory.path import Path
 
 
@@ -38,16 +38,16 @@ class Rig(LockStep):
     ) -> None:
         model = load_robot()
         self.config, self.period = motion, 1.0 / motion.controller.rate
-        site = PresentSite(Site(motion, model))
-        self.planner = site.site.planner
+        context = ActiveTrocarContext(TrocarContext(motion, model))
+        self.planner = context.current.planner
         settings = replace(simulation, scene=motion.scene, limits=motion.limits)
         kind = LightRobot if is_light else PybulletRobot
         with quiet():
             self.robot: LightRobot | PybulletRobot = kind(settings, start=START)
         self.error = np.array([0.0] * 7 + list(settings.simulator.tool_joint_error))
-        self.executor = make_executor(motion, site, self.robot.clear_fault)
-        self.desk = CommandDesk(self.executor, site.verify, lambda: self.robot.now)
-        self._gauge = site.placement
+        self.executor = make_executor(motion, context, self.robot.clear_fault)
+        self.desk = CommandDesk(self.executor, context.verify, lambda: self.robot.now)
+        self._gauge = context.trocar_pose
 
     def tick(self, each: Callable[[], None] = do_nothing) -> None:
         """One period of the control loop; `each` is called after every step of the physics."""
@@ -112,7 +112,7 @@ def random_poses(config: MotionConfig, count: int, seed: int, spread: float = 0.
         Poses of tool_tip in base_link. Shape (count, 4, 4).
     """
     rng = np.random.default_rng(seed)
-    poses = np.tile(grasp_ways(config.scene)[0].T_base_tip, (count, 1, 1))
+    poses = np.tile(grasp_candidates(config.scene)[0].T_base_tip, (count, 1, 1))
     for T in poses:
         direction = rng.normal(size=3)
         away = 0.95 * config.scene.workspace_radius * rng.uniform() ** (1.0 / 3.0)

@@ -26,7 +26,7 @@ from rst_control.kinova.guard import StopGuard
 from rst_control.kinova.homing import home
 from rst_control.kinova.stand_in import KinovaRobot, StandInConfig, as_driven, load_stand_in_config
 from rst_control.kinova.tool import ToolState
-from rst_control.registration.site import PresentSite, Site
+from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from typed_config import load_config, load_yaml, overlaid
 
@@ -78,10 +78,10 @@ class KinovaRig(LockStep):
         self._steps, self._is_sending = 0, False
         self._guard = StopGuard(kinova.bridge.guard)
         self.lost: Loss | None = None  # what fails from now on
-        site = PresentSite(Site(motion, load_robot()))
-        self.planner, self._gauge = site.site.planner, site.placement
-        self.executor = make_executor(motion, site, lambda: self.bridge.clear_fault(self.now))
-        self.desk = CommandDesk(self.executor, site.verify, lambda: self.now)
+        context = ActiveTrocarContext(TrocarContext(motion, load_robot()))
+        self.planner, self._gauge = context.current.planner, context.trocar_pose
+        self.executor = make_executor(motion, context, lambda: self.bridge.clear_fault(self.now))
+        self.desk = CommandDesk(self.executor, context.verify, lambda: self.now)
 
     # As the bridge's hardware.
 

@@ -23,7 +23,7 @@ from rst_control.kinematics.joint_limits import make_limits
 from rst_control.kinematics.robot_model import RobotModel, kdl_chain, load_robot
 from rst_control.planning.collision_kernels import RESOLUTION
 from rst_control.planning.plan import Phase, Plan
-from rst_control.tissue.grasp_candidates import grasp_ways, turned
+from rst_control.tissue.grasp_candidates import grasp_candidates, turned
 from rst_control.types import Reason
 
 Array = NDArray[np.float64]
@@ -166,7 +166,7 @@ class Judge:
 
     def _waypoints(self, case: Case) -> tuple[Array, ...]:
         scene, start = case.config.scene, self._tip.frame(self._start(case))
-        grasp = grasp_ways(scene)[0].T_base_tip
+        grasp = grasp_candidates(scene)[0].T_base_tip
         other = grasp.copy()
         other[:3, [0, 2]] *= -1.0
         turns = [np.linalg.norm(_turn(start[:3, :3], T[:3, :3])) for T in (grasp, other)]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pulls by joint torques through the bridge, on the strict simulation of the drivers.
 
-Its arm reports torques with the noise, offsets and friction of kinova_driver.yaml, 40 times a
+Its arm reports torques with the noise, offsets and friction of kinova_stand_in.yaml, 40 times a
 second. The tension that the controller is told is the estimate's; the true one is only looked at.
 """
 

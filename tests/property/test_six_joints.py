@@ -10,7 +10,7 @@ import pytest
 
 from bench.common.rig import random_poses
 from rst_control.admission.command_queue import CommandDesk
-from rst_control.assembly import make_executor, make_site
+from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.description.facts import load_facts
 from rst_control.description.urdf_writer import urdf_text
 from rst_control.errors import Infeasible, RobotModelError
@@ -20,7 +20,7 @@ from rst_control.kinematics.rcm import rcm_jacobian
 from rst_control.kinematics.robot_model import parse_robot
 from rst_control.planning.plan import Request
 from rst_control.planning.planner import Planner
-from rst_control.registration.site import PresentSite
+from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.trajectory.profile import Profile
 from rst_control.types import PathState
 from tests.property.six_joints import EXAMPLE, URDF, BulletShaft, KdlShaft, example
@@ -150,9 +150,9 @@ def test_all_commands_are_carried_out_in_the_trocar(planner):
 
     begin = robot_joints(np.array(config.scene.home), 0.0)
     robot = FakeRobot(begin, lambda: now[0], tissue=LinearSpring(tip_of, 200.0))
-    site = PresentSite(make_site(config, model))
-    executor = make_executor(config, site, robot.clear_fault)
-    desk = CommandDesk(executor, site.verify, lambda: now[0])
+    context = ActiveTrocarContext(make_trocar_context(config, model))
+    executor = make_executor(config, context, robot.clear_fault)
+    desk = CommandDesk(executor, context.verify, lambda: now[0])
 
     def tick():
         now[0] += PERIOD

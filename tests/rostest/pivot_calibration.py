@@ -18,7 +18,7 @@ from std_srvs.srv import Trigger
 from rst_control.config import load_motion_config
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.robot_model import load_robot
-from rst_control.registration.site import Site
+from rst_control.registration.trocar_context import TrocarContext
 from rst_control.srv import FitTrocar
 from rst_control.types import JOINTS
 
@@ -37,7 +37,7 @@ class PivotCalibration(unittest.TestCase):
     def setUpClass(cls):
         config = load_motion_config()
         scene = replace(config.scene, trocar=tuple(TRUE))
-        cls.planner = Site(replace(config, scene=scene), load_robot()).planner
+        cls.planner = TrocarContext(replace(config, scene=scene), load_robot()).planner
         cls.robot = RobotClient()
         cls.servo = rospy.Publisher("robot/servo_jp", JointState, queue_size=2000)
         cls.clear = rospy.Publisher("robot/clear_fault", Empty, queue_size=1)

@@ -42,7 +42,7 @@ def test_a_stop_on_the_way_holds_the_shaft_in_the_trocar(rig):
     rig.give("stop")
     assert rig.until(lambda: rig.executor.view.mode.state is State.HALTED, limit=1.0)
     assert 0.3 < rig.executor.view.path_position / rig.executor.view.path.length < 0.9
-    assert rig.executor.view.placement.error < WORST
+    assert rig.executor.view.trocar_pose.error < WORST
 
 
 def _progress(rig):

@@ -23,7 +23,7 @@ from rst_control.execution.orders import DiaryEntry, Order
 from rst_control.execution.setpoint import Mover
 from rst_control.execution.state_machine import State
 from rst_control.kinematics.configuration import planning_joints
-from rst_control.planning.patient_surface import Placement
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import PhaseKind
 from rst_control.supervision.presence import Presence
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
@@ -110,7 +110,7 @@ def limits():
 
 def _place(position):
     is_off = abs(position[0] - 0.02) < 1e-3
-    return Placement(0.02 if is_off else 0.0, 0.1, 0.1, -0.1, is_outside=False)
+    return TrocarPose(0.02 if is_off else 0.0, 0.1, 0.1, -0.1, is_outside=False)
 
 
 def _jaws(mover):

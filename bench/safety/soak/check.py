@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rst_control.admission.recording_gate import ADVANCING
 from rst_control.execution.orders import View
 from rst_control.execution.state_machine import IN_MOTION, ControllerMode, State
-from rst_control.planning.patient_surface import Placement
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import Plan
 from rst_control.robot.setpoint_servo import ServoLimits
 from rst_control.types import Setpoint
@@ -88,7 +88,7 @@ class Checker:
     """Remembers one tick, and names what must not be."""
 
     bounds: Bounds
-    placement: Callable[[Array], Placement]
+    trocar_pose: Callable[[Array], TrocarPose]
     violations: list[Violation] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)
     extremes: Extremes = field(default_factory=Extremes)
@@ -98,7 +98,7 @@ class Checker:
     _plan: Plan | None = None
     _woken_until: float = -np.inf  # [s] up to which a "hey robot" may wait for the robot
     _rested: float = 0.0  # [s] since when nothing should move
-    _place: tuple[Array, Placement] | None = None
+    _place: tuple[Array, TrocarPose] | None = None
 
     def __call__(self, moment: Moment) -> None:
         """Check one tick."""
@@ -210,7 +210,7 @@ class Checker:
             self._note("joint speed: set-point", moment, f"{speed:.4f} of the limit")
         if acceleration > 1.0 + SHARE:
             self._note("joint acceleration: set-point", moment, f"{acceleration:.4f} of the limit")
-        place = self.placement(sent.position)
+        place = self.trocar_pose(sent.position)
         extremes.planned_rcm = max(extremes.planned_rcm, place.rcm_error)
         if not place.rcm_error <= bounds.rcm:
             self._note("RCM: set-point", moment, f"{place.rcm_error * 1e3:.3f} mm off")
@@ -246,10 +246,10 @@ class Checker:
             self._note("joint speed: true", moment, f"{speed:.4f} of the limit")
         self._check_rest(moment)
 
-    def _placed(self, position: Array) -> Placement:
-        """Placement of the true joints, measured anew where they have moved."""
+    def _placed(self, position: Array) -> TrocarPose:
+        """TrocarPose of the true joints, measured anew where they have moved."""
         if self._place is None or not np.array_equal(position, self._place[0]):
-            self._place = position, self.placement(position)
+            self._place = position, self.trocar_pose(position)
         return self._place[1]
 
     def _check_rest(self, moment: Moment) -> None:

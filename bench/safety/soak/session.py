@@ -33,7 +33,7 @@ from rst_control.execution.state_machine import State
 from rst_control.kinematics.joint_limits import active_layer
 from rst_control.kinematics.robot_model import RobotModel, load_robot
 from rst_control.planning.plan import Request
-from rst_control.registration.site import PresentSite, Site
+from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.simulation.pybullet_robot import servo_limits
 from rst_control.types import Setpoint
 from voice_assist.config import load_voice_config
@@ -42,7 +42,7 @@ START = 10.0  # [s] time of the first state
 BEAT = 0.1  # [s] between heartbeats of voice and recorder
 PUBLISH = 0.02  # [s] between two looks of the publisher
 STIFFNESS = (20.0, 1000.0)  # [N/m] of the tissue, drawn anew for each stretch
-NODES = (9, 9)  # of its lattice
+NODES = (9, 9)  # of its sheet
 STOP_TIME = 0.4  # [s] to brake; 0.06 s are enough, but tissue that pulls may add to it
 
 LATE_TIME = 1.0  # [s] that the loop may be late by, longest; a "hey robot" waits as long
@@ -70,15 +70,15 @@ class Session:
         simulation = load_simulation_config()
         settings = replace(simulation, scene=config.scene, limits=config.limits)
         self.period = 1.0 / config.controller.rate
-        site = PresentSite(Site(config, model))
+        context = ActiveTrocarContext(TrocarContext(config, model))
         self.robot = ServoRobot(settings, model, START)
         self.link = Link(self.robot)
-        self.executor = make_executor(config, site, self.robot.clear_fault)
+        self.executor = make_executor(config, context, self.robot.clear_fault)
         self.watch = RecordingWatch(config.controller.recording, lambda: self.robot.now)
-        verify = RecordedOnly(site.verify, self.watch)
+        verify = RecordedOnly(context.verify, self.watch)
         self.desk = CommandDesk(self.executor, verify, lambda: self.robot.now)
         self.voice = Voice(load_voice_config().commands, self.desk, self.executor)
-        self.check = Checker(make_bounds(config), site.placement)
+        self.check = Checker(make_bounds(config), context.trocar_pose)
         self.faults = Faults(self.robot, self.link, self.voice)
         self.chance, self.counts = Chance(self.rng), Counter[str]()
         self._waiting: list[tuple[int, Ticket]] = []
@@ -145,7 +145,7 @@ class Session:
     def _standing(self) -> Standing:
         view = self.executor.view
         is_active = view.mode.is_active and self.voice.is_active
-        outside = view.placement.is_outside
+        outside = view.trocar_pose.is_outside
         return Standing(is_active, view.mode.is_latched, view.is_tissue_held, outside)
 
     def _hear(self, event: Event) -> None:

@@ -28,7 +28,7 @@ from sensor_msgs.msg import JointState
 from bench.safety.stops import judge
 from bench.safety.stops.clients import WAYS, Clients
 from bench.safety.stops.judge import Course, Stop, latency, objection, rest
-from rst_control.assembly import make_site
+from rst_control.assembly import make_trocar_context
 from rst_control.config import load_motion_config
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.robot_model import load_robot
@@ -124,7 +124,7 @@ class Session:
         self._rng = np.random.default_rng(seed)
         self._command = rospy.ServiceProxy("rst_control/command", Command)
         self._goals = actionlib.SimpleActionClient("rst_control/execute", AssistAction)
-        self._site = make_site(load_motion_config(), load_robot())
+        self._context = make_trocar_context(load_motion_config(), load_robot())
         if not self._goals.wait_for_server(rospy.Duration(READY_TIME)):
             raise RuntimeError("the controller did not start")
         self.seen: list[float] = []  # [s] from the first client's call to its answer's arrival
@@ -216,7 +216,7 @@ class Session:
                 by_name = dict(zip(message.name, message.position, strict=True))
                 joints = np.array([by_name[name] for name in JOINTS])
                 errors.append(
-                    self._site.planner.patient.placement(planning_joints(joints)[0]).rcm_error
+                    self._context.planner.patient.trocar_pose(planning_joints(joints)[0]).rcm_error
                 )
         return max(errors)
 

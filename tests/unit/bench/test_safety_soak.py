@@ -13,7 +13,7 @@ from bench.safety.soak.events import FAULTS, TALK, Chance, Standing
 from bench.safety.soak.session import Stretch, carried_out, make_bounds
 from rst_control.execution.orders import View
 from rst_control.execution.state_machine import ControllerMode, State
-from rst_control.planning.patient_surface import Placement
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import Phase, PhaseKind, Plan
 from rst_control.robot.setpoint_servo import ServoLimits
 from rst_control.types import JOINTS, Command, Measurement, Setpoint
@@ -37,9 +37,9 @@ OFF = Setpoint(1.5e-3 * np.eye(10)[1], ZERO, 10.002)
 TENSE = Plan(Command.TENSE, "pulls", (Phase(PhaseKind.REACH),))
 
 
-def placement(position):
+def trocar_pose(position):
     """Off the trocar by what the second joint says."""
-    return Placement(abs(float(position[1])), 0.1, 0.1, -0.1, is_outside=False)
+    return TrocarPose(abs(float(position[1])), 0.1, 0.1, -0.1, is_outside=False)
 
 
 def view(mode=ACTIVE, plan=None, position=ZERO):
@@ -74,7 +74,7 @@ def moving(n, at, speed=0.0, **changes):
 
 
 def checked(*moments):
-    check = Checker(BOUNDS, placement)
+    check = Checker(BOUNDS, trocar_pose)
     for one in moments:
         check(one)
     return dict(check.counts)

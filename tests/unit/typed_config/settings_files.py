@@ -38,7 +38,7 @@ FOLDERS = {
 WHOLE = {  # files that one call loads, as their program does at its start
     FOLDERS["rst_control"] / "gen3_openrst.yaml": RobotSettings,
     FOLDERS["rst_control"] / "kinova_bridge.yaml": BridgeConfig,
-    FOLDERS["rst_control"] / "kinova_driver.yaml": StandInConfig,
+    FOLDERS["rst_control"] / "kinova_stand_in.yaml": StandInConfig,
     FOLDERS["rst_control"] / "kinova_limits.yaml": LimitsConfig,
     FOLDERS["rst_control"] / "torque_tension.yaml": TorqueTensionConfig,
     FOLDERS["voice_assist"] / "alarms.yaml": AlarmsConfig,

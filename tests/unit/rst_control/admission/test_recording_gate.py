@@ -165,7 +165,7 @@ class RecordedRig(Rig):
         super().__init__()
         clock = lambda: self.now  # noqa: E731
         self.watch = watch_of(on_loss, clock)
-        verify = RecordedOnly(self.site.verify, self.watch)
+        verify = RecordedOnly(self.context.verify, self.watch)
         self.desk = CommandDesk(self.executor, verify, clock)
         self.problem = ""
 

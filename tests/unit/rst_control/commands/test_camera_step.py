@@ -95,7 +95,7 @@ def test_a_step_sideways_turns_the_tool_as_one_about_the_trocar(verify, planner,
     turned = np.arccos(arms[0] @ arms[1] / np.prod([np.linalg.norm(a) for a in arms]))
     assert turned == pytest.approx(camera.angle, abs=1e-6)
     np.testing.assert_allclose(after.q[7:], home[7:], atol=1e-5)  # the wrist keeps its bend
-    depths = [planner.patient.placement(c.q).wrist for c in (before, after)]
+    depths = [planner.patient.trocar_pose(c.q).wrist for c in (before, after)]
     assert depths[0] == pytest.approx(depths[1], abs=1e-7)
 
 
@@ -109,7 +109,7 @@ def test_closer_and_wider_slide_along_the_shaft(verify, witness, planner, home, 
     np.testing.assert_allclose(
         moved, sign * planner.config.controller.camera.depth * shaft, atol=SINGLE
     )
-    depths = [planner.patient.placement(q).wrist for q in (home, path.end)]
+    depths = [planner.patient.trocar_pose(q).wrist for q in (home, path.end)]
     assert depths[1] - depths[0] == pytest.approx(sign * 0.010, abs=1e-7)
     assert path.sample(planner.model.chain, planner.trocar).rcm_error.max() < 1e-6
 
@@ -178,7 +178,7 @@ def test_eight_directions_and_back_by_voice_keep_the_trocar():
             while not ticket.ended.done():
                 rig.executor.heartbeat(rig.now)
                 rig.tick()
-                worst = max(worst, rig.view.placement.error)
+                worst = max(worst, rig.view.trocar_pose.error)
             assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
     planner = shared()[2].planner
     tips = [
@@ -197,7 +197,7 @@ def test_stop_in_the_middle_brakes_on_the_way_and_latches():
     rig.give("stop")
     while rig.state is State.STOPPING:
         rig.tick()
-        worst = max(worst, rig.view.placement.error)
+        worst = max(worst, rig.view.trocar_pose.error)
     assert rig.state is State.HALTED and worst < 1e-6
     assert 0.3 < rig.view.path_position / rig.view.path.length < 0.9
     assert rig.still_for(0.2)

@@ -15,7 +15,7 @@ from rst_control.errors import NoGrasp, OutsideWorkspace
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.planning.plan import Accepted, PhaseKind, Request
 from rst_control.planning.planner import Planner
-from rst_control.tissue.grasp_candidates import LONGEST_PULL, MAX_ASIDE, grasp_ways, turned
+from rst_control.tissue.grasp_candidates import LONGEST_PULL, MAX_ASIDE, grasp_candidates, turned
 from rst_control.tissue.sheet import free_sides, rest_points, rim_nodes, sheet_normal
 from rst_control.tissue.triangulation import pull_direction
 from rst_control.types import Reason
@@ -48,7 +48,7 @@ def sheet_turned(scene, vector):
 
 def test_directions_that_the_scene_names_are_kept(motion_config):
     scene = motion_config.scene
-    (way,) = grasp_ways(scene)
+    (way,) = grasp_candidates(scene)
     assert_allclose(way.approach, scene.approach_axis, atol=1e-12)
     assert_allclose(way.T_base_tip[:3, 2], scene.jaw_axis, atol=1e-12)
     assert_allclose(way.pull, scene.pull_direction / np.linalg.norm(scene.pull_direction))
@@ -58,7 +58,7 @@ def test_directions_that_the_scene_names_are_kept(motion_config):
 @pytest.mark.parametrize("vector", [(0, 0, 0), (0.3, 0, 0), (0, -0.4, 0), (0.2, 0.1, 0.5)])
 def test_every_way_has_the_sheet_between_the_jaws_and_the_squarest_comes_first(scene, vector):
     scene = sheet_turned(scene, vector)
-    normal, ways = sheet_normal(scene.tissue), grasp_ways(scene)
+    normal, ways = sheet_normal(scene.tissue), grasp_candidates(scene)
     for way in ways:
         R = way.T_base_tip[:3, :3]
         assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
@@ -73,7 +73,7 @@ def test_every_way_has_the_sheet_between_the_jaws_and_the_squarest_comes_first(s
 
 
 def test_the_pull_leads_from_between_the_anchors_and_strains_no_more_than_it_may(scene):
-    way = grasp_ways(scene)[0]
+    way = grasp_candidates(scene)[0]
     rim = rest_points(scene.tissue)[rim_nodes(scene.tissue)]
     assert_allclose(way.pull, pull_direction(rim, np.array(scene.grasp_point)))
     assert way.length <= min(scene.max_displacement, LONGEST_PULL * scene.tissue.size[0] + 1e-9)
@@ -120,8 +120,8 @@ def test_the_controller_starts_if_any_way_is_free(planner, scene, monkeypatch, f
     reach = chooser.reach
 
     def narrow(q, way):
-        if free and way is chooser.ways[-1]:
-            return reach(q, chooser.ways[3])
+        if free and way is chooser.grasp_candidates[-1]:
+            return reach(q, chooser.grasp_candidates[3])
         raise OutsideWorkspace(1.0, 0.1)
 
     monkeypatch.setattr(chooser, "reach", narrow)

@@ -45,7 +45,7 @@ def kinds(legs):
 
 
 def place(planner, q):
-    return planner.patient.placement(q)
+    return planner.patient.trocar_pose(q)
 
 
 def on_the_way(out, share):
@@ -201,7 +201,7 @@ def test_with_another_trocar_the_working_pose_keeps_the_tool_where_home_has_it(p
         replace(planner.config, scene=replace(planner.config.scene, trocar=trocar)),
     )
     working = Insertion(moved).working
-    assert moved.patient.placement(working).error < 1e-9
+    assert moved.patient.trocar_pose(working).error < 1e-9
     np.testing.assert_allclose(
         Configuration(planner.model, working).T_base_tip,
         Configuration(planner.model, home).T_base_tip,

@@ -50,7 +50,7 @@ def test_from_outside_the_tool_goes_in_works_and_comes_out_again(away):
         ticket = rig.say(words)
         while not ticket.ended.done():
             rig.tick()
-            place = rig.view.placement
+            place = rig.view.trocar_pose
             assert place.is_outside or place.error < 1e-6
             seen.get(words, set()).add(rig.phase)
         assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
@@ -109,11 +109,11 @@ def test_part_way_in_it_may_turn_back(away):
     rig = during(Rig(start=away), "insert", "insert")
     rig.say("stop")
     rig.rest()
-    assert not rig.view.placement.is_outside
+    assert not rig.view.trocar_pose.is_outside
     rig.say("hey robot")
     assert "of shaft inserted, allowed 50.0" in rig.refused("tense")
     rig.finish_long("withdraw")
-    assert rig.view.placement.is_outside
+    assert rig.view.trocar_pose.is_outside
 
 
 def test_jaws_that_catch_tissue_end_the_withdrawal_before_it_begins(gate):
@@ -135,11 +135,11 @@ def test_jaws_that_catch_tissue_end_the_withdrawal_before_it_begins(gate):
 def test_a_tool_pushed_below_the_surface_beside_the_trocar_brakes(away):
     rig = Rig(start=away, config=with_watchdogs(following_error=1.0)).believing()
     during(rig, "approach", "insert")
-    lowest = rig.view.placement.height
+    lowest = rig.view.trocar_pose.height
     below = rig.joints.copy()
-    while rig.site.placement(below).is_outside:
+    while rig.context.trocar_pose(below).is_outside:
         below[1] += 0.01
-    assert lowest > 0.0 and rig.site.placement(below).error > 1e-3
+    assert lowest > 0.0 and rig.context.trocar_pose(below).error > 1e-3
     rig.robot.push(below - rig.robot.measured_js().position)
     rig.robot.servo_jp = lambda setpoint: None
     rig.rest()
@@ -168,7 +168,7 @@ def test_the_watch_sees_every_new_measurement_of_every_tick_of_a_motion(away):
         return measured[-1]
 
     def watched(now, measurement, seen):
-        judged.append(seen.placement)
+        judged.append(seen.trocar_pose)
         return watch(now, measurement, seen)
 
     rig.executor._locate, rig.executor._watchdogs.motion = located, watched
@@ -180,7 +180,7 @@ def test_the_watch_sees_every_new_measurement_of_every_tick_of_a_motion(away):
 @pytest.mark.parametrize("broken", [float("nan"), float("inf")])
 def test_a_shaft_whose_place_is_not_known_brakes(away, broken):
     rig = during(Rig(start=away), "approach", "insert")
-    place = replace(rig.view.placement, error=broken, is_outside=False)
+    place = replace(rig.view.trocar_pose, error=broken, is_outside=False)
     rig.executor._locate = lambda joints: place
     rig.rest()
     assert rig.state is State.FAULTED

@@ -17,7 +17,7 @@ from rst_control.errors import (
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.planning.planner import Planner
-from rst_control.tissue.grasp_candidates import grasp_ways
+from rst_control.tissue.grasp_candidates import grasp_candidates
 
 
 def tip(planner, q):
@@ -199,7 +199,7 @@ def test_soft_limits_of_the_driver_slow_the_path(planner, home):
 
 def test_the_grasp_pose_is_a_right_handed_turn_even_from_skew_axes(planner):
     scene = replace(planner.config.scene, approach_axis=(0.1, 0.2, -1.0), jaw_axis=(1.0, 0.3, 0.2))
-    R = grasp_ways(scene)[0].T_base_tip[:3, :3]
+    R = grasp_candidates(scene)[0].T_base_tip[:3, :3]
     np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
     assert np.linalg.det(R) == pytest.approx(1.0)
 

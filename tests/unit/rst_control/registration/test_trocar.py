@@ -23,13 +23,13 @@ class Setting:
 
     def __init__(self, rig):
         self.rig = rig
-        self.registrar = TrocarRegistrar(rig.site, rig.executor)
-        self.first = rig.site.site.trocar
+        self.registrar = TrocarRegistrar(rig.context, rig.executor)
+        self.first = rig.context.current.trocar
 
     def place(self, aside=0.0, along=0.0):
         """A point [m] beside the shaft and along it, from where the trocar is on it."""
         joints = self.rig.robot.measured_js().position
-        T = Configuration(self.rig.site.site.model, planning_joints(joints)[0]).T_base_shaft
+        T = Configuration(self.rig.context.current.model, planning_joints(joints)[0]).T_base_shaft
         return self.first + aside * T[:3, 0] + along * T[:3, 2]
 
     def ask(self, point):
@@ -39,10 +39,10 @@ class Setting:
 
     def refused(self, point):
         """Ask for what must be refused; returns the reason."""
-        before = self.rig.site.site
+        before = self.rig.context.current
         reply = self.ask(point)
         assert not reply.accepted, reply.message
-        assert self.rig.site.site is before
+        assert self.rig.context.current is before
         entry = self.rig.executor.diary[-1]
         assert (entry.kind, entry.command) == ("trocar_refused", "set_trocar")
         assert reply.message in entry.message and "/test" in entry.message
@@ -51,7 +51,7 @@ class Setting:
     def accepted(self, point):
         reply = self.ask(point)
         assert reply.accepted, reply.message
-        np.testing.assert_allclose(self.rig.site.site.trocar, point, atol=1e-15)
+        np.testing.assert_allclose(self.rig.context.current.trocar, point, atol=1e-15)
         return reply.message
 
 
@@ -184,7 +184,7 @@ def test_a_command_verified_before_is_verified_again_by_the_new_trocar():
     assert here.rig.state is State.MOVING
     here.rig.until(ticket.ended.done)
     assert here.rig.rcm(here.rig.joints) < 1e-6
-    assert here.rig.site.site.shaft(here.rig.joints).error < 1e-6
+    assert here.rig.context.current.shaft(here.rig.joints).error < 1e-6
 
 
 def test_a_command_verified_before_is_refused_where_the_new_trocar_forbids_it():
@@ -211,7 +211,7 @@ def test_a_refusal_leaves_a_verified_command_as_it_is():
 
 def test_a_change_in_the_middle_of_a_verification_makes_it_worthless():
     here = setting()
-    desk, verify, new = here.rig.desk, here.rig.site.verify, here.place(aside=5e-4)
+    desk, verify, new = here.rig.desk, here.rig.context.verify, here.place(aside=5e-4)
 
     def verify_slowly(request, situation):
         decision = verify(request, situation)
@@ -252,11 +252,11 @@ def test_the_next_motion_first_puts_the_shaft_into_the_new_trocar_without_a_watc
 
 def test_a_question_that_was_withdrawn_changes_nothing():
     here = setting()
-    before = here.rig.site.site
+    before = here.rig.context.current
     answer = here.registrar.ask(here.place(aside=5e-4), "/test")
     assert answer.cancel()
     here.rig.run(0.01)
-    assert here.rig.site.site is before
+    assert here.rig.context.current is before
     assert "trocar_set" not in here.rig.diary()
 
 
@@ -267,5 +267,5 @@ def test_two_who_ask_at_once_are_both_answered_and_the_last_one_counts():
         answers = list(pool.map(lambda point: here.registrar.ask(point, "/test"), points))
     here.rig.run(0.02)
     assert all(answer.result(0).accepted for answer in answers)
-    assert any(np.allclose(here.rig.site.site.trocar, point, atol=1e-12) for point in points)
+    assert any(np.allclose(here.rig.context.current.trocar, point, atol=1e-12) for point in points)
     assert here.rig.diary().count("trocar_set") == 8

@@ -8,10 +8,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from rst_control.assembly import make_site
+from rst_control.assembly import make_trocar_context
 from rst_control.config import load_motion_config, load_simulation_config
 from rst_control.kinematics.robot_model import load_robot
-from rst_control.registration.site import PresentSite
+from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.robot.setpoint_servo import Servo
 from rst_control.simulation.pybullet_robot import servo_limits, start_joints
 from rst_control.types import JOINT_COUNT, Setpoint
@@ -22,8 +22,8 @@ LED = 8  # joints that place shaft and tip: seven of the arm, and pitch
 
 
 @pytest.fixture(scope="module")
-def site():
-    return PresentSite(make_site(MOTION, load_robot()))
+def context():
+    return ActiveTrocarContext(make_trocar_context(MOTION, load_robot()))
 
 
 def after(away):
@@ -46,12 +46,12 @@ def test_one_that_is_further_away_is_a_fault_and_moves_nothing(joint):
     np.testing.assert_array_equal(position, start_joints(SIMULATION))
 
 
-def test_one_that_is_taken_leaves_the_shaft_on_its_trocar_whatever_its_signs(site):
+def test_one_that_is_taken_leaves_the_shaft_on_its_trocar_whatever_its_signs(context):
     errors = []
     for signs in product((-1.0, 1.0), repeat=LED):
         away = np.zeros(JOINT_COUNT)
         away[:LED] = 0.98 * SERVO.start_tolerance * np.array(signs)
-        errors.append(site.placement(start_joints(SIMULATION) + away).rcm_error)
+        errors.append(context.trocar_pose(start_joints(SIMULATION) + away).rcm_error)
     assert max(errors) < MOTION.rcm.measured_tolerance
     worst = max(range(len(errors)), key=errors.__getitem__)
     signs = np.array(list(product((-1.0, 1.0), repeat=LED))[worst])

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from rst_control.execution.state_machine import State
-from rst_control.planning.patient_surface import NOWHERE, Placement
+from rst_control.planning.patient_surface import NOWHERE, TrocarPose
 from rst_control.supervision.plausibility import SensorWatch, greatest_speed
 from rst_control.supervision.presence import Presence
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs, Watched
@@ -18,11 +18,11 @@ WATCHDOGS = Watchdogs(
     SensorWatch(SETTINGS, greatest_speed(shared()[0].limits)),
     Presence(),
 )
-INSIDE = Placement(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
-FAR = Placement(error=0.2, insertion=-0.3, wrist=-0.3, height=0.3, is_outside=True)
+INSIDE = TrocarPose(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
+FAR = TrocarPose(error=0.2, insertion=-0.3, wrist=-0.3, height=0.3, is_outside=True)
 GOOD = Watched(
     setpoint=np.zeros(10),
-    placement=INSIDE,
+    trocar_pose=INSIDE,
     raises_tension=True,
     needs_grip=False,
     overtime=0.1,
@@ -41,7 +41,7 @@ def test_nothing_is_wrong_with_a_robot_where_it_was_sent():
 
 
 def off(**changes):
-    return replace(GOOD, placement=replace(INSIDE, **changes))
+    return replace(GOOD, trocar_pose=replace(INSIDE, **changes))
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def off(**changes):
         (0.0, measured(), off(error=1.1e-3), "1.10 mm off the trocar"),
         (0.0, measured(), off(error=float("nan")), "off the trocar"),
         (0.0, measured(), off(error=0.05, height=0.002), "2.0 mm above the pat"),
-        (0.0, measured(), replace(GOOD, placement=NOWHERE), "off the trocar"),
+        (0.0, measured(), replace(GOOD, trocar_pose=NOWHERE), "off the trocar"),
         (0.0, measured(force=np.array([0.0, 0.0, -2.5])), GOOD, "tension 2.50 N, allowed 2.40 N"),
         (0.0, measured(), replace(GOOD, needs_grip=True), "slipped"),
         (0.0, measured(), replace(GOOD, heartbeat_age=0.6), "voice node silent"),
@@ -69,9 +69,9 @@ def test_each_fault_is_named_with_what_was_allowed(now, measurement, watched, wo
 
 
 def test_the_shaft_may_be_anywhere_only_while_the_whole_robot_is_outside():
-    assert WATCHDOGS.motion(0.0, measured(), replace(GOOD, placement=FAR)) == ""
+    assert WATCHDOGS.motion(0.0, measured(), replace(GOOD, trocar_pose=FAR)) == ""
     near = replace(FAR, is_outside=False)
-    assert "off the trocar" in WATCHDOGS.motion(0.0, measured(), replace(GOOD, placement=near))
+    assert "off the trocar" in WATCHDOGS.motion(0.0, measured(), replace(GOOD, trocar_pose=near))
 
 
 def test_tension_over_its_limit_does_not_keep_the_robot_from_easing_it():

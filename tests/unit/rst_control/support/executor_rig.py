@@ -9,13 +9,13 @@ from functools import lru_cache
 import numpy as np
 
 from rst_control.admission.command_queue import CommandDesk
-from rst_control.assembly import make_executor, make_site
+from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.config import load_motion_config
 from rst_control.execution.state_machine import State
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.plan import Request
-from rst_control.registration.site import PresentSite
+from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.supervision.presence import Presence
 from tests.support.fake_robot import FakeRobot, LinearSpring
 
@@ -26,7 +26,7 @@ AT_ONCE = ("hey robot", "stop", "terminate")
 @lru_cache(maxsize=1)
 def shared():
     config, model = load_motion_config(), load_robot()
-    return config, model, make_site(config, model)
+    return config, model, make_trocar_context(config, model)
 
 
 def tip_of(joints):
@@ -37,17 +37,19 @@ class Rig:
     """Time goes on only by `run`."""
 
     def __init__(self, stiffness=200.0, config=None, start=None):
-        settings, _, site = shared()
+        settings, _, context = shared()
         self.config = config or settings
         self.now = 10.0
         q = np.array(self.config.scene.home if start is None else start)
         begin = robot_joints(q, self.config.scene.home_opening)
         self.robot = FakeRobot(begin, lambda: self.now, tissue=LinearSpring(tip_of, stiffness))
-        self.site = PresentSite(site)
-        self.rcm = lambda joints: self.site.placement(joints).error
+        self.context = ActiveTrocarContext(context)
+        self.rcm = lambda joints: self.context.trocar_pose(joints).error
         self.presence = Presence()  # of other nodes
-        self.executor = make_executor(self.config, self.site, self.robot.clear_fault, self.presence)
-        self.desk = CommandDesk(self.executor, self.site.verify, lambda: self.now)
+        self.executor = make_executor(
+            self.config, self.context, self.robot.clear_fault, self.presence
+        )
+        self.desk = CommandDesk(self.executor, self.context.verify, lambda: self.now)
         self.sent = []  # every set-point, None where nothing was sent
 
     def believing(self):

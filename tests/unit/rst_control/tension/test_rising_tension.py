@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rst_control.planning.patient_surface import Placement
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.supervision.plausibility import SensorWatch, greatest_speed
 from rst_control.supervision.presence import Presence
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs, Watched
@@ -62,7 +62,7 @@ def judged(delay: float, distrusted_until: float = 0.0) -> str:
         Presence(),
     )
     still, now = np.zeros(10), 0.0
-    place = Placement(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
+    place = TrocarPose(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
     watched = Watched(still, place, True, False, 0.1, None)
     for k in range(101):
         now = 0.002 * k

@@ -11,7 +11,7 @@ import pytest
 from rst_control.execution.motion import OffPath
 from rst_control.execution.phase_execution import _grip_failure
 from rst_control.host.processes import ENDED
-from rst_control.planning.patient_surface import Placement
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import PhaseKind
 from rst_control.supervision.presence import MASTER
 from rst_control.supervision.watchdogs import Watched
@@ -43,10 +43,10 @@ SAME_WORDS = {  # one text for two reasons with one next step, or a next step of
 }
 WRAPPED = ("cannot ", "measured: 0.5", "0.5;")  # round an error of planning, see below
 REJECTED = sorted(r for r in set(alarm_words.rejected()) if not r[1].startswith(WRAPPED))
-INSIDE = Placement(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
+INSIDE = TrocarPose(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
 GOOD = Watched(
     setpoint=np.zeros(10),
-    placement=INSIDE,
+    trocar_pose=INSIDE,
     raises_tension=True,
     needs_grip=False,
     overtime=0.1,
@@ -62,7 +62,7 @@ def measured(**changes):
 def latch_words():
     """What the real watchdogs say, of everything that they look at."""
     dogs = Rig().executor._watchdogs
-    off = replace(GOOD, placement=replace(INSIDE, error=2e-3))
+    off = replace(GOOD, trocar_pose=replace(INSIDE, error=2e-3))
     fault = "set-points stopped coming while moving, 31 ms ago"
     return {
         "not connected": dogs.motion(0.0, None, GOOD),

@@ -10,7 +10,7 @@ from rst_control.execution.executor import Executor
 from rst_control.execution.motion import MotionMaker
 from rst_control.execution.setpoint import Mover
 from rst_control.kinematics.robot_model import RobotModel
-from rst_control.registration.site import PresentSite, Site
+from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.supervision.plausibility import SensorWatch, greatest_speed
 from rst_control.supervision.presence import Presence
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
@@ -18,7 +18,7 @@ from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
 
 def make_executor(
     config: MotionConfig,
-    site: PresentSite,
+    context: ActiveTrocarContext,
     clear_fault: Callable[[], None],
     presence: Presence | None = None,
 ) -> Executor:
@@ -26,7 +26,7 @@ def make_executor(
 
     Args:
         config: Settings.
-        site: Measures the shaft's distance from the trocar.
+        context: Measures the shaft's distance from the trocar.
         clear_fault: Asks the robot to take set-points again.
         presence: What became of the other nodes; None: nobody watches them.
     """
@@ -40,15 +40,15 @@ def make_executor(
     period, mover = 1.0 / settings.rate, Mover(MotionMaker(settings))
     sensors = SensorWatch(settings, greatest_speed(config.limits))
     watchdogs = Watchdogs(limits, sensors, presence or Presence())
-    return Executor(watchdogs, site.placement, mover, clear_fault, period)
+    return Executor(watchdogs, context.trocar_pose, mover, clear_fault, period)
 
 
-def make_site(config: MotionConfig, model: RobotModel) -> Site:
+def make_trocar_context(config: MotionConfig, model: RobotModel) -> TrocarContext:
     """Make planning, verification and measurement for a robot, with all compiled that they call.
 
     Raises:
         TrocarOutOfReach: The arm cannot take the shaft to `scene.trocar`.
     """
-    site = Site(config, model)
-    site.verify.warm_up()
-    return site
+    context = TrocarContext(config, model)
+    context.verify.warm_up()
+    return context

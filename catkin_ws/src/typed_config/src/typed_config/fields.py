@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Declares what a settings key may hold; no key has a default, so the YAML shows all in force.
+"""Declares what a settings key may hold; no key has a default, so the YAML shows every value.
 
 @dataclass(frozen=True, kw_only=True)
 class RcmConfig:

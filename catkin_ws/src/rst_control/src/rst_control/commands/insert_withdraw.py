@@ -39,7 +39,7 @@ class InsertionPlans:
         for leg in legs:
             most = speed.approach if leg.kind is PhaseKind.APPROACH else speed.insertion
             phases.append(along(self._planner, leg.kind, leg.path, most))
-        end = self._planner.patient.placement(legs[-1].path.end).insertion
+        end = self._planner.patient.trocar_pose(legs[-1].path.end).insertion
         place = f"{abs(end) * 1e3:.0f} mm {'inside' if end > 0.0 else 'outside'} the trocar"
         words = f"{'inserts' if is_in else 'withdraws'} the tool to {place}"
         return Accepted(Plan(command, words, tuple(phases)))

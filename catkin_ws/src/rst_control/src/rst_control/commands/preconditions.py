@@ -9,7 +9,7 @@ import numpy as np
 
 from rst_control.errors import InsertionOutOfRange, TrocarDrift
 from rst_control.kinematics.configuration import planning_joints
-from rst_control.planning.patient_surface import Placement
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import Rejected, Situation
 from rst_control.planning.planner import Planner
 from rst_control.types import BY_HAND, JOINTS, Command, Measurement, Reason
@@ -76,7 +76,7 @@ class Conditions:
     def _placed(self, command: Command, measured: Measurement) -> Rejected | None:
         """Whether the tool is where the command begins: outside, in the trocar or inside."""
         q, _ = planning_joints(measured.position)
-        place = self._patient.placement(q)
+        place = self._patient.trocar_pose(q)
         if command is Command.RELEASE and measured.gripped and place.is_outside:
             return None  # to open the jaws is never wrong
         if not place.is_outside and not place.error <= self._shaft_tolerance:
@@ -93,7 +93,7 @@ class Conditions:
         return None
 
 
-def _already(command: Command, place: Placement, least: float) -> Rejected | None:
+def _already(command: Command, place: TrocarPose, least: float) -> Rejected | None:
     """Whether there is nothing left to insert or withdraw."""
     if command is Command.WITHDRAW and place.is_outside:
         words = f"already outside: tip {-place.insertion * 1e3:.1f} mm outside the trocar"

@@ -29,7 +29,7 @@ from rst_control.execution.orders import (
 from rst_control.execution.setpoint import STILL, Mover
 from rst_control.execution.snapshot import view_of
 from rst_control.execution.state_machine import ControllerMode, State
-from rst_control.planning.patient_surface import NOWHERE, Placement
+from rst_control.planning.patient_surface import NOWHERE, TrocarPose
 from rst_control.planning.plan import Rejected
 from rst_control.supervision.watchdogs import Watchdogs, Watched
 from rst_control.types import JOINT_COUNT, Command, Measurement, Reason, Setpoint, Vector
@@ -45,7 +45,7 @@ class Executor:
 
     Args:
         watchdogs: What makes it brake.
-        placement: Where the tool is towards the trocar, for joint positions of shape (10,).
+        trocar_pose: Where the tool is towards the trocar, for joint positions of shape (10,).
         mover: Moves the set-point.
         clear_fault: Asks the robot to take set-points again.
         period: Time between ticks [s].
@@ -54,16 +54,16 @@ class Executor:
     def __init__(
         self,
         watchdogs: Watchdogs,
-        placement: Callable[[Vector], Placement],
+        trocar_pose: Callable[[Vector], TrocarPose],
         mover: Mover,
         clear_fault: Callable[[], None],
         period: float,
     ) -> None:
-        self._watchdogs, self._locate = watchdogs, placement
+        self._watchdogs, self._locate = watchdogs, trocar_pose
         self._mover, self._period = mover, period
         self._now = 0.0
         self._measured: Measurement | None = None
-        self._placement, self._max_rcm_error = NOWHERE, 0.0
+        self._trocar_pose, self._max_rcm_error = NOWHERE, 0.0
         self._mode, self._mode_changes = ControllerMode(), 0
         self._ledger = Ledger()
         self._waking = Waking(self._cannot_wake, clear_fault, self._refuse)
@@ -150,9 +150,9 @@ class Executor:
         if measured is not None and measured is not self._measured:
             self._measured = measured
             self._watchdogs.look(measured, self._mover.held, self._mover.pulled)
-            self._placement = self._locate(measured.position)
+            self._trocar_pose = self._locate(measured.position)
             if self._mover.motion is not None:
-                self._max_rcm_error = max(self._max_rcm_error, self._placement.rcm_error)
+                self._max_rcm_error = max(self._max_rcm_error, self._trocar_pose.rcm_error)
         lost = self._watchdogs.lost(self._now, measured)
         self._health = lost.words if lost else ""
 
@@ -172,7 +172,7 @@ class Executor:
             self._changed += 1
             self.diary.append(entry)
             if self._measured is not None:
-                self._placement = self._locate(self._measured.position)
+                self._trocar_pose = self._locate(self._measured.position)
 
     def _take_orders(self) -> None:
         for _ in range(min(ORDERS_PER_TICK, len(self._orders))):
@@ -208,7 +208,7 @@ class Executor:
             return
         self._end_order("stopped", f'replaced by "{order.command.value}"')
         if self._mode.state is not State.MOVING:
-            self._max_rcm_error = self._placement.rcm_error
+            self._max_rcm_error = self._trocar_pose.rcm_error
         self._ledger.order = order
         self._change(state_machine.started(self._mode))
         self._ledger.accept(self._now, order)
@@ -255,7 +255,7 @@ class Executor:
         held = self._mover.held
         watched = Watched(
             setpoint=np.zeros(JOINT_COUNT) if held is None else held,
-            placement=self._placement,
+            trocar_pose=self._trocar_pose,
             raises_tension=motion.raises_tension,
             needs_grip=motion.needs_grip,
             overtime=motion.overtime(self._now),
@@ -352,7 +352,7 @@ class Executor:
             self._serial,
             self._mover,
             self._ledger,
-            self._placement,
+            self._trocar_pose,
             self._measured,
             self._health,
         )

@@ -35,7 +35,7 @@ class OffPath(RstError):
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class PathPosition:
     """Where on which path the tip is."""
 
     path: Path
@@ -54,7 +54,7 @@ class Motion:
     """
 
     def __init__(
-        self, maker: MotionMaker, plan: Plan, held: Vector, place: Place | None, now: float
+        self, maker: MotionMaker, plan: Plan, held: Vector, place: PathPosition | None, now: float
     ) -> None:
         self.plan = plan
         self._maker, self._held, self._place = maker, held, place
@@ -80,7 +80,7 @@ class Motion:
             self._run = self._next_run(now)
         self._held, velocity = self._run.step(periods * self._maker.period, measured)
         if self._run.phase.path is not None:
-            self._place = Place(self._run.phase.path, self._run.state)
+            self._place = PathPosition(self._run.phase.path, self._run.state)
         return self._held, velocity
 
     def brake(self) -> None:
@@ -108,7 +108,7 @@ class Motion:
         return self._run.phase.kind
 
     @property
-    def place(self) -> Place | None:
+    def place(self) -> PathPosition | None:
         """Where the tip is, if on a path."""
         return self._place
 
@@ -163,7 +163,12 @@ class MotionMaker:
         self._jaw_brakes = Bounds(jaws.speed, jaws.braking, jaws.braking_jerk)
 
     def make(
-        self, plan: Plan, held: Vector, running: Motion | None, place: Place | None, now: float
+        self,
+        plan: Plan,
+        held: Vector,
+        running: Motion | None,
+        place: PathPosition | None,
+        now: float,
     ) -> Motion | Rejected:
         """Start a plan from rest, or let it take over from a pull that still moves."""
         if running is not None:
@@ -176,7 +181,7 @@ class MotionMaker:
         except OffPath as error:
             return Rejected(Reason.NOT_AT_REST, str(error))
 
-    def make_run(self, phase: Phase, held: Vector, place: Place | None) -> PhaseRun:
+    def make_run(self, phase: Phase, held: Vector, place: PathPosition | None) -> PhaseRun:
         """Start one phase.
 
         Raises:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from rst_control.execution.state_machine import IN_MOTION, ControllerMode, State
-from rst_control.planning.patient_surface import NOWHERE, Placement
+from rst_control.planning.patient_surface import NOWHERE, TrocarPose
 from rst_control.planning.plan import Grasp, PhaseKind, Plan, Situation
 from rst_control.trajectory.path import Path
 from rst_control.types import Command, Measurement, Vector
@@ -101,7 +101,7 @@ class View:
     path: Path | None  # where the tip is, or last was; None: on no path
     path_position: float  # [m] of the tip on it
     command: str  # in execution, or the last one
-    placement: Placement  # of the measured joints
+    trocar_pose: TrocarPose  # of the measured joints
     measurement: Measurement | None
     setpoint: Vector | None  # (10,), [rad]
     grasp: Grasp | None
@@ -120,7 +120,7 @@ class View:
             path=None,
             path_position=0.0,
             command="",
-            placement=NOWHERE,
+            trocar_pose=NOWHERE,
             measurement=None,
             setpoint=None,
             grasp=None,
@@ -141,12 +141,12 @@ class View:
 
         While the tool is outside the patient it only informs.
         """
-        return 0.0 if self.measurement is None else self.placement.error
+        return 0.0 if self.measurement is None else self.trocar_pose.error
 
     @property
     def insertion(self) -> float:
         """Measured depth of the tip in the trocar [m], negative outside; zero while none was."""
-        return 0.0 if self.measurement is None else self.placement.insertion
+        return 0.0 if self.measurement is None else self.trocar_pose.insertion
 
     @property
     def is_moving(self) -> bool:

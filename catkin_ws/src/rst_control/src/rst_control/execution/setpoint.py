@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rst_control.execution.motion import Motion, MotionMaker, Place
+from rst_control.execution.motion import Motion, MotionMaker, PathPosition
 from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.planning.plan import Grasp, Plan, Rejected
 from rst_control.types import JOINT_COUNT, Measurement, Reason, Vector
@@ -20,7 +20,7 @@ class Mover:
 
     def __init__(self, motions: MotionMaker) -> None:
         self._motions = motions
-        self._place: Place | None = None
+        self._place: PathPosition | None = None
         self._grasp: Grasp | None = None
         self._sent_to = CLOSED  # [rad] opening of the last set-point before it was forgotten
         self.motion: Motion | None = None
@@ -35,13 +35,13 @@ class Mover:
         return self._grasp
 
     @property
-    def place(self) -> Place | None:
+    def place(self) -> PathPosition | None:
         """Where the tip is, or last was, if on a path."""
         return self.motion.place if self.motion else self._place
 
     @property
     def pulled(self) -> float | None:
-        """Place on the pull's path while tissue is pulled harder [m]; None: it is not."""
+        """PathPosition on the pull's path while tissue is pulled harder [m]; None: it is not."""
         motion = self.motion
         if motion is None or not (motion.needs_grip and motion.raises_tension):
             return None

@@ -7,7 +7,7 @@ from rst_control.execution.event_log import Ledger
 from rst_control.execution.orders import View
 from rst_control.execution.setpoint import Mover
 from rst_control.execution.state_machine import ControllerMode
-from rst_control.planning.patient_surface import Placement
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.types import Measurement
 
 
@@ -17,7 +17,7 @@ def view_of(
     serial: int,
     mover: Mover,
     ledger: Ledger,
-    placement: Placement,
+    trocar_pose: TrocarPose,
     measured: Measurement | None,
     health: str,
 ) -> View:
@@ -29,7 +29,7 @@ def view_of(
         serial: Number of this situation.
         mover: Motion, set-point and grasp.
         ledger: Command and last refusal.
-        placement: Of the measured joints.
+        trocar_pose: Of the measured joints.
         measured: Newest from the robot.
         health: Why no motion would be accepted; empty: it would.
     """
@@ -44,7 +44,7 @@ def view_of(
         path=place.path if place else None,
         path_position=place.state.s if place else 0.0,
         command=ledger.command,
-        placement=placement,
+        trocar_pose=trocar_pose,
         measurement=measured,
         setpoint=mover.held,
         grasp=mover.grasp if holds else None,

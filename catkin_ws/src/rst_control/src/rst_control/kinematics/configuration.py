@@ -61,7 +61,7 @@ class Configuration:
 
     @cached_property
     def frames(self) -> Array:
-        """Poses of all frames of chain.py in base_link [m]. Shape (12, 3, 4), read-only."""
+        """Poses of all frames of forward.py in base_link [m]. Shape (12, 3, 4), read-only."""
         frames = np.empty((12, 3, 4))
         forward.forward(self.model.chain, self.q, frames)
         frames.flags.writeable = False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compiled Newton steps for nine joints under eight constraints: trocar (2) and tool pose (6).
+"""Compiled damped least squares: nine joints under the trocar (2) and the tool pose (6).
 
 The ninth freedom is the elbow's swing. Steps are damped least squares (Wampler 1986; Nakamura and
 Hanafusa 1986); the swing descends a posture cost that pulls to a reference and away from the

@@ -16,9 +16,9 @@ from rst_control.kernels import kernel
 from rst_control.kinematics import constrained_ik
 from rst_control.kinematics import forward as kin
 
-MAX_ITERATIONS = 12  # of Newton at one knot; it takes 2 to 4
+MAX_ITERATIONS = 12  # at one knot; it takes 2 to 4
 SWING_TOLERANCE = 1e-10  # [rad]
-LOST = 1.0  # [m] that is missing where Newton went astray, or the elbow cannot swing
+LOST = 1.0  # [m] that is missing where the steps went astray, or the elbow cannot swing
 MIN_ALIGNMENT = 0.1  # [-] of swing axis and free direction, below which the elbow is stuck
 
 

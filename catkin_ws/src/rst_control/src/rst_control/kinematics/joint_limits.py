@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Joint limits of the layer in force, for the robot's joints and for planning configurations."""
+"""Joint limits of the active layer, for the robot's joints and for planning configurations."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def active_layer(config: LimitsConfig) -> LimitLayer:
 
 
 def make_limits(config: LimitsConfig, opening: float) -> JointLimits:
-    """Limits in force, where jaws may open by `opening` [rad] at any yaw.
+    """Active limits, where jaws may open by `opening` [rad] at any yaw.
 
     Raises:
         UnknownLimitLayerError: limits.yaml asks for a layer it does not define.

@@ -24,9 +24,9 @@ def measure(chain: Any, q: Any, trocar: Any) -> float:
     """Manipulability at q (9,) under the eight constraints of trocar (2) and tool pose (6).
 
     It is sqrt(det(J J^T)), the product of J's singular values, which is zero where some motion of
-    the tool is lost. J is `newton.constraints`: rows of metres per radian, a radian of the tool
-    counted as 0.1 m. Source: T. Yoshikawa, Manipulability of Robotic Mechanisms, Int. J. Robotics
-    Research 4 (2), 1985.
+    the tool is lost. J is `constrained_ik.constraints`: rows of metres per radian, where a radian
+    of the tool counts as 0.1 m. Source: T. Yoshikawa, Manipulability of Robotic Mechanisms, Int.
+    J. Robotics Research 4 (2), 1985.
     """
     frames, J, L = np.empty((12, 3, 4)), np.zeros((8, 9)), np.zeros((8, 8))
     kin.forward(chain, q, frames)

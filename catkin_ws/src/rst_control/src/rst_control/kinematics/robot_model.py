@@ -26,7 +26,7 @@ MOVING = (
     "joint_finger_left",
 )  # whose values are q: the last one is yaw
 STRAIGHT = 1e-6  # [m] that the pitch joint may be beside the shaft
-FRAMES = ("interface_link", "tool0", "tool_tip")  # in the order of `chain.SHAFT` and so on
+FRAMES = ("interface_link", "tool0", "tool_tip")  # in the order of `forward.SHAFT` and so on
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ class RobotModel:
     """The robot as its URDF describes it."""
 
     links: dict[str, Link]  # by the name of the link
-    chain: Array  # (13, 3, 4), see chain.py, read-only
+    chain: Array  # (13, 3, 4), see forward.py, read-only
 
     @cached_property
     def locked(self) -> tuple[int, ...]:

@@ -308,7 +308,7 @@ class Bridge:
 
 
 def bridge_limits(config: KinovaConfig) -> ServoLimits:
-    """Limits of the ten joints under the layer in force; the tool's by its own settings, too."""
+    """Limits of the ten joints of the active layer; the tool's by its own settings, too."""
     limits, tool = config.limits, config.bridge.tool
     layer = active_layer(limits)
     span = np.array([limits.pitch, limits.finger, limits.finger])

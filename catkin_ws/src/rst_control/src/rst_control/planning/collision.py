@@ -133,7 +133,7 @@ def _shapes(
 
 
 def _rows(model: RobotModel) -> dict[str, int]:
-    """Row of `chain.forward`'s frames by the name of the link."""
+    """Row of `forward.forward`'s frames by the name of the link."""
     by_joint = {link.joint: name for name, link in model.links.items()}
     turning = [n for n in range(len(MOVING)) if n not in model.locked]  # others have no axis
     rows = {by_joint[MOVING[row]]: row for row in turning}

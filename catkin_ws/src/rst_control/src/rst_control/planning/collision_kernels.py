@@ -23,7 +23,7 @@ class Shapes(NamedTuple):
     """What must keep apart."""
 
     capsules: NDArray[np.float64]  # (n, 7): start and end in the frame, radius [m]
-    frames: NDArray[np.int64]  # (n,): row of `chain.forward`'s frames, or BASE
+    frames: NDArray[np.int64]  # (n,): row of `forward.forward`'s frames, or BASE
     pairs: NDArray[np.int64]  # (m, 2): capsules that must keep apart
     stops: NDArray[np.int64]  # (k, 2): capsule, and plane that it must keep above
     planes: NDArray[np.float64]  # (p, 5): unit normal, offset along it, distance to keep [m]

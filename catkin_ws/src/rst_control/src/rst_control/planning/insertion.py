@@ -81,7 +81,7 @@ class Insertion:
             Infeasible: No joints within their limits take the tool there.
         """
         home, planner = np.array(self._scene.home), self._planner
-        if self._patient.placement(home).error <= 0.1 * self._rcm.planned_tolerance:
+        if self._patient.trocar_pose(home).error <= 0.1 * self._rcm.planned_tolerance:
             return home
         found = planner.solver.settle(home, self._home_pose, planner.trocar)
         if not found.is_solved:
@@ -115,7 +115,7 @@ class Insertion:
         Raises:
             Infeasible: No such way keeps all limits; the error says which.
         """
-        if not self._patient.placement(q).is_outside:
+        if not self._patient.trocar_pose(q).is_outside:
             return self._insert_on(q)
         ways = self._approach.way(np.array(q), self._way_in[0].path.start)
         return (*(Leg(PhaseKind.APPROACH, way) for way in ways), *self._way_in)
@@ -131,7 +131,7 @@ class Insertion:
         try:
             return self._withdraw(q)
         except Infeasible as why_not:
-            if self._patient.placement(q).wrist < self._rcm.insertion[0]:
+            if self._patient.trocar_pose(q).wrist < self._rcm.insertion[0]:
                 raise
             try:
                 ways = self._planner.route(q, self._home_pose)
@@ -143,7 +143,7 @@ class Insertion:
     def _withdraw(self, q: Vector) -> tuple[Leg, ...]:
         legs = self._aligned(q)
         q = legs[-1].path.end if legs else np.array(q)
-        out = self._along_shaft(q, -self._patient.placement(q).insertion - self._scene.standoff)
+        out = self._along_shaft(q, -self._patient.trocar_pose(q).insertion - self._scene.standoff)
         self._approach.require_place(out.end)
         return (*legs, Leg(PhaseKind.WITHDRAW, out))
 
@@ -151,7 +151,7 @@ class Insertion:
         """Further in along the shaft where it is, then inside to the working pose."""
         legs = list(self._aligned(q))
         q = legs[-1].path.end if legs else np.array(q)
-        missing = self._patient.placement(self.working).wrist - self._patient.placement(q).wrist
+        missing = self._patient.trocar_pose(self.working).wrist - self._patient.trocar_pose(q).wrist
         if missing > SLIGHT:
             legs.append(Leg(PhaseKind.INSERT, self._along_shaft(q, missing)))
             q = legs[-1].path.end
@@ -168,7 +168,7 @@ class Insertion:
 
     def _straightened(self, q: Vector) -> Path:
         """By the wrist alone where there is room for the tip to swing, else about the tip."""
-        bend, wrist = float(np.abs(q[7:]).max()), self._patient.placement(q).wrist
+        bend, wrist = float(np.abs(q[7:]).max()), self._patient.trocar_pose(q).wrist
         is_inside = wrist >= self._rcm.insertion[0]
         if not is_inside and bend > NEARLY_STRAIGHT:
             raise ToolBent(bend, wrist, self._rcm.insertion[0])

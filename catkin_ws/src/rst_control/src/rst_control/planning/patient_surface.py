@@ -28,7 +28,7 @@ WATCHED_SHARE: Final = 0.5  # of the planned margin, below which the shaft has t
 
 
 @dataclass(frozen=True, slots=True)
-class Placement:
+class TrocarPose:
     """Where tool and arm are, as seen from the trocar."""
 
     error: float  # [m] distance of the shaft's line from the trocar
@@ -43,7 +43,7 @@ class Placement:
         return 0.0 if self.is_outside else self.error
 
 
-NOWHERE: Final = Placement(nan, nan, nan, nan, is_outside=False)  # nothing was measured yet
+NOWHERE: Final = TrocarPose(nan, nan, nan, nan, is_outside=False)  # nothing was measured yet
 
 
 class Patient:
@@ -74,7 +74,7 @@ class Patient:
         kept_above = shapes.stops[shapes.stops[:, 1] == shapes.stops[:, 1].max(), 0]  # of this last
         self._capsules, self._frames = shapes.capsules[kept_above], shapes.frames[kept_above]
 
-    def placement(self, q: Vector) -> Placement:
+    def trocar_pose(self, q: Vector) -> TrocarPose:
         """Where tool and arm are at q (9,) [rad]."""
         error, along, tip, height, tip_height = _measure(
             self._chain, np.array(q), self._trocar, self.outward, self._capsules, self._frames
@@ -83,7 +83,7 @@ class Patient:
         is_outside = height >= self._watched and isfinite(error + tip)
         # Outside, a tool that points elsewhere may have its tip beyond the trocar along its shaft.
         insertion = min(tip, -tip_height) if tip_height > 0.0 else tip
-        return Placement(error, insertion, self._shaft - along, height, is_outside)
+        return TrocarPose(error, insertion, self._shaft - along, height, is_outside)
 
 
 @kernel

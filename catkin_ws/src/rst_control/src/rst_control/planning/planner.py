@@ -27,7 +27,7 @@ from rst_control.kinematics.robot_model import RobotModel
 from rst_control.planning.collision import CollisionModel
 from rst_control.planning.patient_surface import Patient
 from rst_control.planning.plan import Phase, PhaseKind
-from rst_control.tissue.grasp_candidates import GraspWay, grasp_ways
+from rst_control.tissue.grasp_candidates import GraspCandidate, grasp_candidates
 from rst_control.trajectory.path import Path, Samples, speed_bounds
 from rst_control.trajectory.profile import Bounds, stopping_speed
 from rst_control.types import Vector, frozen_array
@@ -69,35 +69,35 @@ class Planner:
         self.solver = IkSolver(model, self.limits, config.scene.home, config.rcm.solver)
         self.collisions = CollisionModel(config.collision, model)
         self.patient = Patient(model, config)
-        self.ways = grasp_ways(config.scene)
-        self.T_base_grasp = self.ways[0].T_base_tip
+        self.grasp_candidates = grasp_candidates(config.scene)
+        self.T_base_grasp = self.grasp_candidates[0].T_base_tip
 
     def warm_up(self) -> None:
         """Compile or load every kernel, by planning once from home."""
         home = np.array(self.config.scene.home)
-        for way in self.ways:
+        for candidate in self.grasp_candidates:
             try:
-                *_, path = self.reach(home, way)
+                *_, path = self.reach(home, candidate)
                 self.pull(path.end)
                 break
             except Infeasible:
-                if way is self.ways[-1]:
+                if candidate is self.grasp_candidates[-1]:
                     raise
         self.bounds(path, self.config.controller.speed.tip_speed)
         path.evaluate(0.0)
         self.project(home)
 
-    def reach(self, q: Vector, way: GraspWay | None = None) -> tuple[Path, ...]:
+    def reach(self, q: Vector, candidate: GraspCandidate | None = None) -> tuple[Path, ...]:
         """Ways from q (9,) to before the grasp point, then to it; what is already done is left out.
 
         Args:
             q: Where to start [rad]. Shape (9,).
-            way: How to take the sheet; None: the first that the scene leaves open.
+            candidate: How to take the sheet; None: the first that the scene leaves open.
 
         Raises:
             Infeasible: No such way keeps all limits; the error says which.
         """
-        grasps = self._grasps(way or self.ways[0])
+        grasps = self._grasps(candidate or self.grasp_candidates[0])
         first, other = sorted(grasps, key=lambda grasp: self._distance(q, grasp))
         try:
             return self.route(q, self._before(first), first)
@@ -113,9 +113,9 @@ class Planner:
         Raises:
             Infeasible: No such way keeps all limits; the error says which.
         """
-        way = self.ways[0]  # all pull alike
+        candidate = self.grasp_candidates[0]  # all pull alike
         goal = Configuration(self.model, q).T_base_tip
-        goal[:3, 3] += way.pull * way.length
+        goal[:3, 3] += candidate.pull * candidate.length
         return self.leg(q, goal)
 
     def retreat(self, q: Vector) -> Path:
@@ -209,11 +209,11 @@ class Planner:
         """Speed, acceleration and jerk of motion along a path, up to `speed` [m/s]."""
         return self.pace(path, speed).moving
 
-    def _grasps(self, way: GraspWay) -> tuple[Array, Array]:
+    def _grasps(self, candidate: GraspCandidate) -> tuple[Array, Array]:
         """The grasp and the same with the jaws changed about, which take the tissue alike."""
-        turned = way.T_base_tip.copy()
+        turned = candidate.T_base_tip.copy()
         turned[:3, [0, 2]] *= -1.0
-        return way.T_base_tip, turned
+        return candidate.T_base_tip, turned
 
     def _before(self, grasp: Array) -> Array:
         before = grasp.copy()

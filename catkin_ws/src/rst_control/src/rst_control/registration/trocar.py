@@ -18,21 +18,25 @@ from rst_control.errors import InsertionOutOfRange
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import DiaryEntry, DiaryKind, Reply, View
 from rst_control.execution.state_machine import State
-from rst_control.registration.site import PresentSite, Site, TrocarOutOfReach
+from rst_control.registration.trocar_context import (
+    ActiveTrocarContext,
+    TrocarContext,
+    TrocarOutOfReach,
+)
 from rst_control.types import Measurement, Vector
 
 COMMAND: Final = "set_trocar"  # as the diary names it
 
 
 class TrocarRegistrar:
-    """Sets the trocar in force, with all that depends on it, in one tick of the control loop.
+    """Sets the active trocar, with all that depends on it, in one tick of the control loop.
 
     Args:
-        present: The site in force.
+        present: The active trocar.
         executor: Runs the control loop and keeps the diary.
     """
 
-    def __init__(self, present: PresentSite, executor: Executor) -> None:
+    def __init__(self, present: ActiveTrocarContext, executor: Executor) -> None:
         self._present, self._executor = present, executor
 
     def ask(self, trocar: Sequence[float], caller: str) -> Future[Reply]:
@@ -44,34 +48,34 @@ class TrocarRegistrar:
         """
         reply: Future[Reply] = Future()
         try:
-            site = self._present.site.with_trocar(trocar)
+            context = self._present.current.with_trocar(trocar)
         except TrocarOutOfReach as error:
             now = self._executor.view.stamp
             self._executor.diary.append(_entry(now, "trocar_refused", str(error), caller))
             reply.set_result(Reply(False, str(error)))
             return reply
-        self._executor.change(lambda view: self._apply(site, caller, reply, view))
+        self._executor.change(lambda view: self._apply(context, caller, reply, view))
         return reply
 
     def _apply(
-        self, site: Site, caller: str, reply: Future[Reply], view: View
+        self, context: TrocarContext, caller: str, reply: Future[Reply], view: View
     ) -> DiaryEntry | None:
         if not reply.set_running_or_notify_cancel():
             return None  # whoever asked waits no longer
-        answer = decide(site, view)
+        answer = decide(context, view)
         reply.set_result(answer)
         if not answer.accepted:
             entry = _entry(view.stamp, "trocar_refused", answer.message, caller)
             self._executor.diary.append(entry)
             return None
-        was, self._present.site = self._present.site, site
+        was, self._present.current = self._present.current, context
         words = f"{answer.message}; was {position_words(was.trocar)}"
         return _entry(view.stamp, "trocar_set", words, caller)
 
 
-def decide(site: Site, view: View) -> Reply:
-    """Whether the trocar of a site may come into force, in the view of this moment."""
-    refusal = unrest(view, view.stamp, site.config.controller.watchdogs)
+def decide(context: TrocarContext, view: View) -> Reply:
+    """Whether the trocar of a context may become active, in the view of this moment."""
+    refusal = unrest(view, view.stamp, context.config.controller.watchdogs)
     measured = view.measurement
     if refusal or measured is None:
         return Reply(False, refusal)
@@ -80,7 +84,7 @@ def decide(site: Site, view: View) -> Reply:
     if measured.gripped:
         words = "tissue is held, and its ways out lead through the present trocar"
         return Reply(False, f'{words}; say "release" first')
-    return _decide_shaft(site, measured)
+    return _decide_shaft(context, measured)
 
 
 def unrest(view: View, now: float, watchdogs: WatchdogConfig) -> str:
@@ -103,11 +107,11 @@ def position_words(position: Vector) -> str:
     return f"({x:.6f}, {y:.6f}, {z:.6f}) m"
 
 
-def _decide_shaft(site: Site, measured: Measurement) -> Reply:
-    shaft, rcm = site.shaft(measured.position), site.config.rcm
+def _decide_shaft(context: TrocarContext, measured: Measurement) -> Reply:
+    shaft, rcm = context.shaft(measured.position), context.config.rcm
     allowed = rcm.registration.tolerance
     words = f"shaft {shaft.error * 1e3:.3f} mm off it, allowed {allowed * 1e3:.3f} mm"
-    words = f"trocar {position_words(site.trocar)}: {words}"
+    words = f"trocar {position_words(context.trocar)}: {words}"
     if shaft.error > allowed:
         return Reply(False, words)
     least, most = rcm.insertion

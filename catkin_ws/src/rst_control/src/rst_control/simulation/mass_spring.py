@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A sheet as a lattice of point masses joined by damped springs, stepped by one compiled loop.
+"""A sheet as a grid of point masses joined by damped springs, stepped by one compiled loop.
 
 Links of one kind join every node to the one a fixed number of places further on, so that all loops
 run along arrays without an index list, and the compiler takes four or eight nodes at a time.
@@ -27,11 +27,11 @@ NO_LINK = 1.0  # [m] rest length where a kind has no link; its strength is zero
 
 @dataclass(frozen=True, eq=False)
 class Links:
-    """The springs of a lattice: link (kind, n) joins node n to node n + offset[kind]."""
+    """The springs of a sheet: link (kind, n) joins node n to node n + offset[kind]."""
 
     offset: NDArray[np.int64]  # (kinds,)
     rest: NDArray[np.float64]  # (kinds, n), [m]
-    strength: NDArray[np.float64]  # (kinds, n), times the lattice's stiffness; 0: no link
+    strength: NDArray[np.float64]  # (kinds, n), times the sheet's stiffness; 0: no link
 
     @classmethod
     def between(cls, points: Points, columns: int, rows: int) -> Links:
@@ -78,8 +78,8 @@ class Material:
 class Impulses:
     """Mean forces over one step, base frame, [N], each of shape (3,)."""
 
-    held: NDArray[np.float64]  # of the lattice on whatever moves the held node
-    rim: NDArray[np.float64]  # of the lattice on its fixed nodes
+    held: NDArray[np.float64]  # of the sheet on whatever moves the held node
+    rim: NDArray[np.float64]  # of the sheet on its fixed nodes
     outside: NDArray[np.float64]  # of drag and bed on the free nodes
 
 
@@ -172,7 +172,7 @@ def _advance(
         free[held] = 1.0
 
 
-class Lattice:
+class MassSpringSheet:
     """Node positions and speeds, stepped in time; some nodes are fixed, one may be held and moved.
 
     Args:

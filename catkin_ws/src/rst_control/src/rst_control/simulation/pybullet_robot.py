@@ -229,7 +229,7 @@ def require_within(limits: ServoLimits, begin: Vector) -> None:
 
 
 def servo_limits(config: LimitsConfig) -> ServoLimits:
-    """Limits of the ten joints under the layer in force.
+    """Limits of the ten joints of the active layer.
 
     Args:
         config: Layers and position limits.

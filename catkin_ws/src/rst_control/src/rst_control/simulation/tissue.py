@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.config import TissueConfig
-from rst_control.simulation.mass_spring import Impulses, Lattice, Material
+from rst_control.simulation.mass_spring import Impulses, MassSpringSheet, Material
 from rst_control.tissue.sheet import rest_points, rim_nodes
 
 Vector = NDArray[np.float64]  # (3,)
@@ -42,9 +42,11 @@ class Tissue:
     def __init__(self, config: TissueConfig, step: float) -> None:
         self.config, self.step = config, step
         points, fixed = rest_points(config), rim_nodes(config)
-        self._lattice = Lattice(points, *config.nodes, fixed, _material(config, config.stiffness))
+        self._sheet = MassSpringSheet(
+            points, *config.nodes, fixed, _material(config, config.stiffness)
+        )
         self._calibrate()
-        self._steps = int(np.ceil(step / self._lattice.longest_step()))
+        self._steps = int(np.ceil(step / self._sheet.longest_step()))
         self._held, self._offset = -1, NOTHING
         self.taken_at = NOTHING  # (3,), base frame, [m]: the tool tip when it took hold last
         self._impulses = STILL
@@ -63,20 +65,20 @@ class Tissue:
     @property
     def nodes(self) -> NDArray[np.float64]:
         """Places of the nodes now, base frame, [m]. Shape (columns * rows, 3), a copy."""
-        return self._lattice.x.copy()
+        return self._sheet.x.copy()
 
     @property
     def rim(self) -> NDArray[np.bool_]:
         """Which nodes are fixed. Shape (columns * rows,), a copy."""
-        return self._lattice.fixed.copy()
+        return self._sheet.fixed.copy()
 
     @property
     def momentum(self) -> Vector:
         """Momentum of the free nodes, base frame, [kg m/s]. Shape (3,)."""
-        free = ~self._lattice.fixed
+        free = ~self._sheet.fixed
         if self.is_held:
             free[self._held] = False
-        total: Vector = self._lattice.material.mass * self._lattice.v[free].sum(axis=0)
+        total: Vector = self._sheet.material.mass * self._sheet.v[free].sum(axis=0)
         return total
 
     @property
@@ -88,12 +90,12 @@ class Tissue:
     @property
     def max_strain(self) -> float:
         """Largest relative lengthening of any link [-]."""
-        return float(self._lattice.strains().max())
+        return float(self._sheet.strains().max())
 
     @property
     def out_of_plane_rms(self) -> float:
         """Root mean square distance of the nodes from their best plane [m]."""
-        centred = self._lattice.x - self._lattice.x.mean(axis=0)
+        centred = self._sheet.x - self._sheet.x.mean(axis=0)
         smallest = np.linalg.svd(centred, compute_uv=False)[2]
         return float(smallest / np.sqrt(len(centred)))
 
@@ -106,12 +108,12 @@ class Tissue:
         Returns:
             False, and holds nothing, where no free node lies within the grasp radius.
         """
-        distance = np.linalg.norm(self._lattice.x - tip, axis=1)
-        distance[self._lattice.fixed] = np.inf
+        distance = np.linalg.norm(self._sheet.x - tip, axis=1)
+        distance[self._sheet.fixed] = np.inf
         nearest = int(distance.argmin())
         if distance[nearest] > self.config.grasp_radius:
             return False
-        self._held, self._offset = nearest, self._lattice.x[nearest] - tip
+        self._held, self._offset = nearest, self._sheet.x[nearest] - tip
         self.taken_at = np.array(tip)
         self._is_at_rest = False
         return True
@@ -120,7 +122,7 @@ class Tissue:
         """Let go; from now on the jaws feel nothing."""
         if not self.is_held:
             return
-        self._lattice.v[self._held] = 0.0
+        self._sheet.v[self._held] = 0.0
         self._held, self._free_steps = -1, 0
         self._impulses = replace(self._impulses, held=NOTHING)
 
@@ -135,9 +137,7 @@ class Tissue:
         """
         if self._is_at_rest:
             return NOTHING
-        self._impulses = self._lattice.advance(
-            self.step, self._steps, self._held, tip + self._offset
-        )
+        self._impulses = self._sheet.advance(self.step, self._steps, self._held, tip + self._offset)
         if not self.is_held:
             self._look_whether_at_rest()
         return self._impulses.held
@@ -145,31 +145,31 @@ class Tissue:
     def reset(self) -> None:
         """Let go and lie down as at the start."""
         self.release()
-        self._lattice.reset()
+        self._sheet.reset()
         self._impulses, self._is_at_rest = STILL, True
 
     def _look_whether_at_rest(self) -> None:
         self._free_steps += 1
-        if self._free_steps % LOOK == 0 and np.abs(self._lattice.v).max() < REST_SPEED:
+        if self._free_steps % LOOK == 0 and np.abs(self._sheet.v).max() < REST_SPEED:
             self._impulses, self._is_at_rest = STILL, True
 
     def _calibrate(self) -> None:
         """Scale the links until the pull at the reference point has the stiffness asked for."""
-        config, lattice = self.config, self._lattice
+        config, sheet = self.config, self._sheet
         point = np.array(config.reference_point)
-        distance = np.linalg.norm(lattice.home - point, axis=1)
-        distance[lattice.fixed] = np.inf
+        distance = np.linalg.norm(sheet.home - point, axis=1)
+        distance[sheet.fixed] = np.inf
         pull = np.array(config.reference_pull)
-        target = lattice.home[int(distance.argmin())] + pull
-        lattice.material = replace(lattice.material, bed=0.0)
-        step = lattice.longest_step()
+        target = sheet.home[int(distance.argmin())] + pull
+        sheet.material = replace(sheet.material, bed=0.0)
+        step = sheet.longest_step()
         for share in np.linspace(0.0, 1.0, RELAXATION_STEPS // 4):
-            lattice.advance(step, 1, int(distance.argmin()), target - (1.0 - share) * pull)
+            sheet.advance(step, 1, int(distance.argmin()), target - (1.0 - share) * pull)
         for _ in range(RELAXATION_STEPS):
-            felt = lattice.advance(step, 1, int(distance.argmin()), target).held
+            felt = sheet.advance(step, 1, int(distance.argmin()), target).held
         secant = -float(felt @ pull) / float(pull @ pull)
-        lattice.material = _material(config, config.stiffness**2 / secant)
-        lattice.reset()
+        sheet.material = _material(config, config.stiffness**2 / secant)
+        sheet.reset()
 
 
 def _material(config: TissueConfig, stiffness: float) -> Material:

@@ -144,7 +144,7 @@ def _kept_open(measured: Measurement, setpoint: Vector | None) -> Vector | None:
 
 
 def greatest_speed(config: LimitsConfig) -> Vector:
-    """What no joint can pass, whichever layer of limits is in force [rad/s]. Shape (10,)."""
+    """What no joint can pass, whichever layer of limits is active [rad/s]. Shape (10,)."""
     layers = [[*layer.arm_velocity, *[layer.tool_velocity] * 3] for layer in config.layers]
     greatest: Vector = np.array(layers).max(axis=0)
     return greatest

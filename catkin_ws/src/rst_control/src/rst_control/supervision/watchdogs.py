@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rst_control.config import WatchdogConfig
-from rst_control.planning.patient_surface import Placement
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import Rejected
 from rst_control.supervision.plausibility import SensorWatch
 from rst_control.supervision.presence import MASTER, Presence
@@ -31,7 +31,7 @@ class Watched:
     """What a motion shows to the watchdogs in one tick."""
 
     setpoint: Vector  # (10,), [rad] last commanded
-    placement: Placement  # of the measured joints
+    trocar_pose: TrocarPose  # of the measured joints
     raises_tension: bool  # the present phase may pull
     needs_grip: bool  # the present phase pulls on tissue
     overtime: float  # [s] that the phase takes longer than its way at its speed
@@ -119,13 +119,13 @@ class Watchdogs:
             return lost.words if lost else ""
         return (
             self.following(measured, watched.setpoint)
-            or self._rcm(watched.placement)
+            or self._rcm(watched.trocar_pose)
             or self._tension(measured, watched)
             or self._grip(measured, watched)
             or self._times(watched)
         )
 
-    def _rcm(self, place: Placement) -> str:
+    def _rcm(self, place: TrocarPose) -> str:
         """In force unless the whole robot is measured outside the patient; no number: it fires."""
         allowed = self._limits.rcm_error
         if place.is_outside or place.error <= allowed:

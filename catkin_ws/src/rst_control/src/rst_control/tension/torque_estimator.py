@@ -72,7 +72,7 @@ class TorqueTension:
 
     @property
     def tare(self) -> Tare | None:
-        """The bias in force."""
+        """The bias that is taken off."""
         return self._tares.tare
 
     def update(self, measured: Measurement, trocar: Vector) -> TensionEstimate:

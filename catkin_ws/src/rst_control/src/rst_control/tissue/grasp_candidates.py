@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Ways to take a sheet of tissue between the jaws and to pull it, the squarest first: geometry.
+"""Grasp candidates: how the jaws may take a sheet of tissue and pull it, the squarest first.
 
 The sheet lies between the jaws where they come from its free side within its plane, and open across
 it. The jaws may come along the shaft, which bends the wrist least, or tilted from there within the
@@ -33,8 +33,8 @@ LONGEST_PULL: Final = 0.35
 
 
 @dataclass(frozen=True, eq=False)
-class GraspWay:
-    """One way to take the sheet and to pull it."""
+class GraspCandidate:
+    """One grasp of the sheet, and the pull from it."""
 
     T_base_tip: Array  # (4, 4), pose of tool_tip in base_link: jaws along -y, opening about z
     pull: Vector  # (3,), unit, base frame
@@ -47,8 +47,8 @@ class GraspWay:
         return -self.T_base_tip[:3, 1]
 
 
-def grasp_ways(scene: SceneConfig) -> tuple[GraspWay, ...]:
-    """All ways that a scene leaves open; just one where it names approach and jaw axis.
+def grasp_candidates(scene: SceneConfig) -> tuple[GraspCandidate, ...]:
+    """All grasps that a scene leaves open; just one where it names approach and jaw axis.
 
     Args:
         scene: Sheet, grasp point, trocar; and directions, where they are not left open.
@@ -61,13 +61,13 @@ def grasp_ways(scene: SceneConfig) -> tuple[GraspWay, ...]:
         height = float(np.linalg.norm(grasp - best_anchors(rim, grasp).mean(axis=0)))
         length = min(length, LONGEST_PULL * height)
     pull = pull / np.linalg.norm(pull)
-    ways = []
+    candidates = []
     for approach, turn in product(_approaches(scene, normal), _turns(scene)):
         axis = np.array(scene.jaw_axis) if scene.jaw_axis else np.cross(normal, approach)
         T = grasp_pose(grasp, approach, turned(turn * approach) @ axis)
         across = float(abs(T[:3, 0] @ normal))  # the jaws close along x
-        ways.append(GraspWay(T, pull, length, math.acos(min(1.0, across))))
-    return tuple(sorted(ways, key=lambda way: round(way.askew, 6)))
+        candidates.append(GraspCandidate(T, pull, length, math.acos(min(1.0, across))))
+    return tuple(sorted(candidates, key=lambda candidate: round(candidate.askew, 6)))
 
 
 def grasp_pose(point: Vector, approach: Vector, axis: Vector) -> Array:

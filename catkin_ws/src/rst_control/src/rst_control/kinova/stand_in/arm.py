@@ -22,7 +22,7 @@ from rst_control.kinova.stand_in.config import DriverConfig
 from rst_control.kinova.stand_in.joint_ramps import fastest_towards_limits, ramped
 from rst_control.kinova.stand_in.waypoints import ArmLimits, Course, Waypoint, objections
 
-log = logging.getLogger("rosout.rst_control.kinova_driver")
+log = logging.getLogger("rosout.rst_control.kinova_stand_in")
 
 Vector = NDArray[np.float64]
 STILL = 1e-9  # [rad/s] below which a joint stands

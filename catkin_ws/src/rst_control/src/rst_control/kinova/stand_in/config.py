@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""kinova_driver.yaml: the stand-in for the drivers of the Kinova Gen3 and of OpenRST."""
+"""kinova_stand_in.yaml: the stand-in for the drivers of the Kinova Gen3 and of OpenRST."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typed_config import flag, integer, load_config, load_yaml, number, require,
 
 Arm = tuple[float, float, float, float, float, float, float]
 Triple = tuple[float, float, float]
-FILE = "kinova_driver.yaml"
+FILE = "kinova_stand_in.yaml"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +99,7 @@ class OpenRstConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class StandInConfig:
-    """All of kinova_driver.yaml."""
+    """All of kinova_stand_in.yaml."""
 
     force_sensor_topic: str = text(may_be_empty=True)
     driver: DriverConfig
@@ -107,7 +107,7 @@ class StandInConfig:
 
 
 def load_stand_in_config(folder: Path = CONFIG_FOLDER) -> StandInConfig:
-    """Read kinova_driver.yaml of a folder.
+    """Read kinova_stand_in.yaml of a folder.
 
     Raises:
         typed_config.ConfigError: A key is unknown, missing or out of range; names it.

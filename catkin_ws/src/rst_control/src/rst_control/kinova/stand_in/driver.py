@@ -12,7 +12,7 @@ from rst_control.kinova.stand_in.config import DriverConfig
 from rst_control.kinova.stand_in.goals import GoalHandle
 from rst_control.kinova.stand_in.trajectory_server import TrajectoryServer
 
-log = logging.getLogger("rosout.rst_control.kinova_driver")
+log = logging.getLogger("rosout.rst_control.kinova_stand_in")
 
 
 class KinovaDriver:

@@ -22,7 +22,7 @@ from rst_control.kinova.stand_in.goals import (
 )
 from rst_control.kinova.stand_in.waypoints import make_waypoints
 
-log = logging.getLogger("rosout.rst_control.kinova_driver")
+log = logging.getLogger("rosout.rst_control.kinova_stand_in")
 
 
 class ServerState(Enum):

@@ -42,7 +42,7 @@ class Diagnostics:
             loop: How the control loop keeps its times.
             objection: What is wrong with the robot's messages; empty: nothing.
             command_age: Time since the last command came [s].
-            trocar: The remote centre in force, in words.
+            trocar: The active remote centre, in words.
             recording: Whether what happens is being recorded.
         """
         robot = self._robot(view, objection, command_age, trocar)

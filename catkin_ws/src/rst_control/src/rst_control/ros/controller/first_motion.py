@@ -12,7 +12,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from rst_control.admission.command_queue import Verify
 from rst_control.admission.first_motion_gate import FirstMotion
 from rst_control.planning.plan import Plan
-from rst_control.registration.site import PresentSite
+from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.marker_topic import MarkerTopic
 from rst_control.visualization.controller_shapes import AHEAD, LINE
 from rst_control.visualization.shapes import Kind, Shape
@@ -26,11 +26,11 @@ class ConfirmedFirst:
 
     Args:
         verify: Decides everything else.
-        site: Knows robot and trocar.
+        context: Knows robot and trocar.
     """
 
-    def __init__(self, verify: Verify, site: PresentSite) -> None:
-        self._site = site
+    def __init__(self, verify: Verify, context: ActiveTrocarContext) -> None:
+        self._context = context
         self._topic = MarkerTopic("rst_control/preview", FOR_EVER)
         self.verify = FirstMotion(verify, self._show, time.monotonic)
         self._service = rospy.Service("rst_control/confirm", Trigger, self._on_confirm)
@@ -42,8 +42,8 @@ class ConfirmedFirst:
 
     def _show(self, plan: Plan | None) -> None:
         paths = [] if plan is None else [p.path for p in plan.phases if p.path is not None]
-        site = self._site.site
-        tips = [path.sample(site.model.chain, site.trocar, PER_KNOT).tip for path in paths]
+        context = self._context.current
+        tips = [path.sample(context.model.chain, context.trocar, PER_KNOT).tip for path in paths]
         shapes = []
         if tips:
             shapes = [Shape("first motion", Kind.LINE, np.vstack(tips), 2.0 * LINE, AHEAD)]

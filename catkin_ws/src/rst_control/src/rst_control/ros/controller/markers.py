@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from rst_control.config import MotionConfig
 from rst_control.execution.orders import View
-from rst_control.registration.site import PresentSite
+from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.marker_topic import MarkerTopic
 from rst_control.ros.common.messages import RosClock
 from rst_control.visualization.controller_shapes import ControllerShapes
@@ -23,16 +23,20 @@ class ControllerMarkers:
 
     Args:
         config: Scene and limits of tension.
-        site: Knows the robot, and the trocar in force.
+        context: Knows the robot and the active trocar.
         look: Gives the controller's state; from any thread.
         clock: Gives its stamp.
     """
 
     def __init__(
-        self, config: MotionConfig, site: PresentSite, look: Callable[[], View], clock: RosClock
+        self,
+        config: MotionConfig,
+        context: ActiveTrocarContext,
+        look: Callable[[], View],
+        clock: RosClock,
     ) -> None:
-        self._make = ControllerShapes(site.site.model, config)
-        self._site, self._look, self._clock = site, look, clock
+        self._make = ControllerShapes(context.current.model, config)
+        self._context, self._look, self._clock = context, look, clock
         self._topic = MarkerTopic("rst_control/markers", LIFETIME)
         self._sent, self._serial = -REST_PERIOD, -1
 
@@ -42,5 +46,5 @@ class ControllerMarkers:
         view, now = self._look(), time.monotonic()
         if view.is_moving or view.serial != self._serial or now - self._sent >= REST_PERIOD:
             self._sent, self._serial = now, view.serial
-            shapes = self._make(view, self._site.site.trocar)
+            shapes = self._make(view, self._context.current.trocar)
             self._topic.publish(shapes, self._clock.stamp(view.stamp))

@@ -13,14 +13,14 @@ import rospy
 from rst_control.admission.callers import Doorkeeper
 from rst_control.admission.command_queue import CommandDesk
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
-from rst_control.assembly import make_executor, make_site
+from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.config import MotionConfig
 from rst_control.errors import RstError
 from rst_control.execution.orders import View
 from rst_control.kinematics.robot_model import RobotModel, parse_robot
 from rst_control.msg import ControllerState, Event
-from rst_control.registration.site import PresentSite
 from rst_control.registration.trocar import position_words
+from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.exposure_warning import warn_of_listeners
 from rst_control.ros.common.message_limits import guard_intake
 from rst_control.ros.common.messages import RosClock, event_message, state_message
@@ -58,21 +58,23 @@ class ControllerNode:
         settings = config.controller
         self._clock = RosClock()
         self._link = RobotLink(self._clock, settings.watchdogs, settings.tension.source)
-        self._site = PresentSite(make_site(config, model))
+        self._context = ActiveTrocarContext(make_trocar_context(config, model))
         self._presence = Presence()
-        self._executor = make_executor(config, self._site, self._link.clear_fault, self._presence)
+        self._executor = make_executor(
+            config, self._context, self._link.clear_fault, self._presence
+        )
         watch = RecordingWatch(settings.recording, time.monotonic)
         self._recording = RecordingLink(watch, self._executor)
-        verify = RecordedOnly(self._site.verify, watch)
+        verify = RecordedOnly(self._context.verify, watch)
         if settings.first_motion == "confirmed":
-            verify = ConfirmedFirst(verify, self._site).verify
+            verify = ConfirmedFirst(verify, self._context).verify
         self._desk = CommandDesk(self._executor, verify, time.monotonic)
         self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
         door = Doorkeeper(settings.callers, time.monotonic)
-        self._trocar = TrocarService(self._site, self._executor, door)
-        self._markers = ControllerMarkers(config, self._site, self._look, self._clock)
+        self._trocar = TrocarService(self._context, self._executor, door)
+        self._markers = ControllerMarkers(config, self._context, self._look, self._clock)
         self._diagnostics = Diagnostics()
         self._actions = AssistServer(self._desk, self._executor, door)
         self._spoken_by = settings.spoken_by
@@ -153,7 +155,7 @@ class ControllerNode:
             self._actions.publish_feedback()
         if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
             loop, age = self._loop.statistics.summary(), now - self._service.last_command
-            trocar = position_words(self._site.site.trocar)
+            trocar = position_words(self._context.current.trocar)
             recording = self._recording.status()
             self._diagnostics.publish(view, loop, self._link.objection, age, trocar, recording)
         if not view.is_moving and self._is_due("collect", now, COLLECT_PERIOD):

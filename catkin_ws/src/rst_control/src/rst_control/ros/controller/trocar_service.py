@@ -17,8 +17,8 @@ from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Reply
 from rst_control.registration.pivot_calibration import PivotFit, PivotIllPosed
 from rst_control.registration.shaft_poses import ShaftPoses, fit_words
-from rst_control.registration.site import PresentSite
 from rst_control.registration.trocar import TrocarRegistrar
+from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.messages import caller_of, trocar_message
 from rst_control.srv import (
     FitTrocar,
@@ -37,16 +37,16 @@ class TrocarService:
     """Publishes `rst_control/trocar`; serves set_trocar, record_shaft, forget_shafts, fit_trocar.
 
     Args:
-        present: The site in force.
+        present: The active trocar.
         executor: Runs the control loop.
         door: Knows who may set up, and how often.
     """
 
-    def __init__(self, present: PresentSite, executor: Executor, door: Doorkeeper) -> None:
+    def __init__(self, present: ActiveTrocarContext, executor: Executor, door: Doorkeeper) -> None:
         self._present, self._executor, self._door = present, executor, door
         self._registrar = TrocarRegistrar(present, executor)
-        config = present.site.config
-        self._poses = ShaftPoses(present.site.model, config.rcm, config.controller.watchdogs)
+        config = present.current.config
+        self._poses = ShaftPoses(present.current.model, config.rcm, config.controller.watchdogs)
         self._topic = rospy.Publisher("rst_control/trocar", PointStamped, queue_size=1, latch=True)
         self._services: list[rospy.Service] = []
         self._publish()
@@ -61,7 +61,7 @@ class TrocarService:
         ]
 
     def _publish(self) -> None:
-        self._topic.publish(trocar_message(self._present.site.trocar))
+        self._topic.publish(trocar_message(self._present.current.trocar))
 
     def _on_set(self, request: SetTrocarRequest) -> SetTrocarResponse:
         p = request.position

@@ -23,7 +23,7 @@ from rst_control.ros.kinova.stand_in_goals import RosGoal
 from rst_control.ros.simulator.messages import Stamper, StateWriter
 from rst_control.simulation.pybullet_robot import PybulletRobot
 
-log = logging.getLogger("rosout.rst_control.kinova_driver")
+log = logging.getLogger("rosout.rst_control.kinova_stand_in")
 
 HOMING_LIMIT = 120.0  # [s] for a request to be answered
 LOOK = 0.1  # [s] between looks whether the node ends while a request waits
@@ -43,7 +43,7 @@ class Due:
         return True
 
 
-class KinovaDoor:
+class DriverInterface:
     """Stands in for Kinova's driver and for OpenRST's node.
 
     Args:

@@ -27,7 +27,7 @@ TELL_PERIOD = 0.5  # [s] between words on grip and fault where they stay the sam
 NO_STAMP = 0.0  # set-points sent by hand carry no stamp
 
 
-class SetpointDoor:
+class SetpointInterface:
     """Takes set-points and tells states, 500 of each in a second.
 
     Args:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The simulated robot as a ROS node; how it is commanded is up to its door, set by `mode`."""
+"""The simulated robot as a ROS node; how it is commanded is up to its interface, set by `mode`."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from rst_control.robot.setpoint_servo import ServoState
 from rst_control.ros.common.message_limits import guard_intake
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.prompt_sending import send_promptly
-from rst_control.ros.kinova.stand_in_interface import KinovaDoor
+from rst_control.ros.kinova.stand_in_interface import DriverInterface
 from rst_control.ros.simulator.diagnostics import SimulatorDiagnostics, broadcast_places
-from rst_control.ros.simulator.fast_interface import SetpointDoor
+from rst_control.ros.simulator.fast_interface import SetpointInterface
 from rst_control.ros.simulator.markers import SimulatorMarkers
 from rst_control.ros.simulator.messages import Stamper
 from rst_control.ros.simulator.pace import Pace
@@ -47,15 +47,15 @@ COARSE = "physics at %g Hz, below %g Hz: the shaft leaves the trocar further tha
 STRICT = "kinova_strict"  # the mode that stands in for the real drivers
 
 
-class Door(Protocol):
-    """How the robot is commanded and what it tells."""
+class RobotInterface(Protocol):
+    """How the robot is commanded and what it publishes."""
 
     def lead(self) -> None:
         """Do what is due before the next steps of the physics."""
         ...
 
     def publish(self) -> None:
-        """Tell how the robot is after them."""
+        """Publish the state of the robot after them."""
         ...
 
 
@@ -78,7 +78,7 @@ class SimulatorNode:
         self._stamper = Stamper(self._is_real_time)
         self._jobs: deque[Callable[[], None]] = deque()
         self._clock = None if self._is_real_time else rospy.Publisher("/clock", Clock, queue_size=1)
-        self._door = self._make_door(config, stand_in)
+        self._interface = self._make_interface(config, stand_in)
         self._service = rospy.Service("robot/reset_tissue", Trigger, self._on_reset)
         self._trail = Trail()
         self._pictures = SimulatorPictures(config, self._copy_state)
@@ -100,7 +100,7 @@ class SimulatorNode:
                 self._fall_behind(behind)
             while self._jobs:
                 self._jobs.popleft()()
-            self._door.lead()
+            self._interface.lead()
             for _ in range(self._steps):
                 self.robot.step()
             self._trail.add(self.robot.tip)
@@ -112,14 +112,16 @@ class SimulatorNode:
         self._pictures.close()
         self.robot.close()
 
-    def _make_door(self, config: SimulationConfig, stand_in: StandInConfig | None) -> Door:
+    def _make_interface(
+        self, config: SimulationConfig, stand_in: StandInConfig | None
+    ) -> RobotInterface:
         robot, jobs, stamper = self.robot, self._jobs, self._stamper
         if stand_in is None:
-            return SetpointDoor(robot, jobs, stamper, self._is_real_time)
-        return KinovaDoor(robot, jobs, stamper, config, stand_in)
+            return SetpointInterface(robot, jobs, stamper, self._is_real_time)
+        return DriverInterface(robot, jobs, stamper, config, stand_in)
 
     def _publish(self) -> None:
-        self._door.publish()
+        self._interface.publish()
         if self._clock is not None:
             self._clock.publish(Clock(rospy.Time(*self._stamper.split(self.robot.now))))
         if self._diagnostics.is_due():

@@ -36,7 +36,7 @@ SLICES = 48
 FINENESS, EVENING = (
     3,
     4,
-)  # the sheet is drawn this much finer than its lattice, its colours evened out
+)  # the sheet is drawn this much finer than its grid, its colours evened out
 
 
 class SceneShapes:

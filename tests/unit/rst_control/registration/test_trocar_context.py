@@ -6,7 +6,11 @@ import pytest
 
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.planning.plan import Accepted, Request
-from rst_control.registration.site import PresentSite, Site, TrocarOutOfReach
+from rst_control.registration.trocar_context import (
+    ActiveTrocarContext,
+    TrocarContext,
+    TrocarOutOfReach,
+)
 from rst_control.trajectory.path import Path
 from rst_control.types import Reason
 from tests.unit.rst_control.support.situations import situation
@@ -15,8 +19,8 @@ ASIDE = np.array([0.0, 5e-4, 0.0])
 
 
 @pytest.fixture(scope="module")
-def site(robot, motion_config):
-    return Site(motion_config, robot)
+def context(robot, motion_config):
+    return TrocarContext(motion_config, robot)
 
 
 @pytest.fixture
@@ -24,24 +28,26 @@ def at_home(home):
     return robot_joints(home, 0.0)
 
 
-def test_the_trocar_is_that_of_the_settings_and_home_is_in_it(site, robot, motion_config, at_home):
-    np.testing.assert_array_equal(site.trocar, motion_config.scene.trocar)
-    shaft = site.shaft(at_home)
+def test_the_trocar_is_that_of_the_settings_and_home_is_in_it(
+    context, robot, motion_config, at_home
+):
+    np.testing.assert_array_equal(context.trocar, motion_config.scene.trocar)
+    shaft = context.shaft(at_home)
     assert shaft.error < 1e-9
     assert 0.05 < shaft.insertion < robot.shaft_length
 
 
-def test_another_trocar_is_another_site_and_the_first_one_stays(site, at_home):
-    other = site.with_trocar(site.trocar + ASIDE)
+def test_another_trocar_is_another_site_and_the_first_one_stays(context, at_home):
+    other = context.with_trocar(context.trocar + ASIDE)
     assert other.shaft(at_home).error == pytest.approx(5e-4, rel=1e-2)
-    assert site.shaft(at_home).error < 1e-9
-    np.testing.assert_array_equal(other.planner.trocar, site.trocar + ASIDE)
-    assert other.config.scene.trocar == tuple(site.trocar + ASIDE)
-    assert other.config.scene.home == site.config.scene.home
+    assert context.shaft(at_home).error < 1e-9
+    np.testing.assert_array_equal(other.planner.trocar, context.trocar + ASIDE)
+    assert other.config.scene.trocar == tuple(context.trocar + ASIDE)
+    assert other.config.scene.home == context.config.scene.home
 
 
-def test_verification_of_a_site_plans_through_its_trocar(site, at_home):
-    other = site.with_trocar(site.trocar + ASIDE)
+def test_verification_of_a_site_plans_through_its_trocar(context, at_home):
+    other = context.with_trocar(context.trocar + ASIDE)
     decision = other.verify(Request("tense"), situation(at_home))
     assert isinstance(decision, Accepted)
     paths = [phase.path for phase in decision.plan.phases if isinstance(phase.path, Path)]
@@ -49,38 +55,38 @@ def test_verification_of_a_site_plans_through_its_trocar(site, at_home):
     assert seat.sample(other.model.chain, other.trocar).rcm_error[-1] < 1e-9
     for way in ways:
         assert way.sample(other.model.chain, other.trocar).rcm_error.max() < 1e-6
-        assert way.sample(other.model.chain, site.trocar).rcm_error.max() > 4e-4
+        assert way.sample(other.model.chain, context.trocar).rcm_error.max() > 4e-4
 
 
-def test_a_shaft_too_far_from_the_new_trocar_is_refused_by_its_own_verification(site, at_home):
-    other = site.with_trocar(site.trocar + 4.0 * ASIDE)
+def test_a_shaft_too_far_from_the_new_trocar_is_refused_by_its_own_verification(context, at_home):
+    other = context.with_trocar(context.trocar + 4.0 * ASIDE)
     decision = other.verify(Request("tense"), situation(at_home))
     assert decision.reason is Reason.RCM_TOLERANCE
 
 
 @pytest.mark.parametrize("trocar", [(1.9, 0.0, 0.0), (0.0, 0.0, -1.7), (1e300, 1e300, 0.0)])
-def test_a_trocar_beyond_the_arm_is_refused_with_both_distances(site, trocar):
+def test_a_trocar_beyond_the_arm_is_refused_with_both_distances(context, trocar):
     with pytest.raises(TrocarOutOfReach, match=r"m from base_link, allowed 0 to 1\.601 m"):
-        site.with_trocar(trocar)
+        context.with_trocar(trocar)
 
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), float("-inf")])
-def test_a_trocar_that_is_no_point_is_refused(site, bad):
+def test_a_trocar_that_is_no_point_is_refused(context, bad):
     with pytest.raises(TrocarOutOfReach):
-        site.with_trocar((0.4, bad, 0.4))
+        context.with_trocar((0.4, bad, 0.4))
 
 
-def test_those_who_ask_the_present_site_are_answered_by_the_one_in_force(site, at_home):
-    present = PresentSite(site)
-    verify, locate = present.verify, present.placement
+def test_those_who_ask_the_present_site_are_answered_by_the_one_in_force(context, at_home):
+    present = ActiveTrocarContext(context)
+    verify, locate = present.verify, present.trocar_pose
     before = locate(at_home).rcm_error
-    present.site = site.with_trocar(site.trocar + 4.0 * ASIDE)
+    present.current = context.with_trocar(context.trocar + 4.0 * ASIDE)
     assert before < 1e-9 < locate(at_home).rcm_error
     assert verify(Request("tense"), situation(at_home)).reason is Reason.RCM_TOLERANCE
 
 
-def test_going_back_into_the_trocar_the_tip_is_no_faster_than_on_any_other_way(site, home):
-    other = site.with_trocar(site.trocar + 1.9 * ASIDE)
+def test_going_back_into_the_trocar_the_tip_is_no_faster_than_on_any_other_way(context, home):
+    other = context.with_trocar(context.trocar + 1.9 * ASIDE)
     speed = other.config.controller.speed.tip_speed
     seat = other.planner.route(home)[0]
     bounds = other.planner.bounds(seat, speed)

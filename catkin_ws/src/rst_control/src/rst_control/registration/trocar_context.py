@@ -16,7 +16,7 @@ from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.rcm import RcmState, rcm_state
 from rst_control.kinematics.robot_model import RobotModel
-from rst_control.planning.patient_surface import Placement
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import Accepted, Rejected, Request, Situation
 from rst_control.planning.planner import Planner
 from rst_control.types import Vector
@@ -32,10 +32,10 @@ class TrocarOutOfReach(RstError):
         self.distance, self.reach = distance, reach
 
 
-class Site:
+class TrocarContext:
     """One trocar, and the planning, verification and measurement that refer to it.
 
-    It never changes. Another trocar is another site.
+    It never changes. Another trocar is another context.
 
     Args:
         config: Settings; `scene.trocar` is the trocar.
@@ -57,37 +57,38 @@ class Site:
         q, _ = planning_joints(joints)
         return rcm_state(Configuration(self.model, q), self.trocar)
 
-    def with_trocar(self, trocar: Sequence[float]) -> Site:
-        """The same site with another trocar, base frame, [m]. Shape (3,).
+    def with_trocar(self, trocar: Sequence[float]) -> TrocarContext:
+        """The same context with another trocar, base frame, [m]. Shape (3,).
 
         Raises:
             TrocarOutOfReach: No posture takes the shaft there, or a value is not finite.
         """
         x, y, z = (float(value) for value in trocar)
         scene = replace(self.config.scene, trocar=(x, y, z))
-        return Site(replace(self.config, scene=scene), self.model)
+        return TrocarContext(replace(self.config, scene=scene), self.model)
 
 
-class PresentSite:
-    """The site in force, for those who always mean the present one.
+class ActiveTrocarContext:
+    """The active trocar and all computed from it.
 
-    Only the control loop changes it, between two ticks at rest. Whoever verifies a command notes
-    the executor's serial number first: it changes with the site, and the command is verified again.
+    Only the control loop replaces it, between two ticks at rest. A caller that verifies a command
+    notes the executor's serial number first. The number changes with the trocar, and the command
+    is then verified again.
 
     Args:
-        site: In force at the start.
+        context: Active at the start.
     """
 
-    def __init__(self, site: Site) -> None:
-        self.site = site
+    def __init__(self, context: TrocarContext) -> None:
+        self.current = context
 
     def verify(self, request: Request, situation: Situation) -> Accepted | Rejected:
         """Decide whether a command may run."""
-        return self.site.verify(request, situation)
+        return self.current.verify(request, situation)
 
-    def placement(self, joints: Vector) -> Placement:
+    def trocar_pose(self, joints: Vector) -> TrocarPose:
         """Where tool and arm are towards trocar and patient for the robot's joints (10,) [rad]."""
-        return self.site.planner.patient.placement(planning_joints(joints)[0])
+        return self.current.planner.patient.trocar_pose(planning_joints(joints)[0])
 
 
 def _require_reach(model: RobotModel, trocar: Sequence[float]) -> None:
