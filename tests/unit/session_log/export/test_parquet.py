@@ -98,7 +98,7 @@ def test_csv_and_parquet_say_the_same(exported, topic):
 def test_columns_have_the_types_and_units_of_the_definition(exported):
     schema = pq.read_schema(exported / "voice_assist_utterance.parquet")
     assert schema.field("confidence").type == pa.float32()
-    assert schema.field("early").type == pa.bool_()
+    assert schema.field("is_partial").type == pa.bool_()
     assert schema.field("wer").type.value_type == pa.float32()
     assert schema.field("phrases").type.value_type == pa.string()
     assert schema.field("header.seq").type == pa.uint32()

@@ -8,7 +8,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import Survey
 from session_log.report import analysis
 from session_log.report.extract import extract
-from session_log.report.session_data import Event, Heard, Intervals, SessionData, Span
+from session_log.report.session_data import Event, Intervals, RecordedUtterance, SessionData, Span
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,9 @@ def data(story, report_config):
 
 def heard(command, end, decision, transcript=None):
     words = command if transcript is None else transcript
-    return Heard(end - 0.5, end, decision, words, command, "", command, 0.0, 0.9, "active", "r", 0)
+    return RecordedUtterance(
+        end - 0.5, end, decision, words, command, "", command, 0.0, 0.9, "active", "r", 0
+    )
 
 
 def session(heard=(), events=(), states=()):

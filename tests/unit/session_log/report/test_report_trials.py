@@ -4,7 +4,7 @@
 import pytest
 
 from session_log.mcap_file.summary import Survey
-from session_log.report.session_data import Heard, Intended, SessionData
+from session_log.report.session_data import Intended, RecordedUtterance, SessionData
 from session_log.report.trials import (
     NO_COMMAND,
     NOT_SAID,
@@ -19,7 +19,9 @@ COMMANDS = ("hey robot", "tense", "pull more", "stop")
 
 def heard(start, transcript, command=""):
     end = start + 0.5
-    return Heard(start, end, end + 0.2, transcript, command, "", "", 0.0, 0.9, "active", "r", False)
+    return RecordedUtterance(
+        start, end, end + 0.2, transcript, command, "", "", 0.0, 0.9, "active", "r", False
+    )
 
 
 def judge(config, intended, said):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from session_log.replay.recorded_voice import Utterance
+from session_log.replay.recorded_voice import RecordedDecision
 
 WER = {"tense": 0.0, "stop": 1.0}
 
@@ -26,7 +26,7 @@ def utterance(end=1.0, **changes):
         "speech_end": end,
         "decision": end + 0.2,
     }
-    return Utterance(**{**fields, **changes})
+    return RecordedDecision(**{**fields, **changes})
 
 
 @dataclass

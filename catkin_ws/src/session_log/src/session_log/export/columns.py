@@ -10,6 +10,7 @@ from typing import Any
 import pyarrow as pa
 from genpy.dynamic import generate_dynamic
 
+from session_log.mcap_file.decoder import present_definition
 from session_log.types import Source
 
 NANOSECONDS = 1_000_000_000
@@ -49,12 +50,13 @@ class Columns:
         Raises:
             ValueError: The definition is damaged.
         """
+        definition = present_definition(source.datatype, source.definition)
         try:
-            self._classes = generate_dynamic(source.datatype, source.definition)
+            self._classes = generate_dynamic(source.datatype, definition)
         except Exception as error:  # genmsg raises whatever the damage leads to
             raise ValueError(f"definition of {source.datatype}: {error}") from error
         self._root = self._classes[source.datatype]
-        self._comments = _comments(source)
+        self._comments = _comments(source.datatype, definition)
         self._converters: dict[str, Callable[[Any], Any]] = {}
         about = {
             "topic": source.topic,
@@ -134,14 +136,14 @@ def _slots(kind: Any) -> list[tuple[str, str]]:
     return list(zip(kind.__slots__, kind._slot_types, strict=True))
 
 
-def _comments(source: Source) -> dict[tuple[str, str], str]:
+def _comments(datatype: str, definition: str) -> dict[tuple[str, str], str]:
     """Comments behind the fields of a definition, by type and field."""
     found = {}
-    for number, part in enumerate(_PARTS.split(source.definition)):
+    for number, part in enumerate(_PARTS.split(definition)):
         first, _, rest = part.partition("\n")
-        datatype, lines = (source.datatype, part) if number == 0 else (first.strip(), rest)
+        kind, lines = (datatype, part) if number == 0 else (first.strip(), rest)
         for field in _COMMENTED.finditer(lines):
-            found[datatype, field[1]] = field[2].strip()
+            found[kind, field[1]] = field[2].strip()
     return found
 
 

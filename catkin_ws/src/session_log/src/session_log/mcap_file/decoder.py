@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Turns recorded bytes into objects by the definition in the file, without ROS."""
+"""Turns recorded bytes into objects by the definition in the file, without ROS.
+
+A field that had another name when a session was recorded is read under its present name.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from mcap.records import Schema
@@ -12,6 +16,16 @@ from mcap_ros1.decoder import DecoderFactory
 
 from session_log.errors import SessionLogError
 from session_log.types import Message
+
+RENAMED_FIELDS: Mapping[str, Mapping[str, str]] = {  # by type of message: former to present name
+    "rst_control/ControllerState": {"active": "assistance_enabled"},
+    "voice_assist/Utterance": {
+        "early": "is_partial",
+        "origin": "decided_by",
+        "nearest": "nearest_command",
+    },
+}
+_PART = re.compile(r"^(=+\nMSG: (\S+))$", re.MULTILINE)
 
 
 class Undecodable(SessionLogError):
@@ -23,6 +37,15 @@ class Undecodable(SessionLogError):
         self.topic = source.topic
 
 
+class MissingField(SessionLogError):
+    """A message was recorded without a field that its reader needs."""
+
+    def __init__(self, message: Message, field: str) -> None:
+        source = message.source
+        super().__init__(f"{source.topic}: {source.datatype} was recorded without {field!r}")
+        self.topic, self.field = source.topic, field
+
+
 class Decoder:
     """Decodes messages; learns each type from the first message of it."""
 
@@ -31,7 +54,7 @@ class Decoder:
         self._known: dict[tuple[str, str], Callable[[bytes], Any]] = {}
 
     def decode(self, message: Message) -> Any:
-        """Return the message as an object with the fields of its definition.
+        """Return the message as an object with the fields of its definition, as named today.
 
         Raises:
             Undecodable: Definition or bytes are damaged.
@@ -44,14 +67,50 @@ class Decoder:
         except Exception as error:  # genpy raises whatever the damage leads to
             raise Undecodable(message, error) from error
 
+    def read(self, message: Message, take: Callable[[Any], None]) -> None:
+        """Decode a message and let a reader take the fields that it needs.
+
+        Raises:
+            Undecodable: Definition or bytes are damaged.
+            MissingField: The recorded definition lacks a field of the message.
+        """
+        content = self.decode(message)
+        try:
+            take(content)
+        except AttributeError as error:
+            if error.obj is not content:
+                raise
+            raise MissingField(message, error.name) from error
+
     def _learn(self, datatype: str, definition: str) -> Callable[[bytes], Any]:
         schema = Schema(
             id=len(self._known) + 1,
             name=datatype,
             encoding=SchemaEncoding.ROS1,
-            data=definition.encode(),
+            data=present_definition(datatype, definition).encode(),
         )
         decode = self._factory.decoder_for(MessageEncoding.ROS1, schema)
         if decode is None:
             raise ValueError("no definition")
         return decode
+
+
+def present_definition(datatype: str, definition: str) -> str:
+    """A recorded definition with the present names of its fields.
+
+    Args:
+        datatype: Of the message.
+        definition: Full text, nested definitions included.
+    """
+    first, *rest = _PART.split(definition)  # then of each nested one: its head, type and fields
+    parts = [_with_present_names(datatype, first)]
+    for head, nested, fields in zip(rest[::3], rest[1::3], rest[2::3], strict=True):
+        parts += [head, _with_present_names(nested, fields)]
+    return "".join(parts)
+
+
+def _with_present_names(datatype: str, fields: str) -> str:
+    for former, present in RENAMED_FIELDS.get(datatype, {}).items():
+        field = re.compile(rf"^([ \t]*[\w/\[\]]+[ \t]+){former}\b", re.MULTILINE)
+        fields = field.sub(rf"\g<1>{present}", fields)
+    return fields

@@ -10,11 +10,11 @@ from difflib import SequenceMatcher
 
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Decided
-from session_log.replay.recorded_voice import Utterance
+from session_log.replay.recorded_voice import RecordedDecision
 
 MISSING, EXTRA, ORDER = "missing", "extra", "order"
 
-Pair = tuple[Utterance | None, Decided | None]
+Pair = tuple[RecordedDecision | None, Decided | None]
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Difference:
 
     number: int  # of the recorded utterance, from 1; of an extra one: of that before it
     kinds: tuple[str, ...]  # missing, extra, order, or the fields that differ
-    recorded: Utterance | None
+    recorded: RecordedDecision | None
     now: Decided | None
     excuse: str = ""  # why it does not count: what of the recording is lost
 
@@ -35,7 +35,7 @@ class Difference:
 
 
 def compare(
-    recorded: Sequence[Utterance], now: Sequence[Decided], config: ReplayConfig
+    recorded: Sequence[RecordedDecision], now: Sequence[Decided], config: ReplayConfig
 ) -> list[Difference]:
     """All differences, in the order of the recording.
 
@@ -87,7 +87,7 @@ def _without_numbers(reason: str) -> str:
 
 
 def _align(
-    recorded: Sequence[Utterance], now: Sequence[Decided], config: ReplayConfig
+    recorded: Sequence[RecordedDecision], now: Sequence[Decided], config: ReplayConfig
 ) -> Iterator[Pair]:
     """Pair what is the same; between those, what ended at about the same time."""
     keys = [[_key(entry) for entry in entries] for entries in (recorded, now)]
@@ -104,7 +104,7 @@ def _key(entry: Decided) -> tuple[str, str, float]:
 
 
 def _align_by_time(
-    recorded: Sequence[Utterance], now: Sequence[Decided], window: float
+    recorded: Sequence[RecordedDecision], now: Sequence[Decided], window: float
 ) -> Iterator[Pair]:
     i = j = 0
     while i < len(recorded) and j < len(now):

@@ -6,12 +6,13 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 import yaml
 
-from session_log.mcap_file.decoder import Decoder, Undecodable
+from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import LIBRARY
 from session_log.replay.config import ReplayConfig
@@ -23,7 +24,7 @@ PARAMETERS = "parameters"  # metadata record with the parameter server, one YAML
 
 
 @dataclass(frozen=True)
-class Utterance:
+class RecordedDecision:
     """One recorded decision; times in [s] of the clock."""
 
     transcript: str
@@ -65,11 +66,12 @@ class RecordedVoice:
 
     start: float = 0.0  # [s] of the clock, first message of the session
     runs: list[Run] = field(default_factory=list)
-    utterances: list[Utterance] = field(default_factory=list)
+    utterances: list[RecordedDecision] = field(default_factory=list)
     modes: list[ModeChange] = field(default_factory=list)
     has_notes: bool = False  # the node was one that says what hearing depended on
     lost_notes: int = 0
     undecodable: int = 0
+    missing_fields: set[str] = field(default_factory=set)  # what was recorded without which field
 
     def mode_at(self, time: float) -> ModeChange | None:
         """The recorded mode at a time of the clock [s]."""
@@ -136,13 +138,16 @@ class _VoiceReader:
             if take is None:
                 continue
             try:
-                take(self._decoder.decode(message), self._missing(message))
+                missing = self._missing(message)
+                self._decoder.read(message, partial(take, missing=missing))
+            except MissingField as error:
+                voice.missing_fields.add(str(error))
             except (Undecodable, AttributeError):
                 voice.undecodable += 1
         self._end_run()
         return voice
 
-    def _audio(self, content: Any, _: int) -> None:
+    def _audio(self, content: Any, missing: int) -> None:
         is_new, _lost = self._stream(content.first_sample, len(content.samples))
         if is_new:
             self._end_run()
@@ -151,16 +156,16 @@ class _VoiceReader:
 
     def _utterance(self, m: Any, missing: int) -> None:
         self._voice.utterances.append(
-            Utterance(
+            RecordedDecision(
                 transcript=m.transcript,
                 wer=dict(zip(m.phrases, m.wer, strict=False)),
                 command=m.command,
                 reason=m.reason,
-                nearest=m.nearest,
+                nearest=m.nearest_command,
                 confidence=float(m.confidence),
                 mode=m.mode,
-                origin=m.origin,
-                early=bool(m.early),
+                origin=m.decided_by,
+                early=bool(m.is_partial),
                 speech_start=seconds(m.speech_start),
                 speech_end=seconds(m.speech_end),
                 decision=seconds(m.decision),
@@ -168,7 +173,7 @@ class _VoiceReader:
             )
         )
 
-    def _mode(self, m: Any, _: int) -> None:
+    def _mode(self, m: Any, missing: int) -> None:
         self._voice.modes.append(ModeChange(seconds(m.header.stamp), m.mode, m.reason))
 
     def _note(self, m: Any, missing: int) -> None:

@@ -15,11 +15,11 @@ from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Decided, Hearer, MakeHearer, Sound
 from session_log.replay.recorded_voice import (
     RATE,
+    RecordedDecision,
     RecordedVoice,
     Run,
     SequenceWatch,
     StreamWatch,
-    Utterance,
     read_voice,
     sound_of,
 )
@@ -192,10 +192,10 @@ class _Rehearsal:
         ):
             if count:
                 words.append(f"{count} {what}")
-        return words
+        return [*words, *sorted(voice.missing_fields)]
 
     def _excuse(
-        self, found: Sequence[Difference], recorded: Sequence[Utterance]
+        self, found: Sequence[Difference], recorded: Sequence[RecordedDecision]
     ) -> list[Difference]:
         left = [entry.lost_before for entry in recorded]
         excused = []

@@ -18,7 +18,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.replay.command import REPLAY_CONFIG
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Sound
-from session_log.replay.recorded_voice import RATE, Utterance, read_voice, sound_of
+from session_log.replay.recorded_voice import RATE, RecordedDecision, read_voice, sound_of
 from typed_config import load_config, load_yaml
 
 AROUND = 0.4  # [s] of sound kept before and after the speech
@@ -73,7 +73,7 @@ def spoken(path: Path) -> list[SpokenUtterance]:
 class _Window:
     """The stretch of time of one utterance, filled as the sound comes by."""
 
-    def __init__(self, utterance: Utterance) -> None:
+    def __init__(self, utterance: RecordedDecision) -> None:
         self.utterance = utterance
         self._start = utterance.speech_start - AROUND
         length = utterance.speech_end - utterance.speech_start + 2.0 * AROUND

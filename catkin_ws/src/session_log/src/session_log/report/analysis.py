@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from session_log.config import ReportConfig
-from session_log.report.session_data import Event, Heard, Intervals, SessionData, Track
+from session_log.report.session_data import Event, Intervals, RecordedUtterance, SessionData, Track
 
 STOP = "stop"
 ANSWERS = ("accepted", "refused", "stop_received")
@@ -22,7 +22,7 @@ class CommandRow:
     """One command: what was said, what was decided, what the robot did."""
 
     command: str
-    heard: Heard | None  # None: given by service or topic, not spoken
+    heard: RecordedUtterance | None  # None: given by service or topic, not spoken
     answered: float | None  # [s] accepted, refused or stop received
     outcome: str  # accepted, refused, or "no answer"
     message: str  # the controller's words
@@ -124,7 +124,7 @@ def loop_timing(loop: Intervals, late_factor: float) -> LoopTiming:
     return LoopTiming(loop.topic, period, late, float(loop.time[int(length.argmax())]))
 
 
-def _answers_to(heard: Heard, answers: list[Event], window: float) -> list[Event]:
+def _answers_to(heard: RecordedUtterance, answers: list[Event], window: float) -> list[Event]:
     since, until = heard.decision - CLOCK_SLACK, heard.decision + window
     candidates = [a for a in answers if since <= a.time <= until]
     first = next((a for a in candidates if _command_of(a) == heard.command), None)
@@ -145,7 +145,7 @@ def _row(
     data: SessionData,
     config: ReportConfig,
     command: str,
-    heard: Heard | None,
+    heard: RecordedUtterance | None,
     answers: list[Event],
 ) -> CommandRow:
     if not answers:

@@ -11,17 +11,17 @@ from typing import Any
 import numpy as np
 
 from session_log.config import ReportConfig
-from session_log.mcap_file.decoder import Decoder, Undecodable
+from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.headers import read_header, starts_with_header
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import Counter, Survey
 from session_log.report.session_data import (
     Event,
     Health,
-    Heard,
     Intended,
     Intervals,
     Picture,
+    RecordedUtterance,
     SessionData,
     Span,
     Table,
@@ -121,7 +121,9 @@ class _Extractor:
     def _decode(self, message: Message, take: Callable[[Any], None]) -> None:
         topic = message.source.topic
         try:
-            take(self._decoder.decode(message))
+            self._decoder.read(message, take)
+        except MissingField as error:
+            self._data.missing_fields.add(str(error))
         except (Undecodable, AttributeError, ValueError, IndexError):
             self._data.undecodable[topic] = self._data.undecodable.get(topic, 0) + 1
 
@@ -159,19 +161,19 @@ class _Extractor:
         wer = dict(zip(m.phrases, m.wer, strict=False))
         self._data.phrases = tuple(m.phrases) or self._data.phrases
         self._data.heard.append(
-            Heard(
+            RecordedUtterance(
                 speech_start=self._time(m.speech_start),
                 speech_end=self._time(m.speech_end),
                 decision=self._time(m.decision),
                 transcript=m.transcript,
                 command=m.command,
                 reason=m.reason,
-                nearest=m.nearest,
-                wer=float(wer.get(m.command or m.nearest, math.nan)),
+                nearest_command=m.nearest_command,
+                wer=float(wer.get(m.command or m.nearest_command, math.nan)),
                 confidence=float(m.confidence),
                 mode=m.mode,
-                origin=m.origin,
-                is_early=bool(m.early),
+                decided_by=m.decided_by,
+                is_partial=bool(m.is_partial),
             )
         )
 

@@ -218,6 +218,7 @@ def _warnings(material: Material) -> list[str]:
         words.append(f"Lost on {name}: {loss}.")
     for topic, count in material.data.undecodable.items():
         words.append(f"{count} messages of {topic} do not fit what the report expects.")
+    words += [f"Left out: {what}." for what in sorted(material.data.missing_fields)]
     return [page.paragraph(" ".join(words), "warn")] if words else []
 
 

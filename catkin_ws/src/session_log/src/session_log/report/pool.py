@@ -130,7 +130,7 @@ class Pool:
         if given.outcome == "refused":
             self.refusals[given.command, reason_of(given.message)] += 1
         if given.is_spoken:
-            self.early += given.is_early
+            self.early += given.is_partial
             times = self._latencies.setdefault(given.command, Latencies())
             times.decision.append(given.decision_latency)
             if math.isfinite(given.action_latency):

@@ -15,7 +15,7 @@ Track = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Heard:
+class RecordedUtterance:
     """One decision of the recogniser."""
 
     speech_start: float  # [s]
@@ -24,12 +24,12 @@ class Heard:
     transcript: str
     command: str  # empty: none was chosen
     reason: str  # why none was chosen
-    nearest: str
+    nearest_command: str
     wer: float  # of the nearest command; nan if none was compared
     confidence: float  # [0, 1]
     mode: str
-    origin: str
-    is_early: bool
+    decided_by: str
+    is_partial: bool
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ class SessionData:
     """Everything the report draws from."""
 
     survey: Survey
-    heard: list[Heard] = field(default_factory=list)
+    heard: list[RecordedUtterance] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     modes: list[Span] = field(default_factory=list)
     states: list[Span] = field(default_factory=list)
@@ -138,6 +138,7 @@ class SessionData:
     pictures: list[Picture] = field(default_factory=list)
     urdf: str = ""
     undecodable: dict[str, int] = field(default_factory=dict)
+    missing_fields: set[str] = field(default_factory=set)  # what was recorded without which field
     intended: list[Intended] = field(default_factory=list)
     phrases: tuple[str, ...] = ()  # every command that the recogniser compared with
     trocars: list[Trocar] = field(default_factory=list)

@@ -56,7 +56,7 @@ class Given:
     action_latency: float  # [s] after the end of speech; nan if there was no action
     outcome: str  # accepted, refused or "no answer"
     message: str
-    is_early: bool
+    is_partial: bool
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ def _given(row: CommandRow) -> Given:
         action_latency=row.action_latency,
         outcome=row.outcome,
         message=row.message,
-        is_early=row.heard is not None and row.heard.is_early,
+        is_partial=row.heard is not None and row.heard.is_partial,
     )
 
 

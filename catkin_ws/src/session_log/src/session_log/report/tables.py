@@ -7,7 +7,7 @@ import math
 
 from session_log.report.analysis import CommandRow
 from session_log.report.figures import Material
-from session_log.report.session_data import Heard
+from session_log.report.session_data import RecordedUtterance
 from session_log.report.text_table import NONE, TextTable, seconds, size_words
 
 LEVELS = {0: "ok", 1: "warning", 2: "error", 3: "stale"}
@@ -76,9 +76,9 @@ def _command_row(row: CommandRow) -> tuple[str, ...]:
     return (time, spoken[0], row.command, spoken[1], row.outcome, decision, action, row.message)
 
 
-def _nothing_row(heard: Heard) -> tuple[str, ...]:
+def _nothing_row(heard: RecordedUtterance) -> tuple[str, ...]:
     decision = seconds(heard.decision - heard.speech_end)
-    why = heard.reason + (f"; nearest: {heard.nearest}" if heard.nearest else "")
+    why = heard.reason + (f"; nearest: {heard.nearest_command}" if heard.nearest_command else "")
     words = f"“{heard.transcript}”"
     return (
         f"{heard.decision:.1f}\u00a0s",
@@ -92,7 +92,7 @@ def _nothing_row(heard: Heard) -> tuple[str, ...]:
     )
 
 
-def _wer(heard: Heard) -> str:
+def _wer(heard: RecordedUtterance) -> str:
     return f"{heard.wer * 100:.0f}\u00a0%" if math.isfinite(heard.wer) else NONE
 
 

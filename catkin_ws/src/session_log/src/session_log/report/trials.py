@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from session_log.config import ReportConfig
-from session_log.report.session_data import Heard, Intended, SessionData
+from session_log.report.session_data import Intended, RecordedUtterance, SessionData
 
 NO_COMMAND = "no command"  # meant: words that are none
 NOT_SAID = "not said"  # nothing was meant to be said, or what was said is accounted for
@@ -49,7 +49,7 @@ def trials(data: SessionData, config: ReportConfig) -> list[Trial]:
         return []
     intended = sorted(data.intended, key=lambda i: i.time)
     known = {*data.phrases, *(entry.command for entry in config.paper.latency)}
-    mine: list[list[Heard]] = [[] for _ in intended]
+    mine: list[list[RecordedUtterance]] = [[] for _ in intended]
     found = []
     for heard in sorted(data.heard, key=lambda h: h.decision):
         owner = _owner(heard, intended, config)
@@ -62,7 +62,9 @@ def trials(data: SessionData, config: ReportConfig) -> list[Trial]:
     return sorted(found, key=lambda trial: trial.time)
 
 
-def _owner(heard: Heard, intended: Sequence[Intended], config: ReportConfig) -> int | None:
+def _owner(
+    heard: RecordedUtterance, intended: Sequence[Intended], config: ReportConfig
+) -> int | None:
     began = [
         i for i, p in enumerate(intended) if p.time <= heard.speech_start + config.intended_slack
     ]
@@ -71,7 +73,7 @@ def _owner(heard: Heard, intended: Sequence[Intended], config: ReportConfig) -> 
     return began[-1]
 
 
-def _judge(phrase: Intended, meant: str, said: Sequence[Heard]) -> list[Trial]:
+def _judge(phrase: Intended, meant: str, said: Sequence[RecordedUtterance]) -> list[Trial]:
     words = " / ".join(h.transcript for h in said if h.transcript)
     taken = [h for h in said if h.command]
     if not taken:
