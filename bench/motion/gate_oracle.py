@@ -20,11 +20,12 @@ from bench.motion.gate_cases import Case
 from rst_control.config.collision import CollisionConfig
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.joint_limits import make_limits
-from rst_control.kinematics.robot_model import RobotModel, kdl_chain, load_robot
+from rst_control.kinematics.robot_model import RobotModel, load_robot
 from rst_control.planning.collision_kernels import RESOLUTION
 from rst_control.planning.plan import Phase, Plan
 from rst_control.tissue.grasp_candidates import grasp_candidates, turned
-from rst_control.types import Reason
+from rst_control.types import Reason, unit_vector
+from support.kdl_chain import kdl_chain
 
 Array = NDArray[np.float64]
 JAW, WRIST = 0.015, 0.0115  # [m] from the tip to the jaws' axis, from there to the pitch axis
@@ -172,8 +173,8 @@ class Judge:
         turns = [np.linalg.norm(_turn(start[:3, :3], T[:3, :3])) for T in (grasp, other)]
         grasp = grasp if turns[0] <= turns[1] else other
         before, pulled = grasp.copy(), grasp.copy()
-        before[:3, 3] -= scene.clearance * _unit(scene.approach_axis)
-        pulled[:3, 3] += scene.max_displacement * _unit(scene.pull_direction)
+        before[:3, 3] -= scene.clearance * unit_vector(scene.approach_axis)
+        pulled[:3, 3] += scene.max_displacement * unit_vector(scene.pull_direction)
         return start, before, grasp, pulled
 
     def _start(self, case: Case) -> Array:
@@ -279,7 +280,7 @@ def _depth(T: Array, trocar: Array) -> float:
     axis = T[:3, 2]  # of the jaws
     joint = T[:3, 3] + JAW * T[:3, 1]
     towards = trocar - joint
-    towards = _unit(towards - axis * float(axis @ towards))
+    towards = unit_vector(towards - axis * float(axis @ towards))
     return float(np.linalg.norm(trocar - joint - WRIST * towards))
 
 
@@ -287,9 +288,3 @@ def _turn(a: Array, b: Array) -> Array:
     """Rotation vector [rad], base frame, that turns a (3, 3) into b (3, 3)."""
     quaternion = PyKDL.Rotation(*(b @ a.T).ravel().tolist()).GetRot()
     return np.array([quaternion.x(), quaternion.y(), quaternion.z()])
-
-
-def _unit(direction: object) -> Array:
-    vector = np.array(direction, dtype=float)
-    unit: Array = vector / np.linalg.norm(vector)
-    return unit

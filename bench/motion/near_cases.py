@@ -13,6 +13,7 @@ from rst_control.config import MotionConfig
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.robot_model import RobotModel
+from rst_control.types import unit_vector
 
 Array = NDArray[np.float64]
 STRAY: Final = 0.02  # [rad] of each joint from the postures below
@@ -64,13 +65,13 @@ def working_at(
     """The same settings where the robot works at q: a trocar round its shaft, tissue before it."""
     scene, frames = config.scene, Configuration(model, q).frames
     along, T = frames[forward.SHAFT, :, 2], frames[forward.TIP]
-    approach = _unit(-T[:, 1] + rng.uniform(-TILT, TILT, 3))
+    approach = unit_vector(-T[:, 1] + rng.uniform(-TILT, TILT, 3))
     back, grasp = -approach, T[:, 3] + 2.0 * scene.clearance * approach
     tissue = replace(
         scene.tissue,
         centre=_point(grasp - 0.5 * scene.tissue.size[0] * back),
         along=_point(back),
-        across=_point(_unit(T[:, 2] - back * float(back @ T[:, 2]))),
+        across=_point(unit_vector(T[:, 2] - back * float(back @ T[:, 2]))),
         reference_point=_point(grasp),
         reference_pull=_point(0.01 * back),
     )
@@ -83,7 +84,7 @@ def working_at(
         grasp_point=_point(grasp),
         approach_axis=_point(approach),
         jaw_axis=_point(T[:, 2]),
-        pull_direction=_point(_unit(back + rng.uniform(-SKEW, SKEW, 3))),
+        pull_direction=_point(unit_vector(back + rng.uniform(-SKEW, SKEW, 3))),
         outward=_point(-along),
     )
     return replace(config, scene=scene)
@@ -97,11 +98,6 @@ def with_clearance(config: MotionConfig, clearance: float) -> MotionConfig:
 def with_manipulability(config: MotionConfig, least: float) -> MotionConfig:
     """The same settings with another least manipulability."""
     return replace(config, limits=replace(config.limits, min_manipulability=least))
-
-
-def _unit(vector: Array) -> Array:
-    unit: Array = vector / np.linalg.norm(vector)
-    return unit
 
 
 def _point(vector: Array) -> tuple[float, float, float]:

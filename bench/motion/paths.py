@@ -15,7 +15,6 @@ from rst_control.config import URDF_FILE, MotionConfig
 from rst_control.errors import Infeasible
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.rcm import rcm_error
-from rst_control.kinematics.robot_model import kdl_chain
 from rst_control.kinematics.robot_model import load_robot as load_model
 from rst_control.planning.planner import Planner
 from rst_control.simulation.physics import joint_indices, link_indices, load_robot
@@ -23,6 +22,7 @@ from rst_control.trajectory.path import Path
 from rst_control.trajectory.profile import Profile
 from rst_control.types import PathState
 from support.figures import Figure
+from support.kdl_chain import kdl_chain
 
 Array = NDArray[np.float64]
 Ends = tuple[Array, Array]  # of the shaft, base frame [m]

@@ -33,9 +33,8 @@ from rst_control.tension.torque_estimator import (
     TorqueTension,
     least_squares,
     load_matrix,
-    unit,
 )
-from rst_control.types import Measurement
+from rst_control.types import Measurement, unit_vector
 from support.figures import Figure
 
 Array = NDArray[np.float64]
@@ -168,7 +167,7 @@ class Bench:
 
     def _pull(self) -> Array:
         """The configured way of the pull, turned by up to TURN about a way across it."""
-        along = unit(self._config.pull_direction)
+        along = unit_vector(self._config.pull_direction)
         across = np.cross(along, self._rng.normal(size=3))
         across /= np.linalg.norm(across)
         angle = self._rng.uniform(0.0, TURN)

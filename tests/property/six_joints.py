@@ -12,8 +12,9 @@ import PyKDL
 
 from rst_control.config import CONFIG_FOLDER, MotionConfig
 from rst_control.kinematics.rcm import rcm_error
-from rst_control.kinematics.robot_model import RobotModel, kdl_chain, load_robot
+from rst_control.kinematics.robot_model import RobotModel, load_robot
 from rst_control.types import JOINTS
+from support.kdl_chain import kdl_chain
 from typed_config import load_config, load_yaml, overlaid
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "ur5e_openrst"

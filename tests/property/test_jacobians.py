@@ -13,6 +13,7 @@ from bench.motion.gate_oracle import Kdl
 from rst_control.errors import Infeasible
 from rst_control.kinematics import constrained_ik, continuation, forward, manipulability
 from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.rcm import rcm_offset
 from rst_control.kinematics.robot_model import load_robot, rotation
 
 STEP = 1e-6  # [rad] of finite differences
@@ -90,7 +91,7 @@ def test_the_free_direction_moves_neither_tool_nor_shaft(q, is_straight):
     if is_straight:
         assert_allclose(free[7:], 0.0, atol=1e-9)
     else:
-        lateral = [forward.rcm_offset(c.frames, TROCAR)[:2] for c in (ahead, behind)]
+        lateral = [rcm_offset(c.frames, TROCAR)[:2] for c in (ahead, behind)]
         assert_allclose(*lateral, atol=1e-8)
 
 
@@ -186,5 +187,5 @@ def test_slopes_at_knots_lead_the_tool_along_its_way_and_the_shaft_through_the_t
                 - Configuration(planner.model, path.start).tip
             )
             assert_allclose((ahead.tip - behind.tip) / (2.0 * h), way / path.length, atol=1e-5)
-            lateral = [forward.rcm_offset(c.frames, planner.trocar)[:2] for c in (ahead, behind)]
+            lateral = [rcm_offset(c.frames, planner.trocar)[:2] for c in (ahead, behind)]
             assert_allclose(np.subtract(*lateral) / (2.0 * h), 0.0, atol=1e-5)

@@ -11,8 +11,8 @@ import pytest
 from rst_control.config import URDF_FILE
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, robot_joints
-from rst_control.kinematics.robot_model import kdl_chain
 from rst_control.types import JOINTS
+from support.kdl_chain import kdl_chain
 
 COUNT = 10_000
 TIP_ERROR = 1e-6  # [m]

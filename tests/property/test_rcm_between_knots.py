@@ -9,8 +9,9 @@ import pytest
 
 from rst_control.errors import Infeasible
 from rst_control.kinematics.rcm import rcm_error
-from rst_control.kinematics.robot_model import kdl_chain, rotation
+from rst_control.kinematics.robot_model import rotation
 from rst_control.trajectory.path import speed_bounds
+from support.kdl_chain import kdl_chain
 
 PATHS = 60
 TOLERANCE = 1e-6  # [m]

@@ -16,7 +16,6 @@ from rst_control.description.urdf_writer import urdf_text
 from rst_control.errors import Infeasible, RobotModelError
 from rst_control.kinematics import forward, manipulability
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
-from rst_control.kinematics.rcm import rcm_jacobian
 from rst_control.kinematics.robot_model import parse_robot
 from rst_control.planning.plan import Request
 from rst_control.planning.planner import Planner
@@ -25,6 +24,7 @@ from rst_control.trajectory.profile import Profile
 from rst_control.types import PathState
 from tests.property.six_joints import EXAMPLE, URDF, BulletShaft, KdlShaft, example
 from tests.support.fake_robot import FakeRobot, LinearSpring
+from tests.support.jacobians import rcm_jacobian_at
 
 PATHS = 100
 MOST_ERROR = 1e-6  # [m]
@@ -93,7 +93,7 @@ def test_the_lacking_joint_moves_nothing_and_has_no_column(planner):
     )
     here = Configuration(planner.model, home)
     assert not here.J_tip[:, LACKING].any()
-    assert not rcm_jacobian(here, planner.trocar)[:, LACKING].any()
+    assert not rcm_jacobian_at(here, planner.trocar)[:, LACKING].any()
     assert manipulability.measure(planner.model.chain, home, planner.trocar) > 1e-7
 
 

@@ -55,7 +55,7 @@ def test_a_path_whose_rcm_error_is_no_number_does_not_pass(planner, where):
     samples = path.sample(planner.model.chain, planner.trocar)
     unknown = broken.sample(planner.model.chain, planner.trocar).rcm_error
     with pytest.raises(TrocarDrift):
-        planner._check_trocar(replace(samples, rcm_error=unknown))
+        planner.checks.rcm(replace(samples, rcm_error=unknown))
 
 
 def test_a_path_of_no_length_does_not_pass_unseen(planner):

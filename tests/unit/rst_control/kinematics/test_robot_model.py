@@ -8,7 +8,8 @@ from rst_control.config import URDF_FILE
 from rst_control.errors import RobotModelError
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration
-from rst_control.kinematics.robot_model import kdl_chain, load_robot, parse_robot
+from rst_control.kinematics.robot_model import load_robot, parse_robot
+from support.kdl_chain import kdl_chain
 
 TEXT = URDF_FILE.read_text(encoding="utf-8")
 
@@ -21,7 +22,7 @@ def test_the_route_to_the_tool_tip_passes_all_links_of_arm_and_tool(robot):
 
 
 def test_at_zero_the_arm_stands_upright(robot):
-    T = Configuration(robot, np.zeros(9)).T_base_tool0
+    T = Configuration(robot, np.zeros(9)).frames[forward.TOOL0]
     assert T[2, 3] == pytest.approx(1.18738, abs=1e-4)
     np.testing.assert_allclose(T[:3, 2], [0.0, 0.0, 1.0], atol=1e-12)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from rst_control.ros.simulator.pace import Pace
+from rst_control.ros.simulator.pace import SimulationPace
 
 
 class World:
@@ -21,7 +21,7 @@ class World:
 @pytest.mark.parametrize("factor", [0.5, 1.0, 4.0])
 def test_simulated_time_keeps_its_factor(factor):
     world = World()
-    pace = Pace(0.002, factor, world.clock, world.sleep)
+    pace = SimulationPace(0.002, factor, world.clock, world.sleep)
     for _ in range(1000):
         pace.wait()
     assert world.now == pytest.approx(10.0 + 2.0 / factor)
@@ -30,7 +30,7 @@ def test_simulated_time_keeps_its_factor(factor):
 
 def test_lateness_is_made_up_for_without_a_pause():
     world = World()
-    pace = Pace(0.002, 1.0, world.clock, world.sleep)
+    pace = SimulationPace(0.002, 1.0, world.clock, world.sleep)
     world.now += 0.05
     late = [pace.wait() for _ in range(30)]
     assert late[0] == pytest.approx(0.048)
@@ -41,7 +41,7 @@ def test_lateness_is_made_up_for_without_a_pause():
 
 def test_what_is_given_up_is_not_made_up_for():
     world = World()
-    pace = Pace(0.002, 1.0, world.clock, world.sleep)
+    pace = SimulationPace(0.002, 1.0, world.clock, world.sleep)
     world.now += 5.0
     pace.give_up(pace.wait())
     pace.wait()
@@ -51,7 +51,7 @@ def test_what_is_given_up_is_not_made_up_for():
 
 def test_factor_zero_never_waits():
     world = World()
-    pace = Pace(0.002, 0.0, world.clock, world.sleep)
+    pace = SimulationPace(0.002, 0.0, world.clock, world.sleep)
     for _ in range(100):
         assert pace.wait() == 0.0
     assert world.now == 10.0

@@ -13,21 +13,20 @@ from rst_control.config import URDF_FILE, load_motion_config
 from rst_control.config.torque_tension import TorqueTensionConfig, load_torque_tension
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.inverse_dynamics import InverseDynamics
-from rst_control.kinematics.rcm import rcm_jacobian
 from rst_control.tension.torque_estimator import (
     TensionEstimate,
     TorqueTension,
     load_matrix,
-    unit,
 )
-from rst_control.types import Measurement
+from rst_control.types import Measurement, unit_vector
+from tests.support.jacobians import rcm_jacobian_at
 
 Array = NDArray[np.float64]
 TEXT = URDF_FILE.read_text(encoding="utf-8")
 SCENE = load_motion_config().scene
 HOME, TROCAR = np.array(SCENE.home), np.array(SCENE.trocar)
 CONFIG = load_torque_tension()
-PULL = unit(CONFIG.pull_direction)
+PULL = unit_vector(CONFIG.pull_direction)
 PERIOD = 0.025  # [s] of the arm's feedback
 OPEN, CLOSED = 0.6, 0.0
 
@@ -211,7 +210,7 @@ def test_columns_of_the_loads_are_power_over_speed() -> None:
         step = 1e-6 * dq
         moved = (Configuration(model, HOME + step).tip - Configuration(model, HOME - step).tip) / 2
         assert A[:, 0] @ step[:7] == pytest.approx(float(PULL @ moved), rel=1e-6, abs=1e-12)
-        J = rcm_jacobian(Configuration(model, HOME), TROCAR)  # moves the trocar past the shaft
+        J = rcm_jacobian_at(Configuration(model, HOME), TROCAR)  # moves the trocar past the shaft
         np.testing.assert_allclose(A[:, 1:].T @ dq[:7], J @ dq, atol=1e-9)
 
 

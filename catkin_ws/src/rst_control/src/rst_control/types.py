@@ -34,6 +34,13 @@ def frozen_array(values: ArrayLike, *shape: int) -> Vector:
     return array
 
 
+def unit_vector(direction: ArrayLike) -> Vector:
+    """The direction at length 1. Any shape; its norm is not zero."""
+    vector = np.array(direction, dtype=np.float64)
+    unit: Vector = vector / np.linalg.norm(vector)
+    return unit
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Measurement:
     """What the robot side last said."""

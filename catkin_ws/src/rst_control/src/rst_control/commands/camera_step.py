@@ -18,7 +18,7 @@ from rst_control.errors import Infeasible
 from rst_control.kinematics.configuration import Configuration
 from rst_control.planning.plan import Accepted, PhaseKind, Plan, Rejected
 from rst_control.planning.planner import Planner, along
-from rst_control.types import Command, Measurement, Reason, Vector
+from rst_control.types import Command, Measurement, Reason, Vector, unit_vector
 
 Array = NDArray[np.float64]
 
@@ -120,8 +120,8 @@ class LookPlans:
             goal[:3, 3] += inward * self._config.depth * shaft
             return goal
         seen = picture(goal, self._config.image_roll)
-        way = _unit(right * seen.right + up * seen.up)
-        arm = _unit(goal[:3, 3] - trocar)
+        way = unit_vector(right * seen.right + up * seen.up)
+        arm = unit_vector(goal[:3, 3] - trocar)
         across = np.cross(arm, way)
         if (share := float(np.linalg.norm(across))) < MIN_ACROSS:
             raise CameraAskew(share)
@@ -143,11 +143,6 @@ class LookPlans:
             return f"moves {way} by {self._config.depth * 1e3:.0f} mm"
         _, _, where = command.value.partition(" ")
         return f"looks {where} by {np.degrees(self._config.angle):.1f} deg"
-
-
-def _unit(vector: Vector) -> Vector:
-    unit: Vector = vector / np.linalg.norm(vector)
-    return unit
 
 
 def _rotation(axis: Vector, angle: float) -> Array:

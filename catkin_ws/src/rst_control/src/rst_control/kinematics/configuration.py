@@ -73,11 +73,6 @@ class Configuration:
         return _homogeneous(self.frames[forward.TIP])
 
     @property
-    def T_base_tool0(self) -> Array:
-        """Pose of tool0 in base_link. Shape (4, 4)."""
-        return _homogeneous(self.frames[forward.TOOL0])
-
-    @property
     def T_base_shaft(self) -> Array:
         """Pose of interface_link in base_link; the shaft is its z axis. Shape (4, 4)."""
         return _homogeneous(self.frames[forward.SHAFT])

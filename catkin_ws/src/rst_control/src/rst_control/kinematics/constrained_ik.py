@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from rst_control.kernels import kernel
 from rst_control.kinematics import forward as kin
+from rst_control.kinematics.rcm import rcm_jacobian, rcm_offset
 
 Array = NDArray[np.float64]
 
@@ -29,7 +30,7 @@ STALLED = 1e-9  # [rad] swing step below which the posture counts as settled
 def residual(frames: Any, target: Any, trocar: Any, r: Any) -> float:
     """Write what is missing to target (3, 4) and trocar into r (8,); returns its largest [m]."""
     turn = np.empty(3)
-    x, y, _ = kin.rcm_offset(frames, trocar)
+    x, y, _ = rcm_offset(frames, trocar)
     r[0], r[1] = -x, -y
     kin.turn_between(frames[kin.TIP], target, turn)
     worst = max(abs(x), abs(y))
@@ -43,7 +44,7 @@ def residual(frames: Any, target: Any, trocar: Any, r: Any) -> float:
 @kernel
 def constraints(frames: Any, trocar: Any, J: Any) -> None:
     """Write the Jacobian of all constraints into J (8, 9)."""
-    kin.rcm_jacobian(frames, trocar, J[:2])
+    rcm_jacobian(frames, trocar, J[:2])
     kin.tip_jacobian(frames, ROTATION_SCALE, J[2:])
 
 

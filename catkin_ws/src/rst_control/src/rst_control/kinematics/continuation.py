@@ -77,7 +77,7 @@ def _with_swing(dq: Any, free: Any, axis: Any, wanted: float) -> None:
 
 
 @kernel
-def _look(
+def _linearize(
     chain: Any,
     q: Any,
     target: Any,
@@ -122,7 +122,7 @@ def _correct(
     r, dq = np.empty(8), np.empty(9)
     missing = np.inf
     for _ in range(MAX_ITERATIONS):
-        missing, alignment = _look(chain, q, target, trocar, is_straight, axis, J, L, r, free)
+        missing, alignment = _linearize(chain, q, target, trocar, is_straight, axis, J, L, r, free)
         if alignment < MIN_ALIGNMENT or not missing < LOST:
             return max(missing, LOST)
         lag = level
@@ -138,7 +138,7 @@ def _correct(
 
 
 @kernel
-def track(
+def fill_knots(
     chain: Any,
     start: Any,
     motion: Any,

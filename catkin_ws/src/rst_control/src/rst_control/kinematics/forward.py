@@ -87,40 +87,6 @@ def tip_jacobian(frames: Any, scale: float, J: Any) -> None:
 
 
 @kernel
-def rcm_offset(frames: Any, trocar: Any) -> tuple[float, float, float]:
-    """Trocar in the shaft's frame [m]: two lateral errors, and how far down the shaft it is."""
-    ox = trocar[0] - frames[SHAFT, 0, 3]
-    oy = trocar[1] - frames[SHAFT, 1, 3]
-    oz = trocar[2] - frames[SHAFT, 2, 3]
-    f = frames[SHAFT]
-    return (
-        f[0, 0] * ox + f[1, 0] * oy + f[2, 0] * oz,
-        f[0, 1] * ox + f[1, 1] * oy + f[2, 1] * oz,
-        f[0, 2] * ox + f[1, 2] * oy + f[2, 2] * oz,
-    )
-
-
-@kernel
-def rcm_jacobian(frames: Any, trocar: Any, J: Any) -> None:
-    """Write the derivative of both lateral errors by q into J (2, 9).
-
-    A joint that turns the shaft about its axis moves a trocar that is thought fixed to the shaft
-    the other way: in the shaft frame, the trocar moves with minus the velocity that the shaft has
-    at the trocar.
-    """
-    f = frames[SHAFT]
-    for i in range(7):
-        x, y, z = frames[i, 0, 2], frames[i, 1, 2], frames[i, 2, 2]
-        dx = trocar[0] - frames[i, 0, 3]
-        dy = trocar[1] - frames[i, 1, 3]
-        dz = trocar[2] - frames[i, 2, 3]
-        vx, vy, vz = y * dz - z * dy, z * dx - x * dz, x * dy - y * dx
-        J[0, i] = -(f[0, 0] * vx + f[1, 0] * vy + f[2, 0] * vz)
-        J[1, i] = -(f[0, 1] * vx + f[1, 1] * vy + f[2, 1] * vz)
-    J[0, 7] = J[0, 8] = J[1, 7] = J[1, 8] = 0.0
-
-
-@kernel
 def turn_between(a: Any, b: Any, out: Any) -> None:
     """Write the rotation vector [rad], base frame, that turns frame a (3, 3+) into frame b."""
     t = np.empty((3, 3))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reads the URDF: the compiled chain for control, and KDL chains as the reference."""
+"""Reads the URDF into the chain of fixed transforms that the compiled kinematics take."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree as Xml
 
 import numpy as np
@@ -109,26 +108,6 @@ def parse_robot(text: str) -> RobotModel:
     model.chain[:] = _compile(model)
     model.chain.flags.writeable = False
     return model
-
-
-def kdl_chain(model: RobotModel, tip: str) -> Any:
-    """PyKDL chain from base_link to a link; Debian has no kdl_parser for Python.
-
-    KDL's solvers only refer to their chain, so keep it as long as them.
-    """
-    import PyKDL
-
-    chain = PyKDL.Chain()
-    for name in model.route(tip):
-        link = model.links[name]
-        frame = PyKDL.Frame(PyKDL.Rotation.RPY(*link.rpy), PyKDL.Vector(*link.xyz))
-        if link.type == "fixed":
-            joint = PyKDL.Joint(link.joint, PyKDL.Joint.Fixed)
-        else:  # KDL turns about an axis of the parent, which here goes through the link's origin
-            axis = frame.M * PyKDL.Vector(0.0, 0.0, 1.0)
-            joint = PyKDL.Joint(link.joint, frame.p, axis, PyKDL.Joint.RotAxis)
-        chain.addSegment(PyKDL.Segment(name, joint, frame))
-    return chain
 
 
 def rotation(rpy: Sequence[float]) -> Array:

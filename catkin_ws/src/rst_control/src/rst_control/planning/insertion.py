@@ -202,19 +202,19 @@ class Insertion:
 
         Of the elbow's swings, the one that stays furthest from the joints' limits comes first.
         """
-        tracks: list[tuple[float, float]] = []
+        candidates: list[tuple[float, float]] = []
         why_not: Infeasible = Unreachable(0.0, abs(way))
         for swing in SWINGS:
             try:
-                path = self._track(q, way, swing, DENSITIES[0])
+                path = self._continued(q, way, swing, DENSITIES[0])
             except Unreachable as error:
                 why_not = error
                 continue
-            tracks.append((self._room(path), swing))
-        for _, swing in sorted(tracks, reverse=True):
+            candidates.append((self._room(path), swing))
+        for _, swing in sorted(candidates, reverse=True):
             for density in DENSITIES:
                 try:
-                    return self._checked(self._track(q, way, swing, density), must_stay=False)
+                    return self._checked(self._continued(q, way, swing, density), must_stay=False)
                 except TrocarDrift as error:
                     why_not = error
                 except Infeasible as error:
@@ -226,7 +226,7 @@ class Insertion:
         limits = self._planner.limits
         return float(np.minimum(path.knots - limits.lower, limits.upper - path.knots).min())
 
-    def _track(self, q: Vector, way: float, swing: float, density: int) -> Path:
+    def _continued(self, q: Vector, way: float, swing: float, density: int) -> Path:
         model, trocar = self._planner.model, self._planner.trocar
         length, spacing = abs(way), self._rcm.knot_spacing / density
         count = max(MIN_KNOTS, int(np.ceil(length / spacing)) + 1)
@@ -234,7 +234,7 @@ class Insertion:
         knots[0] = q
         here = Configuration(model, q)
         continuation.free_direction(model.chain, np.array(q), trocar, True, axis)
-        missing, reached = continuation.track(
+        missing, reached = continuation.fill_knots(
             model.chain,
             np.ascontiguousarray(here.T_base_tip[:3]),
             np.array([way * here.T_base_shaft[:3, 2], np.zeros(3)]),
@@ -259,16 +259,14 @@ class Insertion:
             must_stay: The tip may not leave workspace and way to the trocar.
         """
         samples = path.sample(self._planner.model.chain, self._planner.trocar)
-        if (worst := float(samples.rcm_error.max())) > (allowed := self._rcm.planned_tolerance):
-            raise TrocarDrift(worst, allowed)
+        self._planner.checks.rcm(samples)
         length = self._planner.model.shaft_length
         deepest, most = length - float(samples.along.min()), self._rcm.insertion[1]
         if deepest > most:
             raise InsertionOutOfRange(deepest, -self._scene.standoff, most)
         if must_stay:
             self._require_corridor(samples.tip)
-        for q in (samples.q[:, 0].min(axis=0), samples.q[:, 0].max(axis=0)):
-            self._planner.limits.require(q)
+        self._planner.checks.joints(samples)
         self._patient.passing.check(samples)
         return path
 

@@ -17,9 +17,10 @@ import numpy as np
 from rst_control.config import MotionConfig
 from rst_control.kernels import kernel
 from rst_control.kinematics import forward as kin
+from rst_control.kinematics.rcm import rcm_offset
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.planning.collision import CollisionModel, Plane
-from rst_control.types import Vector, frozen_array
+from rst_control.types import Vector, frozen_array, unit_vector
 
 SURFACE: Final = "patient's surface"
 FIXED: Final = ("base_link", "shoulder_link")  # they turn on the spot, wherever the patient lies
@@ -56,7 +57,7 @@ class Patient:
 
     def __init__(self, model: RobotModel, config: MotionConfig) -> None:
         scene = config.scene
-        normal = np.array(scene.outward) / np.linalg.norm(scene.outward)
+        normal = unit_vector(scene.outward)
         self._chain, self._shaft = model.chain, model.shaft_length
         self.outward = frozen_array(normal, 3)  # base frame
         self._trocar = frozen_array(scene.trocar, 3)
@@ -93,7 +94,7 @@ def _measure(
     """Lateral error, shaft up to the trocar, tip beyond it, lowest height, tip's height [m]."""
     frames = np.empty((12, 3, 4))
     kin.forward(chain, q, frames)
-    x, y, along = kin.rcm_offset(frames, trocar)
+    x, y, along = rcm_offset(frames, trocar)
     beyond, tip_height = 0.0, 0.0
     for i in range(3):
         offset = frames[kin.TIP, i, 3] - trocar[i]

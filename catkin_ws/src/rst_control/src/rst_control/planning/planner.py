@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plans paths through the trocar and checks each of them before anything moves."""
+"""Plans straight tool motions through the trocar; each path is checked before anything moves."""
 
 from __future__ import annotations
 
@@ -12,25 +12,24 @@ from numpy.typing import NDArray
 from rst_control.config import MotionConfig
 from rst_control.errors import (
     Infeasible,
-    InsertionOutOfRange,
-    OutsideWorkspace,
     RobotModelError,
     TrocarDrift,
     Unreachable,
 )
-from rst_control.kinematics import continuation, forward, manipulability
+from rst_control.kinematics import continuation, forward
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.ik_solver import IkSolver
 from rst_control.kinematics.joint_limits import active_layer, make_limits
-from rst_control.kinematics.rcm import rcm_state
+from rst_control.kinematics.rcm import rcm_jacobian, rcm_offset, rcm_state
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.planning.collision import CollisionModel
+from rst_control.planning.path_checks import PathChecks
 from rst_control.planning.patient_surface import Patient
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.tissue.grasp_candidates import GraspCandidate, grasp_candidates
-from rst_control.trajectory.path import Path, Samples, speed_bounds
+from rst_control.trajectory.path import Path, speed_bounds
 from rst_control.trajectory.profile import Bounds, stopping_speed
-from rst_control.types import Vector, frozen_array
+from rst_control.types import Vector, frozen_array, unit_vector
 
 Array = NDArray[np.float64]
 
@@ -43,7 +42,7 @@ MAX_BRAKING: Final = 4.0  # [m/s^2] of s, also where the joints could brake hard
 
 
 @dataclass(frozen=True)
-class Pace:
+class PathPace:
     """How a path may be taken."""
 
     moving: Bounds
@@ -68,6 +67,7 @@ class Planner:
         self.limits = make_limits(config.limits, config.controller.jaws.open)
         self.solver = IkSolver(model, self.limits, config.scene.home, config.rcm.solver)
         self.collisions = CollisionModel(config.collision, model)
+        self.checks = PathChecks(model, config, self.limits, self.collisions, self.trocar)
         self.patient = Patient(model, config)
         self.grasp_candidates = grasp_candidates(config.scene)
         self.T_base_grasp = self.grasp_candidates[0].T_base_tip
@@ -159,7 +159,7 @@ class Planner:
         length = max(float(np.abs(seated - q).max()) * SEAT_SCALE, 10 * SAME_PLACE)
         slope = (seated - q) / length
         path = Path(np.array([q, seated]), np.array([slope, slope]), length)
-        self._check_posture(path.sample(self.model.chain, self.trocar))
+        self.checks.posture(path.sample(self.model.chain, self.trocar))
         return path
 
     def project(self, q: Vector) -> Vector:
@@ -171,10 +171,10 @@ class Planner:
         q, frames, J = np.array(q), np.empty((12, 3, 4)), np.zeros((2, 9))
         for _ in range(PROJECTIONS):
             forward.forward(self.model.chain, q, frames)
-            lateral = np.array(forward.rcm_offset(frames, self.trocar)[:2])
+            lateral = np.array(rcm_offset(frames, self.trocar)[:2])
             if np.abs(lateral).max() < self.config.rcm.solver.tolerance:
                 return q
-            forward.rcm_jacobian(frames, self.trocar, J)
+            rcm_jacobian(frames, self.trocar, J)
             q -= J.T @ np.linalg.solve(J @ J.T, lateral)
         raise TrocarDrift(float(np.hypot(*lateral)), self.config.rcm.solver.tolerance)
 
@@ -184,7 +184,7 @@ class Planner:
         Raises:
             Infeasible: It breaks a limit; the error says which.
         """
-        self._check_workspace(goal[:3, 3])
+        self.checks.workspace(goal[:3, 3])
         settled = self.solver.settle(q, goal, self.trocar)
         if settled.is_solved:
             try:
@@ -193,7 +193,7 @@ class Planner:
                 pass  # the swing to the best posture leads over a limit; go without it
         return self._smooth(q, goal, q)
 
-    def pace(self, path: Path, speed: float) -> Pace:
+    def pace(self, path: Path, speed: float) -> PathPace:
         """How joints can follow a path, up to `speed` [m/s] by its scale, and stop soon enough."""
         settings, layer = self.config.controller.speed, active_layer(self.config.limits)
         speed *= settings.scale
@@ -203,7 +203,7 @@ class Planner:
             braking = Bounds(speed, hardest, settings.braking_jerk)
             speed = stopping_speed(braking, layer.stopping_time, layer.stopping_distance)
         moving = Bounds(speed, min(hardest, settings.acceleration), settings.jerk)
-        return Pace(moving, braking)
+        return PathPace(moving, braking)
 
     def bounds(self, path: Path, speed: float) -> Bounds:
         """Speed, acceleration and jerk of motion along a path, up to `speed` [m/s]."""
@@ -231,14 +231,14 @@ class Planner:
         return max(shift, float(np.linalg.norm(turn)) * self.config.rcm.rotation_radius)
 
     def _smooth(self, q: Vector, goal: Array, posture: Vector) -> Path:
-        """Track with knots as usual, and more densely where the shaft strays between them."""
+        """Knots as dense as usual, and denser where the shaft strays between them."""
         try:
-            return self._checked(self._track(q, goal, posture, self.config.rcm.knot_spacing))
+            return self._checked(self._continued(q, goal, posture, self.config.rcm.knot_spacing))
         except TrocarDrift:
             spacing = self.config.rcm.knot_spacing / DENSER
-            return self._checked(self._track(q, goal, posture, spacing))
+            return self._checked(self._continued(q, goal, posture, spacing))
 
-    def _track(self, q: Vector, goal: Array, posture: Vector, spacing: float) -> Path:
+    def _continued(self, q: Vector, goal: Array, posture: Vector, spacing: float) -> Path:
         length = max(self._distance(q, goal), SAME_PLACE)
         count = max(MIN_KNOTS, int(np.ceil(length / spacing)) + 1)
         knots, slopes = np.zeros((count, 9)), np.zeros((count, 9))
@@ -246,7 +246,7 @@ class Planner:
         start, turn = Configuration(self.model, q).T_base_tip[:3], np.empty(3)
         forward.turn_between(start, goal, turn)
         axis = self._swing_axis(q, posture)
-        missing, reached = continuation.track(
+        missing, reached = continuation.fill_knots(
             self.model.chain,
             np.ascontiguousarray(start),
             np.array([goal[:3, 3] - start[:3, 3], turn]),
@@ -260,7 +260,7 @@ class Planner:
             slopes,
         )
         if not missing <= self.config.rcm.solver.tolerance:
-            self._check_manipulability(knots[: max(reached, 1)])  # may be why it got no further
+            self.checks.manipulability(knots[: max(reached, 1)])  # may be why it got no further
             raise Unreachable(reached / (count - 1) * length, length)
         return Path(knots, slopes, length)
 
@@ -269,57 +269,17 @@ class Planner:
         first, last = np.empty(9), np.empty(9)
         continuation.free_direction(self.model.chain, np.array(q), self.trocar, False, first)
         continuation.free_direction(self.model.chain, np.array(posture), self.trocar, False, last)
-        return _unit(first + last * np.sign(first @ last))
+        return unit_vector(first + last * np.sign(first @ last))
 
     def _checked(self, path: Path) -> Path:
-        samples = path.sample(self.model.chain, self.trocar)
-        self._check_insertion(samples)
-        self._check_workspace(samples.tip)
-        self._check_posture(samples)  # from here on, limits that depend on the elbow
-        self._check_trocar(samples)  # last: what strays does so near a singularity, mostly
+        self.checks.all(path.sample(self.model.chain, self.trocar))
         return path
-
-    def _check_posture(self, samples: Samples) -> None:
-        self._check_joints(samples)
-        self.collisions.check(samples)
-        self._check_manipulability(samples.q[:, 0])
-
-    def _check_manipulability(self, q: Array) -> None:
-        least = self.config.limits.min_manipulability
-        manipulability.check(self.model.chain, q, self.trocar, least)
-
-    def _check_workspace(self, tip: Array) -> None:
-        distance = float(np.linalg.norm(tip - self.centre, axis=-1).max())
-        if not distance <= (allowed := self.config.scene.workspace_radius):
-            raise OutsideWorkspace(distance, allowed)
-
-    def _check_joints(self, samples: Samples) -> None:
-        for q in (samples.q[:, 0].min(axis=0), samples.q[:, 0].max(axis=0)):
-            self.limits.require(q)
-
-    def _check_trocar(self, samples: Samples) -> None:
-        allowed = self.config.rcm.planned_tolerance
-        if not (worst := float(samples.rcm_error.max())) <= allowed:  # no number: refused, too
-            raise TrocarDrift(worst, allowed)
-
-    def _check_insertion(self, samples: Samples) -> None:
-        least, most = self.config.rcm.insertion
-        depth = self.model.shaft_length - samples.along
-        for value in (float(depth.min()), float(depth.max())):
-            if not least <= value <= most:
-                raise InsertionOutOfRange(value, least, most)
 
 
 def _require_shaft(model: RobotModel, config: MotionConfig) -> None:
     most, allowed = config.rcm.insertion[1], model.shaft_length
     if most > allowed:
         raise RobotModelError(f"rcm.insertion up to {most:g} m, allowed: the shaft, {allowed:g} m")
-
-
-def _unit(direction: object) -> Vector:
-    vector = np.array(direction, dtype=np.float64)
-    unit: Vector = vector / np.linalg.norm(vector)
-    return unit
 
 
 def along(planner: Planner, kind: PhaseKind, path: Path, speed: float) -> Phase:

@@ -92,13 +92,6 @@ class Tissue:
         """Largest relative lengthening of any link [-]."""
         return float(self._sheet.strains().max())
 
-    @property
-    def out_of_plane_rms(self) -> float:
-        """Root mean square distance of the nodes from their best plane [m]."""
-        centred = self._sheet.x - self._sheet.x.mean(axis=0)
-        smallest = np.linalg.svd(centred, compute_uv=False)[2]
-        return float(smallest / np.sqrt(len(centred)))
-
     def grasp(self, tip: Vector) -> bool:
         """Take hold of the node nearest to the tool tip.
 

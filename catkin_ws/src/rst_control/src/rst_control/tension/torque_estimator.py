@@ -25,7 +25,7 @@ from rst_control.kinematics.inverse_dynamics import ARM, InverseDynamics
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.tension.torque_bias import Tare, TareTaker
 from rst_control.tension.torque_covariance import TorqueErrors
-from rst_control.types import Measurement, Vector, frozen_array
+from rst_control.types import Measurement, Vector, frozen_array, unit_vector
 
 Array = NDArray[np.float64]
 INVERTED = 0.3  # share of the excess that is left where efforts have the other sign
@@ -59,7 +59,7 @@ class TorqueTension:
         self._config = config
         self._dynamics = InverseDynamics(description, config.tool_mass)
         self._errors = TorqueErrors(config, self._dynamics, description)
-        self._pull = unit(config.pull_direction)
+        self._pull = frozen_array(unit_vector(config.pull_direction), 3)
         self._tares = TareTaker(config.tare)
         self._last: Measurement | None = None
         self._excess, self._asked = np.zeros(ARM), np.zeros(ARM)  # filtered [N m]
@@ -194,9 +194,3 @@ def least_squares(A: Array, seen: Vector, spread: Array) -> tuple[Vector, Array,
     x = covariance @ (W.T @ y)
     left = y - W @ x
     return x, covariance, float(left @ left)
-
-
-def unit(way: tuple[float, ...]) -> Vector:
-    """Unit vector, read-only. Shape (3,)."""
-    vector = np.array(way, dtype=np.float64)
-    return frozen_array(vector / np.linalg.norm(vector), 3)

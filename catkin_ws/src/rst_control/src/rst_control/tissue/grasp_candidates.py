@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rst_control.config import SceneConfig
 from rst_control.tissue.sheet import free_sides, rest_points, rim_nodes, sheet_normal
 from rst_control.tissue.triangulation import best_anchors, pull_direction
-from rst_control.types import Vector
+from rst_control.types import Vector, unit_vector
 
 Array = NDArray[np.float64]
 
@@ -78,9 +78,9 @@ def grasp_pose(point: Vector, approach: Vector, axis: Vector) -> Array:
         approach: Way that the jaws point. Shape (3,).
         axis: About which they open; what is not square to the approach does not count. Shape (3,).
     """
-    y = -_unit(approach)
-    z = _unit(axis)
-    z = _unit(z - y * float(y @ z))
+    y = -unit_vector(approach)
+    z = unit_vector(axis)
+    z = unit_vector(z - y * float(y @ z))
     T = np.eye(4)
     T[:3, 0], T[:3, 1], T[:3, 2] = np.cross(y, z), y, z
     T[:3, 3] = point
@@ -105,10 +105,10 @@ def _turns(scene: SceneConfig) -> tuple[float, ...]:
 def _approaches(scene: SceneConfig, normal: Vector) -> list[Vector]:
     """Unit vectors within the sheet from its free sides, the one along the shaft first."""
     if scene.approach_axis:
-        return [_unit(scene.approach_axis)]
+        return [unit_vector(scene.approach_axis)]
     straight = _ways_in(scene)
     shaft = np.array(scene.grasp_point) - scene.trocar
-    shaft = _unit(shaft - normal * float(normal @ shaft))
+    shaft = unit_vector(shaft - normal * float(normal @ shaft))
     tilted = [turned(tilt * normal) @ shaft for tilt in TILTS]
     near = [way for way in tilted if (straight @ way).max() >= math.cos(MAX_ASIDE)]
     return near or list(straight)
@@ -121,14 +121,8 @@ def _ways_in(scene: SceneConfig) -> Array:
     """
     grasp, sides = np.array(scene.grasp_point), free_sides(scene.tissue)
     if not sides:
-        return np.array([_unit(scene.tissue.along)])
+        return np.array([unit_vector(scene.tissue.along)])
     away = [float((point - grasp) @ outward) for point, outward in sides]
     reach = max(min(away), NEAR_SIDE * scene.clearance)
     near = [-side[1] for side, far in zip(sides, away, strict=True) if far <= reach]
     return np.array(near)
-
-
-def _unit(direction: object) -> Vector:
-    vector = np.array(direction, dtype=np.float64)
-    unit: Vector = vector / np.linalg.norm(vector)
-    return unit

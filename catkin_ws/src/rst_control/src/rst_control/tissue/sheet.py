@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.config import TissueConfig
-from rst_control.types import Vector
+from rst_control.types import Vector, unit_vector
 
 
 def rest_points(config: TissueConfig) -> NDArray[np.float64]:
     """Places of the nodes at rest, base frame, [m]. Shape (columns * rows, 3)."""
     columns, rows = config.nodes
-    along = np.array(config.along) / np.linalg.norm(config.along)
+    along = unit_vector(config.along)
     across = np.cross(sheet_normal(config), along)
     u, w = np.meshgrid(
         (np.arange(columns) / (columns - 1) - 0.5) * config.size[0],
@@ -45,7 +45,7 @@ def free_sides(config: TissueConfig) -> tuple[tuple[Vector, Vector], ...]:
     Returns:
         Pairs of arrays of shape (3,), base frame.
     """
-    along = np.array(config.along) / np.linalg.norm(config.along)
+    along = unit_vector(config.along)
     across = np.cross(sheet_normal(config), along)
     half = 0.5 * np.array(config.size)
     sides = {
@@ -55,11 +55,9 @@ def free_sides(config: TissueConfig) -> tuple[tuple[Vector, Vector], ...]:
         "right": -half[1] * across,
     }
     free = [way for name, way in sides.items() if name not in config.rim]
-    return tuple((config.centre + way, way / np.linalg.norm(way)) for way in free)
+    return tuple((config.centre + way, unit_vector(way)) for way in free)
 
 
 def sheet_normal(config: TissueConfig) -> NDArray[np.float64]:
     """Unit normal of the sheet, base frame. Shape (3,)."""
-    normal = np.cross(config.along, config.across)
-    unit: NDArray[np.float64] = normal / np.linalg.norm(normal)
-    return unit
+    return unit_vector(np.cross(config.along, config.across))

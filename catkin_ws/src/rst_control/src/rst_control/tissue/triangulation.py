@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.config import TriangulationConfig
-from rst_control.types import Vector
+from rst_control.types import Vector, unit_vector
 
 Points = NDArray[np.float64]  # (n, 3), base frame, [m]
 
@@ -140,9 +140,7 @@ def pull_direction(rim: Points, grasp: Vector) -> Vector:
     Returns:
         Unit vector, base frame. Shape (3,).
     """
-    way = grasp - best_anchors(rim, grasp).mean(axis=0)
-    unit: Vector = way / np.linalg.norm(way)
-    return unit
+    return unit_vector(grasp - best_anchors(rim, grasp).mean(axis=0))
 
 
 def _above(name: str, value: float, most: float, unit: str) -> str:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from rst_control.kernels import kernel
 from rst_control.kinematics import forward as kin
 from rst_control.kinematics.joint_limits import JointLimits
+from rst_control.kinematics.rcm import rcm_offset
 from rst_control.types import Vector
 
 Array = NDArray[np.float64]
@@ -55,7 +56,7 @@ def _sample(
     for n in range(len(s)):
         _hermite(knots, slopes, spacing, s[n], q[n])
         kin.forward(chain, q[n, 0], frames)
-        x, y, along = kin.rcm_offset(frames, trocar)
+        x, y, along = rcm_offset(frames, trocar)
         seen[n, 0], seen[n, 1] = np.sqrt(x * x + y * y), along
         for i in range(3):
             seen[n, 2 + i] = frames[kin.TIP, i, 3]

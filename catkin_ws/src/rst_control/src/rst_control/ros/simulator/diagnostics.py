@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TransformStamped
 
 from rst_control.config import SceneConfig
-from rst_control.ros.simulator.pace import Pace
+from rst_control.ros.simulator.pace import SimulationPace
 from rst_control.simulation.exposure import exposure, exposure_words
 from rst_control.simulation.pybullet_robot import PybulletRobot
 
@@ -30,7 +30,9 @@ class SimulatorDiagnostics:
         scene: With the bands of a triangulated sheet.
     """
 
-    def __init__(self, robot: PybulletRobot, pace: Pace, period: float, scene: SceneConfig) -> None:
+    def __init__(
+        self, robot: PybulletRobot, pace: SimulationPace, period: float, scene: SceneConfig
+    ) -> None:
         self._robot, self._pace, self._period = robot, pace, period
         self._scene = scene
         self.priority = "none"  # what the system granted, in words

@@ -30,7 +30,7 @@ from rst_control.ros.simulator.diagnostics import SimulatorDiagnostics, broadcas
 from rst_control.ros.simulator.fast_interface import SetpointInterface
 from rst_control.ros.simulator.markers import SimulatorMarkers
 from rst_control.ros.simulator.messages import Stamper
-from rst_control.ros.simulator.pace import Pace
+from rst_control.ros.simulator.pace import SimulationPace
 from rst_control.ros.simulator.pictures import SimulatorPictures
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.simulation.rendering.marks import Trail
@@ -84,7 +84,7 @@ class SimulatorNode:
         self._pictures = SimulatorPictures(config, self._copy_state)
         self._markers = SimulatorMarkers(config.scene.tissue, self._copy_state)
         period = self._steps * self.robot.time_step
-        self.pace = Pace(period, simulator.real_time_factor, time.monotonic, time.sleep)
+        self.pace = SimulationPace(period, simulator.real_time_factor, time.monotonic, time.sleep)
         self._diagnostics = SimulatorDiagnostics(self.robot, self.pace, period, config.scene)
         self._places = broadcast_places(config.scene)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 
-class Pace:
+class SimulationPace:
     """Says when the next period is due; lateness is made up for by periods without a pause.
 
     Args:
