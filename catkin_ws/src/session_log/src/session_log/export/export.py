@@ -10,10 +10,11 @@ from array import array
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from session_log.errors import OutputFailed
+from session_log.errors import OutputFailed, SessionLogError
 from session_log.mcap_file.decoder import Decoder, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.types import Message
@@ -26,6 +27,16 @@ FORMATS: Mapping[str, tuple[Format, ...]] = {
 }
 
 LONGEST_GAP = 60.0  # [s] of lost sound that is filled with silence; a longer gap is a restart
+
+
+class ParquetMissing(SessionLogError):
+    """Parquet was asked for, and the package that writes it is not installed."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "Parquet needs pyarrow, which is not installed: "
+            "pip install -r requirements-parquet.txt, or use --format csv"
+        )
 
 
 @dataclass
@@ -60,7 +71,10 @@ def export(
 
     Raises:
         OutputFailed: The folder cannot be written.
+        ParquetMissing: A format is Parquet, and pyarrow is not installed.
     """
+    if "parquet" in formats and find_spec("pyarrow") is None:
+        raise ParquetMissing
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with ExitStack() as stack:
