@@ -14,17 +14,17 @@ from rst_control.ros.common.marker_topic import marker_array
 from rst_control.simulation.rendering.marks import LONGEST, SIDES, SPACING, Trail, tube
 from rst_control.simulation.rendering.tissue_shapes import HELD, TissueShapes
 from rst_control.simulation.tissue import rest_points, rim_nodes
-from rst_control.visualization.shapes import Kind, Shape
+from rst_control.visualization.shapes import Shape, ShapeKind
 
 TISSUE = load_simulation_config().scene.tissue
 REST = rest_points(TISSUE)
 STAMP, LIFETIME = rospy.Time(12, 34), rospy.Duration(2)
 ONE = {
-    Kind.LINE: Marker.LINE_STRIP,
-    Kind.BALLS: Marker.SPHERE_LIST,
-    Kind.ARROW: Marker.ARROW,
-    Kind.TRIANGLES: Marker.TRIANGLE_LIST,
-    Kind.LABEL: Marker.TEXT_VIEW_FACING,
+    ShapeKind.LINE: Marker.LINE_STRIP,
+    ShapeKind.BALLS: Marker.SPHERE_LIST,
+    ShapeKind.ARROW: Marker.ARROW,
+    ShapeKind.TRIANGLES: Marker.TRIANGLE_LIST,
+    ShapeKind.LABEL: Marker.TEXT_VIEW_FACING,
 }
 
 
@@ -50,15 +50,15 @@ def test_every_kind_has_its_marker_with_frame_stamp_lifetime_and_a_size_a_viewer
 
 
 def test_a_label_stands_at_its_point_and_all_else_is_made_of_its_points():
-    (label,) = sent([shape(Kind.LABEL, 1)])
+    (label,) = sent([shape(ShapeKind.LABEL, 1)])
     assert (label.pose.position.z, label.text, label.points) == (2.0, "words", [])
-    (line,) = sent([shape(Kind.LINE)])
+    (line,) = sent([shape(ShapeKind.LINE)])
     assert [(p.x, p.y, p.z) for p in line.points] == [(0, 1, 2), (3, 4, 5), (6, 7, 8)]
     assert line.pose.position.x == 0.0
 
 
 def test_what_is_gone_is_deleted_by_its_name():
-    first, second = sent([shape(Kind.LINE)], gone=["tension"])
+    first, second = sent([shape(ShapeKind.LINE)], gone=["tension"])
     assert (first.ns, first.id, first.action) == ("tension", 0, Marker.DELETE)
     assert second.action == Marker.ADD
 

@@ -13,7 +13,7 @@ import pytest
 from rst_control.config import URDF_FILE, load_simulation_config
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.simulation.rendering.painter import ScenePainter, png_bytes
-from rst_control.simulation.rendering.server import SceneSetup, SceneState
+from rst_control.simulation.rendering.state import SceneSetup, SceneState
 from rst_control.simulation.rendering.worker import SceneLostError, SceneWorker
 from rst_control.tissue.sheet import rest_points
 

@@ -18,7 +18,7 @@ from rst_control.visualization.controller_shapes import (
     RED,
     ControllerShapes,
 )
-from rst_control.visualization.shapes import Kind, circle
+from rst_control.visualization.shapes import ShapeKind, circle
 from rst_control.visualization.tip_route import route
 from tests.unit.rst_control.support.executor_rig import Rig, tip_of
 
@@ -82,7 +82,7 @@ def test_the_arrow_is_the_measured_force_and_the_words_say_where_it_goes(rig):
     shown = shapes(rig)
     tail, head = shown["tension"].points
     force = rig.view.measurement.force
-    assert shown["tension"].kind is Kind.ARROW
+    assert shown["tension"].kind is ShapeKind.ARROW
     np.testing.assert_allclose(head - tail, ARROW_SCALE * force, atol=1e-12)
     assert shown["tension words"].text == f"{rig.view.tension:.2f} N -> 1.00 N, active"
     assert shown["tension"].colour == GREEN

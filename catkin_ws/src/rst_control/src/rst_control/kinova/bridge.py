@@ -61,7 +61,7 @@ class Lead(Enum):
 
 
 @dataclass(frozen=True)
-class Health:
+class BridgeHealth:
     """Figures of the bridge for diagnostics."""
 
     lead: Lead
@@ -197,12 +197,12 @@ class Bridge:
         """Who is in charge of the arm."""
         return self._lead
 
-    def take_health(self) -> Health:
+    def take_health(self) -> BridgeHealth:
         """Figures for diagnostics, since they were last taken."""
         state = "unknown" if self.tool.state is None else self.tool.state.name
         words = f"{state}, {'homed' if self.tool.is_homed else 'not homed'}"
         latest, self._latest = self._latest, 0.0
-        return Health(self._lead, words, self._follower.lag, self._follower.off, latest)
+        return BridgeHealth(self._lead, words, self._follower.lag, self._follower.off, latest)
 
     # The loop.
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Robots that the controller can move: the seam, a fake for tests, and the simulation."""
+"""The protocol of a robot, and the joint servo that simulated and real robot share."""

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The seam between the controller and whatever moves the joints; its verbs are those of CRTK."""
+"""What a robot has to do to be controlled; the verbs are those of CRTK.
+
+For a new robot write either this protocol, where it runs in the process of its caller, or a node
+with the same verbs as topics, which docs/interfaces.md lists under "Between controller and robot".
+"""
 
 from __future__ import annotations
 
@@ -11,8 +15,8 @@ from rst_control.types import Measurement, Setpoint
 class RobotBackend(Protocol):
     """A robot of ten joints, in the order of JOINTS; the jaws are the last two."""
 
-    def measured_js(self) -> Measurement:
-        """Newest joint states, with the force on the jaws; its stamp says how old it is."""
+    def measured_js(self) -> Measurement | None:
+        """Newest joint states with the force on the jaws; None: none were ever measured."""
         ...
 
     def servo_jp(self, setpoint: Setpoint) -> None:

@@ -64,7 +64,7 @@ class Links:
 
 
 @dataclass(frozen=True)
-class Material:
+class SheetMaterial:
     """What moves the nodes."""
 
     stiffness: float  # [N/m] of a link of strength 1
@@ -189,7 +189,7 @@ class MassSpringSheet:
         columns: int,
         rows: int,
         fixed: NDArray[np.bool_],
-        material: Material,
+        material: SheetMaterial,
     ) -> None:
         self._home = np.array(points.T, dtype=float, order="C")
         self._x, self._v = self._home.copy(), np.zeros_like(self._home)

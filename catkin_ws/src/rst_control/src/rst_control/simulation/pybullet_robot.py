@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rst_control.config import URDF_FILE, LimitsConfig, SimulationConfig
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.robot import joint_kernels
+from rst_control.robot.backend import RobotBackend
 from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, warm_up
 from rst_control.simulation.physics import JointReading, RobotPhysics
 from rst_control.simulation.tissue import Jaws, Tissue
@@ -24,8 +25,8 @@ Vector = NDArray[np.float64]
 DOWN = np.array([0.0, 0.0, -1.0])
 
 
-class PybulletRobot:
-    """A RobotBackend whose time is moved on by `step`; a context manager.
+class PybulletRobot(RobotBackend):
+    """The simulated robot; its time is moved on by `step`. A context manager.
 
     Args:
         config: Limits, scene and simulator settings.

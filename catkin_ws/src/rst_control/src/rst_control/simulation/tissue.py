@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.config import TissueConfig
-from rst_control.simulation.mass_spring import Impulses, MassSpringSheet, Material
+from rst_control.simulation.mass_spring import Impulses, MassSpringSheet, SheetMaterial
 from rst_control.tissue.sheet import rest_points, rim_nodes
 
 Vector = NDArray[np.float64]  # (3,)
@@ -165,11 +165,11 @@ class Tissue:
         sheet.reset()
 
 
-def _material(config: TissueConfig, stiffness: float) -> Material:
+def _material(config: TissueConfig, stiffness: float) -> SheetMaterial:
     area, count = config.size[0] * config.size[1], config.nodes[0] * config.nodes[1]
     sheet = config.density * area
     mass = sheet / count
-    return Material(
+    return SheetMaterial(
         stiffness=stiffness,
         mass=mass,
         damping=2.0 * config.damping_ratio * float(np.sqrt(stiffness * mass)),

@@ -11,8 +11,8 @@ from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.trajectory.path import Path
 from rst_control.types import Vector, frozen_array
-from rst_control.visualization.shapes import Colour, Kind, Points, Shape, circle
-from rst_control.visualization.tip_route import PER_KNOT, Stretch, route, tips
+from rst_control.visualization.shapes import Colour, Points, Shape, ShapeKind, circle
+from rst_control.visualization.tip_route import PER_KNOT, RoutePart, route, tips
 
 TROCAR: Colour = (0.84, 0.37, 0.00, 1.0)
 AHEAD: Colour = (0.00, 0.45, 0.70, 1.0)
@@ -72,8 +72,8 @@ class ControllerShapes:
         scene = self._scene
         centre, grasp = (np.array([p]) for p in (scene.workspace_centre, scene.grasp_point))
         return [
-            Shape("workspace", Kind.BALLS, centre, 2.0 * scene.workspace_radius, WORKSPACE),
-            Shape("grasp point", Kind.BALLS, grasp, BALL, GRASP),
+            Shape("workspace", ShapeKind.BALLS, centre, 2.0 * scene.workspace_radius, WORKSPACE),
+            Shape("grasp point", ShapeKind.BALLS, grasp, BALL, GRASP),
         ]
 
     def _way(self, view: View, trocar: Vector) -> list[Shape]:
@@ -81,11 +81,11 @@ class ControllerShapes:
             samples = path.sample(self._model.chain, trocar, PER_KNOT)
             return samples.s, samples.tip
 
-        def line(name: str, parts: tuple[Stretch, ...], colour: Colour) -> list[Shape]:
+        def line(name: str, parts: tuple[RoutePart, ...], colour: Colour) -> list[Shape]:
             if not parts:
                 return []
             points = np.vstack([tips(part, tips_of) for part in parts])
-            return [Shape(name, Kind.LINE, points, LINE, colour)]
+            return [Shape(name, ShapeKind.LINE, points, LINE, colour)]
 
         way = route(view)
         travelled = line("path travelled", way.travelled, TRAVELLED)
@@ -97,7 +97,9 @@ class ControllerShapes:
         tension = view.tension
         if view.measurement is not None and tension > MIN_TENSION:
             ends = np.array([tip, tip + ARROW_SCALE * view.measurement.force])
-            shapes.append(Shape("tension", Kind.ARROW, ends, ARROW_WIDTH, self.colour_of(tension)))
+            shapes.append(
+                Shape("tension", ShapeKind.ARROW, ends, ARROW_WIDTH, self.colour_of(tension))
+            )
         return shapes
 
 
@@ -116,11 +118,11 @@ def _trocar(trocar: Vector, along: Vector) -> list[Shape]:
     ring = circle(trocar, RING_RADIUS, (0.0, 0.0, 1.0), RING_SIDES)
     axis = np.array([trocar - SHAFT_SHOWN * along, trocar + SHAFT_SHOWN * along])
     return [
-        Shape("trocar", Kind.BALLS, frozen_array([trocar], 1, 3), BALL, TROCAR),
-        Shape("trocar ring", Kind.LINE, ring, LINE, TROCAR),
-        Shape("shaft line", Kind.LINE, axis, 0.5 * LINE, TROCAR),
+        Shape("trocar", ShapeKind.BALLS, frozen_array([trocar], 1, 3), BALL, TROCAR),
+        Shape("trocar ring", ShapeKind.LINE, ring, LINE, TROCAR),
+        Shape("shaft line", ShapeKind.LINE, axis, 0.5 * LINE, TROCAR),
     ]
 
 
 def _label(name: str, place: Vector, words: str) -> Shape:
-    return Shape(name, Kind.LABEL, np.array([place]), LETTER, INK, text=words)
+    return Shape(name, ShapeKind.LABEL, np.array([place]), LETTER, INK, text=words)

@@ -15,7 +15,7 @@ Colour = tuple[float, float, float, float]  # red, green, blue, opacity, each fr
 AXES = np.eye(3)
 
 
-class Kind(Enum):
+class ShapeKind(Enum):
     """What the points of a shape mean, and its size [m]."""
 
     LINE = "line"  # joined one after the other; width
@@ -30,9 +30,9 @@ class Shape:
     """Something to be seen."""
 
     name: str  # never changes; of each name a viewer shows what was sent last
-    kind: Kind
+    kind: ShapeKind
     points: Points
-    size: float  # [m], see `Kind`
+    size: float  # [m], see `ShapeKind`
     colour: Colour
     colours: NDArray[np.float32] | None = None  # (n, 4), of each point; None: all as `colour`
     text: str = ""  # of a label

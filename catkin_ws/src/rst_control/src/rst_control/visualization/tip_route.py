@@ -19,7 +19,7 @@ TipsOfPath = Callable[[Path], tuple[Points, Points]]  # s (n,) and tips (n, 3) o
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class RoutePart:
     """A part of a path."""
 
     path: Path
@@ -31,8 +31,8 @@ class Stretch:
 class Route:
     """Parts of paths, in the order in which the tip takes them."""
 
-    travelled: tuple[Stretch, ...] = ()
-    ahead: tuple[Stretch, ...] = ()
+    travelled: tuple[RoutePart, ...] = ()
+    ahead: tuple[RoutePart, ...] = ()
 
 
 def route(view: View) -> Route:
@@ -41,16 +41,16 @@ def route(view: View) -> Route:
         return _of_phases(view, view.plan.phases)
     if view.grasp is not None:
         pull, s = view.grasp.pull, view.grasp.s
-        return Route((Stretch(pull, 0.0, s),), (Stretch(pull, s, pull.length),))
+        return Route((RoutePart(pull, 0.0, s),), (RoutePart(pull, s, pull.length),))
     return Route()
 
 
-def tips(stretch: Stretch, tips_of_path: TipsOfPath) -> Points:
+def tips(part: RoutePart, tips_of_path: TipsOfPath) -> Points:
     """Places of the tip along a part of a path, base frame, [m]. Shape (n, 3)."""
-    s, places = tips_of_path(stretch.path)
-    low, high = sorted((stretch.start, stretch.end))
+    s, places = tips_of_path(part.path)
+    low, high = sorted((part.start, part.end))
     wanted = np.concatenate([[low], s[(s > low) & (s < high)], [high]])
-    if stretch.end < stretch.start:
+    if part.end < part.start:
         wanted = wanted[::-1]
     return np.column_stack([np.interp(wanted, s, places[:, k]) for k in range(3)])
 
@@ -65,9 +65,9 @@ def _of_phases(view: View, phases: tuple[Phase, ...]) -> Route:
         if k == present and view.path is phase.path:
             s = view.path_position
         if s != phase.start:
-            travelled.append(Stretch(phase.path, phase.start, s))
+            travelled.append(RoutePart(phase.path, phase.start, s))
         if s != phase.target:
-            ahead.append(Stretch(phase.path, s, phase.target))
+            ahead.append(RoutePart(phase.path, s, phase.target))
     return Route(tuple(travelled), tuple(ahead))
 
 

@@ -17,6 +17,7 @@ from rst_control.kinova.stand_in.driver import KinovaDriver
 from rst_control.kinova.stand_in.openrst import OpenRst
 from rst_control.kinova.stand_in.torque_sensors import TorqueSensors
 from rst_control.kinova.stand_in.waypoints import ArmLimits
+from rst_control.robot.backend import RobotBackend
 from rst_control.simulation.physics import JointReading
 from rst_control.simulation.tissue import Tissue
 from rst_control.types import Setpoint
@@ -27,8 +28,8 @@ TOOL = slice(7, 10)
 AFTER = 0.050  # [s] for which the joints are still led once nothing moves
 
 
-class Physics(Protocol):
-    """Of the simulated robot what the drivers use."""
+class Physics(RobotBackend, Protocol):
+    """The simulated robot that the drivers lead."""
 
     tissue: Tissue
 
@@ -50,14 +51,6 @@ class Physics(Protocol):
     @property
     def fault(self) -> str:
         """Why it takes no set-points; empty: it does."""
-        ...
-
-    def servo_jp(self, setpoint: Setpoint) -> None:
-        """Take one set-point of a stream."""
-        ...
-
-    def clear_fault(self) -> None:
-        """Take set-points again, if the joints are at rest."""
         ...
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import logging
 from enum import Enum
 
-from rst_control.kinova.stand_in.arm import ArmRefused, Event, Notice, SimulatedArm
+from rst_control.kinova.stand_in.arm import ArmEvent, ArmRefused, Notice, SimulatedArm
 from rst_control.kinova.stand_in.callback_thread import Work
 from rst_control.kinova.stand_in.config import DriverConfig
 from rst_control.kinova.stand_in.goals import (
@@ -91,12 +91,12 @@ class TrajectoryServer:
     def hear(self, notice: Notice) -> None:
         """Follow a notice of the arm."""
         reactions = {
-            Event.PREPROCESS_START: self._on_preprocess_start,
-            Event.PREPROCESS_END: self._on_preprocess_end,
-            Event.START: self._on_start,
-            Event.END: self._on_end,
+            ArmEvent.PREPROCESS_START: self._on_preprocess_start,
+            ArmEvent.PREPROCESS_END: self._on_preprocess_end,
+            ArmEvent.START: self._on_start,
+            ArmEvent.END: self._on_end,
         }
-        if notice.event is Event.ABORT:
+        if notice.event is ArmEvent.ABORT:
             self._on_abort(notice.details)
         elif self._goal is not None:
             reactions[notice.event](self._goal)

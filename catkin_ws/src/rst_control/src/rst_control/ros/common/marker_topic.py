@@ -10,16 +10,16 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from rst_control.visualization.shapes import Kind, Shape
+from rst_control.visualization.shapes import Shape, ShapeKind
 
 BASE = "base_link"
 HEAD_WIDTH, HEAD_LENGTH = 2.2, 2.6  # of an arrow, in widths of its shaft
 _KINDS = {
-    Kind.LINE: Marker.LINE_STRIP,
-    Kind.BALLS: Marker.SPHERE_LIST,
-    Kind.ARROW: Marker.ARROW,
-    Kind.TRIANGLES: Marker.TRIANGLE_LIST,
-    Kind.LABEL: Marker.TEXT_VIEW_FACING,
+    ShapeKind.LINE: Marker.LINE_STRIP,
+    ShapeKind.BALLS: Marker.SPHERE_LIST,
+    ShapeKind.ARROW: Marker.ARROW,
+    ShapeKind.TRIANGLES: Marker.TRIANGLE_LIST,
+    ShapeKind.LABEL: Marker.TEXT_VIEW_FACING,
 }
 
 
@@ -57,15 +57,15 @@ def _shown(shape: Shape, stamp: rospy.Time, lifetime: rospy.Duration) -> Marker:
     marker.type, marker.lifetime, marker.text = _KINDS[shape.kind], lifetime, shape.text
     marker.color = ColorRGBA(*shape.colour)
     scale, size = marker.scale, shape.size
-    if shape.kind is Kind.LABEL:
+    if shape.kind is ShapeKind.LABEL:
         marker.pose.position = Point(*shape.points[0].tolist())
         scale.z = size
         return marker
-    if shape.kind is Kind.ARROW:
+    if shape.kind is ShapeKind.ARROW:
         scale.x, scale.y, scale.z = size, HEAD_WIDTH * size, HEAD_LENGTH * size
-    elif shape.kind is Kind.TRIANGLES:
+    elif shape.kind is ShapeKind.TRIANGLES:
         scale.x = scale.y = scale.z = 1.0
-    elif shape.kind is Kind.BALLS:
+    elif shape.kind is ShapeKind.BALLS:
         scale.x = scale.y = scale.z = size
     else:
         scale.x = size

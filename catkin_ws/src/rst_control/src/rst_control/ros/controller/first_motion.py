@@ -15,7 +15,7 @@ from rst_control.planning.plan import Plan
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.marker_topic import MarkerTopic
 from rst_control.visualization.controller_shapes import AHEAD, LINE
-from rst_control.visualization.shapes import Kind, Shape
+from rst_control.visualization.shapes import Shape, ShapeKind
 from rst_control.visualization.tip_route import PER_KNOT
 
 FOR_EVER = 0.0  # [s] lifetime of the markers
@@ -46,5 +46,5 @@ class ConfirmedFirst:
         tips = [path.sample(context.model.chain, context.trocar, PER_KNOT).tip for path in paths]
         shapes = []
         if tips:
-            shapes = [Shape("first motion", Kind.LINE, np.vstack(tips), 2.0 * LINE, AHEAD)]
+            shapes = [Shape("first motion", ShapeKind.LINE, np.vstack(tips), 2.0 * LINE, AHEAD)]
         self._topic.publish(shapes, rospy.Time.now())

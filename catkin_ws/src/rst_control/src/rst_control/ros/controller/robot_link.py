@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The robot as the controller reaches it: set-points out; joint states, tension, grip, faults in.
 
-Callbacks only keep the newest bytes; the loop reads them when it needs them. `reception.py` says
-which of them are believed.
+Callbacks only keep the newest bytes; the loop reads them when it needs them. `robot_messages.py`
+says which of them are believed.
 """
 
 from __future__ import annotations
 
 import time
-from io import BytesIO
 
 import rospy
-from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 
 from rst_control.admission.command_queue import shown
 from rst_control.config import WatchdogConfig
+from rst_control.robot.backend import RobotBackend
 from rst_control.ros.common.messages import RosClock
+from rst_control.ros.common.raw_messages import RawJointState, RawWrench, WrittenJointState
 from rst_control.ros.common.serialization import write_joint_state
 from rst_control.ros.controller.robot_messages import Reception
 from rst_control.types import JOINTS, Measurement, Setpoint
@@ -25,47 +25,8 @@ from rst_control.types import JOINTS, Measurement, Setpoint
 LONGEST_FAULT = 200  # characters of what the robot says is wrong with it
 
 
-class _Raw:
-    """A message left as bytes, with the time at which it came."""
-
-    raw = b""
-    arrived = 0.0
-
-    def deserialize(self, buff: bytes) -> _Raw:
-        """Keep the bytes."""
-        self.raw, self.arrived = buff, time.monotonic()
-        return self
-
-
-class RawJointState(_Raw, JointState):
-    """sensor_msgs/JointState as bytes."""
-
-    def __init__(self) -> None:
-        """Make none of the fields."""
-
-
-class RawWrench(_Raw, WrenchStamped):
-    """geometry_msgs/WrenchStamped as bytes."""
-
-    def __init__(self) -> None:
-        """Make none of the fields."""
-
-
-class SetpointMessage(JointState):
-    """sensor_msgs/JointState written from a set-point without an intermediate form."""
-
-    _has_header = False  # the header is in the bytes, too
-
-    def __init__(self, raw: bytes) -> None:
-        self.raw = raw
-
-    def serialize(self, buff: BytesIO) -> None:
-        """Write the bytes."""
-        buff.write(self.raw)
-
-
-class RobotLink:
-    """A RobotBackend that speaks ROS; reads and sends are for the loop's thread alone.
+class RobotLink(RobotBackend):
+    """The robot behind its topics. Only the loop's thread reads and sends.
 
     Args:
         clock: Makes stamps.
@@ -107,7 +68,7 @@ class RobotLink:
         raw = write_joint_state(
             (self._sent, stamp.secs, stamp.nsecs), JOINTS, setpoint.position, setpoint.velocity
         )
-        self._servo.publish(SetpointMessage(raw))
+        self._servo.publish(WrittenJointState(raw))
 
     def hold(self) -> None:
         """Let the robot slow down and stay."""

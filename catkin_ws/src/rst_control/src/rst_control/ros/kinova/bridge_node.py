@@ -26,10 +26,10 @@ from rst_control.ros.common.message_limits import guard_intake
 from rst_control.ros.common.messages import BASE
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.prompt_sending import send_promptly
+from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
 from rst_control.ros.common.wall_clock import followed, wall_offset
-from rst_control.ros.controller.robot_link import RawJointState
 from rst_control.ros.kinova.hardware import KinovaHardware
 from rst_control.types import JOINTS, Measurement, Setpoint, Vector
 from typed_config import ConfigError, load_config

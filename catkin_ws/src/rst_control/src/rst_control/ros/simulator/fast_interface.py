@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 
+from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
-from rst_control.ros.simulator.messages import RawJointState, Stamper, StateWriter
+from rst_control.ros.simulator.messages import Stamper, StateWriter
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.types import JOINTS, Setpoint
 

@@ -13,7 +13,7 @@ import rospy
 
 from rst_control.config import TissueConfig
 from rst_control.ros.common.marker_topic import MarkerTopic
-from rst_control.simulation.rendering.server import SceneState
+from rst_control.simulation.rendering.state import SceneState
 from rst_control.simulation.rendering.tissue_shapes import TissueShapes
 
 PERIOD = 0.2  # [s] between two looks; a message has 30 kB

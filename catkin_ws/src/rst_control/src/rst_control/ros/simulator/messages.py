@@ -4,13 +4,11 @@
 from __future__ import annotations
 
 import struct
-from io import BytesIO
 
 import numpy as np
-from geometry_msgs.msg import WrenchStamped
 from numpy.typing import NDArray
-from sensor_msgs.msg import JointState
 
+from rst_control.ros.common.raw_messages import WrittenJointState, WrittenWrench
 from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.simulation.physics import JointReading
 from rst_control.types import JOINTS
@@ -18,39 +16,6 @@ from rst_control.types import JOINTS
 BASE = "base_link"
 _HEADER = struct.Struct("<3I")  # sequence number, seconds, nanoseconds
 _COUNT = struct.Struct("<I")
-
-
-class _Written:
-    """A message that is bytes already, its header included."""
-
-    _has_header = False
-
-    def __init__(self, raw: bytes) -> None:
-        self.raw = raw
-
-    def serialize(self, buff: BytesIO) -> None:
-        """Write the bytes."""
-        buff.write(self.raw)
-
-
-class WrittenJointState(_Written, JointState):
-    """sensor_msgs/JointState as bytes."""
-
-
-class WrittenWrench(_Written, WrenchStamped):
-    """geometry_msgs/WrenchStamped as bytes."""
-
-
-class RawJointState(JointState):
-    """sensor_msgs/JointState left as bytes when it arrives."""
-
-    def __init__(self) -> None:
-        """Make none of the fields."""
-
-    def deserialize(self, buff: bytes) -> RawJointState:
-        """Keep the bytes."""
-        self.raw = buff
-        return self
 
 
 class Stamper:

@@ -34,7 +34,7 @@ from rst_control.ros.simulator.pace import SimulationPace
 from rst_control.ros.simulator.pictures import SimulatorPictures
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.simulation.rendering.marks import Trail
-from rst_control.simulation.rendering.server import SceneState
+from rst_control.simulation.rendering.state import SceneState
 from rst_control.simulation.rendering.worker import SceneLostError
 from typed_config import ConfigError, load_config
 

@@ -13,7 +13,7 @@ from sensor_msgs.msg import CompressedImage
 from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.config import URDF_FILE, SimulationConfig
-from rst_control.simulation.rendering.server import SceneSetup, SceneState
+from rst_control.simulation.rendering.state import SceneSetup, SceneState
 from rst_control.simulation.rendering.worker import SceneLostError, SceneWorker
 
 log = logging.getLogger("rosout.rst_control.pictures")

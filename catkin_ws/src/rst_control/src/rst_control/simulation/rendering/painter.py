@@ -20,7 +20,7 @@ from rst_control.config import CameraConfig, SceneConfig
 from rst_control.simulation.physics import BulletWorld, joint_indices, load_robot
 from rst_control.simulation.rendering.marks import SceneMarks
 from rst_control.simulation.rendering.scene import SceneShapes
-from rst_control.simulation.rendering.server import SceneState
+from rst_control.simulation.rendering.state import SceneState
 
 SHARPNESS = 2  # each pixel is the mean of this many in each direction
 LIGHT = (0.3, -0.8, 1.2)  # direction to the lamp, base frame

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rst_control.config import SceneConfig
 from rst_control.simulation.rendering.sheet_mesh import (
     Points,
-    Stretch,
+    SheetStretch,
     grid_faces,
     node_normals,
     strain_colours,
@@ -53,7 +53,7 @@ class SceneShapes:
         self._finer = np.kron(_finer(columns), _finer(rows))
         self._faces = grid_faces(FINENESS * (columns - 1) + 1, FINENESS * (rows - 1) + 1)
         rest = self._finer @ rest_points(scene.tissue)
-        self._stretch = Stretch(rest, self._faces)
+        self._stretch = SheetStretch(rest, self._faces)
         self._tissue: list[int] = []
         self._shown: Points | None = None
         self._add_table()

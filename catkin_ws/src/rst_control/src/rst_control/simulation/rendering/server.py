@@ -7,41 +7,13 @@ import os
 import signal
 import sys
 from contextlib import suppress
-from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
-from rst_control.config import CameraConfig, SceneConfig
+from rst_control.simulation.rendering.state import SceneSetup
 
 COURTESY = 15  # steps of priority that drawing leaves to others
 AUTOGROUP = Path("/proc/self/autogroup")  # Linux weighs sessions first, then processes in them
-
-
-@dataclass(frozen=True)
-class SceneSetup:
-    """What the process needs to know, sent once."""
-
-    scene: SceneConfig
-    cameras: tuple[CameraConfig, ...]
-    urdf: Path
-    window: bool  # a window, as the first camera sees it, instead of pictures; needs a screen
-
-
-@dataclass(frozen=True, eq=False)
-class SceneState:
-    """What changes from picture to picture."""
-
-    joints: NDArray[np.float64]  # (10,), [rad]
-    nodes: NDArray[np.float64]  # (columns * rows, 3), [m], of the tissue
-    held: int = -1  # number of the node that the jaws hold; -1: none
-    tip: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))  # (3,), [m]
-    force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))  # (3,), [N], on jaws
-    trail: NDArray[np.float64] = field(
-        default_factory=lambda: np.zeros((0, 3))
-    )  # (n, 3), [m], where the tip was, oldest first
 
 
 def serve(pipe: Connection) -> None:
@@ -49,10 +21,8 @@ def serve(pipe: Connection) -> None:
 
     An answer that is text says why nothing can be drawn.
     """
-    from rst_control.simulation.rendering.painter import (  # slow: after courtesy
-        ScenePainter,
-        png_bytes,
-    )
+    # Loading PyBullet takes long: only now, after this process has lowered its priority.
+    from rst_control.simulation.rendering.painter import ScenePainter, png_bytes
 
     setup: SceneSetup = pipe.recv()
     try:

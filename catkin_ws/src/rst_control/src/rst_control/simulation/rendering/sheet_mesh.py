@@ -41,7 +41,7 @@ def node_normals(points: Points, faces: Faces) -> Points:
     return unit
 
 
-class Stretch:
+class SheetStretch:
     """How much a sheet is stretched, by its triangles.
 
     Args:

@@ -7,13 +7,13 @@ import numpy as np
 
 from rst_control.config import TissueConfig
 from rst_control.simulation.rendering.sheet_mesh import (
-    Stretch,
+    SheetStretch,
     grid_faces,
     strain_colours,
     strain_share,
 )
 from rst_control.tissue.sheet import rest_points, rim_nodes
-from rst_control.visualization.shapes import Colour, Kind, Points, Shape
+from rst_control.visualization.shapes import Colour, Points, Shape, ShapeKind
 
 RIM: Colour = (0.20, 0.22, 0.26, 1.0)
 HELD: Colour = (0.94, 0.89, 0.26, 1.0)
@@ -31,7 +31,7 @@ class TissueShapes:
     def __init__(self, config: TissueConfig) -> None:
         rest = rest_points(config)
         self._faces = grid_faces(*config.nodes)
-        self._stretch, self._rim = Stretch(rest, self._faces), rim_nodes(config)
+        self._stretch, self._rim = SheetStretch(rest, self._faces), rim_nodes(config)
 
     def __call__(self, nodes: Points, held: int) -> list[Shape]:
         """Shapes of the sheet; the more it is stretched the darker it is.
@@ -45,9 +45,9 @@ class TissueShapes:
         colours = np.ones((len(nodes), 4), np.float32)
         colours[:, :3] = strain_colours(strain_share(stretch))
         shapes = [
-            Shape("tissue", Kind.TRIANGLES, nodes[corners], 0.0, SHEET, colours[corners]),
-            Shape("tissue rim", Kind.BALLS, nodes[self._rim], BALL, RIM),
+            Shape("tissue", ShapeKind.TRIANGLES, nodes[corners], 0.0, SHEET, colours[corners]),
+            Shape("tissue rim", ShapeKind.BALLS, nodes[self._rim], BALL, RIM),
         ]
         if held >= 0:
-            shapes.append(Shape("tissue held", Kind.BALLS, nodes[[held]], 1.5 * BALL, HELD))
+            shapes.append(Shape("tissue held", ShapeKind.BALLS, nodes[[held]], 1.5 * BALL, HELD))
         return shapes

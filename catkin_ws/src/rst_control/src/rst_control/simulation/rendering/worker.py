@@ -11,7 +11,7 @@ import subprocess
 import sys
 from multiprocessing.connection import Pipe
 
-from rst_control.simulation.rendering.server import SceneSetup, SceneState
+from rst_control.simulation.rendering.state import SceneSetup, SceneState
 
 START_LIMIT = 60.0  # [s] for the process to come up
 PICTURE_LIMIT = 30.0  # [s] for one picture
