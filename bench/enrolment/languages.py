@@ -245,16 +245,18 @@ def _adapted(
 ) -> tuple[Recognizer, float]:
     """The recogniser as enrolment adapts it, and the CPU time that it took [s]."""
     from voice_assist.config.enrolment import load_enrolment_config
-    from voice_assist.enrolment.learn import Material, Spoken, learn, others_for
+    from voice_assist.enrolment.learn import EnrolmentMaterial, LabelledTake, learn, others_for
     from voice_assist.profile.active import PersonalRecognizer
     from voice_assist.recognizer.embedded import EmbeddedRecognizer
 
     if not isinstance(recognizer, EmbeddedRecognizer):
         raise TypeError(f"{type(recognizer).__name__}, allowed: EmbeddedRecognizer")
     how = load_enrolment_config().adapt
-    said = tuple(Spoken("", take.phrase, take.samples) for take in takes)
-    other = tuple(Spoken("", "", clip.samples) for clip in talk)
-    learned = learn(recognizer, Material(said, other), others_for(commands.phrases, how), how)
+    said = tuple(LabelledTake("", take.phrase, take.samples) for take in takes)
+    other = tuple(LabelledTake("", "", clip.samples) for clip in talk)
+    learned = learn(
+        recognizer, EnrolmentMaterial(said, other), others_for(commands.phrases, how), how
+    )
     return PersonalRecognizer(recognizer, learned.state), learned.seconds
 
 

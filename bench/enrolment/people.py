@@ -20,7 +20,7 @@ from support.exact_bounds import at_most
 from support.figures import ROOT, Figure
 from voice_assist.audio.wav_file import read_sound
 from voice_assist.enrolment.learn import learn
-from voice_assist.enrolment.pipeline_probe import Ear
+from voice_assist.enrolment.pipeline_probe import PipelineProbe
 from voice_assist.profile.active import PersonalRecognizer
 
 WORD = "stop"
@@ -71,7 +71,7 @@ def _one(name: str, clips: list[Spoken]) -> Person:
     shared = pieces.bench()
     stops = [_said(c) for c in clips if c.text == WORD]
     words = [_said(c) for c in clips if c.text != WORD][:_WORDS]
-    base, phrases = Ear(shared.voice, shared.base), shared.voice.commands.phrases
+    base, phrases = PipelineProbe(shared.voice, shared.base), shared.voice.commands.phrases
     before, false = pieces.count(base, stops, phrases), pieces.count(base, words, phrases)
     right = profile_false = 0
     folds = min(len(stops), 2)
@@ -80,7 +80,7 @@ def _one(name: str, clips: list[Spoken]) -> Person:
         left = [stop for i, stop in enumerate(stops) if i % folds == fold]
         material = pieces.spoken(rest, [])
         state = learn(shared.base, material, shared.others, shared.config.adapt).state
-        ear = Ear(shared.voice, PersonalRecognizer(shared.base, state))
+        ear = PipelineProbe(shared.voice, PersonalRecognizer(shared.base, state))
         right += pieces.count(ear, left, phrases).right
         if fold == 0:
             profile_false = pieces.count(ear, words, phrases).another

@@ -20,7 +20,7 @@ from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
 from voice_assist.enrolment import adapt, examples, learn
 from voice_assist.enrolment.checks import TakeCheck
 from voice_assist.enrolment.examples import Example
-from voice_assist.enrolment.pipeline_probe import Ear
+from voice_assist.enrolment.pipeline_probe import PipelineProbe
 from voice_assist.profile.active import PersonalRecognizer
 from voice_assist.profile.manifest import COMMAND
 from voice_assist.recognizer import load_recognizer
@@ -119,15 +119,15 @@ def enrolled(said: Sequence[Said], repetitions: int, is_fit: Callable[[Said], bo
     return kept
 
 
-def spoken(takes: Sequence[Said], talk: Sequence[Said]) -> learn.Material:
+def spoken(takes: Sequence[Said], talk: Sequence[Said]) -> learn.EnrolmentMaterial:
     """As a profile would hold them."""
-    return learn.Material(
-        tuple(learn.Spoken(f"{i}", take.text, take.samples) for i, take in enumerate(takes)),
-        tuple(learn.Spoken(f"talk {i}", "", take.samples) for i, take in enumerate(talk)),
+    return learn.EnrolmentMaterial(
+        tuple(learn.LabelledTake(f"{i}", take.text, take.samples) for i, take in enumerate(takes)),
+        tuple(learn.LabelledTake(f"talk {i}", "", take.samples) for i, take in enumerate(talk)),
     )
 
 
-def count(ear: Ear, said: Sequence[Said], phrases: Sequence[str]) -> Counts:
+def count(ear: PipelineProbe, said: Sequence[Said], phrases: Sequence[str]) -> Counts:
     """Hear all of it."""
     taken = [(set(ear(one.samples).taken), one.text) for one in said]
     right = sum(found == {text} for found, text in taken)
@@ -139,7 +139,7 @@ def _measure(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> Piece:
     shared = bench()
     recorded, phrases = material(surgeon), shared.voice.commands.phrases
     if repetitions == 0:
-        return _heard(Ear(shared.voice, shared.base), surgeon, recorded, (), phrases)
+        return _heard(PipelineProbe(shared.voice, shared.base), surgeon, recorded, (), phrases)
 
     def is_fit(said: Said) -> bool:
         checked = shared.check(COMMAND, said.text, said.samples)
@@ -150,7 +150,7 @@ def _measure(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> Piece:
     learned = learn.learn(
         shared.base, spoken(takes, recorded.talk), shared.others, shared.config.adapt
     )
-    ear = Ear(shared.voice, PersonalRecognizer(shared.base, learned.state))
+    ear = PipelineProbe(shared.voice, PersonalRecognizer(shared.base, learned.state))
     found = _heard(ear, surgeon, recorded, material(stranger).tested, phrases)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     return replace(
@@ -159,7 +159,11 @@ def _measure(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> Piece:
 
 
 def _heard(
-    ear: Ear, surgeon: Surgeon, recorded: Recorded, stranger: Sequence[Said], phrases: Sequence[str]
+    ear: PipelineProbe,
+    surgeon: Surgeon,
+    recorded: Recorded,
+    stranger: Sequence[Said],
+    phrases: Sequence[str],
 ) -> Piece:
     half, one_each = len(recorded.other) // 2, len(phrases)  # talk first, then near misses
     first = count(ear, recorded.tested[:one_each], phrases)

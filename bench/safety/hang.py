@@ -25,7 +25,7 @@ from voice_assist.assembly import limit_torch, make_pipeline
 from voice_assist.audio.source import Framer
 from voice_assist.config import load_voice_config
 from voice_assist.pipeline.hang_detection import HangWatch, waits
-from voice_assist.ros.voice_node import LOOK
+from voice_assist.ros.voice_node import WATCH_PERIOD
 
 SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
 BURNERS = int(os.environ.get("BURNERS", "6"))
@@ -92,7 +92,7 @@ def busy(allowed: float) -> tuple[list[float], Watched]:
     thread.start()
     while thread.is_alive():
         watched.look()
-        time.sleep(LOOK)
+        time.sleep(WATCH_PERIOD)
     return taken, watched
 
 
@@ -100,11 +100,11 @@ def hang(allowed: float, rng: np.random.Generator) -> float:
     """Let work hang; gives the time until the watch says so [s]."""
     watched, over = Watched(allowed), threading.Event()
     threading.Thread(target=over.wait, daemon=True).start()
-    time.sleep(rng.uniform(0.0, LOOK))
+    time.sleep(rng.uniform(0.0, WATCH_PERIOD))
     watched.since = since = time.monotonic()
-    time.sleep(rng.uniform(0.0, LOOK))
+    time.sleep(rng.uniform(0.0, WATCH_PERIOD))
     while not watched.look() and time.monotonic() < since + LONGEST:
-        time.sleep(LOOK)
+        time.sleep(WATCH_PERIOD)
     over.set()
     return time.monotonic() - since
 

@@ -13,7 +13,7 @@ import soundfile
 from support.figures import ROOT
 from support.theatre_sound import theatre_noise
 from voice_assist.training.data.human import read_manifest
-from voice_assist.training.data.synthesis import Clip, plan_held_out, synthesise
+from voice_assist.training.data.synthesis import TrainingClip, plan_held_out, synthesise
 from voice_assist.types import RATE
 
 CACHE = ROOT / ".cache" / "bench"
@@ -83,7 +83,7 @@ def no_command(folder: Path, names: Iterable[str]) -> Path:
     return manifest
 
 
-def _write(folder: Path, clips: Iterable[Clip]) -> None:
+def _write(folder: Path, clips: Iterable[TrainingClip]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     rows = []
     for i, clip in enumerate(clips):

@@ -83,7 +83,7 @@ class EnrolmentByService(unittest.TestCase):
         told = self.record("")
         self.assertTrue(told.success, told.message)
         self.assertEqual((told.kind, told.phrase, told.number), ("command", "hey robot", 1))
-        self.assertGreaterEqual(told.of, 3)
+        self.assertGreaterEqual(told.total, 3)
         for text, gain in (("", 1.0), ("hey robot", 0.003)):
             told = self.record(text, gain)
             self.assertFalse(told.success)

@@ -23,7 +23,7 @@ import rospy
 
 from voice_assist.config import load_voice_config
 from voice_assist.intent.dialogue import Answered
-from voice_assist.ros.command_client import CommandCaller
+from voice_assist.ros.command_client import CommandClient
 from voice_assist.ros.publishers import Publishers
 
 _SAY = threading.Lock()
@@ -35,7 +35,7 @@ def main() -> None:
     interval = float(sys.argv[1])
     config = load_voice_config().commands
     publish = Publishers()
-    caller = CommandCaller(config.answer_within, _answered)
+    caller = CommandClient(config.answer_within, _answered)
     repeatable = {command.call for command in config.commands if not command.is_motion}
     threading.Thread(target=_beat, args=(publish, interval), daemon=True).start()
     _say("ready", "", time.monotonic())

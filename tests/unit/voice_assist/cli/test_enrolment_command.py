@@ -5,14 +5,14 @@ import dataclasses
 
 import pytest
 
-from voice_assist.cli.enroll import Enrol, enroll
+from voice_assist.cli.enroll import EnrolRequest, enroll
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.errors import VoiceError
 
 
 def asked(tmp_path):
     nowhere = tmp_path / "no_such_folder"
-    return Enrol("ada", tmp_path, nowhere, None, None, again=False, settings=CONFIG_DIR)
+    return EnrolRequest("ada", tmp_path, nowhere, None, None, again=False, settings=CONFIG_DIR)
 
 
 def with_another(voice, phrase):

@@ -15,8 +15,8 @@ from voice_assist.config import VoiceConfig, load_voice_config
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
 from voice_assist.enrolment.build import build
 from voice_assist.enrolment.checks import TakeCheck
-from voice_assist.enrolment.pipeline_probe import Ear
-from voice_assist.enrolment.script import Session, Step
+from voice_assist.enrolment.pipeline_probe import PipelineProbe
+from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile.active import PersonalRecognizer, personalise
 from voice_assist.profile.manifest import ACTIVE, COMMAND, REFUSED, TALK, Take
 from voice_assist.profile.profile import Profile, ProfileError, create_profile
@@ -72,12 +72,12 @@ def config() -> EnrolmentConfig:
 def profile(voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognizer) -> Profile:
     made = create_profile("ada", base.model_hash, Path(voice.profile.folder))
     check = TakeCheck(config.checks, voice.commands, base)
-    session = Session(made, config, voice.commands.phrases, check)
+    session = EnrolmentScript(made, config, voice.commands.phrases, check)
     for rate in (0.9, 1.0, 1.1):
         for phrase in voice.commands.phrases:
-            session.offer(Step(COMMAND, phrase, 2.0, 1, 1), spoken(phrase, rate))
+            session.offer(EnrolmentStep(COMMAND, phrase, 2.0, 1, 1), spoken(phrase, rate))
     for text in TALKED:
-        session.offer(Step(TALK, "", 2.0, 1, 1), spoken(text))
+        session.offer(EnrolmentStep(TALK, "", 2.0, 1, 1), spoken(text))
     build(made, voice, config, base)
     return made
 
@@ -99,7 +99,7 @@ def test_with_the_profile_commands_are_taken_and_talk_does_nothing(
     in_force = dataclasses.replace(voice, profile=dataclasses.replace(voice.profile, name="ada"))
     personal = personalise(in_force.profile, base)
     assert isinstance(personal, PersonalRecognizer)
-    ear = Ear(in_force, personal)
+    ear = PipelineProbe(in_force, personal)
     said = {phrase: ear(spoken(phrase, 1.05)).taken for phrase in voice.commands.phrases}
     assert said == {phrase: (phrase,) for phrase in voice.commands.phrases}
     heard = {text: ear(spoken(text)).taken for text in (*TALKED, *TALK_NOT_ENROLLED)}

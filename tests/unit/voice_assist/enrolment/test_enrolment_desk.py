@@ -22,8 +22,8 @@ from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
 from voice_assist.enrolment.checks import TakeCheck
 from voice_assist.enrolment.from_session import COLUMNS, Uncorrected, read_takes, take_over
-from voice_assist.enrolment.remote_session import EnrolmentDesk
-from voice_assist.enrolment.script import Session, Step
+from voice_assist.enrolment.remote_session import EnrolmentService
+from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.errors import ManifestError
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import create_profile, open_profile
@@ -50,10 +50,10 @@ class Base(FakeRecognizer):
     model_hash = "ab" * 32
 
 
-def make_desk(root: Path) -> tuple[EnrolmentDesk, Room]:
+def make_desk(root: Path) -> tuple[EnrolmentService, Room]:
     room = Room()
     args = VOICE, CONFIG, Base({"stop": 9.0}), root, room.listen, lambda: room.is_armed
-    return EnrolmentDesk(*args), room
+    return EnrolmentService(*args), room
 
 
 def test_a_screen_is_led_through_the_script(tmp_path: Path) -> None:
@@ -162,7 +162,7 @@ def test_corrected_utterances_become_takes_once(tmp_path: Path, reader: str) -> 
     ]
     profile = create_profile("ada", "ab" * 32, tmp_path / "profiles")
     check = TakeCheck(CONFIG.checks, VOICE.commands, FakeRecognizer({"release": -5.0}))
-    script = Session(profile, CONFIG, PHRASES, check)
+    script = EnrolmentScript(profile, CONFIG, PHRASES, check)
     assert take_over(script, takes, lambda *_: None) == 3
     assert take_over(script, takes, lambda *_: None) == 0
     assert [take.phrase for take in profile.manifest.takes] == ["tense", "release", ""]
@@ -219,7 +219,7 @@ def test_the_terminal_asks_again_and_goes_on_after_ctrl_c(tmp_path: Path) -> Non
     said = ["", "stop", "hey robot", "tense"]
     asked: list[str] = []
 
-    def ready(step: Step) -> None:
+    def ready(step: EnrolmentStep) -> None:
         assert Microphone.opened == 0  # nobody listens until the person is ready
         asked.append(step.phrase)
         if not said:
@@ -228,10 +228,17 @@ def test_the_terminal_asks_again_and_goes_on_after_ctrl_c(tmp_path: Path) -> Non
     shown = StringIO()
     console = Console(file=shown, width=100)
     with pytest.raises(KeyboardInterrupt):
-        guide(Session(profile, config, PHRASES, check), lambda: Microphone(said), console, ready)
+        guide(
+            EnrolmentScript(profile, config, PHRASES, check),
+            lambda: Microphone(said),
+            console,
+            ready,
+        )
     assert asked == ["", "hey robot", "hey robot", "tense", "release"]
     assert "wrong word: 'stop' was heard" in shown.getvalue()
     assert "once more, please" in " ".join(shown.getvalue().split())
-    rest = Session(open_profile("ada", tmp_path / "profiles"), config, PHRASES, check).next()
+    rest = EnrolmentScript(
+        open_profile("ada", tmp_path / "profiles"), config, PHRASES, check
+    ).next()
     assert rest is not None
-    assert (rest.phrase, rest.number, rest.of) == ("release", 3, 21)
+    assert (rest.phrase, rest.number, rest.total) == ("release", 3, 21)

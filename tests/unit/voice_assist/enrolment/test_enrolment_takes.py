@@ -17,7 +17,7 @@ from voice_assist.config.enrolment import load_enrolment_config
 from voice_assist.enrolment.checks import TakeCheck
 from voice_assist.enrolment.from_files import find_recordings, take_over
 from voice_assist.enrolment.recording import record
-from voice_assist.enrolment.script import GOOD, UNLIKE, Session
+from voice_assist.enrolment.script import GOOD, UNLIKE, EnrolmentScript
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK
 from voice_assist.profile.profile import Profile, create_profile, open_profile
@@ -106,12 +106,14 @@ def profile(tmp_path: Path) -> Profile:
     return create_profile("ada", "ab" * 32, tmp_path / "profiles")
 
 
-def session(profile: Profile, repetitions: int = 3, talk: float = 4.0, **scores: float) -> Session:
+def session(
+    profile: Profile, repetitions: int = 3, talk: float = 4.0, **scores: float
+) -> EnrolmentScript:
     config = dataclasses.replace(CONFIG, repetitions=repetitions, talk=talk, talk_piece=2.0)
-    return Session(profile, config, COMMANDS.phrases, check(**scores))
+    return EnrolmentScript(profile, config, COMMANDS.phrases, check(**scores))
 
 
-def follow(script: Session, limit: int = 100) -> list[str]:
+def follow(script: EnrolmentScript, limit: int = 100) -> list[str]:
     """Do as the script asks."""
     asked = []
     while (step := script.next()) is not None and len(asked) < limit:

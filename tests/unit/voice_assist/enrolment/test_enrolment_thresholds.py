@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
-from voice_assist.enrolment.selfcheck import Trial, Verdict
+from voice_assist.enrolment.self_check import SelfCheckResult, SelfCheckTrial
 from voice_assist.enrolment.thresholds import (
-    Evidence,
-    choose,
-    expect,
+    ConfidenceEvidence,
+    choose_threshold,
+    expected_errors,
     rate_at_most,
     share_at_most,
 )
@@ -28,31 +28,43 @@ sure = st.lists(st.floats(0.0, 1.0), max_size=6).map(tuple)
 
 
 def test_a_motion_is_raised_above_what_it_was_wrongly_heard_in() -> None:
-    least = choose(MOTION, Evidence((0.93, 0.95, 0.97), 0, (0.83, 0.2)), 0.05)
+    least = choose_threshold(MOTION, ConfidenceEvidence((0.93, 0.95, 0.97), 0, (0.83, 0.2)), 0.05)
     assert least == pytest.approx(0.88)
 
 
 def test_a_motion_is_not_raised_above_its_own_takes() -> None:
-    assert choose(MOTION, Evidence((0.9, 0.95), 0, (0.9,)), 0.05) == pytest.approx(0.85)
+    assert choose_threshold(
+        MOTION, ConfidenceEvidence((0.9, 0.95), 0, (0.9,)), 0.05
+    ) == pytest.approx(0.85)
 
 
 def test_a_halt_is_lowered_to_its_takes_and_never_raised() -> None:
-    assert choose(HALT, Evidence((0.58, 0.9), 0, ()), 0.05) == pytest.approx(0.53)
-    assert choose(HALT, Evidence((0.9,), 0, (0.99,)), 0.05) == HALT.least_confidence
+    assert choose_threshold(HALT, ConfidenceEvidence((0.58, 0.9), 0, ()), 0.05) == pytest.approx(
+        0.53
+    )
+    assert (
+        choose_threshold(HALT, ConfidenceEvidence((0.9,), 0, (0.99,)), 0.05)
+        == HALT.least_confidence
+    )
 
 
 def test_what_arms_is_lowered_only_where_nothing_spoke_against() -> None:
-    assert choose(WAKE, Evidence((0.3, 0.8), 0, ()), 0.05) == pytest.approx(0.25)
-    assert choose(WAKE, Evidence((0.3, 0.8), 0, (0.9,)), 0.05) == WAKE.least_confidence
+    assert choose_threshold(WAKE, ConfidenceEvidence((0.3, 0.8), 0, ()), 0.05) == pytest.approx(
+        0.25
+    )
+    assert (
+        choose_threshold(WAKE, ConfidenceEvidence((0.3, 0.8), 0, (0.9,)), 0.05)
+        == WAKE.least_confidence
+    )
 
 
 @given(own=sure, against=sure)
 def test_no_evidence_makes_a_motion_easier_or_a_halt_harder(
     own: tuple[float, ...], against: tuple[float, ...]
 ) -> None:
-    evidence = Evidence(own, 0, against)
-    assert choose(MOTION, evidence, 0.05) >= MOTION.least_confidence
-    assert choose(HALT, evidence, 0.05) <= HALT.least_confidence
+    evidence = ConfidenceEvidence(own, 0, against)
+    assert choose_threshold(MOTION, evidence, 0.05) >= MOTION.least_confidence
+    assert choose_threshold(HALT, evidence, 0.05) <= HALT.least_confidence
 
 
 @given(st.floats(0.0, 0.95), st.floats(0.0, 0.95))
@@ -75,23 +87,25 @@ def test_bounds_are_those_of_clopper_pearson_and_garwood() -> None:
 
 
 def test_misses_count_takes_that_were_not_heard_and_those_below() -> None:
-    expected = expect(MOTION, 0.6, Evidence((0.5, 0.9), 1, (0.8,)), (0.8, 0.3), 0.5)
+    expected = expected_errors(
+        MOTION, 0.6, ConfidenceEvidence((0.5, 0.9), 1, (0.8,)), (0.8, 0.3), 0.5
+    )
     assert (expected.takes, expected.missed, expected.false) == (3, 2, 1)
     assert expected.miss_at_most == pytest.approx(share_at_most(2, 3))
     assert expected.false_per_hour_at_most == pytest.approx(rate_at_most(1, 0.5))
 
 
-def trials(n: int, phrase: str, base: str, profile: str) -> list[Trial]:
+def trials(n: int, phrase: str, base: str, profile: str) -> list[SelfCheckTrial]:
     def taken(command: str) -> tuple[str, ...]:
         return (command,) if command else ()
 
-    return [Trial(f"{i}", phrase, taken(base), taken(profile)) for i in range(n)]
+    return [SelfCheckTrial(f"{i}", phrase, taken(base), taken(profile)) for i in range(n)]
 
 
-def good() -> Verdict:
+def good() -> SelfCheckResult:
     own = [*trials(15, "tense", "tense", "tense"), *trials(6, "tense", "", "tense")]
     others = [*trials(40, "stop", "stop", "stop"), *trials(80, "", "", "")]
-    return Verdict(own=own, talk=trials(4, "", "", ""), others=others)
+    return SelfCheckResult(own=own, talk=trials(4, "", "", ""), others=others)
 
 
 def test_a_better_profile_that_harms_nobody_passes() -> None:

@@ -99,15 +99,15 @@ class Room:
         caller = SimpleNamespace(call=quiet, forget=self.forget, trouble="")
         replaced = {
             "rospy": fake_rospy,
-            "LOOK": 0.002,
+            "WATCH_PERIOD": 0.002,
             "_HEARTBEAT_EVERY": 1,
             "_now": lambda: clock.now,
             "_steady": lambda: clock.now,
             "HangWatch": lambda allowed: HangWatch(allowed, dict),  # nobody lacks a processor
             "Publishers": lambda: self,
-            "CommandCaller": lambda *_: caller,
-            "SpeakingTopic": lambda _: SimpleNamespace(take=list),
-            "Diagnostics": self.diagnostics,
+            "CommandClient": lambda *_: caller,
+            "RobotSpeechTopic": lambda _: SimpleNamespace(take=list),
+            "VoiceDiagnostics": self.diagnostics,
             "make_recognizer": lambda _: self.recognizer,
             "make_spotter": lambda _: (self.spotter, "0"),
             "make_source": lambda *_: self,

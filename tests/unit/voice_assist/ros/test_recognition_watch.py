@@ -5,7 +5,7 @@ import pytest
 
 from voice_assist.config import load_voice_config
 from voice_assist.pipeline.hang_detection import HangWatch
-from voice_assist.ros.recognition_watch import RecognitionWatch, Seen
+from voice_assist.ros.recognition_watch import RecognitionStatus, RecognitionWatch
 from voice_assist.spotter.spotter import Look
 
 CONFIG = load_voice_config()
@@ -44,7 +44,7 @@ def spotting():
 def watched(spotting):
     """At the beginning of a piece of work."""
     watched = Watched(spotting)
-    assert watched.at(BEGUN) == Seen("", False)
+    assert watched.at(BEGUN) == RecognitionStatus("", False)
     return watched
 
 
@@ -98,15 +98,15 @@ def test_while_recognition_is_well_a_half_believed_stop_is_for_it_to_judge(
     watched, spotting, since
 ):
     spotting.believe(SPOTTER.alone - 0.01, BEGUN + LIMIT / 2)
-    assert watched.at(BEGUN + LIMIT / 2 + 0.01, since) == Seen("", False)
+    assert watched.at(BEGUN + LIMIT / 2 + 0.01, since) == RecognitionStatus("", False)
 
 
 @pytest.mark.parametrize("since", [None, BEGUN + 2 * LIMIT])
 def test_the_end_of_a_hang_is_news_and_the_half_believed_counts_no_more(watched, spotting, since):
     now = hung(watched)
     spotting.believe(SPOTTER.middle, now + 0.1)
-    assert watched.at(now + 0.2, since) == Seen("", True)
-    assert watched.at(now + 0.21, since) == Seen("", False)
+    assert watched.at(now + 0.2, since) == RecognitionStatus("", True)
+    assert watched.at(now + 0.21, since) == RecognitionStatus("", False)
 
 
 def test_without_a_spotter_a_hang_is_told_and_nothing_is_spotted():

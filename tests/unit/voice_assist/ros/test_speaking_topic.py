@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from voice_assist.audio.robot_speech import Spoke, Talkback
 from voice_assist.config import load_voice_config
 from voice_assist.ros import robot_speech
-from voice_assist.ros.robot_speech import SpeakingTopic
+from voice_assist.ros.robot_speech import RobotSpeechTopic
 
 CONFIG = load_voice_config().audio.talkback
 TOLD = st.lists(st.tuples(st.booleans(), st.floats(0.0, 0.03)), max_size=50)
@@ -20,7 +20,7 @@ class Topic:
     def __init__(self, monkeypatch):
         self.now = 0.0
         monkeypatch.setattr(robot_speech.rospy, "Subscriber", self.subscribe)
-        self.topic = SpeakingTopic(lambda: self.now)
+        self.topic = RobotSpeechTopic(lambda: self.now)
 
     def subscribe(self, name, kind, callback):
         self.name, self.callback = name, callback

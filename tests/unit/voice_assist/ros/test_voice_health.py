@@ -16,7 +16,7 @@ LIMIT = 0.5  # [s]
 
 
 def told(now, **health):
-    health = diagnostics.Health(model="none", source="none", capacity=60, **health)
+    health = diagnostics.VoiceHealth(model="none", source="none", capacity=60, **health)
     return diagnostics._summary(health, now, LIMIT)
 
 

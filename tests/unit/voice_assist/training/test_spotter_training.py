@@ -5,13 +5,13 @@ import pytest
 from voice_assist.config import load_voice_config
 from voice_assist.spotter.features import STEP, Embedder, seconds
 from voice_assist.training.data.noise import Surroundings, build_rooms
-from voice_assist.training.data.synthesis import Clip
+from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.spotter import rule
-from voice_assist.training.spotter.data import IGNORED, NEGATIVE, label
+from voice_assist.training.spotter.dataset import IGNORED, NEGATIVE, label
 from voice_assist.training.spotter.embed import LongEmbedder
 from voice_assist.training.spotter.rule import Count, choose, fired, fired_at
-from voice_assist.training.spotter.streams import Stream, Style, noise_streams, streams
-from voice_assist.training.spotter.trials import NEVER, Heard, Trial
+from voice_assist.training.spotter.streams import LabelledStream, Style, noise_streams, streams
+from voice_assist.training.spotter.trials import NEVER, SpotterTrial, TrialEvidence
 from voice_assist.types import RATE
 
 CONFIG = load_voice_config(
@@ -41,7 +41,7 @@ def surroundings():
 def test_a_word_is_where_its_stream_says():
     tone = (8000 * np.sin(np.arange(4000) * 0.3)).astype(np.int16)
     padded = np.concatenate([np.zeros(3200, np.int16), tone, np.zeros(1600, np.int16)])
-    clips = [Clip(padded, text, "word", "x") for text in ("up", "stop", "go", "stop")]
+    clips = [TrainingClip(padded, text, "word", "x") for text in ("up", "stop", "go", "stop")]
     style = Style(speed=(0.8, 0.8), room=0.0, noise=0.0)
     (stream,) = streams(clips, surroundings(), style, np.random.default_rng(1))
     assert len(stream.words) == 2
@@ -56,7 +56,7 @@ def test_a_voice_under_the_words_is_there_without_pause_and_as_loud_as_asked():
     tone = (8000 * np.sin(np.arange(8000) * 0.3)).astype(np.int16)
     talker = (5000 * np.sin(np.arange(40000) * 0.05)).astype(np.int16)
     around = Surroundings((), build_rooms((), np.random.default_rng(0), count=3), (talker,))
-    clips = [Clip(tone, "stop", "word", "x")] * 6
+    clips = [TrainingClip(tone, "stop", "word", "x")] * 6
     alone = Style(speed=(1.0, 1.0), room=0.0, noise=0.0, gap=(0.3, 0.5))
     over = Style(speed=(1.0, 1.0), room=0.0, noise=0.0, gap=(0.3, 0.5), talker=1.0, over=(0.0, 0.0))
     (quiet,) = streams(clips, around, alone, np.random.default_rng(1))
@@ -75,7 +75,7 @@ def test_noise_has_no_word_and_stays_in_range():
 
 
 def test_looks_at_the_end_of_a_word_are_its_own_and_those_around_it_are_nobodys():
-    labels = label(Stream(np.zeros(0, np.float32), ((1.0, 1.5),)), 60, 7)
+    labels = label(LabelledStream(np.zeros(0, np.float32), ((1.0, 1.5),)), 60, 7)
     times = np.array([seconds(step) for step in range(60)])
     assert set(labels[times < 1.0]) == {NEGATIVE}
     assert set(labels[(times > 1.05) & (times < 1.45)]) == {IGNORED}
@@ -84,21 +84,21 @@ def test_looks_at_the_end_of_a_word_are_its_own_and_those_around_it_are_nobodys(
 
 
 def trial(best, heard=(), weight=1.0, seconds=3600.0):
-    return Trial("x", seconds, 1.0, weight, tuple(heard), ((0.8, -5.0), (1.2, best)))
+    return SpotterTrial("x", seconds, 1.0, weight, tuple(heard), ((0.8, -5.0), (1.2, best)))
 
 
 def test_the_first_rule_to_hold_gives_the_time():
     assert fired_at(trial(7.9), CONFIG) is None
     assert fired_at(trial(8.0), CONFIG) == 1.2
-    sure = Heard(1.1, -9.0, 0.95, True, NEVER)
+    sure = TrialEvidence(1.1, -9.0, 0.95, True, NEVER)
     assert fired_at(trial(8.0, [sure]), CONFIG) == 1.1
-    near = Heard(1.4, 5.0, -1.0, False, -2.0)
-    far = Heard(1.3, 5.0, -1.0, False, -4.0)
+    near = TrialEvidence(1.4, 5.0, -1.0, False, -2.0)
+    far = TrialEvidence(1.3, 5.0, -1.0, False, -4.0)
     assert fired_at(trial(7.0, [far, near]), CONFIG) == 1.4
 
 
 def test_the_recogniser_alone_ignores_the_spotter_and_the_other_way_round():
-    unsure = Heard(1.3, -9.0, 0.62, True, NEVER)
+    unsure = TrialEvidence(1.3, -9.0, 0.62, True, NEVER)
     both = [trial(9.0), trial(-9.0, [unsure])]
     recogniser = rule.recogniser_alone(CONFIG)
     spotter = rule.spotter_alone(CONFIG, 8.0)
@@ -107,9 +107,9 @@ def test_the_recogniser_alone_ignores_the_spotter_and_the_other_way_round():
 
 
 def test_the_chosen_thresholds_keep_the_rates_and_find_what_both_half_believe():
-    unsure = Heard(1.2, 2.0, 0.7, True, NEVER)
+    unsure = TrialEvidence(1.2, 2.0, 0.7, True, NEVER)
     said = {"people": [trial(9.0), trial(2.0, [unsure]), trial(9.5)]}
-    alone_unsure = Heard(1.2, -5.0, 0.7, True, NEVER)
+    alone_unsure = TrialEvidence(1.2, -5.0, 0.7, True, NEVER)
     talk = [trial(2.5), trial(-5.0, [alone_unsure]), trial(-9.0, weight=8.0)]
     chosen = choose(CONFIG, said, {"people": 1.0}, talk, alone_rate=0.05, rate=0.05)
     assert fired(said["people"], chosen).found == 3
@@ -118,7 +118,7 @@ def test_the_chosen_thresholds_keep_the_rates_and_find_what_both_half_believe():
 
 
 def test_thresholds_that_cannot_be_kept_are_refused():
-    sure = [Heard(1.2, 20.0, 1.0, True, NEVER)]
+    sure = [TrialEvidence(1.2, 20.0, 1.0, True, NEVER)]
     with pytest.raises(ValueError, match="false stops per hour"):
         choose(CONFIG, {"p": [trial(9.0)]}, {"p": 1.0}, [trial(20.0, sure)] * 3, 0.1, 0.1)
 

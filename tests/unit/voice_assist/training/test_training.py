@@ -19,7 +19,12 @@ from voice_assist.training.data.augment import Strength, telephone
 from voice_assist.training.data.batches import IGNORED, Batches, teacher_tensors
 from voice_assist.training.data.mixture import Aligned, Mixture, WordTime, cut_short, excerpt
 from voice_assist.training.data.noise import Surroundings, build_rooms
-from voice_assist.training.data.synthesis import Amounts, Clip, plan_held_out, plan_training
+from voice_assist.training.data.synthesis import (
+    SynthesisAmounts,
+    TrainingClip,
+    plan_held_out,
+    plan_training,
+)
 from voice_assist.training.data.voices import Prompt, speak
 from voice_assist.training.fit.checkpoints import (
     Average,
@@ -29,9 +34,9 @@ from voice_assist.training.fit.checkpoints import (
 )
 from voice_assist.training.fit.curriculum import CONTINUED, FINE_TUNED, SHORT, stage_of
 from voice_assist.training.fit.export import export
-from voice_assist.training.fit.fit import Schedule
 from voice_assist.training.fit.objective import joint_loss
 from voice_assist.training.fit.start import start_from
+from voice_assist.training.fit.train_recognizer import Schedule
 from voice_assist.types import RATE, never
 
 SMALL = ModelDimensions(80, 512, 32, 2, 2, 51864, 64, 32, 2, 1)
@@ -194,7 +199,7 @@ def test_no_speech_is_the_first_target_of_silence():
 
 
 def clip(text, seconds=1.0, kind="command", speaker="a"):
-    return Clip((sound(seconds) * 32767).astype(np.int16), text, kind, speaker)
+    return TrainingClip((sound(seconds) * 32767).astype(np.int16), text, kind, speaker)
 
 
 ALIGNED = Aligned(
@@ -367,14 +372,14 @@ def variants(monkeypatch):
 
 
 def test_no_held_out_voice_speaks_in_training(variants):
-    spoken = plan_training(texts.TALK, 1, Amounts(200, 50, 50, 50, 50, 50, 50))
+    spoken = plan_training(texts.TALK, 1, SynthesisAmounts(200, 50, 50, 50, 50, 50, 50))
     held_out = {(p.engine, p.voice) for p in plan_held_out(1)}
     assert not held_out & {(p.engine, p.voice) for p in spoken}
     assert not any("+v0" in p.voice or "gbcwmd" in p.voice for p in spoken)
 
 
 def test_the_plan_depends_on_the_seed_alone(variants):
-    amounts = Amounts(30, 10, 10, 10, 10, 10, 10)
+    amounts = SynthesisAmounts(30, 10, 10, 10, 10, 10, 10)
     assert plan_training(texts.TALK, 1, amounts) == plan_training(texts.TALK, 1, amounts)
     assert plan_training(texts.TALK, 1, amounts) != plan_training(texts.TALK, 2, amounts)
 

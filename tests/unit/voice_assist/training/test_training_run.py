@@ -9,8 +9,8 @@ import whisper
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.training.data import corpus, synthesis
-from voice_assist.training.data.synthesis import Amounts, cast_voice, plan_held_out
-from voice_assist.training.fit import fit
+from voice_assist.training.data.synthesis import SynthesisAmounts, cast_voice, plan_held_out
+from voice_assist.training.fit import train_recognizer
 
 pytestmark = pytest.mark.skipif(
     any(shutil.which(program) is None for program in ("espeak-ng", "flite", "festival")),
@@ -29,22 +29,24 @@ def cast_installed_voice(text, variants, rng):
 def tiny_corpus(tmp_path, monkeypatch):
     monkeypatch.setattr(corpus, "plan_held_out", lambda seed: plan_held_out(seed, 1)[:12])
     monkeypatch.setattr(synthesis, "cast_voice", cast_installed_voice)
-    amounts = Amounts(command=14, variant=3, near=5, hard=3, talk=2, span=3, short=2, twin=3)
+    amounts = SynthesisAmounts(
+        command=14, variant=3, near=5, hard=3, talk=2, span=3, short=2, twin=3
+    )
     return corpus.load_corpus(tmp_path / "absent", tmp_path, 1, amounts, 1)
 
 
 def options(tmp_path, steps, *more):
     arguments = ["--steps", str(steps), "--cache", str(tmp_path), "--out", str(tmp_path / "m.pt")]
-    return fit.parse([*arguments, *more])
+    return train_recognizer.parse([*arguments, *more])
 
 
 def test_training_without_recordings_leaves_a_checkpoint_and_goes_on(tiny_corpus, tmp_path):
-    fit.Run(options(tmp_path, 1), tiny_corpus).train()
+    train_recognizer.TrainingRun(options(tmp_path, 1), tiny_corpus).train()
     assert whisper.load_model(str(tmp_path / "m.pt"), device="cpu").dims.n_vocab == 51864
     assert load_recognizer(str(tmp_path / "m.pt")).name.endswith("m.pt")
     kept = tmp_path / "run_m" / "step_00001.pt"  # of every measurement, for averaging
     assert kept.read_bytes() == (tmp_path / "m.pt").read_bytes()
-    again = fit.Run(options(tmp_path, 2), tiny_corpus)
+    again = train_recognizer.TrainingRun(options(tmp_path, 2), tiny_corpus)
     assert again.progress.step == 1
     again.train()
     assert again.progress.step == 2
@@ -53,7 +55,7 @@ def test_training_without_recordings_leaves_a_checkpoint_and_goes_on(tiny_corpus
 def test_a_checkpoint_is_trained_further_in_a_run_of_its_own(tiny_corpus, tmp_path):
     (tmp_path / "run_first").mkdir()
     (tmp_path / "run_first" / "progress.pt").write_bytes(b"of a run from nothing")
-    run = fit.Run(options(tmp_path, 1, "--from", "embedded"), tiny_corpus)
+    run = train_recognizer.TrainingRun(options(tmp_path, 1, "--from", "embedded"), tiny_corpus)
     assert run.progress.step == 0
     run.train()
     first, second = (read_checkpoint(path).ctc for path in (EMBEDDED_PATH, tmp_path / "m.pt"))

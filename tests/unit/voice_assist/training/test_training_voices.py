@@ -13,7 +13,12 @@ from voice_assist.errors import ModelError
 from voice_assist.training import precision
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.homophones import same_as_command, sounds
-from voice_assist.training.data.synthesis import Amounts, plan_held_out, plan_training, plan_twins
+from voice_assist.training.data.synthesis import (
+    SynthesisAmounts,
+    plan_held_out,
+    plan_training,
+    plan_twins,
+)
 from voice_assist.training.data.voices import Prompt, speak
 
 
@@ -41,13 +46,13 @@ def test_stress_does_not_make_a_difference() -> None:
 
 
 def test_training_says_no_homophone_as_something_else() -> None:
-    prompts = plan_training(texts.TALK, 3, Amounts(0, 0, 400, 400, 0, 0, 0))
+    prompts = plan_training(texts.TALK, 3, SynthesisAmounts(0, 0, 400, 400, 0, 0, 0))
     assert {"phonemes", "rhvoice"} <= {prompt.engine for prompt in prompts}
     assert not [p for p in prompts if same_as_command(p.text, p.engine, p.voice)]
 
 
 def test_training_leaves_whole_engines_and_voices_out() -> None:
-    prompts = plan_training(texts.TALK, 1, Amounts(600, 50, 50, 50, 50, 50, 50))
+    prompts = plan_training(texts.TALK, 1, SynthesisAmounts(600, 50, 50, 50, 50, 50, 50))
     assert not {"pico", "mbrola"} & {prompt.engine for prompt in prompts}
     spoken = {prompt.voice for prompt in prompts if prompt.engine == "rhvoice"}
     assert spoken <= set(voices.RHVOICE)

@@ -35,7 +35,7 @@ class RawMessage(rospy.AnyMsg):
         buff.write(self._buff)
 
 
-class Player:
+class RecordingPlayer:
     """Publishes the messages of one recording.
 
     Args:
@@ -110,7 +110,7 @@ def main() -> None:
             sys.exit(
                 f"someone publishes {', '.join(busy[:3])} already; play on a roscore of its own"
             )
-        player = Player(reader, options.rate)
+        player = RecordingPlayer(reader, options.rate)
         player.prepare()
         time.sleep(CONNECT_TIME)
         player.play()

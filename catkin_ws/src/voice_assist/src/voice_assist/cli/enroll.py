@@ -15,7 +15,7 @@ from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandsConfig
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
 from voice_assist.enrolment.checks import Checked, TakeCheck
-from voice_assist.enrolment.script import Session, Step
+from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import (
@@ -29,12 +29,12 @@ from voice_assist.profile.profile import (
 )
 from voice_assist.recognizer.recognizer import Recognizer
 
-Told = Callable[[Path, Checked], None]
-TakeOver = Callable[[Session, Told], int]
+OnChecked = Callable[[Path, Checked], None]
+TakeOver = Callable[[EnrolmentScript, OnChecked], int]
 
 
 @dataclass(frozen=True)
-class Enrol:
+class EnrolRequest:
     """What `enroll` was asked."""
 
     name: str
@@ -46,7 +46,7 @@ class Enrol:
     settings: Path  # folder of enrolment.yaml
 
 
-def enroll(voice: VoiceConfig, asked: Enrol, ask: Callable[[str], str] = input) -> int:
+def enroll(voice: VoiceConfig, asked: EnrolRequest, ask: Callable[[str], str] = input) -> int:
     """Record or take over what is missing, then learn from it; gives the exit code.
 
     Raises:
@@ -60,16 +60,16 @@ def enroll(voice: VoiceConfig, asked: Enrol, ask: Callable[[str], str] = input) 
     base = load_recognizer(voice.recognizer.model, voice.recognizer.device)
     profile = _open_or_create(asked, base)
     check = TakeCheck(config.checks, voice.commands, base)
-    session = Session(profile, config, voice.commands.phrases, check)
+    script = EnrolmentScript(profile, config, voice.commands.phrases, check)
     if take_over is not None:
 
-        def told(path: Path, checked: Checked) -> None:
+        def show_checked(path: Path, checked: Checked) -> None:
             problems = "; ".join(checked.problems) or "good"
             console.print(f"{path.name}: {problems}", highlight=False)
 
-        console.print(f"{take_over(session, told)} takes kept")
+        console.print(f"{take_over(script, show_checked)} takes kept")
     elif not asked.again:
-        _guide(session, voice, console, ask)
+        _guide(script, voice, console, ask)
     return _learn(profile, voice, config, base, console)
 
 
@@ -124,7 +124,7 @@ def delete(name: str, folder: Path | None, sure: bool, ask: Callable[[str], str]
     return 0
 
 
-def _open_or_create(asked: Enrol, base: Recognizer) -> Profile:
+def _open_or_create(asked: EnrolRequest, base: Recognizer) -> Profile:
     root = profiles_folder(asked.folder)
     if asked.name in names(root):
         return open_profile(asked.name, root)
@@ -134,7 +134,7 @@ def _open_or_create(asked: Enrol, base: Recognizer) -> Profile:
     return create_profile(asked.name, base.model_hash, root)
 
 
-def _recorded(asked: Enrol, reader: str, phrases: tuple[str, ...]) -> TakeOver | None:
+def _recorded(asked: EnrolRequest, reader: str, phrases: tuple[str, ...]) -> TakeOver | None:
     """What takes over the recordings that were named, all found already; None: none were named.
 
     Raises:
@@ -144,10 +144,10 @@ def _recorded(asked: Enrol, reader: str, phrases: tuple[str, ...]) -> TakeOver |
 
     if asked.wavs is not None:
         found = from_files.find_recordings(asked.wavs, phrases)
-        return lambda session, told: from_files.take_over(session, found, told)
+        return lambda script, on_checked: from_files.take_over(script, found, on_checked)
     if asked.session is not None:
         takes = from_session.read_takes(asked.session, asked.corrections, phrases, reader)
-        return lambda session, told: from_session.take_over(session, takes, told)
+        return lambda script, on_checked: from_session.take_over(script, takes, on_checked)
     return None
 
 
@@ -160,7 +160,7 @@ def _warn_of_alikes(commands: CommandsConfig, console: Console) -> None:
 
 
 def _guide(
-    session: Session, voice: VoiceConfig, console: Console, ask: Callable[[str], str]
+    script: EnrolmentScript, voice: VoiceConfig, console: Console, ask: Callable[[str], str]
 ) -> None:
     """Record with the microphone of the settings."""
     from voice_assist.assembly import make_source
@@ -170,7 +170,7 @@ def _guide(
         time.sleep(seconds)
         return False
 
-    def ready(step: Step) -> None:
+    def ready(step: EnrolmentStep) -> None:
         try:
             ask("    Enter when you are ready ")
         except EOFError as error:
@@ -183,7 +183,7 @@ def _guide(
         return make_source(voice.audio, time.time, pause, lambda _: None)
 
     console.print("Ctrl-C breaks it off; the same command goes on from there.", style="dim")
-    guide(session, source, console, ready)
+    guide(script, source, console, ready)
 
 
 def _learn(

@@ -12,7 +12,7 @@ from rich.text import Text
 from voice_assist.audio.source import Source
 from voice_assist.enrolment.checks import Checked
 from voice_assist.enrolment.recording import record
-from voice_assist.enrolment.script import Session, Step
+from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile.manifest import COMMAND, ROOM
 from voice_assist.types import Frame, Samples
 
@@ -20,17 +20,17 @@ _QUIETEST_DB, _CLIPPING_DB = -60.0, -1.0
 _METER = 40  # characters
 
 MakeSource = Callable[[], Source]
-Ready = Callable[[Step], object]  # waits until the person is ready
+Ready = Callable[[EnrolmentStep], object]  # waits until the person is ready
 
 
-def guide(session: Session, open_source: MakeSource, console: Console, ready: Ready) -> None:
+def guide(script: EnrolmentScript, open_source: MakeSource, console: Console, ready: Ready) -> None:
     """Record all that is missing.
 
     Each take is kept the moment it is good, so that it may be broken off and gone on with. The
     microphone is open only while a take is recorded.
 
     Args:
-        session: Of the profile.
+        script: Of the profile.
         open_source: Makes the source of the sound, anew for each take.
         console: Where it is shown.
         ready: Waits for the person before each take.
@@ -38,14 +38,14 @@ def guide(session: Session, open_source: MakeSource, console: Console, ready: Re
     Raises:
         VoiceError: The source or the profile failed.
     """
-    while (step := session.next()) is not None:
+    while (step := script.next()) is not None:
         console.print(_asked(step))
         ready(step)
         samples = _record(open_source(), step, console)
-        console.print(told(step, session.offer(step, samples)))
+        console.print(result_line(step, script.offer(step, samples)))
 
 
-def _record(source: Source, step: Step, console: Console) -> Samples:
+def _record(source: Source, step: EnrolmentStep, console: Console) -> Samples:
     with source, Live(console=console, refresh_per_second=12, transient=True) as live:
         frames: Iterator[Frame] = iter(source)
         next(frames, None)  # the first one may hold the click of the microphone
@@ -56,7 +56,7 @@ def _record(source: Source, step: Step, console: Console) -> Samples:
         return record(frames, step.seconds, show)
 
 
-def told(step: Step, checked: Checked) -> Text:
+def result_line(step: EnrolmentStep, checked: Checked) -> Text:
     """What came of a take, in a line."""
     if checked.is_good:
         what = f"good: {checked.level_db:.0f} dB, {checked.snr_db:.0f} dB over the room"
@@ -66,8 +66,8 @@ def told(step: Step, checked: Checked) -> Text:
     return Text(f"  {'; '.join(checked.problems)}; {again}", style="yellow")
 
 
-def _asked(step: Step) -> Text:
-    number = f"{step.number} of {step.of}"
+def _asked(step: EnrolmentStep) -> Text:
+    number = f"{step.number} of {step.total}"
     if step.kind == COMMAND:
         return Text.assemble(f"{number}: say  ", (step.phrase, "bold cyan"))
     if step.kind == ROOM:

@@ -31,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def settings(options: argparse.Namespace) -> VoiceConfig:
-    """The settings in force after the options of the command line."""
+    """The active settings after the options of the command line."""
     wanted: dict[str, Any] = {
         "recognizer__model": getattr(options, "model", None),
         "audio__microphone__device": getattr(options, "device", None),
@@ -138,7 +138,9 @@ def _parser() -> argparse.ArgumentParser:
     phrases = verbs.add_parser("phrases", help="print every phrase that is taken for a command")
     phrases.set_defaults(run=_phrases)
     check = verbs.add_parser("check-commands", help="show which commands sound or look alike")
-    check.add_argument("file", type=Path, nargs="?", help="like commands.yaml; default: in force")
+    check.add_argument(
+        "file", type=Path, nargs="?", help="like commands.yaml; default: the active ones"
+    )
     check.add_argument("--language", default="en-us", help="of espeak-ng, such as de or es")
     check.set_defaults(run=_check_commands)
     devices = verbs.add_parser("devices", help="list the microphones")

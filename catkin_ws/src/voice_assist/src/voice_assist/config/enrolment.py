@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from typed_config import integer, load_config, load_yaml, number, text
 from voice_assist.config.voice import CONFIG_DIR
@@ -14,13 +16,22 @@ from voice_assist.config.voice import CONFIG_DIR
 class CheckConfig:
     """What a take must be like."""
 
-    quietest: float = number(-90.0, 0.0, "dB")
-    clipped: float = number(0.0, 0.1, "")
+    RENAMED: ClassVar[Mapping[str, str]] = {
+        "quietest": "min_level",
+        "clipped": "max_clipped",
+        "least_snr": "min_snr",
+        "shortest": "min_length",
+        "longest": "max_length",
+        "least_talk": "min_talk",
+    }
+
+    min_level: float = number(-90.0, 0.0, "dB")
+    max_clipped: float = number(0.0, 0.1, "")
     edge: float = number(0.0, 1.0, "s")
-    least_snr: float = number(0.0, 60.0, "dB")
-    shortest: float = number(0.01, 5.0, "s")
-    longest: float = number(0.1, 10.0, "s")
-    least_talk: float = number(0.0, 1.0, "")
+    min_snr: float = number(0.0, 60.0, "dB")
+    min_length: float = number(0.01, 5.0, "s")
+    max_length: float = number(0.1, 10.0, "s")
+    min_talk: float = number(0.0, 1.0, "")
     other_by: float = number(0.0, 1000.0, "nat")
     unlike_by: float = number(0.0, 1000.0, "nat")
 

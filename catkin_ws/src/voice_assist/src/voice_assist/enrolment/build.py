@@ -14,9 +14,10 @@ from voice_assist.config.enrolment import EnrolmentConfig
 from voice_assist.config.profile import NOBODY
 from voice_assist.config.speaker import OFF
 from voice_assist.enrolment import report
+from voice_assist.enrolment.adapt import Adapted
 from voice_assist.enrolment.checks import TakeCheck
-from voice_assist.enrolment.learn import Learned, Material, learn, material_of, others_for
-from voice_assist.enrolment.selfcheck import SelfCheck, Verdict, wrong_words
+from voice_assist.enrolment.learn import EnrolmentMaterial, learn, material_of, others_for
+from voice_assist.enrolment.self_check import SelfCheck, SelfCheckResult, wrong_words
 from voice_assist.enrolment.voiceprint import put_voiceprint
 from voice_assist.errors import VoiceError
 from voice_assist.profile import model_file, thresholds
@@ -28,8 +29,8 @@ from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.recognizer.recognizer import Recognizer
 from voice_assist.speaker.voiceprint import FILE as VOICEPRINT
 
-FEWEST = 3  # takes of each command
-Told = Callable[[str], None]
+MIN_TAKES = 3  # takes of each command
+Report = Callable[[str], None]  # takes a line of text
 
 
 def build(
@@ -37,18 +38,18 @@ def build(
     voice: VoiceConfig,
     config: EnrolmentConfig,
     base: Recognizer,
-    told: Told = lambda _: None,
-    noted: Told = lambda _: None,
+    on_progress: Report = lambda _: None,
+    on_note: Report = lambda _: None,
 ) -> tuple[str, ...]:
     """Learn from the takes of a profile.
 
     Args:
         profile: With all its takes.
-        voice: Settings in force; profile and speaker gate in them count for nothing.
+        voice: Active settings. Their profile and speaker gate are ignored.
         config: Of enrolment.
         base: Recogniser that it is made on top of.
-        told: Says how far it is.
-        noted: Says what else was learned, such as a voiceprint, and what was not.
+        on_progress: Called with the name of each stage.
+        on_note: Called with what else was learned, such as a voiceprint, and what was not.
 
     Returns:
         Why the profile was refused; empty: it is active.
@@ -66,15 +67,15 @@ def build(
     profile.rebase(base.model_hash)
     profile.judge(RECORDING)
     voice, check = _plain(voice), TakeCheck(config.checks, voice.commands, base)
-    check_all = SelfCheck(voice, config, base, told)
-    learned, verdict = None, Verdict(wrong_words=wrong_words(material, check))
+    check_all = SelfCheck(voice, config, base, on_progress)
+    learned, verdict = None, SelfCheckResult(wrong_words=wrong_words(material, check))
     if not verdict.wrong_words:
-        told("other voices")
+        on_progress("other voices")
         others = others_for(voice.commands.phrases, config.adapt)
-        told("learning")
+        on_progress("learning")
         learned = learn(base, material, others, config.adapt)
         personal = PersonalRecognizer(base, learned.state)
-        _learn_more(profile, voice, personal, noted)
+        _learn_more(profile, voice, personal, on_note)
         verdict = check_all(material, with_spellings(voice, profile), personal, others)
     problems = verdict.problems(config)
     spent = time.monotonic() - wall, time.process_time() - cpu
@@ -90,23 +91,25 @@ def _plain(voice: VoiceConfig) -> VoiceConfig:
     return replace(voice, profile=nobody, speaker=replace(voice.speaker, gate=OFF))
 
 
-def _learn_more(profile: Profile, voice: VoiceConfig, personal: Recognizer, noted: Told) -> None:
+def _learn_more(
+    profile: Profile, voice: VoiceConfig, personal: Recognizer, on_note: Report
+) -> None:
     """Spellings, and the voiceprint of the speaker gate; the profile serves without it, too."""
     for refused in put_spellings(profile, personal, voice.commands):
-        noted(f"{refused.phrase!r} written as {refused.spelling!r} is not learned: {refused.why}")
+        on_note(f"{refused.phrase!r} written as {refused.spelling!r} is not learned: {refused.why}")
     try:
         known = put_voiceprint(profile, voice.speaker)
     except VoiceError as error:
         profile.drop(VOICEPRINT)
-        noted(f"no voiceprint, so the speaker gate cannot be used: {error}")
+        on_note(f"no voiceprint, so the speaker gate cannot be used: {error}")
     else:
-        noted(f"voiceprint of {known.takes} takes, of which it would refuse {known.missed:.0%}")
+        on_note(f"voiceprint of {known.takes} takes, of which it would refuse {known.missed:.0%}")
 
 
 def _write(
     profile: Profile,
-    learned: Learned | None,
-    verdict: Verdict,
+    learned: Adapted | None,
+    verdict: SelfCheckResult,
     problems: tuple[str, ...],
     effort: report.Effort,
 ) -> None:
@@ -117,21 +120,23 @@ def _write(
         data = model_file.to_bytes(learned.state, profile.manifest.base_sha256)
         profile.put(model_file.NAME, data)
     profile.put(thresholds.NAME, thresholds.to_bytes(verdict.settings))
-    told_of = profile.manifest, verdict, problems, effort
-    profile.put(report.JSON, report.as_json(*told_of))
-    profile.put(report.MARKDOWN, report.as_markdown(*told_of))
+    facts = profile.manifest, verdict, problems, effort
+    profile.put(report.JSON, report.as_json(*facts))
+    profile.put(report.MARKDOWN, report.as_markdown(*facts))
 
 
-def _require_takes(material: Material, phrases: tuple[str, ...], config: EnrolmentConfig) -> None:
+def _require_takes(
+    material: EnrolmentMaterial, phrases: tuple[str, ...], config: EnrolmentConfig
+) -> None:
     """Refuse what is too little to be checked.
 
     Raises:
         ProfileError: Names the commands that lack takes, or the talk.
     """
     said = Counter(take.phrase for take in material.takes)
-    short = [f"{phrase!r} {said[phrase]}" for phrase in phrases if said[phrase] < FEWEST]
+    short = [f"{phrase!r} {said[phrase]}" for phrase in phrases if said[phrase] < MIN_TAKES]
     if short:
-        allowed = f"allowed: at least {FEWEST} of each"
+        allowed = f"allowed: at least {MIN_TAKES} of each"
         raise ProfileError(f"too few takes of {', '.join(short)}; {allowed}")
     unknown = sorted(set(said) - set(phrases))
     if unknown:
@@ -139,9 +144,9 @@ def _require_takes(material: Material, phrases: tuple[str, ...], config: Enrolme
         raise ProfileError(
             f"takes of {', '.join(unknown)}, which is no command; allowed: {allowed}"
         )
-    talked, least = 3600.0 * material.talked, config.talk / 2.0
-    if talked < least:
-        raise ProfileError(f"{talked:.0f} s of free talk, allowed: at least {least:.0f}")
+    talked, min_talk = 3600.0 * material.talked, config.talk / 2.0
+    if talked < min_talk:
+        raise ProfileError(f"{talked:.0f} s of free talk, allowed: at least {min_talk:.0f}")
 
 
 def _memory() -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Is a take any good? Judged at once, so that what is not can be said again."""
+"""Checks each take at once, so that a bad one can be said again."""
 
 from __future__ import annotations
 
@@ -80,27 +80,27 @@ class TakeCheck:
     def _clipped(self, samples: Samples) -> tuple[str, ...]:
         loud = np.abs(samples) >= 0.1 * max(float(np.abs(samples).max(initial=0.0)), 1e-9)
         share = float((np.abs(samples) >= _FULL).sum()) / max(int(loud.sum()), 1)
-        allowed = self._config.clipped
+        allowed = self._config.max_clipped
         if share <= allowed:
             return ()
         return (f"clipped: {share:.1%} of the sound at full scale, allowed: up to {allowed:.1%}",)
 
     def _level(self, level: float, snr: float) -> tuple[str, ...]:
-        quietest, least = self._config.quietest, self._config.least_snr
-        if level < quietest:
-            return (f"too quiet: {level:.0f} dB of full scale, allowed: at least {quietest:.0f}",)
-        if snr < least:
-            return (f"too noisy: {snr:.0f} dB over the room, allowed: at least {least:.0f}",)
+        min_level, min_snr = self._config.min_level, self._config.min_snr
+        if level < min_level:
+            return (f"too quiet: {level:.0f} dB of full scale, allowed: at least {min_level:.0f}",)
+        if snr < min_snr:
+            return (f"too noisy: {snr:.0f} dB over the room, allowed: at least {min_snr:.0f}",)
         return ()
 
     def _talk(self, seconds: float, whole: float) -> tuple[str, ...]:
-        share, least = seconds / max(whole, 1e-9), self._config.least_talk
-        if share >= least:
+        share, min_talk = seconds / max(whole, 1e-9), self._config.min_talk
+        if share >= min_talk:
             return ()
-        return (f"too little talk: {share:.0%} of the time, allowed: at least {least:.0%}",)
+        return (f"too little talk: {share:.0%} of the time, allowed: at least {min_talk:.0%}",)
 
     def _length(self, seconds: float) -> tuple[str, ...]:
-        low, high = self._config.shortest, self._config.longest
+        low, high = self._config.min_length, self._config.max_length
         if seconds < low:
             return (f"too short: {seconds:.2f} s of speech, allowed: at least {low:.2f}",)
         if seconds > high:
@@ -121,21 +121,21 @@ class TakeCheck:
     def _words(self, phrase: str, speech: Samples, good: Checked) -> Checked:
         """Compare what the base hears with what should have been said."""
         heard = self._recognizer.transcribe(speech).text
-        told = good.seconds, good.level_db, good.snr_db, heard
+        facts = good.seconds, good.level_db, good.snr_db, heard
         outcome = self._mapper(heard)
         command = outcome.command if isinstance(outcome, Match) else ""
         if command == phrase:
-            return Checked(*told)
+            return Checked(*facts)
         scores = self._recognizer.score(speech, self._commands.phrases)
         if command and scores[command] >= self._config.other_by:
             allowed = f"{phrase!r}, or nothing as clear (less than {self._config.other_by:g} nat)"
             found = f"{heard!r} was heard, by {scores[command]:.1f} nat"
-            return Checked(*told, (f"wrong word: {found}, allowed: {allowed}",), is_other=True)
+            return Checked(*facts, (f"wrong word: {found}, allowed: {allowed}",), is_other=True)
         if scores[phrase] < -self._config.unlike_by:
             found = f"{heard!r} was heard, {phrase!r} is {-scores[phrase]:.0f} nat less likely"
             unlike = f"unlike: {found}, allowed: up to {self._config.unlike_by:g}"
-            return Checked(*told, (unlike,), is_unlike=True)
-        return Checked(*told)
+            return Checked(*facts, (unlike,), is_unlike=True)
+        return Checked(*facts)
 
 
 def _extent(is_speech: np.ndarray) -> float:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from voice_assist.audio.wav_file import read_sound
 from voice_assist.enrolment.checks import Checked
-from voice_assist.enrolment.script import Session, Step
+from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK
 from voice_assist.text.normalize import normalize
@@ -51,14 +51,16 @@ def find_recordings(folder: Path, phrases: Sequence[str]) -> list[Recording]:
 
 
 def take_over(
-    session: Session, recordings: Sequence[Recording], told: Callable[[Path, Checked], None]
+    script: EnrolmentScript,
+    recordings: Sequence[Recording],
+    on_checked: Callable[[Path, Checked], None],
 ) -> int:
-    """Offer recordings to a session; those taken over before are left out.
+    """Offer recordings to a script; those taken over before are left out.
 
     Args:
-        session: Of the profile.
+        script: Of the profile.
         recordings: In their order.
-        told: What came of each.
+        on_checked: Called with the path and the check of each.
 
     Returns:
         How many were kept.
@@ -77,12 +79,12 @@ def take_over(
             found = f"{len(samples) / RATE:.0f} s, allowed: up to {_LONGEST:.0f}"
             raise ManifestError(f"{recording.path}: {found}")
         source = recording.path.name
-        if session.has(samples, source):
+        if script.has(samples, source):
             continue
-        step = Step(recording.kind, recording.phrase, len(samples) / RATE, 1, 1)
-        before = session.kept
-        told(recording.path, session.offer(step, samples, source))
-        kept += session.kept - before
+        step = EnrolmentStep(recording.kind, recording.phrase, len(samples) / RATE, 1, 1)
+        before = script.kept
+        on_checked(recording.path, script.offer(step, samples, source))
+        kept += script.kept - before
     return kept
 
 

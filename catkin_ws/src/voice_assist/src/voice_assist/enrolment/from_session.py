@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voice_assist.enrolment.checks import Checked
-from voice_assist.enrolment.script import Session, Step
+from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.errors import ManifestError, VoiceError
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.text.normalize import normalize
@@ -78,15 +78,17 @@ def read_takes(
 
 
 def take_over(
-    session: Session, takes: Iterable[SessionTake], told: Callable[[Path, Checked], None]
+    script: EnrolmentScript,
+    takes: Iterable[SessionTake],
+    on_checked: Callable[[Path, Checked], None],
 ) -> int:
-    """Offer takes to a session; gives how many were kept."""
-    before = session.kept
+    """Offer takes to a script; gives how many were kept."""
+    before = script.kept
     for take in takes:
-        if not session.has(take.samples, take.name):
-            step = Step(take.kind, take.phrase, len(take.samples) / RATE, 1, 1)
-            told(Path(take.name), session.offer(step, take.samples, take.name))
-    return session.kept - before
+        if not script.has(take.samples, take.name):
+            step = EnrolmentStep(take.kind, take.phrase, len(take.samples) / RATE, 1, 1)
+            on_checked(Path(take.name), script.offer(step, take.samples, take.name))
+    return script.kept - before
 
 
 def _read(session: Path, reader: str) -> list[SpokenUtterance]:

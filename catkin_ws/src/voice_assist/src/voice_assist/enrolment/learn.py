@@ -8,10 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from torch import Tensor
 
 from voice_assist.config.enrolment import AdaptConfig
-from voice_assist.enrolment.adapt import adapt
+from voice_assist.enrolment.adapt import Adapted, adapt
 from voice_assist.enrolment.examples import (
     Example,
     broken_off,
@@ -32,7 +31,7 @@ _TALK_COPIES = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Spoken:
+class LabelledTake:
     """One take with its sound."""
 
     file: str
@@ -41,53 +40,44 @@ class Spoken:
 
 
 @dataclass(frozen=True, eq=False)
-class Material:
+class EnrolmentMaterial:
     """What one person said."""
 
-    takes: tuple[Spoken, ...]  # of commands
-    talk: tuple[Spoken, ...]
+    takes: tuple[LabelledTake, ...]  # of commands
+    talk: tuple[LabelledTake, ...]
 
     @property
     def talked(self) -> float:
         """Length of the talk [h]."""
         return sum(len(one.samples) for one in self.talk) / RATE / 3600.0
 
-    def without(self, fold: int, folds: int) -> Material:
+    def without(self, fold: int, folds: int) -> EnrolmentMaterial:
         """All but every `folds`-th take of each command and piece of talk, from `fold` on."""
-        return Material(
+        return EnrolmentMaterial(
             tuple(t for t, n in _numbered(self.takes) if n % folds != fold),
             tuple(t for t, n in _numbered(self.talk) if n % folds != fold),
         )
 
-    def only(self, fold: int, folds: int) -> Material:
+    def only(self, fold: int, folds: int) -> EnrolmentMaterial:
         """What `without` leaves out."""
-        return Material(
+        return EnrolmentMaterial(
             tuple(t for t, n in _numbered(self.takes) if n % folds == fold),
             tuple(t for t, n in _numbered(self.talk) if n % folds == fold),
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Learned:
-    """What came of learning."""
-
-    state: dict[str, Tensor]
-    loss: float
-    seconds: float  # [s] of CPU time
-
-
-def material_of(profile: Profile) -> Material:
+def material_of(profile: Profile) -> EnrolmentMaterial:
     """Takes and talk of a profile.
 
     Raises:
         ProfileError: A take is not as it was written.
     """
 
-    def of(kind: str) -> tuple[Spoken, ...]:
+    def of(kind: str) -> tuple[LabelledTake, ...]:
         takes = (take for take in profile.manifest.takes if take.kind == kind)
-        return tuple(Spoken(take.file, take.phrase, profile.sound(take)) for take in takes)
+        return tuple(LabelledTake(take.file, take.phrase, profile.sound(take)) for take in takes)
 
-    return Material(of(COMMAND), of(TALK))
+    return EnrolmentMaterial(of(COMMAND), of(TALK))
 
 
 def others_for(phrases: Sequence[str], config: AdaptConfig) -> list[Example]:
@@ -103,10 +93,10 @@ def others_for(phrases: Sequence[str], config: AdaptConfig) -> list[Example]:
 
 def learn(
     base: EmbeddedRecognizer,
-    material: Material,
+    material: EnrolmentMaterial,
     others: Sequence[Example],
     config: AdaptConfig,
-) -> Learned:
+) -> Adapted:
     """Adapt the base to a voice.
 
     What was said in the talk nobody wrote down; it is learned as the base writes it, so that it
@@ -133,7 +123,7 @@ def learn(
             sound = varied(Example(piece, ""), rng, _TALK_SNR)
             same.append(replace(sound, text=base.transcribe(sound.samples).text))
     adapted = adapt(base.model, own, [*others, *same], config)
-    return Learned(adapted.state, adapted.loss, time.process_time() - began)
+    return replace(adapted, seconds=time.process_time() - began)
 
 
 def _pieces(samples: Samples) -> list[Samples]:
@@ -142,7 +132,7 @@ def _pieces(samples: Samples) -> list[Samples]:
     return [piece for piece in cut if len(piece) > RATE // 2 and bool(np.any(piece))]
 
 
-def _numbered(spoken: Sequence[Spoken]) -> list[tuple[Spoken, int]]:
+def _numbered(spoken: Sequence[LabelledTake]) -> list[tuple[LabelledTake, int]]:
     """Each with its number among those of its phrase."""
     counts: dict[str, int] = {}
     found = []

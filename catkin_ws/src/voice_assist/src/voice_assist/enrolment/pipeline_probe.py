@@ -18,7 +18,7 @@ BEFORE, AFTER = 0.3, 0.8  # [s] of quiet around a take, so that its end is found
 
 
 @dataclass(frozen=True)
-class Heard:
+class PipelineResult:
     """What a sound came to."""
 
     taken: tuple[str, ...]  # commands, in their order
@@ -26,7 +26,7 @@ class Heard:
     texts: tuple[str, ...]  # transcripts of all decisions
 
 
-class Ear:
+class PipelineProbe:
     """Streams sounds through one pipeline, armed, each from a fresh start."""
 
     def __init__(self, config: VoiceConfig, recognizer: Recognizer) -> None:
@@ -34,7 +34,7 @@ class Ear:
         self._now = 0.0  # [s] of the stream; work takes no time
         self._pipeline = make_pipeline(config, lambda: self._now, recognizer)
 
-    def __call__(self, samples: Samples) -> Heard:
+    def __call__(self, samples: Samples) -> PipelineResult:
         """Hear a sound amid a little quiet. Shape (n,), 16 kHz."""
         self._pipeline.reset()
         began = self._now + 1.0
@@ -50,7 +50,7 @@ class Ear:
                     claims += claims_of(decision)
                     if isinstance(decision.outcome, Match):
                         taken.append(decision.outcome.command)
-        return Heard(tuple(taken), tuple(claims), tuple(texts))
+        return PipelineResult(tuple(taken), tuple(claims), tuple(texts))
 
 
 def _amid_quiet(samples: Samples) -> Samples:

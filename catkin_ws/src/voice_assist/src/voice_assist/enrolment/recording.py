@@ -20,7 +20,7 @@ def record(frames: Iterator[Frame], seconds: float, meter: Meter) -> Samples:
     Args:
         frames: Of an open source.
         seconds: How much [s].
-        meter: Told after each frame.
+        meter: Called after each frame.
 
     Returns:
         Shape (n,), read-only.

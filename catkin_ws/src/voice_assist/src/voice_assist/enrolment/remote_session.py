@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Enrolment step by step for whoever asks from outside, such as a screen."""
+"""Enrolment step by step for a remote caller, such as a screen."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from voice_assist.config.enrolment import EnrolmentConfig
 from voice_assist.enrolment.build import build
 from voice_assist.enrolment.checks import TakeCheck
 from voice_assist.enrolment.recording import record
-from voice_assist.enrolment.script import Session, Step
+from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.errors import VoiceError
 from voice_assist.profile.profile import Profile, create_profile, names, open_profile
 from voice_assist.recognizer.recognizer import Recognizer
@@ -24,16 +24,16 @@ ACTIONS = ("next", "record", "learn")
 
 
 @dataclass(frozen=True)
-class Told:
-    """The answer to one action."""
+class ActionResult:
+    """The answer to one action of enrolment."""
 
     success: bool
     message: str = ""
-    step: Step | None = None  # what comes next
+    step: EnrolmentStep | None = None  # what comes next
 
 
-class EnrolmentDesk:
-    """Takes one action at a time; what is asked meanwhile is refused."""
+class EnrolmentService:
+    """Takes one action at a time and refuses others meanwhile."""
 
     def __init__(
         self,
@@ -47,7 +47,7 @@ class EnrolmentDesk:
         """Open for actions.
 
         Args:
-            voice: Settings in force, without a profile.
+            voice: Active settings, without a profile.
             config: Of enrolment.
             base: Recogniser that profiles are made on top of.
             root: Folder of all profiles.
@@ -57,48 +57,48 @@ class EnrolmentDesk:
         self._voice, self._config, self._base, self._root = voice, config, base, root
         self._listen, self._is_armed = listen, is_armed
         self._check = TakeCheck(config.checks, voice.commands, base)
-        self._sessions: dict[str, Session] = {}
+        self._scripts: dict[str, EnrolmentScript] = {}
         self._busy = threading.Lock()
 
-    def __call__(self, name: str, action: str) -> Told:
-        """Carry out an action; whatever goes wrong is told."""
+    def __call__(self, name: str, action: str) -> ActionResult:
+        """Carry out an action; errors are reported in the result."""
         if action not in ACTIONS:
-            return Told(False, f"action {action!r}, allowed: {', '.join(ACTIONS)}")
+            return ActionResult(False, f"action {action!r}, allowed: {', '.join(ACTIONS)}")
         if not self._busy.acquire(blocking=False):
-            return Told(False, "another action is under way")
+            return ActionResult(False, "another action is under way")
         try:
             return self._act(name, action)
         except (VoiceError, ConfigError) as error:
-            return Told(False, str(error))
+            return ActionResult(False, str(error))
         finally:
             self._busy.release()
 
-    def _act(self, name: str, action: str) -> Told:
+    def _act(self, name: str, action: str) -> ActionResult:
         profile = self._profile(name)
         if action == "learn":
             notes: list[str] = []
             args = profile, self._voice, self._config, self._base
-            problems = build(*args, noted=notes.append)
-            return Told(not problems, "; ".join(problems or notes))
-        session = self._session(name, profile)
-        step = session.next()
+            problems = build(*args, on_note=notes.append)
+            return ActionResult(not problems, "; ".join(problems or notes))
+        script = self._script(name, profile)
+        step = script.next()
         if action == "next" or step is None:
-            return Told(action == "next", "" if action == "next" else "all is there", step)
+            return ActionResult(action == "next", "" if action == "next" else "all is there", step)
         if self._is_armed():
             words = "the robot listens to commands: say terminate before you enrol"
-            return Told(False, words, step)
-        checked = session.offer(step, record(self._listen(), step.seconds, lambda *_: None))
-        return Told(session.next() != step, "; ".join(checked.problems), session.next())
+            return ActionResult(False, words, step)
+        checked = script.offer(step, record(self._listen(), step.seconds, lambda *_: None))
+        return ActionResult(script.next() != step, "; ".join(checked.problems), script.next())
 
     def _profile(self, name: str) -> Profile:
-        if name in self._sessions:
-            return self._sessions[name].profile
+        if name in self._scripts:
+            return self._scripts[name].profile
         if name in names(self._root):
             return open_profile(name, self._root)
         return create_profile(name, self._base.model_hash, self._root)
 
-    def _session(self, name: str, profile: Profile) -> Session:
-        if name not in self._sessions:
+    def _script(self, name: str, profile: Profile) -> EnrolmentScript:
+        if name not in self._scripts:
             phrases = self._voice.commands.phrases
-            self._sessions[name] = Session(profile, self._config, phrases, self._check)
-        return self._sessions[name]
+            self._scripts[name] = EnrolmentScript(profile, self._config, phrases, self._check)
+        return self._scripts[name]

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 
-from voice_assist.enrolment.selfcheck import Trial, Verdict
+from voice_assist.enrolment.self_check import SelfCheckResult, SelfCheckTrial
 from voice_assist.profile.manifest import Manifest
 
 JSON, MARKDOWN = "report.json", "report.md"  # in a profile
@@ -23,7 +23,7 @@ class Effort:
 
 
 def as_json(
-    manifest: Manifest, verdict: Verdict, problems: tuple[str, ...], effort: Effort
+    manifest: Manifest, verdict: SelfCheckResult, problems: tuple[str, ...], effort: Effort
 ) -> bytes:
     """All figures of the check; no sound, and of what was said only the commands."""
     data = {
@@ -47,7 +47,7 @@ def as_json(
 
 
 def as_markdown(
-    manifest: Manifest, verdict: Verdict, problems: tuple[str, ...], effort: Effort
+    manifest: Manifest, verdict: SelfCheckResult, problems: tuple[str, ...], effort: Effort
 ) -> bytes:
     """The same for a reader."""
     own, others = _counts(verdict.own), [t for t in verdict.others if t.phrase]
@@ -73,14 +73,14 @@ def as_markdown(
         "|---|---|---|---|---|---|",
     ]
     lines += [
-        f"| {e.phrase} | {e.least_confidence:.2f} | {e.missed} of {e.takes} "
+        f"| {e.phrase} | {e.min_confidence:.2f} | {e.missed} of {e.takes} "
         f"| {e.miss_at_most:.0%} | {e.false} | {e.false_per_hour_at_most:.0f} |"
         for e in verdict.expected
     ]
     return ("\n".join(lines) + "\n").encode()
 
 
-def _counts(trials: list[Trial]) -> dict[str, int]:
+def _counts(trials: list[SelfCheckTrial]) -> dict[str, int]:
     return {
         "n": len(trials),
         "right_by_base": sum(set(t.base) == {t.phrase} for t in trials),
@@ -90,7 +90,7 @@ def _counts(trials: list[Trial]) -> dict[str, int]:
     }
 
 
-def _accepted(trials: list[Trial]) -> dict[str, int]:
+def _accepted(trials: list[SelfCheckTrial]) -> dict[str, int]:
     return {
         "n": len(trials),
         "taken_by_base": sum(bool(t.base) for t in trials),

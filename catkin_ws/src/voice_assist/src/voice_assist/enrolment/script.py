@@ -20,17 +20,17 @@ Check = Callable[[str, str, Samples], Checked]  # kind, phrase and sound of a ta
 
 
 @dataclass(frozen=True)
-class Step:
+class EnrolmentStep:
     """One thing to record."""
 
     kind: str  # COMMAND, TALK or ROOM
     phrase: str  # to say; empty where it is no command
     seconds: float  # [s] to record
     number: int  # of this one among those of its kind, from 1
-    of: int
+    total: int
 
 
-class Session:
+class EnrolmentScript:
     """Goes through the script; it keeps no state beside the profile, so it can go on any time."""
 
     def __init__(
@@ -46,10 +46,10 @@ class Session:
         """
         self.profile, self._config, self._phrases = profile, config, phrases
         self._check = check
-        self._unlike: Counter[str] = Counter()  # takes that were odd, by phrase
+        self._unlike: Counter[str] = Counter()  # takes unlike the base's expectation, by phrase
         self.kept = 0  # takes added to the profile
 
-    def next(self) -> Step | None:
+    def next(self) -> EnrolmentStep | None:
         """What to record now; None: all is there.
 
         The room comes first, then the commands in turns, so that no phrase is said many times in a
@@ -57,17 +57,17 @@ class Session:
         """
         takes = self.profile.manifest.takes
         if not any(take.kind == ROOM for take in takes):
-            return Step(ROOM, "", self._config.room, 1, 1)
+            return EnrolmentStep(ROOM, "", self._config.room, 1, 1)
         said = Counter(take.phrase for take in takes if take.kind == COMMAND)
-        least = min(said[phrase] for phrase in self._phrases)
-        if least < self._config.repetitions:
-            phrase = next(p for p in self._phrases if said[p] == least)
+        fewest = min(said[phrase] for phrase in self._phrases)
+        if fewest < self._config.repetitions:
+            phrase = next(p for p in self._phrases if said[p] == fewest)
             done = sum(min(said[p], self._config.repetitions) for p in self._phrases)
             all_of_them = self._config.repetitions * len(self._phrases)
-            return Step(COMMAND, phrase, self._config.take, done + 1, all_of_them)
+            return EnrolmentStep(COMMAND, phrase, self._config.take, done + 1, all_of_them)
         return self._talk()
 
-    def offer(self, step: Step, samples: Samples, source: str = MICROPHONE) -> Checked:
+    def offer(self, step: EnrolmentStep, samples: Samples, source: str = MICROPHONE) -> Checked:
         """Check a take, and keep it if it is good.
 
         A take that is only unlike what the base expects is kept when the phrase was so before: then
@@ -101,17 +101,19 @@ class Session:
             for take in self.profile.manifest.takes
         )
 
-    def _talk(self) -> Step | None:
+    def _talk(self) -> EnrolmentStep | None:
         there = [t.seconds for t in self.profile.manifest.takes if t.kind == TALK]
         missing = self._config.talk - sum(there)
         if missing <= 0.0:
             return None
         piece = self._config.talk_piece
         left = -(-missing // piece)
-        return Step(TALK, "", piece, len(there) + 1, len(there) + int(left))
+        return EnrolmentStep(TALK, "", piece, len(there) + 1, len(there) + int(left))
 
 
-def _take(step: Step, samples: Samples, checked: Checked, source: str, verdict: str) -> Take:
+def _take(
+    step: EnrolmentStep, samples: Samples, checked: Checked, source: str, verdict: str
+) -> Take:
     """All that is known of a take but its file and check sum, which come when it is written."""
     return Take(
         file="takes/0000.wav",

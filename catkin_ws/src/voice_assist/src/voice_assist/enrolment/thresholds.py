@@ -17,7 +17,7 @@ _LOWEST_OTHER = 0.25  # [0, 1] nor what neither moves nor halts
 
 
 @dataclass(frozen=True)
-class Evidence:
+class ConfidenceEvidence:
     """Confidences with which one command was heard by what was learned from other takes."""
 
     own: tuple[float, ...]  # in takes of it, where its words were heard
@@ -26,11 +26,11 @@ class Evidence:
 
 
 @dataclass(frozen=True)
-class Expected:
+class ExpectedErrors:
     """What a threshold is expected to do."""
 
     phrase: str
-    least_confidence: float
+    min_confidence: float
     takes: int
     missed: int  # of them, below the threshold or not heard at all
     miss_at_most: float  # upper bound of the share, SURE
@@ -39,10 +39,10 @@ class Expected:
 
     def to_setting(self) -> Setting:
         """As it lies in the profile."""
-        return Setting(phrase=self.phrase, least_confidence=self.least_confidence)
+        return Setting(phrase=self.phrase, least_confidence=self.min_confidence)
 
 
-def choose(command: CommandConfig, evidence: Evidence, margin: float) -> float:
+def choose_threshold(command: CommandConfig, evidence: ConfidenceEvidence, margin: float) -> float:
     """The threshold of one command for one person.
 
     A motion's is raised above all that it was wrongly heard in, as long as its takes stay above; a
@@ -66,23 +66,29 @@ def choose(command: CommandConfig, evidence: Evidence, margin: float) -> float:
     return round(min(base, lower), 3)
 
 
-def expect(
-    command: CommandConfig, least: float, evidence: Evidence, talked: Sequence[float], hours: float
-) -> Expected:
+def expected_errors(
+    command: CommandConfig,
+    threshold: float,
+    evidence: ConfidenceEvidence,
+    talked: Sequence[float],
+    hours: float,
+) -> ExpectedErrors:
     """Misses and false commands at a threshold, with exact bounds.
 
     Args:
         command: Which one.
-        least: The threshold.
+        threshold: The threshold.
         evidence: Of the person.
         talked: Confidences with which the command was heard in the person's talk.
         hours: Of that talk [h].
     """
     takes = len(evidence.own) + evidence.missed
-    missed = evidence.missed + sum(sure < least for sure in evidence.own)
-    false = sum(sure >= least for sure in talked)
+    missed = evidence.missed + sum(sure < threshold for sure in evidence.own)
+    false = sum(sure >= threshold for sure in talked)
     bound = share_at_most(missed, takes)
-    return Expected(command.phrase, least, takes, missed, bound, false, rate_at_most(false, hours))
+    return ExpectedErrors(
+        command.phrase, threshold, takes, missed, bound, false, rate_at_most(false, hours)
+    )
 
 
 def share_at_most(count: int, trials: int) -> float:

@@ -20,21 +20,21 @@ from rst_control.srv import Command, CommandRequest
 from voice_assist.intent.dialogue import Answered
 
 SERVICE = "rst_control/command"
-_IDLE = 1.0  # [s] between looks whether the controller is there
+_IDLE = 1.0  # [s] between checks that the controller is there
 _MISSING = "the robot's controller is missing"
 _AT_ONCE = struct.pack("ii", 1, 0)  # SO_LINGER: what is not delivered yet is thrown away
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Request:
     command: str
     may_repeat: bool
-    send_by: float  # [s] steady clock; whoever said it has been told by then that it failed
+    send_by: float  # [s] steady clock; after it the speaker has been notified of the failure
 
 
 class _TimelyRequest(CommandRequest):
-    """A request that is not sent any more once its time is over, however long connecting took."""
+    """A request that is refused after its deadline, however long connecting took."""
 
     send_by = float("inf")  # [s] steady clock
 
@@ -49,7 +49,7 @@ class _TimelyRequest(CommandRequest):
         super().serialize(buff)
 
 
-class CommandCaller:
+class CommandClient:
     """One call at a time over a connection that is kept open."""
 
     def __init__(self, answer_within: float, on_answer: Callable[[Answered], None]) -> None:
@@ -57,13 +57,13 @@ class CommandCaller:
 
         Args:
             answer_within: Longest wait for an answer [s].
-            on_answer: Told every answer, in the caller's thread.
+            on_answer: Called with every answer, in this client's thread.
         """
         self._within, self._on_answer = answer_within, on_answer
-        self._queue: Queue[_Asked] = Queue()
+        self._queue: Queue[_Request] = Queue()
         self._proxy: rospy.ServiceProxy | None = None
         self.trouble = ""  # what is wrong with the controller, in words
-        threading.Thread(target=self._run, name="caller", daemon=True).start()
+        threading.Thread(target=self._run, name="command client", daemon=True).start()
 
     def call(self, command: str, may_repeat: bool) -> None:
         """Ask for a command, after those asked before.
@@ -72,7 +72,7 @@ class CommandCaller:
             command: In words.
             may_repeat: Saying it twice does no harm, so it is sent again on a lost connection.
         """
-        self._queue.put(_Asked(command, may_repeat, time.monotonic() + self._within))
+        self._queue.put(_Request(command, may_repeat, time.monotonic() + self._within))
 
     def forget(self) -> None:
         """Drop what has not been sent yet: a stop makes it void."""
@@ -85,40 +85,40 @@ class CommandCaller:
     def _run(self) -> None:
         while not rospy.is_shutdown():
             try:
-                asked = self._queue.get(timeout=_IDLE)
+                request = self._queue.get(timeout=_IDLE)
             except Empty:
-                self._look()
+                self._check_controller()
                 continue
             try:
-                answered = self._ask(asked)
+                answered = self._ask(request)
             except Exception as error:  # top of a thread: report, and go on
                 rospy.logerr("calling the controller: %r", error)
-                answered = Answered(asked.command, False, repr(error))
+                answered = Answered(request.command, False, repr(error))
             self._on_answer(answered)
 
-    def _look(self) -> None:
+    def _check_controller(self) -> None:
         name = rospy.resolve_name(SERVICE)
         found = self._in_time(lambda: rospy.get_master().lookupService(name)[0] == 1)
         self.trouble = "" if found else f"{_MISSING}: no service {name}"
 
-    def _ask(self, asked: _Asked) -> Answered:
+    def _ask(self, request: _Request) -> Answered:
         was_connected = self._proxy is not None
-        answered = self._once(asked)
-        if answered is None and was_connected and asked.may_repeat:
-            answered = self._once(asked)  # the controller may have been started anew
+        answered = self._once(request)
+        if answered is None and was_connected and request.may_repeat:
+            answered = self._once(request)  # the controller may have been started anew
         self.trouble = "" if answered else f"{_MISSING}: no answer from {SERVICE}"
-        return answered or Answered(asked.command, False, f"{_MISSING} or does not answer")
+        return answered or Answered(request.command, False, f"{_MISSING} or does not answer")
 
-    def _once(self, asked: _Asked) -> Answered | None:
+    def _once(self, request: _Request) -> Answered | None:
         """One attempt; None: no connection, or no answer in time, and nothing comes later."""
         proxy = self._proxy or rospy.ServiceProxy(SERVICE, Command, persistent=True)
         self._proxy = proxy
-        request = _TimelyRequest(asked.command)
-        request.send_by = asked.send_by
+        timely = _TimelyRequest(request.command)
+        timely.send_by = request.send_by
 
         def ask() -> Answered:
-            reply = proxy(request)
-            return Answered(asked.command, bool(reply.accepted), reply.message)
+            reply = proxy(timely)
+            return Answered(request.command, bool(reply.accepted), reply.message)
 
         answered = self._in_time(ask)
         if answered is None:

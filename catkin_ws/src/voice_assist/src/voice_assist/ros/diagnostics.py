@@ -14,7 +14,7 @@ CLIPPED = 0.01  # [share] of the sound at full scale from which it is worth a wa
 
 
 @dataclass
-class Health:
+class VoiceHealth:
     """What the threads of the node note down; single values, so no lock is needed."""
 
     model: str
@@ -60,10 +60,10 @@ class Health:
         return is_fresh and not (self.trouble or self.failure or self.hang)
 
 
-class Diagnostics:
+class VoiceDiagnostics:
     """Publishes the health."""
 
-    def __init__(self, health: Health, clock: Callable[[], float], deaf_after: float) -> None:
+    def __init__(self, health: VoiceHealth, clock: Callable[[], float], deaf_after: float) -> None:
         """Announce the node."""
         self._health, self._clock, self._deaf_after = health, clock, deaf_after
         self._updater = Updater()
@@ -95,7 +95,7 @@ class Diagnostics:
         return status
 
 
-def _summary(health: Health, now: float, deaf_after: float) -> tuple[int, str]:
+def _summary(health: VoiceHealth, now: float, deaf_after: float) -> tuple[int, str]:
     if health.failure:
         return DiagnosticStatus.ERROR, health.failure
     if health.trouble:

@@ -13,7 +13,7 @@ from typed_config import ConfigError
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
-from voice_assist.enrolment.remote_session import EnrolmentDesk, Told
+from voice_assist.enrolment.remote_session import ActionResult, EnrolmentService
 from voice_assist.errors import VoiceError
 from voice_assist.msg import Mode
 from voice_assist.profile.profile import profiles_folder
@@ -37,7 +37,7 @@ def main() -> None:
 
 
 class EnrolmentNode:
-    """Joins the desk, the sound and the service."""
+    """Joins the enrolment service of the core, the sound and the ROS service."""
 
     def __init__(self) -> None:
         """Load the base recogniser and announce the service."""
@@ -46,13 +46,13 @@ class EnrolmentNode:
         base = load_recognizer(self._voice.recognizer.model, self._voice.recognizer.device)
         root, self._mode = profiles_folder(self._voice.profile.folder), ""
         args = self._voice, config, base, root, self._listen, self._is_armed
-        self._desk = EnrolmentDesk(*args)
+        self._service = EnrolmentService(*args)
         rospy.Subscriber(_MODE, Mode, self._take_mode)
         rospy.Service(_SERVICE, Enroll, self._serve)
 
     def _serve(self, request: EnrollRequest) -> EnrollResponse:
         limit_torch(self._voice)  # each call has a thread of its own
-        return _response(self._desk(request.name, request.action))
+        return _response(self._service(request.name, request.action))
 
     def _take_mode(self, message: Mode) -> None:
         self._mode = message.mode
@@ -71,10 +71,10 @@ class EnrolmentNode:
             rospy.logwarn("%s", trouble)
 
 
-def _response(told: Told) -> EnrollResponse:
-    response = EnrollResponse(success=told.success, message=told.message)
-    if told.step is not None:
-        response.kind, response.phrase = told.step.kind, told.step.phrase
-        response.seconds, response.number = told.step.seconds, told.step.number
-        response.of = told.step.of
+def _response(result: ActionResult) -> EnrollResponse:
+    response = EnrollResponse(success=result.success, message=result.message)
+    if result.step is not None:
+        response.kind, response.phrase = result.step.kind, result.step.phrase
+        response.seconds, response.number = result.step.seconds, result.step.number
+        response.total = result.step.total
     return response

@@ -15,8 +15,8 @@ from voice_assist.ros import messages
 from voice_assist.side_inputs import Circumstance, to_text
 from voice_assist.types import Decision, Frame, Mode, Partial
 
-# [s] after a stop without heartbeats; more than the controller's watchdogs.voice_heartbeat_age.
-# Their silence stops the robot where the stop itself is lost, or is late.
+# [s] without heartbeats after a stop; more than the controller's watchdogs.voice_heartbeat_age.
+# The missing heartbeat stops the robot where the stop itself is lost or late.
 QUIET = 1.0
 
 
@@ -29,7 +29,7 @@ class Publishers:
         self._audio = advertise("voice_assist/audio", AudioChunk, queue_size=100)
         self._partial = advertise("voice_assist/partial", String, queue_size=20)
         self._utterance = advertise("voice_assist/utterance", UtteranceMessage, queue_size=100)
-        self._besides = advertise("voice_assist/circumstances", String, queue_size=1000)
+        self._circumstances = advertise("voice_assist/circumstances", String, queue_size=1000)
         self._say = advertise("voice_assist/say", String, queue_size=20)
         self._mode = advertise("voice_assist/mode", ModeMessage, queue_size=10, latch=True)
         self._stop = advertise("rst_control/stop", Empty, queue_size=10)
@@ -41,8 +41,8 @@ class Publishers:
         self._audio.publish(messages.audio_chunk(frame))
 
     def circumstance(self, circumstance: Circumstance) -> None:
-        """What hearing depended on besides the sound, for the recording."""
-        self._besides.publish(String(data=to_text(circumstance)))
+        """An input of hearing other than the sound, for the recording."""
+        self._circumstances.publish(String(data=to_text(circumstance)))
 
     def partial(self, partial: Partial) -> None:
         """What has been heard so far."""

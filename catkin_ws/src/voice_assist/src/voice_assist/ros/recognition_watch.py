@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Watches recognition while it works: says when it hangs, and hears a "stop" in its place.
+"""Detects that recognition hangs, and then takes a "stop" from the spotter alone.
 
 The spotter alone needs `spotter.yaml: alone` for a stop, because each false one interrupts work.
-While recognition hangs nobody else hears, and the robot has been stopped for the hang: a false stop
-costs nothing then, a missed one may. So `middle` is enough, from the beginning of the sound on that
-recognition did not live to judge.
+While recognition hangs, only the spotter hears, and the robot is stopped already. A false stop then
+costs nothing; a missed one may. So the lower threshold `middle` is enough. It applies from the
+beginning of the sound that recognition did not decide.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from voice_assist.spotter.spotter import Spotting
 
 
 @dataclass(frozen=True)
-class Seen:
-    """One look at recognition."""
+class RecognitionStatus:
+    """State of recognition at one check."""
 
     hang: str  # why it counts as hanging; empty: it does not
     is_news: bool  # that has just begun, or ended
@@ -26,11 +26,11 @@ class Seen:
 
 
 class RecognitionWatch:
-    """Looked at again and again, by one thread.
+    """Called periodically by one thread.
 
     Args:
-        hang_watch: Tells a hang from a wait for the processor.
-        spotting: The spotter itself, not what the pipeline sees of it; None: there is none.
+        hang_watch: Distinguishes a hang from a wait for the processor.
+        spotting: The spotter itself, not the pipeline's view of it; None: no spotter.
         config: Its thresholds.
     """
 
@@ -41,8 +41,8 @@ class RecognitionWatch:
         self._hang = ""
         self._from = 0.0  # [s] clock time from which a "stop" counts, while recognition hangs
 
-    def __call__(self, since: float | None, steady: float, now: float) -> Seen:
-        """Look once.
+    def __call__(self, since: float | None, steady: float, now: float) -> RecognitionStatus:
+        """Check once.
 
         Args:
             since: When recognition began with its frame, steady clock [s]; None: it waits for one.
@@ -52,10 +52,10 @@ class RecognitionWatch:
         was_hung, self._hang = bool(self._hang), self._hang_watch.objection(since, steady)
         is_hung = bool(self._hang)
         if since is None or not is_hung:
-            return Seen(self._hang, was_hung)
+            return RecognitionStatus(self._hang, was_hung)
         if not was_hung:
             self._from = now - (steady - since)
-        return Seen(self._hang, not was_hung, self._spot(now))
+        return RecognitionStatus(self._hang, not was_hung, self._spot(now))
 
     def _spot(self, now: float) -> float | None:
         score = None if self._spotting is None else self._spotting.best(self._from)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Hears by topic when a loudspeaker of the robot speaks; however often, it stays short."""
+"""Reports from the topic that says when the robot's loudspeaker speaks; the queue is bounded."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from std_msgs.msg import Bool
 
 from voice_assist.audio.robot_speech import Spoke
 
-_LEFT = 2  # of what was told between two looks: the newest, and what it changed
+_KEPT = 2  # reports between two takes: the newest, and the one that it changed
 
 
-class SpeakingTopic:
-    """What was told and not yet taken."""
+class RobotSpeechTopic:
+    """Reports received and not yet taken."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
-        """Subscribe; `clock` stamps what is told [s]."""
+        """Subscribe; `clock` stamps each report [s]."""
         self._clock, self._lock = clock, Lock()
-        self._told: deque[Spoke] = deque(maxlen=_LEFT)
+        self._reports: deque[Spoke] = deque(maxlen=_KEPT)
         rospy.Subscriber("voice_assist/speaking", Bool, self._hear)
 
     def take(self) -> list[Spoke]:
-        """What was told since the last look, oldest first; the same told again counts once."""
+        """Reports since the last call, oldest first; a repeated report counts once."""
         with self._lock:
-            told = list(self._told)
-            self._told.clear()
-        return told
+            reports = list(self._reports)
+            self._reports.clear()
+        return reports
 
     def _hear(self, message: Bool) -> None:
         spoke = Spoke(message.data, self._clock())
         with self._lock:
-            is_again = self._told and self._told[-1].is_speaking == spoke.is_speaking
+            is_again = self._reports and self._reports[-1].is_speaking == spoke.is_speaking
             if is_again and spoke.is_speaking:
-                self._told[-1] = spoke  # it lasts longer now; an end told again is none
+                self._reports[-1] = spoke  # speech lasts longer now; a repeated end is dropped
             elif not is_again:
-                self._told.append(spoke)
+                self._reports.append(spoke)

@@ -20,8 +20,8 @@ from voice_assist.types import RATE, Frame
 _QUEUE = 1000  # chunks
 _LONGEST = 0.5  # [s] of sound in one chunk
 _RATES = range(8_000, 192_001)  # [Hz]
-_EARLIEST, _LATEST = 1.0, 4e9  # [s] of a stamp; what is reckoned from it must be a stamp, too
-_LONGEST_GAP = 3600.0  # [s] of lost sound between two chunks; more is a stream that began anew
+_EARLIEST, _LATEST = 1.0, 4e9  # [s] of a stamp; times computed from it must be valid stamps, too
+_MAX_GAP = 3600.0  # [s] of lost sound between two chunks; a longer one is a restarted stream
 
 
 class TopicSource:
@@ -32,7 +32,7 @@ class TopicSource:
 
         Args:
             config: Its name, and when it counts as silent.
-            report: Told what is wrong; an empty text when all is well again.
+            report: Called with what is wrong; with an empty text when all is well again.
         """
         self._config, self._report = config, report
         self._queue: Queue[AudioChunk | str] = Queue(_QUEUE)  # a text: why a chunk is not heard
@@ -57,7 +57,7 @@ class TopicSource:
         if chunk.header.stamp.is_zero():  # left out: the time at which it came is near enough
             chunk.header.stamp = rospy.Time.now()
         chunk.samples = pcm(chunk)  # 2 bytes each while it waits, not 36
-        with suppress(Full):  # the jump of first_sample tells the reader
+        with suppress(Full):  # the reader notices the jump of first_sample
             self._queue.put_nowait(_trouble(chunk) or chunk)
 
     def __iter__(self) -> Iterator[Frame]:
@@ -70,7 +70,7 @@ class TopicSource:
             if chunk.rate != rate:
                 resample, rate = Resampler(chunk.rate), chunk.rate
             if expected is not None and chunk.first_sample != expected:
-                lost = min((chunk.first_sample - expected) / rate, _LONGEST_GAP)
+                lost = min((chunk.first_sample - expected) / rate, _MAX_GAP)
                 framer.skip(max(round(lost * RATE), RATE // 10))
             expected = chunk.first_sample + len(chunk.samples)
             yield from framer.push(resample(pcm(chunk)), chunk.header.stamp.to_sec())

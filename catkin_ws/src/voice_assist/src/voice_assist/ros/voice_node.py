@@ -35,12 +35,12 @@ from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Event
 from voice_assist.profile.active import facts_of
-from voice_assist.ros.command_client import CommandCaller
-from voice_assist.ros.diagnostics import Diagnostics, Health
+from voice_assist.ros.command_client import CommandClient
+from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
 from voice_assist.ros.recognition_watch import RecognitionWatch
-from voice_assist.ros.robot_speech import SpeakingTopic
+from voice_assist.ros.robot_speech import RobotSpeechTopic
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.side_inputs import Circumstance, Kind
 from voice_assist.spotter.spotter import Spotted, Spotter
@@ -61,9 +61,9 @@ from voice_assist.types import (
     frozen_samples,
 )
 
-LOOK = 0.01  # [s] between looks at recognition; what a hang is noticed late by
+WATCH_PERIOD = 0.01  # [s] between checks of recognition; the delay in noticing a hang
 HEARTBEAT = 0.05  # [s]
-_HEARTBEAT_EVERY = round(HEARTBEAT / LOOK)  # looks
+_HEARTBEAT_EVERY = round(HEARTBEAT / WATCH_PERIOD)  # checks
 _DIAGNOSTICS_EVERY = 20  # heartbeats
 
 
@@ -88,7 +88,7 @@ class VoiceNode:
         self._config = config
         recognizer = make_recognizer(config)
         facts = {"model": recognizer.name, "model_sha256": recognizer.model_hash}
-        if of_profile := facts_of(recognizer):  # pinned, so that a replay uses no other
+        if of_profile := facts_of(recognizer):  # pinned, so that a replay uses the same
             facts |= of_profile
             pinned = replace(config.profile, sha256=of_profile["profile_sha256"])
             rospy.set_param("~profile", asdict(pinned))
@@ -99,7 +99,7 @@ class VoiceNode:
         self._stopped = float("-inf")  # [s] when the newest stop was sent
         self._busy_since: float | None = None  # [s] steady clock, at the frame under recognition
         self._publish = Publishers()
-        self._health = Health(
+        self._health = VoiceHealth(
             f"{recognizer.name} {recognizer.model_hash[:12]}",
             config.audio.source,
             config.audio.queue,
@@ -112,8 +112,8 @@ class VoiceNode:
         rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
         witness = self._publish.circumstance
         self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, witness)
-        self._caller = CommandCaller(config.commands.answer_within, self._answers.put)
-        self._speaking = SpeakingTopic(_now)
+        self._client = CommandClient(config.commands.answer_within, self._answers.put)
+        self._robot_speech = RobotSpeechTopic(_now)
         self._repeatable = {c.call for c in config.commands.commands if not c.is_motion}
 
     def run(self) -> None:
@@ -133,7 +133,7 @@ class VoiceNode:
             sys.exit(1)  # as after a crash: `keep` starts it anew
 
     def _guard(self, target: Callable[[], None]) -> None:
-        """Top of a thread: what goes wrong stops the robot, and ends the heartbeat."""
+        """Top of a thread: an error stops the robot and ends the heartbeat."""
         try:
             target()
         except Exception as error:
@@ -172,7 +172,7 @@ class VoiceNode:
         return make_source(self._config.audio, _now, self._over.wait, self._trouble)
 
     def _trouble(self, trouble: str) -> None:
-        """Note and say, once, what is wrong with the source, or that it is well again."""
+        """Store the source's trouble, and log it once when it begins and ends."""
         before, self._health.trouble = self._health.trouble, trouble
         if trouble and trouble != before:
             rospy.logerr("%s", trouble)
@@ -185,7 +185,7 @@ class VoiceNode:
         limit_torch(self._config)
         self._pipeline.warm_up(_noise())  # what is done only once must not look like a hang
         while not self._over.is_set():
-            self._take_told()
+            self._take_reports()
             try:
                 frame = self._frames.get(timeout=HEARTBEAT)
             except Empty:
@@ -217,22 +217,22 @@ class VoiceNode:
         if isinstance(action, Halt):
             self._stop()
         elif isinstance(action, Call):
-            self._caller.call(action.command, action.command in self._repeatable)
+            self._client.call(action.command, action.command in self._repeatable)
         elif isinstance(action, SetMode):
             self._publish.mode(action.mode, action.reason, _now())
 
     def _stop(self) -> None:
         self._publish.stop()
         self._stopped = _now()
-        self._caller.forget()
+        self._client.forget()
 
     def _hold(self) -> None:
-        """Stop as one who cannot hear any more; a stop that is spotted later is sent, too."""
+        """Stop because hearing failed; a stop that is spotted later is sent, too."""
         self._publish.stop()
-        self._caller.forget()
+        self._client.forget()
 
-    def _take_told(self) -> None:
-        for spoke in self._speaking.take():
+    def _take_reports(self) -> None:
+        for spoke in self._robot_speech.take():
             self._pipeline.robot_spoke(spoke)
         while not self._answers.empty():
             self._take_answer(self._answers.get())
@@ -264,13 +264,13 @@ class VoiceNode:
         return spotter
 
     def _in_thread(self, spotter: Spotter) -> SpotterThread:
-        told = self._spotted, self._spotter_failed
+        callbacks = self._spotted, self._spotter_failed
         patience = self._config.spotter.patience
         witness = self._publish.circumstance
-        return SpotterThread(spotter, self._config.spotter.queue, *told, patience, witness)
+        return SpotterThread(spotter, self._config.spotter.queue, *callbacks, patience, witness)
 
     def _spotted(self, spotted: Spotted) -> None:
-        """Stop at once, unless recognition just did; the pipeline tells it when it comes to it."""
+        """Stop at once, unless recognition just did; the pipeline takes the spotted word later."""
         if _now() - self._stopped >= self._config.spotter.rearm_after:
             self._stop()
         rospy.loginfo("the spotter heard %r: %.1f nat", self._config.spotter.phrase, spotted.score)
@@ -282,34 +282,34 @@ class VoiceNode:
     # --- thread 4: watch over recognition, heartbeat and diagnostics
 
     def _beat(self) -> None:
-        diagnostics = Diagnostics(self._health, _now, self._config.audio.deaf_after)
-        looks = 0
-        while not self._over.wait(LOOK):
+        diagnostics = VoiceDiagnostics(self._health, _now, self._config.audio.deaf_after)
+        checks = 0
+        while not self._over.wait(WATCH_PERIOD):
             is_news = self._watch_recognition()
-            if looks % _HEARTBEAT_EVERY == 0 and self._would_hear():
+            if checks % _HEARTBEAT_EVERY == 0 and self._would_hear():
                 self._publish.heartbeat(_now())
-            if is_news or looks % (_HEARTBEAT_EVERY * _DIAGNOSTICS_EVERY) == 0:
-                self._health.controller = self._caller.trouble
+            if is_news or checks % (_HEARTBEAT_EVERY * _DIAGNOSTICS_EVERY) == 0:
+                self._health.controller = self._client.trouble
                 diagnostics.publish()
-            looks += 1
+            checks += 1
 
     def _would_hear(self) -> bool:
         return self._health.would_hear(_now(), self._config.audio.deaf_after)
 
     def _watch_recognition(self) -> bool:
-        """Stop the robot once recognition hangs; gives whether it has just begun or ended to."""
-        seen = self._watch(self._busy_since, _steady(), _now())
-        self._health.hang = seen.hang
-        if seen.hang and seen.is_news:
+        """Stop the robot once recognition hangs; returns whether a hang has just begun or ended."""
+        status = self._watch(self._busy_since, _steady(), _now())
+        self._health.hang = status.hang
+        if status.hang and status.is_news:
             self._hold()
-            rospy.logerr("%s; the robot is stopped", seen.hang)
-        if seen.spotted is not None:
-            self._spotted(Spotted(_now(), seen.spotted))
-        return seen.is_news
+            rospy.logerr("%s; the robot is stopped", status.hang)
+        if status.spotted is not None:
+            self._spotted(Spotted(_now(), status.spotted))
+        return status.is_news
 
 
 def _load_config() -> VoiceConfig:
-    """From the node's private parameters; sections that it has none of from the package's files."""
+    """From the node's private parameters; missing sections from the package's files."""
     given = {name: rospy.get_param(f"~{name}") for name in SECTIONS if rospy.has_param(f"~{name}")}
     if not given:
         rospy.loginfo("no private parameters; the settings are those of the package's files")

@@ -15,7 +15,7 @@ from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import encode
 from voice_assist.training.data.mixture import Aligned, WordTime
-from voice_assist.training.data.synthesis import Clip
+from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.precision import cheap_numbers
 from voice_assist.types import RATE, Samples
 
@@ -25,7 +25,7 @@ STEP = 0.02  # [s] between encoder states
 WORST = -1.5  # mean log-probability per state below which a clip is left out
 
 
-def align_clips(model: HybridWhisper, clips: Sequence[Clip], cache: Path) -> list[Aligned]:
+def align_clips(model: HybridWhisper, clips: Sequence[TrainingClip], cache: Path) -> list[Aligned]:
     """Word times of all clips that align well.
 
     Args:
@@ -46,7 +46,7 @@ def align_clips(model: HybridWhisper, clips: Sequence[Clip], cache: Path) -> lis
 
 
 @torch.inference_mode()
-def _times(model: HybridWhisper, clip: Clip) -> NDArray[np.floating]:
+def _times(model: HybridWhisper, clip: TrainingClip) -> NDArray[np.floating]:
     """Time of each character [s], empty where the clip does not align."""
     nothing = np.zeros(0)
     if not clip.text or len(clip.samples) < RATE // 10:
@@ -81,7 +81,9 @@ def long_logprobs(model: HybridWhisper, sound: Samples) -> NDArray[np.float32]:
     return np.concatenate(parts)
 
 
-def _aligned(clips: Sequence[Clip], times: Sequence[NDArray[np.floating]]) -> Iterable[Aligned]:
+def _aligned(
+    clips: Sequence[TrainingClip], times: Sequence[NDArray[np.floating]]
+) -> Iterable[Aligned]:
     for clip, time in zip(clips, times, strict=True):
         if len(time):
             yield Aligned(clip, tuple(_words(clip.text, time)))

@@ -16,8 +16,8 @@ from voice_assist.training.data.human import (
 )
 from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import (
-    Amounts,
-    Clip,
+    SynthesisAmounts,
+    TrainingClip,
     plan_held_out,
     plan_training,
     plan_twins,
@@ -32,14 +32,16 @@ TALK_THIN = 5  # of the talk to measure on, one clip in so many
 class Corpus:
     """Clips to learn from, and clips of other speakers to measure on."""
 
-    train: list[Clip]
+    train: list[TrainingClip]
     around: Surroundings
-    held_out: list[Clip]  # synthetic, in voices never trained on
-    people: list[Clip]  # human single words of split dev
-    talk: list[Clip]  # a part of split false_accept_dev; its text is not used
+    held_out: list[TrainingClip]  # synthetic, in voices never trained on
+    people: list[TrainingClip]  # human single words of split dev
+    talk: list[TrainingClip]  # a part of split false_accept_dev; its text is not used
 
 
-def load_corpus(speech: Path, cache: Path, seed: int, amounts: Amounts, workers: int) -> Corpus:
+def load_corpus(
+    speech: Path, cache: Path, seed: int, amounts: SynthesisAmounts, workers: int
+) -> Corpus:
     """Synthesise, or read from the cache, and load recordings where present.
 
     Args:

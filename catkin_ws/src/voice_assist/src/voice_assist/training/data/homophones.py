@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What sounds like a command in a voice's accent, and so cannot be told from it.
+"""What sounds like a command in a voice's accent, and so cannot be distinguished from it.
 
 "pool more" is "pull more" in Scotland, and in the mouth of a voice whose language has one
 such vowel. To train such a sound as no command teaches the network to refuse commands.

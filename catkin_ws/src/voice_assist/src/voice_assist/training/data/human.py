@@ -14,7 +14,7 @@ import soundfile
 import soxr
 
 from voice_assist.errors import AudioError
-from voice_assist.training.data.synthesis import Clip, read_sounds, save_sounds
+from voice_assist.training.data.synthesis import TrainingClip, read_sounds, save_sounds
 from voice_assist.training.data.texts import normalise_text
 from voice_assist.types import RATE
 
@@ -22,7 +22,7 @@ RowKind = str  # "positive", "speech", "noise" or "rir"
 
 
 @dataclass(frozen=True)
-class Row:
+class ManifestRow:
     """One line of the manifest."""
 
     path: Path
@@ -35,7 +35,7 @@ class Row:
     split: str
 
 
-def read_manifest(folder: Path) -> list[Row]:
+def read_manifest(folder: Path) -> list[ManifestRow]:
     """Rows of folder/manifest.csv in file order; none where it is absent."""
     path = folder / "manifest.csv"
     if not path.exists():
@@ -44,13 +44,15 @@ def read_manifest(folder: Path) -> list[Row]:
         return [_row(folder, line) for line in csv.DictReader(file)]
 
 
-def training_sentences(rows: Sequence[Row]) -> list[str]:
+def training_sentences(rows: Sequence[ManifestRow]) -> list[str]:
     """Distinct transcripts of training sentences, for the synthetic voices."""
     said = {normalise_text(r.transcript) for r in rows if r.split == "train"}
     return sorted(text for text in said if len(text.split()) >= 4)
 
 
-def load_speech(rows: Sequence[Row], split: str, cache: Path, longest: float = 36.0) -> list[Clip]:
+def load_speech(
+    rows: Sequence[ManifestRow], split: str, cache: Path, longest: float = 36.0
+) -> list[TrainingClip]:
     """Speech of one split that has a transcript, in manifest order.
 
     Args:
@@ -76,12 +78,12 @@ def load_speech(rows: Sequence[Row], split: str, cache: Path, longest: float = 3
             save_sounds(list(pool.map(lambda row: read_int16(row.path), wanted)), path)
     sounds = read_sounds(path)
     return [
-        Clip(sound, normalise_text(row.transcript), _kind(row), row.speaker or row.source)
+        TrainingClip(sound, normalise_text(row.transcript), _kind(row), row.speaker or row.source)
         for row, sound in zip(wanted, sounds, strict=True)
     ]
 
 
-def load_sounds(rows: Sequence[Row], kind: RowKind) -> list[np.ndarray]:
+def load_sounds(rows: Sequence[ManifestRow], kind: RowKind) -> list[np.ndarray]:
     """Noise or room responses for training, float32, each of shape (n,)."""
     paths = [row.path for row in rows if row.kind == kind and row.split == "train"]
     return [read_int16(path).astype(np.float32) / 32768 for path in paths]
@@ -103,13 +105,13 @@ def read_int16(path: Path) -> np.ndarray:
     return np.round(np.clip(mono, -1, 1) * 32767).astype(np.int16)
 
 
-def _kind(row: Row) -> str:
+def _kind(row: ManifestRow) -> str:
     words = len(row.transcript.split())
     return "sentence" if words > 2 else "word"
 
 
-def _row(folder: Path, line: dict[str, str]) -> Row:
-    return Row(
+def _row(folder: Path, line: dict[str, str]) -> ManifestRow:
+    return ManifestRow(
         folder / line["path"],
         line["kind"],
         line["transcript"],

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.random import Generator
 
-from voice_assist.training.data.synthesis import Clip
+from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.data.texts import TWINS
 from voice_assist.training.data.voices import Int16
 from voice_assist.types import RATE
@@ -44,7 +44,7 @@ class Item:
 class Aligned:
     """A clip whose word times are known."""
 
-    clip: Clip
+    clip: TrainingClip
     words: tuple[WordTime, ...]
 
 
@@ -57,7 +57,7 @@ class Mixture:
 
     def __init__(
         self,
-        clips: Sequence[Clip],
+        clips: Sequence[TrainingClip],
         aligned: Sequence[Aligned],
         weights: Mapping[str, float],
         longest: float = LONGEST,
@@ -89,8 +89,8 @@ class Mixture:
 Source = Callable[[Generator], Item]
 
 
-def _sources(clips: Sequence[Clip], aligned: Sequence[Aligned]) -> dict[str, Source]:
-    kinds: dict[str, list[Clip]] = {}
+def _sources(clips: Sequence[TrainingClip], aligned: Sequence[Aligned]) -> dict[str, Source]:
+    kinds: dict[str, list[TrainingClip]] = {}
     for clip in clips:
         kinds.setdefault(_name(clip), []).append(clip)
     sources: dict[str, Source] = {name: _whole(found) for name, found in kinds.items()}
@@ -155,7 +155,7 @@ def cut_short(aligned: Aligned, rng: Generator) -> Item:
     return Item(aligned.clip.samples[: max(int(end * RATE), 1)], " ".join(heard))
 
 
-def clipped_onset(clip: Clip, rng: Generator) -> Item:
+def clipped_onset(clip: TrainingClip, rng: Generator) -> Item:
     """A clip without up to 90 ms of its beginning."""
     return Item(clip.samples[int(rng.uniform(0.0, 0.09) * RATE) :], clip.text)
 
@@ -182,15 +182,15 @@ def _around(aligned: Aligned, index: int, rng: Generator) -> Item:
     return _item(excerpt(aligned, first, min(index + 1 + int(after), len(aligned.words))).clip)
 
 
-def _item(clip: Clip) -> Item:
+def _item(clip: TrainingClip) -> Item:
     return Item(clip.samples, clip.text)
 
 
-def _whole(clips: Sequence[Clip]) -> Source:
+def _whole(clips: Sequence[TrainingClip]) -> Source:
     return lambda rng: _item(_pick(clips, rng))
 
 
-def _name(clip: Clip) -> str:
+def _name(clip: TrainingClip) -> str:
     if clip.kind != "word":
         return clip.kind
     if clip.text == "stop":

@@ -23,7 +23,7 @@ _NEAR = frozenset((*texts.NEAR_MISSES, *texts.HARD))
 
 
 @dataclass(frozen=True, eq=False)
-class Clip:
+class TrainingClip:
     """A sound and what is said in it."""
 
     samples: Int16  # (n,), 16 kHz mono
@@ -33,7 +33,7 @@ class Clip:
 
 
 @dataclass(frozen=True)
-class Amounts:
+class SynthesisAmounts:
     """How many prompts of each kind to plan."""
 
     command: int = 9000
@@ -46,7 +46,7 @@ class Amounts:
     twin: int = 0  # what is most like a command, for the lesson "twins"
 
 
-def plan_training(sentences: Sequence[str], seed: int, amounts: Amounts) -> list[Prompt]:
+def plan_training(sentences: Sequence[str], seed: int, amounts: SynthesisAmounts) -> list[Prompt]:
     """Prompts for training, grouped by voice; no held-out voice speaks."""
     rng = Random(seed)
     variants, _ = voices.espeak_variants()
@@ -100,7 +100,7 @@ def plan_held_out(seed: int, per_voice: int = 2) -> list[Prompt]:
     return sorted(prompts, key=lambda p: (p.engine, p.voice, p.text, p.rate))
 
 
-def synthesise(prompts: Sequence[Prompt], cache: Path, workers: int = 2) -> list[Clip]:
+def synthesise(prompts: Sequence[Prompt], cache: Path, workers: int = 2) -> list[TrainingClip]:
     """Speak all prompts, reusing what the cache already holds.
 
     Args:
@@ -139,9 +139,9 @@ def _speak_chunk(job: tuple[list[Prompt], Path]) -> None:
     save_sounds([NOTHING if sound is None else sound for sound in sounds], path)
 
 
-def _read_chunk(prompts: list[Prompt], path: Path) -> list[Clip]:
+def _read_chunk(prompts: list[Prompt], path: Path) -> list[TrainingClip]:
     return [
-        Clip(sound, texts.normalise_text(p.text), _kind(p.text), f"{p.engine}:{p.voice}")
+        TrainingClip(sound, texts.normalise_text(p.text), _kind(p.text), f"{p.engine}:{p.voice}")
         for sound, p in zip(read_sounds(path), prompts, strict=True)
         if len(sound)
     ]

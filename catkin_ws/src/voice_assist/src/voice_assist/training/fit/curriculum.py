@@ -17,7 +17,7 @@ from voice_assist.training.data.augment import Strength
 
 
 @dataclass(frozen=True)
-class Stage:
+class TrainingStage:
     """What is trained on up to a step."""
 
     until: int  # step
@@ -65,20 +65,20 @@ TWINNED = {
 HARSH = Strength(snr=(-3.0, 25.0), noise=0.8, warp=0.12, telephone=0.06)
 
 STAGES = (
-    Stage(900, SHORT, 64.0, 3.5, GENTLE, False),
-    Stage(1400, WHOLE, 80.0, 7.8, Strength(), False),
-    Stage(1_000_000, PIECES, 80.0, 7.8, Strength(), True),
+    TrainingStage(900, SHORT, 64.0, 3.5, GENTLE, False),
+    TrainingStage(1400, WHOLE, 80.0, 7.8, Strength(), False),
+    TrainingStage(1_000_000, PIECES, 80.0, 7.8, Strength(), True),
 )
 
 CONTINUED = {
-    "mending": (Stage(1_000_000, MENDING, 80.0, 7.8, HARSH, True),),
-    "balanced": (Stage(1_000_000, BALANCED, 80.0, 7.8, HARSH, True),),
-    "twins": (Stage(1_000_000, TWINNED, 80.0, 7.8, HARSH, True),),
+    "mending": (TrainingStage(1_000_000, MENDING, 80.0, 7.8, HARSH, True),),
+    "balanced": (TrainingStage(1_000_000, BALANCED, 80.0, 7.8, HARSH, True),),
+    "twins": (TrainingStage(1_000_000, TWINNED, 80.0, 7.8, HARSH, True),),
 }
 LESSONS = tuple(CONTINUED)
-FINE_TUNED = (Stage(400, WHOLE, 80.0, 7.8, Strength(), False), *CONTINUED["mending"])
+FINE_TUNED = (TrainingStage(400, WHOLE, 80.0, 7.8, Strength(), False), *CONTINUED["mending"])
 
 
-def stage_of(step: int, stages: Sequence[Stage] = STAGES) -> tuple[int, Stage]:
+def stage_of(step: int, stages: Sequence[TrainingStage] = STAGES) -> tuple[int, TrainingStage]:
     """The stage that a step belongs to, with its number."""
     return next((n, stage) for n, stage in enumerate(stages) if step < stage.until)

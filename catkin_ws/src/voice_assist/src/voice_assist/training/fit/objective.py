@@ -19,7 +19,7 @@ SMOOTHING = 0.05
 
 
 @dataclass(frozen=True)
-class Loss:
+class JointLoss:
     """Both parts and their weighted sum, each per token."""
 
     total: Tensor
@@ -27,7 +27,7 @@ class Loss:
     decoder: float
 
 
-def joint_loss(model: HybridWhisper, batch: Batch) -> Loss:
+def joint_loss(model: HybridWhisper, batch: Batch) -> JointLoss:
     """Hybrid CTC/attention loss (Watanabe et al. 2017), in bfloat16 where safe."""
     with cheap_numbers():
         states = model.encode(batch.mel)
@@ -41,7 +41,7 @@ def joint_loss(model: HybridWhisper, batch: Batch) -> Loss:
         label_smoothing=SMOOTHING,
     )
     total = CTC_SHARE * ctc + (1 - CTC_SHARE) * decoder
-    return Loss(total, float(ctc.detach()), float(decoder.detach()))
+    return JointLoss(total, float(ctc.detach()), float(decoder.detach()))
 
 
 def ctc_loss(logprobs: Tensor, texts: list[list[int]]) -> Tensor:

@@ -13,7 +13,7 @@ from voice_assist.recognizer.checkpoint import Checkpoint, find_checkpoint, read
 from voice_assist.recognizer.embedded import restore
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.vocabulary import WHISPER_IDS
-from voice_assist.training.fit.curriculum import CONTINUED, FINE_TUNED, STAGES, Stage
+from voice_assist.training.fit.curriculum import CONTINUED, FINE_TUNED, STAGES, TrainingStage
 
 EMBEDDING = "decoder.token_embedding.weight"
 POSITIONS = {"encoder.positional_embedding": 512, "decoder.positional_embedding": 192}
@@ -38,7 +38,7 @@ class Start:
     """A model to train, and the lessons that it still needs."""
 
     model: HybridWhisper
-    stages: Sequence[Stage]
+    stages: Sequence[TrainingStage]
 
 
 def start_anew(dims: ModelDimensions = SMALL) -> Start:

@@ -12,7 +12,7 @@ from scipy.stats import beta
 
 from voice_assist.config import SpotterConfig
 from voice_assist.spotter.fusion import Belief, SecondWay
-from voice_assist.training.spotter.trials import NEVER, Trial
+from voice_assist.training.spotter.trials import NEVER, SpotterTrial
 
 _SURE = (0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
 _NEAR = (-NEVER, 0.0, 4.0)  # the first: rule 4 never
@@ -45,7 +45,7 @@ class Count:
         return f"{self.found}/{self.of} = {self.share:.1%} ({low:.1%} to {high:.1%})"
 
 
-def fired_at(trial: Trial, config: SpotterConfig) -> float | None:
+def fired_at(trial: SpotterTrial, config: SpotterConfig) -> float | None:
     """Time of the stop that a clip leads to [s] from its begin; None: none."""
     rule = SecondWay(config, None)
     times = [time for time, score in trial.looks if score >= config.alone][:1]
@@ -61,22 +61,22 @@ def fired_at(trial: Trial, config: SpotterConfig) -> float | None:
     return min(times, default=None)
 
 
-def fired(trials: Sequence[Trial], config: SpotterConfig) -> Count:
+def fired(trials: Sequence[SpotterTrial], config: SpotterConfig) -> Count:
     """Clips that lead to a stop."""
     return Count(sum(fired_at(t, config) is not None for t in trials), len(trials))
 
 
-def false_stops(talk: Sequence[Trial], config: SpotterConfig) -> float:
+def false_stops(talk: Sequence[SpotterTrial], config: SpotterConfig) -> float:
     """Clips with a stop, each counted as those that it stands for."""
     return sum(t.weight for t in talk if fired_at(t, config) is not None)
 
 
-def hours(talk: Sequence[Trial]) -> float:
+def hours(talk: Sequence[SpotterTrial]) -> float:
     """Length of the clips, without the quiet around them [h]."""
     return sum(t.weight * t.seconds for t in talk) / 3600.0
 
 
-def latencies(trials: Sequence[Trial], config: SpotterConfig) -> list[float]:
+def latencies(trials: Sequence[SpotterTrial], config: SpotterConfig) -> list[float]:
     """Of those that stop, from the end of speech [s], without the time of computing."""
     pairs = [(fired_at(t, config), t.speech_end) for t in trials]
     return [time - end for time, end in pairs if time is not None]
@@ -92,7 +92,7 @@ def spotter_alone(config: SpotterConfig, threshold: float) -> SpotterConfig:
     return replace(config, alone=threshold, middle=NEVER, agree=NEVER, sure=1.01)
 
 
-def thresholds(talk: Sequence[Trial], rates: Sequence[float]) -> dict[float, float]:
+def thresholds(talk: Sequence[SpotterTrial], rates: Sequence[float]) -> dict[float, float]:
     """For each rate of false stops per hour the spotter's threshold that just keeps it."""
     best = np.sort([max((s for _, s in t.looks), default=-NEVER) for t in talk])[::-1]
     places = {rate: min(int(rate * hours(talk)), len(best) - 1) for rate in rates}
@@ -101,9 +101,9 @@ def thresholds(talk: Sequence[Trial], rates: Sequence[float]) -> dict[float, flo
 
 def choose(
     config: SpotterConfig,
-    said: Mapping[str, Sequence[Trial]],
+    said: Mapping[str, Sequence[SpotterTrial]],
     weights: Mapping[str, float],
-    talk: Sequence[Trial],
+    talk: Sequence[SpotterTrial],
     alone_rate: float,
     rate: float,
 ) -> SpotterConfig:
@@ -142,7 +142,7 @@ def _in_time(late: Sequence[float]) -> int:
 
 
 def _candidates(
-    config: SpotterConfig, said: Mapping[str, Sequence[Trial]]
+    config: SpotterConfig, said: Mapping[str, Sequence[SpotterTrial]]
 ) -> Iterator[SpotterConfig]:
     best = [max(s for _, s in t.looks) for trials in said.values() for t in trials]
     levels = np.unique(np.round(np.quantile(best, np.linspace(0.0, 0.5, _QUANTILES)), 1))
@@ -152,5 +152,5 @@ def _candidates(
                 yield replace(config, agree=agree, middle=middle, sure=sure, near=near)
 
 
-def _could_fire(trial: Trial) -> bool:
+def _could_fire(trial: SpotterTrial) -> bool:
     return bool(trial.heard) or max((s for _, s in trial.looks), default=-NEVER) > 0.0

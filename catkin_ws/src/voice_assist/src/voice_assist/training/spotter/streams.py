@@ -17,7 +17,7 @@ from numpy.random import Generator
 from voice_assist.audio.mixing import speech_blocks
 from voice_assist.training.data.augment import Strength, colour, resample_linear
 from voice_assist.training.data.noise import Float, Surroundings, background
-from voice_assist.training.data.synthesis import Clip
+from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.types import RATE
 
 WORD = "stop"
@@ -28,7 +28,7 @@ _FAINTEST = -90.0  # [dB] of full scale
 
 
 @dataclass(frozen=True, eq=False)
-class Stream:
+class LabelledStream:
     """Sound, and when the word was said in it."""
 
     sound: Float  # (n,), 16 kHz
@@ -50,8 +50,8 @@ class Style:
 
 
 def streams(
-    clips: Sequence[Clip], around: Surroundings, style: Style, rng: Generator
-) -> Iterator[Stream]:
+    clips: Sequence[TrainingClip], around: Surroundings, style: Style, rng: Generator
+) -> Iterator[LabelledStream]:
     """Join clips to streams, in their order.
 
     Args:
@@ -60,7 +60,7 @@ def streams(
         style: How to change the clips.
         rng: Source of chance.
     """
-    batch: list[Clip] = []
+    batch: list[TrainingClip] = []
     length = 0.0
     for clip in clips:
         batch.append(clip)
@@ -72,7 +72,7 @@ def streams(
         yield _stream(batch, around, style, rng)
 
 
-def noise_streams(around: Surroundings, count: int, rng: Generator) -> Iterator[Stream]:
+def noise_streams(around: Surroundings, count: int, rng: Generator) -> Iterator[LabelledStream]:
     """Backgrounds, tones and knocks without a word, at any level; now and then digital silence."""
     for _ in range(count):
         sound = np.zeros(int(LENGTH * RATE), np.float32)
@@ -82,10 +82,12 @@ def noise_streams(around: Surroundings, count: int, rng: Generator) -> Iterator[
             sound += _beeps(len(sound), rng)
         if rng.random() < 0.3:
             sound += _knocks(len(sound), rng)
-        yield Stream(_at_level(sound, 10 ** (rng.uniform(-70, -3) / 20)), ())
+        yield LabelledStream(_at_level(sound, 10 ** (rng.uniform(-70, -3) / 20)), ())
 
 
-def _stream(clips: Sequence[Clip], around: Surroundings, style: Style, rng: Generator) -> Stream:
+def _stream(
+    clips: Sequence[TrainingClip], around: Surroundings, style: Style, rng: Generator
+) -> LabelledStream:
     parts: list[Float] = [_gap(style, rng)]
     words: list[tuple[float, float]] = []
     at = len(parts[0])
@@ -101,7 +103,7 @@ def _stream(clips: Sequence[Clip], around: Surroundings, style: Style, rng: Gene
             parts += [_at_level(sound, level * 10 ** (rng.uniform(-4, 4) / 20)), _gap(style, rng)]
             at += len(parts[-2]) + len(parts[-1])
     sound = _with_talker(np.concatenate(parts), level, around, style, rng)
-    return Stream(_with_background(sound, level, around, style, rng), tuple(words))
+    return LabelledStream(_with_background(sound, level, around, style, rng), tuple(words))
 
 
 def _colour(sound: Float, around: Surroundings, style: Style, rng: Generator) -> Float:

@@ -32,29 +32,29 @@ NEVER = 1000.0  # [nat]
 
 
 @dataclass(frozen=True)
-class Heard:
+class TrialEvidence:
     """One moment at which the recogniser could lead to a stop."""
 
     time: float  # [s] from the begin of the clip
-    spotted: float  # [nat] the spotter's best of late
+    spotted: float  # [nat] the spotter's recent best
     confidence: float  # [0, 1] with which it wrote the word; below 0: it wrote something else
     is_ready: bool  # see Belief
     ratio: float  # [nat] of the word where it wrote something else
 
 
 @dataclass(frozen=True)
-class Trial:
+class SpotterTrial:
     """What one clip came to, with nothing fired."""
 
     name: str
     seconds: float  # of the clip, without the quiet around it
     speech_end: float  # [s] from its begin
     weight: float  # clips that it stands for
-    heard: tuple[Heard, ...]
+    heard: tuple[TrialEvidence, ...]
     looks: tuple[tuple[float, float], ...]  # time [s] from the begin of the clip, score [nat]
 
 
-class Recorder(SecondWay):
+class EvidenceRecorder(SecondWay):
     """Writes down what it is asked, and never fires."""
 
     def __init__(self, config: SpotterConfig, spotter: Spotter, floor: float) -> None:
@@ -67,7 +67,7 @@ class Recorder(SecondWay):
         """
         super().__init__(config, spotter)
         self._floor = floor
-        self.heard: list[Heard] = []
+        self.heard: list[TrialEvidence] = []
         self._now = 0.0
 
     def best(self, now: float) -> float | None:
@@ -79,7 +79,7 @@ class Recorder(SecondWay):
         """Keep what the recogniser believes of the word."""
         if phrase == self.phrase:
             spotted = _finite(belief.spotted)
-            said = Heard(self._now, spotted, belief.confidence, belief.is_ready, NEVER)
+            said = TrialEvidence(self._now, spotted, belief.confidence, belief.is_ready, NEVER)
             self.heard.append(said)
         return False
 
@@ -89,11 +89,11 @@ class Recorder(SecondWay):
 
     def overrules(self, spotted: float | None, ratio: float) -> bool:
         """Keep how likely the word is to the recogniser."""
-        self.heard.append(Heard(self._now, _finite(spotted), -1.0, False, float(ratio)))
+        self.heard.append(TrialEvidence(self._now, _finite(spotted), -1.0, False, float(ratio)))
         return False
 
 
-class Trials:
+class TrialRunner:
     """Runs clips through the real pipeline with a recorder in place of the rule."""
 
     def __init__(
@@ -109,7 +109,7 @@ class Trials:
         """
         spotter_config = replace(config.spotter, alone=NEVER)
         self._spotter, digest = make_spotter(spotter_config)
-        self._recorder = Recorder(spotter_config, self._spotter, floor)
+        self._recorder = EvidenceRecorder(spotter_config, self._spotter, floor)
         self._pipeline = Pipeline(
             config, recognizer, make_detector(config.audio.vad), lambda: 0.0, self._recorder
         )
@@ -124,7 +124,7 @@ class Trials:
         noises: Sequence[Samples] = (),
         snr: float = 0.0,
         thin: int = 1,
-    ) -> list[Trial]:
+    ) -> list[SpotterTrial]:
         """Trials of a named set, from the cache where it was run before.
 
         Args:
@@ -145,7 +145,7 @@ class Trials:
 
     def _run(
         self, clips: Iterable[tuple[str, Samples]], noises: Sequence[Samples], snr: float, thin: int
-    ) -> Iterator[Trial]:
+    ) -> Iterator[SpotterTrial]:
         for number, (name, samples) in enumerate(clips):
             stream = _surrounded(samples, noises, snr, number)
             weight = thin if thin > 1 and self._best(stream) < self._floor else 1
@@ -163,7 +163,7 @@ class Trials:
             heard = tuple(replace(h, time=h.time - BEFORE) for h in self._recorder.heard)
             seconds = len(samples) / RATE
             end = end_of_speech(samples)
-            yield Trial(name, seconds, end, float(weight), heard, tuple(looks))
+            yield SpotterTrial(name, seconds, end, float(weight), heard, tuple(looks))
 
     def _best(self, stream: Samples) -> float:
         """The spotter's highest score in a stream."""
@@ -201,7 +201,7 @@ def _finite(score: float | None) -> float:
     return -NEVER if score is None else max(score, -NEVER)
 
 
-def _trial(entry: dict[str, object]) -> Trial:
-    heard = tuple(Heard(**h) for h in entry.pop("heard"))  # type: ignore[attr-defined]
+def _trial(entry: dict[str, object]) -> SpotterTrial:
+    heard = tuple(TrialEvidence(**h) for h in entry.pop("heard"))  # type: ignore[attr-defined]
     looks = tuple((time, score) for time, score in entry.pop("looks"))  # type: ignore[attr-defined]
-    return Trial(**entry, heard=heard, looks=looks)  # type: ignore[arg-type]
+    return SpotterTrial(**entry, heard=heard, looks=looks)  # type: ignore[arg-type]

@@ -20,16 +20,16 @@ from voice_assist.config import SpotterConfig, load_voice_config
 from voice_assist.evaluation.evaluator import read_noises
 from voice_assist.training.data.human import load_speech, read_manifest
 from voice_assist.training.data.synthesis import plan_held_out, synthesise
-from voice_assist.training.fit.fit import REPOSITORY
+from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.spotter import rule
 from voice_assist.training.spotter.streams import WORD
-from voice_assist.training.spotter.trials import LOG, Trial, Trials, as_float
+from voice_assist.training.spotter.trials import LOG, SpotterTrial, TrialRunner, as_float
 from voice_assist.types import Samples
 
 _RATES = (0.3, 0.5, 1.0, 2.0, 5.0, 10.0)  # [per h] of the printed curve
 _HELD_OUT_SEED = 1  # of the recogniser's training, whose held-out voices these are
 _WEIGHTS = {"human": 3.0, "synthetic": 2.0, "10 dB": 1.0, "0 dB": 1.0}
-Sets = dict[str, list[Trial]]
+Sets = dict[str, list[SpotterTrial]]
 
 
 def main() -> None:
@@ -39,7 +39,7 @@ def main() -> None:
     config = load_voice_config(recognizer__model=options.model)
     recognizer = make_recognizer(config)
     torch.set_num_threads(1)
-    trials = Trials(config, recognizer, options.cache, options.floor)
+    trials = TrialRunner(config, recognizer, options.cache, options.floor)
     said = _synthetic(trials, options)
     human, talk = _people(trials, options)
     said |= human
@@ -61,7 +61,7 @@ def main() -> None:
         print(f"  {key}: {getattr(chosen, key):.2f}")
 
 
-def _people(trials: Trials, options: argparse.Namespace) -> tuple[Sets, list[Trial]]:
+def _people(trials: TrialRunner, options: argparse.Namespace) -> tuple[Sets, list[SpotterTrial]]:
     rows = read_manifest(options.speech)
     recordings = options.cache / "recordings"
     words = load_speech(rows, "dev", recordings)
@@ -75,7 +75,7 @@ def _people(trials: Trials, options: argparse.Namespace) -> tuple[Sets, list[Tri
     return {"human": trials("human", said)}, false
 
 
-def _synthetic(trials: Trials, options: argparse.Namespace) -> Sets:
+def _synthetic(trials: TrialRunner, options: argparse.Namespace) -> Sets:
     prompts = [p for p in plan_held_out(_HELD_OUT_SEED) if p.text == WORD]
     clips = synthesise(prompts, options.cache / "held_out", workers=1)
     said = [(c.speaker, as_float(c.samples)) for c in clips]
@@ -87,7 +87,7 @@ def _synthetic(trials: Trials, options: argparse.Namespace) -> Sets:
 
 
 def _print_curve(
-    config: SpotterConfig, said: Mapping[str, Sequence[Trial]], talk: Sequence[Trial]
+    config: SpotterConfig, said: Mapping[str, Sequence[SpotterTrial]], talk: Sequence[SpotterTrial]
 ) -> None:
     print("\nspotter alone, by false stops per hour of people who do not say the word:")
     for rate, threshold in rule.thresholds(talk, _RATES).items():
@@ -97,7 +97,10 @@ def _print_curve(
 
 
 def _print_way(
-    name: str, way: SpotterConfig, said: Mapping[str, Sequence[Trial]], talk: Sequence[Trial]
+    name: str,
+    way: SpotterConfig,
+    said: Mapping[str, Sequence[SpotterTrial]],
+    talk: Sequence[SpotterTrial],
 ) -> None:
     false, hours = rule.false_stops(talk, way), rule.hours(talk)
     print(
@@ -122,7 +125,7 @@ def _parse() -> argparse.Namespace:
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "spotter" / "tune")
     add("--model", default="embedded", help="recogniser, as in recognizer.yaml")
     add("--noise", type=Path, help="folder of noise for the sets at 10 and 0 dB")
-    add("--thin", type=int, default=8, help="see Trials: share of what the spotter ignores")
+    add("--thin", type=int, default=8, help="see TrialRunner: share of what the spotter ignores")
     add("--floor", type=float, default=-2.0, help="score below which the spotter ignores a clip")
     add("--alone-rate", type=float, default=0.3, help="false stops per hour of the spotter alone")
     add("--rate", type=float, default=0.5, help="false stops per hour of both together")

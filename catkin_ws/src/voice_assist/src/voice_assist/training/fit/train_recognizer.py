@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Train the embedded recogniser: python -m voice_assist.training.fit.fit.
+"""Train the embedded recogniser: python -m voice_assist.training.fit.train_recognizer.
 
 With --from and a file of an earlier run, its checkpoint is trained further.
 """
@@ -21,13 +21,13 @@ from voice_assist.training.data.align import align_clips
 from voice_assist.training.data.batches import Batch, Batches
 from voice_assist.training.data.corpus import Corpus, load_corpus
 from voice_assist.training.data.mixture import RARE, Aligned, Mixture
-from voice_assist.training.data.synthesis import Amounts, Clip
+from voice_assist.training.data.synthesis import SynthesisAmounts, TrainingClip
 from voice_assist.training.fit.checkpoints import Average, load_progress, save_progress
 from voice_assist.training.fit.curriculum import LESSONS, stage_of
 from voice_assist.training.fit.export import export
 from voice_assist.training.fit.objective import joint_loss
 from voice_assist.training.fit.start import start_anew, start_from
-from voice_assist.training.report import Figures, measure
+from voice_assist.training.validation import ValidationFigures, measure
 
 PACKAGE = Path(__file__).resolve().parents[4]  # catkin_ws/src/voice_assist
 REPOSITORY = PACKAGE.parents[2]
@@ -35,7 +35,7 @@ TWINS = 8000  # clips of them, where the lesson asks for any
 LOG = logging.getLogger("fit")
 
 
-class Run:
+class TrainingRun:
     """One training run: model, optimiser and where it stands."""
 
     def __init__(self, options: argparse.Namespace, corpus: Corpus) -> None:
@@ -113,7 +113,7 @@ class Run:
 
     def _measure(self) -> None:
         """Log figures, keep the checkpoint; it becomes the output where it is the best so far."""
-        figures: Figures = measure(self._averaged(), self.corpus, thin=3)
+        figures: ValidationFigures = measure(self._averaged(), self.corpus, thin=3)
         at = {"step": self.progress.step, "seconds": round(self.progress.seconds)}
         line: dict[str, object] = {**at, **figures.flat()}
         LOG.info("measured %s", json.dumps(line))
@@ -142,7 +142,7 @@ class Run:
         return aligned
 
 
-def _to_align(clips: list[Clip]) -> list[Clip]:
+def _to_align(clips: list[TrainingClip]) -> list[TrainingClip]:
     """Sentences with wanted words, a third of the others, and some synthesis."""
     sentences = [clip for clip in clips if clip.kind == "sentence"]
     wanted = [clip for clip in sentences if set(RARE) & set(clip.text.split())]
@@ -174,10 +174,10 @@ def main() -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     options = parse()
     torch.set_num_threads(options.threads)
-    amounts = Amounts(twin=TWINS if options.lesson == "twins" else 0)
+    amounts = SynthesisAmounts(twin=TWINS if options.lesson == "twins" else 0)
     corpus = load_corpus(options.speech, options.cache, options.seed, amounts, options.threads)
     LOG.info("%d training clips", len(corpus.train))
-    run = Run(options, corpus)
+    run = TrainingRun(options, corpus)
     with disable_sdpa():  # its backward pass is slow on processors
         run.train()
     LOG.info("trained %.0f s; %s", run.progress.seconds, options.out)

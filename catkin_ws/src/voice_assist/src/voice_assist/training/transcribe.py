@@ -14,7 +14,7 @@ from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import END, PROMPT, decode
 from voice_assist.training.data.noise import Surroundings, background
-from voice_assist.training.data.synthesis import Clip
+from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.data.texts import COMMANDS
 from voice_assist.training.precision import cheap_numbers
 from voice_assist.types import RATE, Samples
@@ -23,7 +23,7 @@ LETTERS = 24  # decoded at most; longer texts cannot come out as a command
 
 
 @dataclass(frozen=True)
-class Tally:
+class TranscriptTally:
     """How a set of clips was written down."""
 
     n: int
@@ -72,10 +72,10 @@ def transcripts(model: HybridWhisper, sounds: Sequence[Samples], quiet: float = 
     return written
 
 
-def tally(clips: Sequence[Clip], written: Sequence[str]) -> Tally:
+def tally(clips: Sequence[TrainingClip], written: Sequence[str]) -> TranscriptTally:
     """Count exact transcripts and wrong commands."""
     pairs = list(zip(clips, written, strict=True))
-    return Tally(
+    return TranscriptTally(
         n=len(pairs),
         right=sum(clip.text[:LETTERS].strip() == text for clip, text in pairs),
         taken=sum(text in COMMANDS and text != clip.text for clip, text in pairs),
@@ -84,7 +84,7 @@ def tally(clips: Sequence[Clip], written: Sequence[str]) -> Tally:
 
 
 def in_noise(
-    clips: Sequence[Clip], snr: float | None, around: Surroundings, seed: int = 5
+    clips: Sequence[TrainingClip], snr: float | None, around: Surroundings, seed: int = 5
 ) -> list[Samples]:
     """Clips as float32, with background at a signal-to-noise ratio [dB]."""
     rng = np.random.default_rng(seed)

@@ -19,9 +19,15 @@ from voice_assist.spotter.features import STEP, Embeddings, seconds
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.human import load_sounds, load_speech, read_manifest
 from voice_assist.training.data.noise import Surroundings, build_rooms
-from voice_assist.training.data.synthesis import Clip, cast_voice, synthesise
+from voice_assist.training.data.synthesis import TrainingClip, cast_voice, synthesise
 from voice_assist.training.spotter.embed import LongEmbedder
-from voice_assist.training.spotter.streams import WORD, Stream, Style, noise_streams, streams
+from voice_assist.training.spotter.streams import (
+    WORD,
+    LabelledStream,
+    Style,
+    noise_streams,
+    streams,
+)
 from voice_assist.types import RATE
 
 LOG = logging.getLogger("spotter")
@@ -53,7 +59,7 @@ class Steps:
 
 
 @dataclass(frozen=True)
-class Amounts:
+class SpotterAmounts:
     """How much of each kind to embed."""
 
     rounds: int = 20  # copies of every human WORD
@@ -64,18 +70,18 @@ class Amounts:
 
 
 @dataclass(frozen=True, eq=False)
-class Material:
+class SpotterMaterial:
     """What streams are made of."""
 
-    words: list[Clip]  # people, one or two words
-    stops: list[Clip]  # people saying WORD
-    sentences: list[Clip]  # people, without WORD
-    synthetic: list[Clip]
-    near: list[Clip]
+    words: list[TrainingClip]  # people, one or two words
+    stops: list[TrainingClip]  # people saying WORD
+    sentences: list[TrainingClip]  # people, without WORD
+    synthetic: list[TrainingClip]
+    near: list[TrainingClip]
     around: Surroundings
 
 
-def load_material(speech: Path, cache: Path, seed: int, amounts: Amounts) -> Material:
+def load_material(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts) -> SpotterMaterial:
     """Read the recordings of split `train`, and speak the synthetic prompts."""
     rows = read_manifest(speech)
     human = load_speech(rows, "train", cache / "recordings")
@@ -94,7 +100,7 @@ def load_material(speech: Path, cache: Path, seed: int, amounts: Amounts) -> Mat
     clips = synthesise(prompts, cache / "synthetic", workers=1)
     rooms = build_rooms(load_sounds(rows, "rir"), np.random.default_rng(seed))
     talkers = [c.samples for c in sentences if len(c.samples) > 24_000]
-    return Material(
+    return SpotterMaterial(
         words=words,
         stops=stops,
         sentences=sentences,
@@ -104,7 +110,7 @@ def load_material(speech: Path, cache: Path, seed: int, amounts: Amounts) -> Mat
     )
 
 
-def load_steps(speech: Path, cache: Path, seed: int, amounts: Amounts) -> dict[str, Steps]:
+def load_steps(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts) -> dict[str, Steps]:
     """Embed all kinds of streams, or read what the cache holds of them.
 
     Args:
@@ -126,7 +132,7 @@ def load_steps(speech: Path, cache: Path, seed: int, amounts: Amounts) -> dict[s
     return found
 
 
-def label(stream: Stream, count: int, first: int) -> NDArray[np.int32]:
+def label(stream: LabelledStream, count: int, first: int) -> NDArray[np.int32]:
     """Labels of the steps of a stream.
 
     Args:
@@ -143,7 +149,7 @@ def label(stream: Stream, count: int, first: int) -> NDArray[np.int32]:
     return labels
 
 
-def _path(cache: Path, kind: str, seed: int, amounts: Amounts) -> Path:
+def _path(cache: Path, kind: str, seed: int, amounts: SpotterAmounts) -> Path:
     key = hashlib.sha256(repr((kind, seed, amounts)).encode()).hexdigest()[:12]
     return cache / f"{kind}_{key}.npz"
 
@@ -153,7 +159,9 @@ def _read(path: Path) -> Steps:
         return Steps(stored["embeddings"], stored["labels"], stored["begins"])
 
 
-def _human(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:
+def _human(
+    material: SpotterMaterial, amounts: SpotterAmounts, rng: Generator
+) -> Iterator[LabelledStream]:
     """Every WORD many times among single words of people, and those often."""
     for _ in range(amounts.rounds):
         clips = [*material.stops]
@@ -163,21 +171,29 @@ def _human(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Str
         yield from streams([clips[i] for i in order], material.around, _WORDS, rng)
 
 
-def _synthetic(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:
+def _synthetic(
+    material: SpotterMaterial, amounts: SpotterAmounts, rng: Generator
+) -> Iterator[LabelledStream]:
     clips = material.synthetic + material.near
     order = rng.permutation(len(clips))
     yield from streams([clips[i] for i in order], material.around, _WORDS, rng)
 
 
-def _sentences(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:
+def _sentences(
+    material: SpotterMaterial, amounts: SpotterAmounts, rng: Generator
+) -> Iterator[LabelledStream]:
     yield from streams(material.sentences[:: amounts.thin], material.around, _FLUENT, rng)
 
 
-def _noise(material: Material, amounts: Amounts, rng: Generator) -> Iterator[Stream]:
+def _noise(
+    material: SpotterMaterial, amounts: SpotterAmounts, rng: Generator
+) -> Iterator[LabelledStream]:
     yield from noise_streams(material.around, amounts.noise, rng)
 
 
-_KINDS: dict[str, Callable[[Material, Amounts, Generator], Iterator[Stream]]] = {
+_KINDS: dict[
+    str, Callable[[SpotterMaterial, SpotterAmounts, Generator], Iterator[LabelledStream]]
+] = {
     "human": _human,
     "synthetic": _synthetic,
     "sentences": _sentences,
@@ -185,7 +201,7 @@ _KINDS: dict[str, Callable[[Material, Amounts, Generator], Iterator[Stream]]] = 
 }
 
 
-def _compute(made: Iterator[Stream], path: Path) -> None:
+def _compute(made: Iterator[LabelledStream], path: Path) -> None:
     embedder, began = LongEmbedder(), time.monotonic()
     rows: list[Embeddings] = []
     labels: list[NDArray[np.int32]] = []

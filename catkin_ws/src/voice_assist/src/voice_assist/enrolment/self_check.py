@@ -10,9 +10,14 @@ from voice_assist.config import VoiceConfig
 from voice_assist.config.enrolment import EnrolmentConfig
 from voice_assist.enrolment.checks import Checked
 from voice_assist.enrolment.examples import Example, other_voices
-from voice_assist.enrolment.learn import Material, Spoken, learn
-from voice_assist.enrolment.pipeline_probe import Ear, Heard
-from voice_assist.enrolment.thresholds import Evidence, Expected, choose, expect
+from voice_assist.enrolment.learn import EnrolmentMaterial, LabelledTake, learn
+from voice_assist.enrolment.pipeline_probe import PipelineProbe, PipelineResult
+from voice_assist.enrolment.thresholds import (
+    ConfidenceEvidence,
+    ExpectedErrors,
+    choose_threshold,
+    expected_errors,
+)
 from voice_assist.evaluation.evaluator import Claim
 from voice_assist.profile.active import PersonalRecognizer
 from voice_assist.profile.manifest import COMMAND
@@ -20,11 +25,12 @@ from voice_assist.profile.thresholds import Settings, overlay
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.types import Samples
 
+HeardTake = tuple[LabelledTake, PipelineResult]
 _OTHER_SEED = 1000  # added to the seed of what is learned from: other texts, other voices
 
 
 @dataclass(frozen=True)
-class Trial:
+class SelfCheckTrial:
     """One sound, and what base and profile made of it."""
 
     name: str  # of the take, or text of another voice
@@ -34,15 +40,15 @@ class Trial:
 
 
 @dataclass
-class Verdict:
+class SelfCheckResult:
     """What the check came to."""
 
-    own: list[Trial] = field(default_factory=list)  # takes that were not learned from
-    talk: list[Trial] = field(default_factory=list)  # likewise
-    others: list[Trial] = field(default_factory=list)
+    own: list[SelfCheckTrial] = field(default_factory=list)  # takes that were not learned from
+    talk: list[SelfCheckTrial] = field(default_factory=list)  # likewise
+    others: list[SelfCheckTrial] = field(default_factory=list)
     wrong_words: list[str] = field(default_factory=list)
     settings: Settings = field(default_factory=lambda: Settings(commands=()))
-    expected: list[Expected] = field(default_factory=list)
+    expected: list[ExpectedErrors] = field(default_factory=list)
 
     def problems(self, config: EnrolmentConfig) -> tuple[str, ...]:
         """Why the profile may not be used; each names value and limit. Empty: it may."""
@@ -85,27 +91,27 @@ class SelfCheck:
         voice: VoiceConfig,
         config: EnrolmentConfig,
         base: EmbeddedRecognizer,
-        told: Callable[[str], None] = lambda _: None,
+        on_progress: Callable[[str], None] = lambda _: None,
     ) -> None:
         """Check on top of a base.
 
         Args:
-            voice: Settings in force, without a profile.
+            voice: Active settings, without a profile.
             config: Of enrolment.
             base: Recogniser.
-            told: Says how far it is.
+            on_progress: Called with the name of each stage.
         """
         self._voice, self._config, self._base = voice, config, base
-        self._told = told
-        self._base_ear, self._own = Ear(voice, base), voice
+        self._on_progress = on_progress
+        self._base_probe, self._own = PipelineProbe(voice, base), voice
 
     def __call__(
         self,
-        material: Material,
+        material: EnrolmentMaterial,
         own: VoiceConfig,
         learned: PersonalRecognizer,
         others: Sequence[Example],
-    ) -> Verdict:
+    ) -> SelfCheckResult:
         """Check what was learned from all takes, and set the thresholds.
 
         Args:
@@ -114,7 +120,7 @@ class SelfCheck:
             learned: From all of it.
             others: That were learned beside it.
         """
-        verdict, self._own = Verdict(), own
+        verdict, self._own = SelfCheckResult(), own
         takes, talk = self._folds(material, others)
         strangers = self._strangers(learned)
         self._set_thresholds(verdict, takes, talk, strangers, material.talked)
@@ -124,38 +130,40 @@ class SelfCheck:
         return verdict
 
     def _folds(
-        self, material: Material, others: Sequence[Example]
-    ) -> tuple[list[tuple[Spoken, Heard]], list[tuple[Spoken, Heard]]]:
+        self, material: EnrolmentMaterial, others: Sequence[Example]
+    ) -> tuple[list[HeardTake], list[HeardTake]]:
         """Each take, and each piece of talk, heard by what was learned without it."""
-        own: list[tuple[Spoken, Heard]] = []
-        talk: list[tuple[Spoken, Heard]] = []
+        own: list[HeardTake] = []
+        talk: list[HeardTake] = []
         folds = self._config.self_check.folds
         for fold in range(folds):
-            self._told(f"self-check {fold + 1} of {folds}")
+            self._on_progress(f"self-check {fold + 1} of {folds}")
             rest, left = material.without(fold, folds), material.only(fold, folds)
             if not (rest.takes and (left.takes or left.talk)):
                 continue
             state = learn(self._base, rest, others, self._config.adapt).state
-            ear = Ear(self._own, PersonalRecognizer(self._base, state))
-            own += [(take, ear(take.samples)) for take in left.takes]
-            talk += [(piece, ear(piece.samples)) for piece in left.talk]
+            probe = PipelineProbe(self._own, PersonalRecognizer(self._base, state))
+            own += [(take, probe(take.samples)) for take in left.takes]
+            talk += [(piece, probe(piece.samples)) for piece in left.talk]
         return own, talk
 
-    def _strangers(self, learned: PersonalRecognizer) -> list[tuple[Spoken, Heard]]:
-        self._told("self-check, other voices")
+    def _strangers(self, learned: PersonalRecognizer) -> list[HeardTake]:
+        self._on_progress("self-check, other voices")
         phrases = self._voice.commands.phrases
         seed = self._config.adapt.seed + _OTHER_SEED
         spoken = other_voices(phrases, self._config.self_check.others, seed)
-        ear = Ear(self._own, learned)
-        cast = [Spoken(e.text, e.text if e.text in phrases else "", e.samples) for e in spoken]
-        return [(one, ear(one.samples)) for one in cast]
+        probe = PipelineProbe(self._own, learned)
+        cast = [
+            LabelledTake(e.text, e.text if e.text in phrases else "", e.samples) for e in spoken
+        ]
+        return [(one, probe(one.samples)) for one in cast]
 
     def _set_thresholds(
         self,
-        verdict: Verdict,
-        own: Sequence[tuple[Spoken, Heard]],
-        talk: Sequence[tuple[Spoken, Heard]],
-        strangers: Sequence[tuple[Spoken, Heard]],
+        verdict: SelfCheckResult,
+        own: Sequence[HeardTake],
+        talk: Sequence[HeardTake],
+        strangers: Sequence[HeardTake],
         hours: float,
     ) -> None:
         chosen = []
@@ -166,16 +174,18 @@ class SelfCheck:
             nears = [h for spoken, h in strangers if not spoken.phrase]
             against = [s for heard in nears if (s := _best(heard, phrase)) is not None]
             heard_well = tuple(sure for sure in mine if sure is not None)
-            evidence = Evidence(heard_well, mine.count(None), (*talked, *against))
-            least = choose(command, evidence, self._config.self_check.margin)
-            expected = expect(command, least, evidence, talked, hours)
+            evidence = ConfidenceEvidence(heard_well, mine.count(None), (*talked, *against))
+            threshold = choose_threshold(command, evidence, self._config.self_check.margin)
+            expected = expected_errors(command, threshold, evidence, talked, hours)
             verdict.expected.append(expected)
             chosen.append(expected.to_setting())
         verdict.settings = Settings(commands=tuple(chosen))
 
-    def _trial(self, spoken: Spoken, heard: Heard, settings: Settings) -> Trial:
+    def _trial(
+        self, spoken: LabelledTake, heard: PipelineResult, settings: Settings
+    ) -> SelfCheckTrial:
         """Taken: what the pipeline took, less motions below the person's own threshold."""
-        base = self._base_ear(spoken.samples)
+        base = self._base_probe(spoken.samples)
         allowed = overlay(self._voice.commands, settings)
 
         def is_taken(claim: Claim) -> bool:
@@ -184,11 +194,11 @@ class SelfCheck:
             return claim.is_taken and (is_enough or not command.is_motion)
 
         taken = tuple(claim.command for claim in heard.claims if is_taken(claim))
-        return Trial(spoken.file, spoken.phrase, base.taken, taken)
+        return SelfCheckTrial(spoken.file, spoken.phrase, base.taken, taken)
 
 
 def wrong_words(
-    material: Material, check_take: Callable[[str, str, Samples], Checked]
+    material: EnrolmentMaterial, check_take: Callable[[str, str, Samples], Checked]
 ) -> list[str]:
     """Takes in which the base clearly hears another command; nothing is learned from them.
 
@@ -203,18 +213,18 @@ def wrong_words(
     return found
 
 
-def _best(heard: Heard, phrase: str) -> float | None:
+def _best(heard: PipelineResult, phrase: str) -> float | None:
     """Highest confidence with which a command was named; None: its words were not heard."""
     claims = [claim.confidence for claim in heard.claims if claim.command == phrase]
     return max(claims, default=None)
 
 
-def _right(trials: Sequence[Trial], who: str) -> int:
+def _right(trials: Sequence[SelfCheckTrial], who: str) -> int:
     """Trials in which the command, and no other, was taken."""
     return sum(set(getattr(trial, who)) == {trial.phrase} for trial in trials)
 
 
-def _confused(trials: Sequence[Trial], who: str) -> int:
+def _confused(trials: Sequence[SelfCheckTrial], who: str) -> int:
     return sum(bool(set(getattr(trial, who)) - {trial.phrase}) for trial in trials)
 
 
@@ -224,5 +234,5 @@ def _limit(found: list[str], what: str, value: int, allowed: int) -> None:
 
 
 def _whole(share: float, count: int) -> int:
-    """A share of so many, at least one where there are any: fewer cannot be told from chance."""
+    """A share of a count, at least one: a single trial cannot be distinguished from chance."""
     return max(round(share * count), 1) if share > 0.0 and count else 0

@@ -9,21 +9,21 @@ from dataclasses import asdict, dataclass
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.training.data.corpus import Corpus
 from voice_assist.training.data.noise import Surroundings
-from voice_assist.training.data.synthesis import Clip
-from voice_assist.training.measure import Tally, in_noise, tally, transcripts
+from voice_assist.training.data.synthesis import TrainingClip
+from voice_assist.training.transcribe import TranscriptTally, in_noise, tally, transcripts
 
 
 @dataclass(frozen=True)
-class Figures:
+class ValidationFigures:
     """Exact transcripts by set; synthetic voices and people apart."""
 
-    quiet: Tally  # held-out synthetic commands
-    noisy: Tally  # the same at 10 dB
-    loud: Tally  # the same at 0 dB
-    near: Tally  # held-out synthetic near misses
-    stop: Tally  # human "stop", split dev
-    words: Tally  # other human words, split dev
-    talk: Tally  # human talk, a part of split false_accept_dev
+    quiet: TranscriptTally  # held-out synthetic commands
+    noisy: TranscriptTally  # the same at 10 dB
+    loud: TranscriptTally  # the same at 0 dB
+    near: TranscriptTally  # held-out synthetic near misses
+    stop: TranscriptTally  # human "stop", split dev
+    words: TranscriptTally  # other human words, split dev
+    talk: TranscriptTally  # human talk, a part of split false_accept_dev
 
     @property
     def score(self) -> float:
@@ -43,7 +43,7 @@ class Figures:
         return numbers
 
 
-def measure(model: HybridWhisper, corpus: Corpus, thin: int = 2) -> Figures:
+def measure(model: HybridWhisper, corpus: Corpus, thin: int = 2) -> ValidationFigures:
     """Transcribe clips never trained on.
 
     Args:
@@ -57,10 +57,10 @@ def measure(model: HybridWhisper, corpus: Corpus, thin: int = 2) -> Figures:
     words = [clip for clip in corpus.people if clip.text != "stop"]
     around = corpus.around
 
-    def read(clips: Sequence[Clip], snr: float | None = None) -> Tally:
+    def read(clips: Sequence[TrainingClip], snr: float | None = None) -> TranscriptTally:
         return _read(model, clips, snr, around)
 
-    return Figures(
+    return ValidationFigures(
         quiet=read(commands[::thin]),
         noisy=read(commands[:: 2 * thin], 10.0),
         loud=read(commands[:: 2 * thin], 0.0),
@@ -73,8 +73,8 @@ def measure(model: HybridWhisper, corpus: Corpus, thin: int = 2) -> Figures:
 
 def _read(
     model: HybridWhisper,
-    clips: Sequence[Clip],
+    clips: Sequence[TrainingClip],
     snr: float | None,
     around: Surroundings,
-) -> Tally:
+) -> TranscriptTally:
     return tally(clips, transcripts(model, in_noise(clips, snr, around)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Train the spotter's head: python -m voice_assist.training.spotter.fit."""
+"""Train the spotter's head: python -m voice_assist.training.spotter.train_spotter."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from torch.nn.functional import softplus
 
 from voice_assist.spotter.features import Embedder
 from voice_assist.spotter.head import CONTEXT, PATH, Head, Member
-from voice_assist.training.fit.fit import REPOSITORY
-from voice_assist.training.spotter.data import LOG, NEGATIVE, Amounts, Steps, load_steps
+from voice_assist.training.fit.train_recognizer import REPOSITORY
+from voice_assist.training.spotter.dataset import LOG, NEGATIVE, SpotterAmounts, Steps, load_steps
 
 _LOOKS = 4  # steps from the end of a word on in which it shall be found, 0.32 s
 _WORDS, _NEGATIVES = 128, 1024  # of a batch
@@ -32,7 +32,7 @@ _SHARES = {"human": 0.6, "synthetic": 0.4}  # of the words of a batch
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class EmbeddingTable:
     """All steps in one tensor, with padding in front of each stream so that every look is whole."""
 
     embeddings: Tensor  # (rows, WIDTH), scaled, float32
@@ -45,7 +45,7 @@ class Table:
         return self.embeddings[index]
 
 
-def make_table(kinds: Mapping[str, Steps], head: Head, quiet: Tensor) -> Table:
+def make_table(kinds: Mapping[str, Steps], head: Head, quiet: Tensor) -> EmbeddingTable:
     """Join all kinds; sets the head's scaling to that of the data."""
     stacked = np.concatenate([steps.embeddings for steps in kinds.values()]).astype(np.float32)
     head.mean.copy_(torch.from_numpy(stacked.mean(0)))
@@ -67,10 +67,10 @@ def make_table(kinds: Mapping[str, Steps], head: Head, quiet: Tensor) -> Table:
             at += len(labels)
         words[kind] = np.concatenate(firsts)
     scaled = head.scaled(torch.cat(parts))
-    return Table(scaled, words, np.concatenate(negatives))
+    return EmbeddingTable(scaled, words, np.concatenate(negatives))
 
 
-def train_member(table: Table, steps: int, rate: float, seed: int) -> Member:
+def train_member(table: EmbeddingTable, steps: int, rate: float, seed: int) -> Member:
     """Train one member from a seed."""
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
@@ -91,7 +91,9 @@ def train_member(table: Table, steps: int, rate: float, seed: int) -> Member:
     return member.eval()
 
 
-def _loss(member: Member, table: Table, hardest: NDArray[np.int64], rng: Generator) -> Tensor:
+def _loss(
+    member: Member, table: EmbeddingTable, hardest: NDArray[np.int64], rng: Generator
+) -> Tensor:
     counts = {kind: round(share * _WORDS) for kind, share in _SHARES.items()}
     firsts = np.concatenate(
         [rng.choice(table.words[kind], count) for kind, count in counts.items()]
@@ -107,7 +109,7 @@ def _loss(member: Member, table: Table, hardest: NDArray[np.int64], rng: Generat
     return softplus(-best).mean() + 2 * softplus(odds[rows.size :]).mean()
 
 
-def _mine(member: Member, table: Table) -> NDArray[np.int64]:
+def _mine(member: Member, table: EmbeddingTable) -> NDArray[np.int64]:
     """The negatives that are taken for the word most."""
     member.eval()
     with torch.inference_mode():
@@ -148,7 +150,7 @@ def main() -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     options = parse()
     torch.set_num_threads(options.threads)
-    began, amounts = time.monotonic(), Amounts()
+    began, amounts = time.monotonic(), SpotterAmounts()
     kinds = load_steps(options.speech, options.cache, options.seed, amounts)
     head = Head()
     table = make_table(kinds, head, torch.from_numpy(Embedder().quiet))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Figures of the model card: python -m voice_assist.training.figures."""
+"""Figures of the model card: python -m voice_assist.training.held_out_figures."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from voice_assist.recognizer.embedded import restore
 from voice_assist.training.data.corpus import Corpus
 from voice_assist.training.data.human import load_sounds, load_speech, read_manifest
 from voice_assist.training.data.noise import Surroundings
-from voice_assist.training.data.synthesis import Clip, plan_held_out, synthesise
+from voice_assist.training.data.synthesis import TrainingClip, plan_held_out, synthesise
 from voice_assist.training.data.texts import COMMANDS
-from voice_assist.training.fit.fit import REPOSITORY
-from voice_assist.training.measure import Tally, in_noise, tally, transcripts
+from voice_assist.training.fit.train_recognizer import REPOSITORY
+from voice_assist.training.transcribe import TranscriptTally, in_noise, tally, transcripts
 
 
 def interval(right: int, n: int, level: float = 0.95) -> tuple[float, float]:
@@ -27,7 +27,7 @@ def interval(right: int, n: int, level: float = 0.95) -> tuple[float, float]:
     return low, high
 
 
-def row(name: str, found: Tally) -> str:
+def row(name: str, found: TranscriptTally) -> str:
     """One line of the card's table."""
     low, high = interval(found.right, found.n)
     share = f"{found.accuracy:.1%} ({low:.1%} to {high:.1%})"
@@ -52,7 +52,7 @@ def main() -> None:
     corpus = held_out_corpus(options.speech, options.cache, options.seed)
     around = corpus.around
 
-    def show(name: str, clips: list[Clip], snr: float | None = None) -> None:
+    def show(name: str, clips: list[TrainingClip], snr: float | None = None) -> None:
         written = transcripts(model, in_noise(clips, snr, around))
         print(row(name, tally(clips, written)), flush=True)
 
