@@ -175,7 +175,7 @@ class Timeline:
         state = State(
             time=message.header.stamp.to_sec() - self._zero,
             state=message.state,
-            active=message.active,
+            active=message.assistance_enabled,
             halted=message.halted,
             tissue_held=message.tissue_held,
             tension=message.tension,

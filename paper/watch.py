@@ -85,7 +85,7 @@ class Watch:
                 return Situation(self._mode == "active", False, False, False)
             return Situation(
                 is_listening=self._mode == "active",
-                is_active=state.active,
+                is_active=state.assistance_enabled,
                 is_halted=state.halted,
                 is_held=state.tissue_held,
                 tension=round(state.tension, 1) if state.tissue_held else 0.0,

@@ -83,7 +83,7 @@ class LockStep(ABC):
         if not self.until(ticket.ended.done, each=each):
             return "never ended"
         outcome = ticket.ended.result(0)
-        return "" if outcome.kind == "succeeded" else f"{outcome.kind}: {outcome.reason}"
+        return "" if outcome.kind == "succeeded" else f"{outcome.kind}: {outcome.message}"
 
     @property
     def is_moving(self) -> bool:

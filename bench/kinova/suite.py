@@ -21,6 +21,7 @@ from bench.kinova.rig import KinovaRig, Loss, kinova_motion
 from rst_control.config import load_motion_config, load_simulation_config
 from rst_control.execution.state_machine import IN_MOTION
 from rst_control.planning.plan import PhaseKind
+from rst_control.types import Cause, Reason
 from support.figures import Figure
 
 AnyRig = Rig | KinovaRig
@@ -161,7 +162,7 @@ def _carry_out(rig: AnyRig, words: str) -> Carried:
     _until(rig, ticket.ended.done, each)
     outcome, lasts = ticket.ended.result(0), rig.robot.now - begun
     if outcome.kind != "succeeded":
-        raise RuntimeError(f'"{words}" {outcome.kind}: {outcome.reason}')
+        raise RuntimeError(f'"{words}" {outcome.kind}: {outcome.message}')
     until = rig.robot.now + SETTLED
     _until(rig, lambda: rig.robot.now >= until, each)
     return Carried(begins[0], lasts, max(errors), tensions[-1], max(tensions))
@@ -181,7 +182,7 @@ def _until(rig: AnyRig, done: Callable[[], bool], each: Callable[[], None]) -> N
 def _stop(rig: AnyRig, number: int) -> Ended:
     """Say "stop" at a random moment of the way to the tissue."""
     _set_off(rig, number)
-    return _watch(rig, lambda: rig.executor.stop("bench", rig.robot.now))
+    return _watch(rig, lambda: rig.executor.stop(Cause(Reason.STOP_TOPIC, "bench"), rig.robot.now))
 
 
 def _lose(rig: KinovaRig, loss: Loss, number: int) -> Ended:

@@ -23,7 +23,7 @@ from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.plan import Phase, PhaseKind, Plan
 from rst_control.planning.planner import Planner
 from rst_control.trajectory.path import Path
-from rst_control.types import Command
+from rst_control.types import Cause, Command, Reason
 from support.figures import Figure
 
 FAST = 0.050  # [m/s]
@@ -165,7 +165,7 @@ def _stop(rig: Rig, phase: Phase) -> Stop:
         if np.abs(rig.robot.reading.velocity).max() > REST:
             still[0] = rig.robot.now
 
-    rig.executor.stop("bench")
+    rig.executor.stop(Cause(Reason.STOP_TOPIC, "bench"))
     while rig.robot.now < told + 1.5 and (rig.is_moving or rig.robot.now < still[0] + 0.02):
         rig.tick(look)
     return Stop(speed, still[0] - told, float(np.linalg.norm(rig.tip - start)), max(rcm))

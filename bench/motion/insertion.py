@@ -214,7 +214,7 @@ class Run:
             self._rig.tick(self._look)
             self.phases.add(self._rig.executor.view.phase)
         if ticket.ended.result(0).kind != "succeeded":
-            self.failure = f'"{words}": {ticket.ended.result(0).reason}'
+            self.failure = f'"{words}": {ticket.ended.result(0).message}'
 
     def _look(self) -> None:
         tip, trocar = self._rig.robot.tip, self._rig.planner.trocar

@@ -223,7 +223,7 @@ def _pull(rig: Rig, words: str, target: float, step: float) -> Pull:
     while not ticket.ended.done():
         rig.tick(look)
     if (outcome := ticket.ended.result(0)).kind != "succeeded":
-        raise RuntimeError(f'"{words}" {outcome.kind}: {outcome.reason}')
+        raise RuntimeError(f'"{words}" {outcome.kind}: {outcome.message}')
     done = len(seen)
     for _ in range(round(HOLD / rig.period)):
         rig.tick(look)

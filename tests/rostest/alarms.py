@@ -23,7 +23,7 @@ class Alarms(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.alarm, cls.marker = Alarm(), Marker()
-        cls.state = ControllerState(state="active", active=True)
+        cls.state = ControllerState(state="active", assistance_enabled=True)
         rospy.Subscriber("voice_assist/alarm", Alarm, lambda m: setattr(cls, "alarm", m))
         rospy.Subscriber("voice_assist/alarm_marker", Marker, lambda m: setattr(cls, "marker", m))
         cls.states = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)

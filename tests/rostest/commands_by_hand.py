@@ -84,7 +84,7 @@ class CommandsByHand(unittest.TestCase):
     def test_8_terminate_stands_by_and_hears_only_hey_robot_and_stop(self):
         self.robot.say("terminate")
         self.robot.wait_for_state("standby")
-        self.assertFalse(self.robot.state.active)
+        self.assertFalse(self.robot.state.assistance_enabled)
         self.assertIn("hey robot", self.robot.refused("tense"))
         self.robot.say("stop")
         self.robot.wait_for_state("halted")

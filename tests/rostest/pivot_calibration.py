@@ -139,8 +139,8 @@ class PivotCalibration(unittest.TestCase):
         print(f"fitted trocar {np.linalg.norm(found - TRUE) * 1e6:.3f} um off; {reply.message}")
         self.assertLess(np.linalg.norm(found - TRUE), EXACT)
         self.assertEqual((reply.poses, list(reply.outliers)), (len(TILTS), []))
-        self.assertLess(reply.largest, EXACT)
-        self.assertGreater(reply.spread, 0.05)
+        self.assertLess(reply.max_residual, EXACT)
+        self.assertGreater(reply.angular_spread, 0.05)
         self.assertGreater(self.robot.state.rcm_error, 1e-3)
 
     def test_5_applied_it_is_in_force(self):

@@ -27,7 +27,7 @@ from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import PhaseKind
 from rst_control.supervision.presence import Presence
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
-from rst_control.types import JOINT_COUNT, PathState
+from rst_control.types import JOINT_COUNT, Cause, PathState, Reason
 from tests.state_search.inputs import (
     FOUND,
     LATE,
@@ -77,7 +77,7 @@ class _Run:
 
     def __init__(self, phase, held):
         self.phase, self._held = phase, held
-        self.is_done, self.failure = False, ""
+        self.is_done, self.failure = False, None
         self.is_pulling = phase.kind in (PhaseKind.PULL, PhaseKind.STEP)
         self.state, self.progress = PathState(0.0), 0.0
         self.is_braking = False
@@ -85,7 +85,7 @@ class _Run:
     def step(self, dt, measured):
         self.is_done = _World.found.endswith("arrived")
         if _World.found == "failing" and not self.is_braking:
-            self.failure = "no answer"
+            self.failure = Cause(Reason.NO_RESPONSE_TO_PULL, "no answer")
         self._held = self._held + TINY
         return self._held, ZERO
 
@@ -156,7 +156,7 @@ class Controller:
         return (
             *(mode.state, mode.is_active, mode.mode_after),
             *(self._moving(), _where(mover.held), mover.grasp is None),
-            *(executor._ledger.order is None, bool(mode.reason)),
+            *(executor._ledger.order is None, mode.cause is not None),
             _jaws(mover),
             not executor._waking.is_waiting,
         )
@@ -183,7 +183,7 @@ class Controller:
         for n, order in enumerate(given.orders):
             executor.post(_order(order, serial, outcomes, n))
         if given.is_stopped:
-            executor.stop("stop")
+            executor.stop(Cause(Reason.STOP_TOPIC, "stop"))
         if given.is_changed:
             executor.change(lambda view: DiaryEntry(self.now, "trocar_set", "", ""))
         self._tick(given.found)

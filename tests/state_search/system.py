@@ -277,4 +277,4 @@ class Search:
     def _must_stop(self, controller):
         """Whether what moves has to brake while nobody records it."""
         view, watch = self._view(controller), _watch(self.on_loss, False)
-        return view.mode.state is State.MOVING and bool(watch.stop_reason(view.plan))
+        return view.mode.state is State.MOVING and bool(watch.stop_cause(view.plan))

@@ -11,7 +11,7 @@ import pytest
 from rst_control.execution.orders import Order
 from rst_control.execution.state_machine import IN_MOTION, State
 from rst_control.planning.plan import Request
-from rst_control.types import Command
+from rst_control.types import Cause, Command, Reason
 from tests.state_search.controller import explore
 from tests.state_search.inputs import Given, one
 from tests.unit.rst_control.support.executor_rig import Rig
@@ -56,7 +56,7 @@ def do(rig, step, expected):
             plan = rig.site.verify(Request("tense"), rig.home).plan
             rig.executor.post(Order(plan, rig.view.serial - 1, stale=lambda: None))
     if step.is_stopped:
-        rig.executor.stop("test")
+        rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
     if (waiting := rig.desk.next(0.0)) is not None:
         rig.desk.check(waiting)
     if step.found in BROKEN:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from rst_control.types import Cause
+
 
 class Nobody:
     """Stands behind a desk, in place of the executor."""
@@ -12,14 +14,14 @@ class Nobody:
         self.orders: list[object] = []
         self.refusals: list[tuple[str, str]] = []
 
-    def stop(self, reason: str, received: float | None = None) -> None:
+    def stop(self, cause: Cause, received: float | None = None) -> None:
         """Note a stop."""
-        self.stops.append(reason)
+        self.stops.append(cause.words)
 
     def post(self, order: object) -> None:
         """Note an order that would be carried out."""
         self.orders.append(order)
 
-    def note_refusal(self, command: str, words: str, now: float) -> None:
+    def note_refusal(self, command: str, cause: Cause, now: float) -> None:
         """Note a refusal."""
-        self.refusals.append((command, words))
+        self.refusals.append((command, cause.words))

@@ -20,7 +20,7 @@ from rst_control.kinematics.robot_model import RobotModel
 from rst_control.robot.setpoint_servo import Servo, ServoState
 from rst_control.simulation.pybullet_robot import servo_limits, start_joints
 from rst_control.simulation.tissue import Jaws, Tissue
-from rst_control.types import JOINT_COUNT, Measurement, Setpoint, frozen_array
+from rst_control.types import JOINT_COUNT, Cause, Measurement, Reason, Setpoint, frozen_array
 
 Array = NDArray[np.float64]
 STEP = 0.001  # [s] as the simulator's physics
@@ -141,4 +141,5 @@ class Link:
         try:
             return replace(true, force=frozen_array(true.force + self.extra, 3))
         except ValueError as error:
-            return replace(true, force=self._last.force, fault=f"tension: {error}")
+            fault = Cause(Reason.TENSION_SENSOR, f"tension: {error}")
+            return replace(true, force=self._last.force, fault=fault.coded)

@@ -35,7 +35,7 @@ from rst_control.kinematics.robot_model import RobotModel, load_robot
 from rst_control.planning.plan import Request
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.simulation.pybullet_robot import servo_limits
-from rst_control.types import Setpoint
+from rst_control.types import Cause, Reason, Setpoint
 from voice_assist.config import load_voice_config
 
 START = 10.0  # [s] time of the first state
@@ -110,7 +110,7 @@ class Session:
         if event.kind in ("say", "talk"):
             self._hear(event)
         elif event.kind == "stop":
-            self.stop("stop topic, from the soak")
+            self.stop(Cause(Reason.STOP_TOPIC, "stop topic, from the soak"))
         elif event.kind == "hand":
             request = Request(event.words, event.tension, event.distance)
             self._note_given(event.words)
@@ -118,10 +118,10 @@ class Session:
         else:
             self.faults.begin(event)
 
-    def stop(self, reason: str) -> None:
+    def stop(self, cause: Cause) -> None:
         """Stop by the topic, a cancelled goal or the service."""
         self._was_stopped = True
-        self.executor.stop(reason)
+        self.executor.stop(cause)
 
     def tick(self) -> None:
         """One period of everything."""
@@ -217,9 +217,9 @@ class Session:
     def _publish(self) -> None:
         """What the node's publisher does: empties the diary, and looks after the recording."""
         view = self.executor.view
-        reason = self.watch.stop_reason(view.plan) if view.mode.state is State.MOVING else ""
-        if reason:
-            self.stop(reason)
+        cause = self.watch.stop_cause(view.plan) if view.mode.state is State.MOVING else None
+        if cause is not None:
+            self.stop(cause)
         while self.executor.diary:
             entry = self.executor.diary.popleft()
             self.counts[f"diary: {entry.kind}"] += 1

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from rst_control.admission.command_queue import CommandDesk, Ticket
 from rst_control.execution.executor import Executor
 from rst_control.planning.plan import Request
+from rst_control.types import Cause, Reason
 from voice_assist.config import CommandsConfig
 from voice_assist.intent.dialogue import AT_START, Answered, Heard, State, step
 from voice_assist.intent.mapper import Mapper
@@ -54,7 +55,7 @@ class Voice:
         self.state = done.state
         for action in done.actions:
             if isinstance(action, Halt):
-                self._executor.stop(f"stop topic, from {NODE}")
+                self._executor.stop(Cause(Reason.STOP_TOPIC, f"stop topic, from {NODE}"))
                 self._calls.clear()
             elif isinstance(action, Call):
                 self._calls.append(action.command)

@@ -13,7 +13,7 @@ from bench.safety.stops.judge import Course, Stop, latency, objection, rest
 from rst_control.admission.command_queue import Ticket
 from rst_control.execution.state_machine import State
 from rst_control.planning.plan import PhaseKind, Request
-from rst_control.types import Setpoint
+from rst_control.types import Cause, Reason, Setpoint
 
 Array = NDArray[np.float64]
 ALLOWED = 0.4  # [s] to come to rest; 45 ms along a path (limits.yaml), jaws from full speed 0.34 s
@@ -124,7 +124,7 @@ def _releasing(stage: Stage) -> None:
 def _braking(stage: Stage) -> None:
     _pulling(stage)
     if stage.rng.random() < 0.5:
-        stage.rig.executor.stop("the first of two")
+        stage.rig.executor.stop(Cause(Reason.STOP_TOPIC, "the first of two"))
     else:
         stage.rig.give("terminate")
     stage.wait(0.05)
@@ -137,7 +137,7 @@ def _standby(stage: Stage) -> None:
 
 def _halted(stage: Stage) -> None:
     stage.ready()
-    stage.rig.executor.stop("the first of two")
+    stage.rig.executor.stop(Cause(Reason.STOP_TOPIC, "the first of two"))
     stage.rig.tick()
 
 
@@ -189,7 +189,7 @@ def one_stop(stage: Stage, situation: str) -> list[Stop]:
     received = rig.robot.now - rig.period * rng.uniform(0.0, 1.0, clients)
     rig.executor.diary.clear()
     for moment in received.tolist():
-        rig.executor.stop("bench", moment)
+        rig.executor.stop(Cause(Reason.STOP_TOPIC, "bench"), moment)
     rcm = [0.0]
     for tick in range(round(WATCHED / rig.period)):
         rig.tick(lambda: rcm.append(rig.rcm_error))

@@ -7,7 +7,7 @@ from rst_control.admission import command_queue
 from rst_control.admission.command_queue import CommandDesk, read_command, unknown
 from rst_control.execution.state_machine import State
 from rst_control.planning.plan import Request
-from rst_control.types import Command
+from rst_control.types import Cause, Command, Reason
 from tests.unit.rst_control.support.executor_rig import Rig
 
 
@@ -26,7 +26,7 @@ def test_what_only_resembles_a_command_is_none(words):
 
 @given(st.text(max_size=2000))
 def test_any_text_is_answered_in_a_few_printable_characters(words):
-    refusal = unknown(words)
+    refusal = unknown(words).words
     assert len(refusal) < 400
     assert refusal.isprintable()
     for command in Command:
@@ -61,7 +61,7 @@ def test_a_command_verified_in_a_situation_that_has_changed_is_verified_again():
     rig = Rig().awake()
     ticket = rig.desk.take(Request("tense"), "test")
     rig.desk.check(rig.desk.next(0.0))
-    rig.executor.stop("in between")
+    rig.executor.stop(Cause(Reason.STOP_TOPIC, "in between"))
     rig.tick()
     assert not ticket.reply.result(0).accepted
     rig.say("hey robot")

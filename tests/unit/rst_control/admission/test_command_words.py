@@ -18,12 +18,14 @@ from rst_control.admission.command_queue import (
 )
 from rst_control.execution.state_machine import State
 from rst_control.planning.plan import Request
-from rst_control.types import Command
+from rst_control.types import Cause, Command, Reason
 from tests.support.bad_words import BROKEN, HUGE, MOTIONS, NO_STOPS, STOPS, disguises, huge
 from tests.support.null_executor import Nobody
 from tests.unit.rst_control.support.executor_rig import Rig
 
 SAID = st.text(max_size=30) | st.text("tensopurl mhyb.\u200d\u0455\uff53\u0301\x00", max_size=12)
+
+FORBIDDEN = Cause(Reason.MAY_NOT_COMMAND, "may not call")
 
 
 def named(texts):
@@ -39,14 +41,14 @@ def test_what_only_looks_like_a_command_is_none(command):
 @pytest.mark.parametrize("text", named(enumerate(BROKEN)))
 def test_broken_texts_are_refused_in_one_printable_line(text):
     assert read_command(text) is None
-    assert unknown(text).isprintable() and len(unknown(text)) < 400
+    assert unknown(text).words.isprintable() and len(unknown(text).words) < 400
 
 
 @pytest.mark.parametrize(("beginning", "repeated"), HUGE, ids=range(len(HUGE)))
 def test_ten_million_characters_take_no_memory_and_move_nothing(beginning, repeated):
     text = huge(beginning, repeated)
     tracemalloc.start()
-    command, words = read_command(text), unknown(text)
+    command, words = read_command(text), unknown(text).words
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert command in (None, Command.STOP)
@@ -71,12 +73,10 @@ def test_what_is_no_stop_is_no_stop(text):
 
 def test_a_stop_is_taken_from_a_caller_of_whom_nothing_else_is():
     rig = Rig().awake()
-    ticket = rig.desk.take(Request("terminate"), "stray", objection="may not call")
+    ticket = rig.desk.take(Request("terminate"), "stray", objection=FORBIDDEN)
     assert ticket.reply.result(0).message == "may not call"
     assert ticket.ended.result(0).kind == "refused"
-    assert (
-        rig.desk.take(Request("Stop."), "stray", objection="may not call").reply.result(0).accepted
-    )
+    assert rig.desk.take(Request("Stop."), "stray", objection=FORBIDDEN).reply.result(0).accepted
     rig.tick()
     assert rig.state is State.HALTED
 
@@ -91,14 +91,14 @@ def test_a_text_is_a_command_only_if_it_is_one_letter_by_letter(text):
 
 @given(st.text(max_size=60))
 def test_a_refusal_names_what_no_command_has(text):
-    words = unknown(text)
+    words = unknown(text).words
     assert words.isprintable() and len(words) < 400
     if not text.isascii():
         assert f"U+{ord(next(c for c in text if not c.isascii())):04X}" in words
 
 
 def test_the_length_of_what_was_not_read_is_told():
-    assert "10000000 bytes, allowed: 200" in unknown("x" * 400, 10_000_000)
+    assert "10000000 bytes, allowed: 200" in unknown("x" * 400, 10_000_000).words
 
 
 @settings(max_examples=20)

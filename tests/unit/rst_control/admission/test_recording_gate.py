@@ -86,7 +86,7 @@ def test_without_a_recorder_only_what_advances_is_refused(command, on_loss, cloc
 def test_where_it_is_ignored_nothing_is_refused_or_stopped(command, clock):
     watch = watch_of("ignore", clock)
     assert watch.problem and not watch.objection(command)
-    assert not watch.stop_reason(Plan(command, ""))
+    assert not watch.stop_cause(Plan(command, ""))
 
 
 def test_a_silent_recorder_is_named_with_the_time_and_what_was_allowed(clock):
@@ -122,11 +122,11 @@ def test_one_healthy_recorder_is_enough(clock):
 def test_only_the_setting_stop_brakes_and_only_what_advances(command, on_loss, clock):
     watch = watch_of(on_loss, clock)
     watch.heard("/recorder", "")
-    assert watch.stop_reason(Plan(command, "")) == ""
+    assert watch.stop_cause(Plan(command, "")) is None
     clock.now += 60.0
-    brakes = bool(watch.stop_reason(Plan(command, "")))
+    brakes = bool(watch.stop_cause(Plan(command, "")))
     assert brakes == (on_loss == "stop" and command in ADVANCING)
-    assert watch.stop_reason(None) == ""
+    assert watch.stop_cause(None) is None
 
 
 def test_news_come_once_each_way(clock):
@@ -177,8 +177,8 @@ class RecordedRig(Rig):
     def tick(self):
         self.watch.heard("/recorder", self.problem)
         view = self.executor.view
-        if view.mode.state is State.MOVING and (reason := self.watch.stop_reason(view.plan)):
-            self.executor.stop(reason)
+        if view.mode.state is State.MOVING and (cause := self.watch.stop_cause(view.plan)):
+            self.executor.stop(cause)
         return super().tick()
 
 
@@ -192,7 +192,7 @@ def test_a_motion_under_way_is_finished_and_the_next_is_refused():
     assert rig.executor.diary[-1].kind == "motion_finished"
     refusal = rig.refused("pull more")
     assert refusal.startswith("not recorded: /recorder: disk full; still allowed")
-    assert rig.executor.view.last_refusal == refusal
+    assert rig.executor.view.last_refusal.words == refusal
     rig.record("")
     rig.finish("pull more")
 

@@ -71,7 +71,7 @@ def test_every_command_in_every_state_is_accepted_or_refused_as_the_table_says(s
         reply = rig.give(command.value).reply.result(0)
         assert reply.accepted == (command.value in ALLOWED[situation]), (command, reply.message)
         if not reply.accepted:
-            assert rig.view.last_refusal == reply.message
+            assert rig.view.last_refusal.words == reply.message
             assert rig.diary()[-1] == "refused"
 
 
@@ -216,7 +216,7 @@ def test_a_motion_that_is_replaced_ends_as_stopped_with_the_reason():
     rig.until(lambda: rig.phase == "pull")
     rig.say("pull more")
     assert tense.ended.result(0).kind == "stopped"
-    assert "pull more" in tense.ended.result(0).reason
+    assert "pull more" in tense.ended.result(0).message
 
 
 def test_pull_more_said_twice_at_once_counts_twice():
@@ -235,7 +235,7 @@ def test_jaws_that_close_on_nothing_end_the_motion_without_a_latch():
     ticket = rig.say("tense")
     rig.until(ticket.ended.done)
     assert ticket.ended.result(0).kind == "failed"
-    assert "nothing grasped" in ticket.ended.result(0).reason
+    assert "nothing grasped" in ticket.ended.result(0).message
     assert rig.state is State.ACTIVE
     assert rig.still_for(0.1)
 

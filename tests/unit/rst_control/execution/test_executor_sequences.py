@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rst_control.execution.state_machine import IN_MOTION, State
-from rst_control.types import Command
+from rst_control.types import Cause, Command, Reason
 from tests.unit.rst_control.support.executor_rig import Rig
 
 EVENTS = {
@@ -18,7 +18,7 @@ EVENTS = {
     "push": lambda rig: rig.robot.push(np.full(10, 2e-2)),
     "crash": lambda rig: rig.executor.crashed(ArithmeticError("x")),
     "heartbeat": lambda rig: rig.executor.heartbeat(rig.now),
-    "stop twice": lambda rig: (rig.executor.stop("a"), rig.executor.stop("b")),
+    "stop twice": lambda rig: [rig.executor.stop(Cause(Reason.STOP_TOPIC, w)) for w in "ab"],
     "clock jumps": lambda rig: setattr(rig, "now", rig.now + 0.3),
 }
 SPOKEN = [f"spoken {c.value}" for c in Command]

@@ -102,6 +102,6 @@ def test_a_tension_that_loses_trust_ends_the_pull_with_the_reason() -> None:
     tissue.distrust = "torques fit no pull"
     before = tissue.run.state.s
     tissue.pull()
-    assert tissue.run.failure == "no trusted tension to pull to: torques fit no pull"
+    assert tissue.run.failure.words == "no trusted tension to pull to: torques fit no pull"
     assert tissue.run.is_done
     assert tissue.run.state.s - before < 1e-3

@@ -39,7 +39,7 @@ def test_states_that_stop_coming_end_the_pull_below_the_limit(stiffness, tension
     rig.robot.freeze()
     assert most_felt(rig, 0.5) < rig.config.controller.tension.limit
     assert rig.state is State.FAULTED
-    assert "stale" in ticket.ended.result(0).reason
+    assert "stale" in ticket.ended.result(0).message
 
 
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
@@ -56,7 +56,7 @@ def test_a_tension_that_stays_as_it_was_fails_the_command_and_leaves_the_robot_r
     rig.until(lambda: rig.state is State.ACTIVE)
     rig.robot.tissue = true
     assert felt(rig) < rig.config.controller.tension.limit
-    assert "sensor dead" in ticket.ended.result(0).reason
+    assert "sensor dead" in ticket.ended.result(0).message
     assert ticket.ended.result(0).kind == "failed"
 
 

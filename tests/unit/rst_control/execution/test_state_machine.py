@@ -5,8 +5,10 @@ import pytest
 
 from rst_control.execution import state_machine
 from rst_control.execution.state_machine import LATCHED, ControllerMode, State
-from rst_control.types import Command, Reason
+from rst_control.types import Cause, Command, Reason
 
+STOP = Cause(Reason.STOP_TOPIC, "stop")
+FAULT = Cause(Reason.OVER_TENSION, "tension over its limit")
 MOTIONS = (Command.TENSE, Command.RELEASE, Command.PULL_MORE, Command.PULL_LESS)
 
 
@@ -17,7 +19,7 @@ def commanded(mode, command):
     if command is Command.HEY_ROBOT:
         return state_machine.activated(mode)
     if command is Command.STOP:
-        return state_machine.stopped(mode, "stop")
+        return state_machine.stopped(mode, STOP)
     if command is Command.TERMINATE:
         return state_machine.terminated(mode)
     return state_machine.started(mode)
@@ -25,7 +27,7 @@ def commanded(mode, command):
 
 EVENTS = {
     **{c.value: (lambda mode, c=c: commanded(mode, c)) for c in (*Command,)},
-    "fault": lambda mode: state_machine.faulted(mode, "fault"),
+    "fault": lambda mode: state_machine.faulted(mode, FAULT),
     "failure": state_machine.failed,
     "rest": state_machine.at_rest,
 }
@@ -77,7 +79,7 @@ def test_only_hey_robot_activates_and_only_terminate_ends_it():
 def test_stop_is_allowed_everywhere_and_leads_to_rest_and_a_latch():
     for mode in MODES:
         assert state_machine.refusal(mode, Command.STOP) is None
-        after = state_machine.stopped(mode, "stop")
+        after = state_machine.stopped(mode, STOP)
         assert after.is_latched and after.state is not State.MOVING
         assert state_machine.at_rest(after).state in LATCHED
 
@@ -85,7 +87,7 @@ def test_stop_is_allowed_everywhere_and_leads_to_rest_and_a_latch():
 def test_a_fault_in_motion_latches_whatever_else_was_going_on():
     for mode in MODES:
         if mode.state in state_machine.IN_MOTION:
-            assert state_machine.at_rest(state_machine.faulted(mode, "x")).state is State.FAULTED
+            assert state_machine.at_rest(state_machine.faulted(mode, FAULT)).state is State.FAULTED
 
 
 def test_after_terminate_only_hey_robot_and_stop_are_heard_until_hey_robot():
@@ -105,14 +107,14 @@ def test_refusals_name_their_reason():
     moving = state_machine.started(state_machine.activated(ControllerMode()))
     assert reason(moving) is Reason.BUSY
     assert reason(state_machine.terminated(moving)) is Reason.NOT_AT_REST
-    assert reason(state_machine.stopped(moving, "x")) is Reason.HALTED
-    assert reason(state_machine.faulted(moving, "x")) is Reason.FAULTED
+    assert reason(state_machine.stopped(moving, STOP)) is Reason.HALTED
+    assert reason(state_machine.faulted(moving, FAULT)) is Reason.HALTED
 
 
 def test_the_first_cause_of_a_halt_is_the_one_that_is_told():
     moving = state_machine.started(state_machine.activated(ControllerMode()))
-    mode = state_machine.stopped(state_machine.faulted(moving, "tension over its limit"), "stop")
-    assert state_machine.at_rest(mode).reason == "tension over its limit"
+    mode = state_machine.stopped(state_machine.faulted(moving, FAULT), STOP)
+    assert state_machine.at_rest(mode).cause is FAULT
 
 
 def test_motion_from_a_state_that_allows_none_is_an_error():

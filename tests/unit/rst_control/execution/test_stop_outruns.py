@@ -3,6 +3,7 @@
 
 from rst_control.execution.state_machine import State
 from rst_control.planning.plan import Request
+from rst_control.types import Cause, Reason
 from tests.unit.rst_control.support.executor_rig import Rig
 
 
@@ -13,7 +14,7 @@ def asked(rig, count=1):
 def test_a_hey_robot_that_came_before_a_stop_does_not_clear_it():
     rig = Rig().run(0.01)
     (ticket,) = asked(rig)
-    rig.executor.stop("test")
+    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
     rig.tick()
     assert rig.state is State.HALTED
     assert "stopped meanwhile" in ticket.reply.result(0).message
@@ -24,7 +25,7 @@ def test_a_hey_robot_that_came_before_a_stop_does_not_clear_it():
 def test_nor_do_many_that_take_more_than_one_tick():
     rig = Rig().run(0.01)
     tickets = asked(rig, count=10)
-    rig.executor.stop("test")
+    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
     for _ in range(5):
         rig.tick()
         assert rig.state is State.HALTED
@@ -34,7 +35,7 @@ def test_nor_do_many_that_take_more_than_one_tick():
 def test_one_that_came_after_the_stop_was_taken_up_clears_it():
     rig = Rig().run(0.01)
     asked(rig, count=10)
-    rig.executor.stop("test")
+    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
     rig.tick()
     (later,) = asked(rig)
     rig.run(0.01)

@@ -124,7 +124,7 @@ def test_jaws_that_catch_tissue_end_the_withdrawal_before_it_begins(gate):
     joints = rig.joints
     rig.until(ticket.ended.done)
     assert ticket.ended.result(0).kind == "failed"
-    assert "caught tissue" in ticket.ended.result(0).reason
+    assert "caught tissue" in ticket.ended.result(0).message
     np.testing.assert_array_equal(joints[:8], rig.joints[:8])
     assert "release first" in rig.refused("withdraw")
 

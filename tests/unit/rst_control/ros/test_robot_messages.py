@@ -106,7 +106,8 @@ def test_where_the_robot_holds_is_named_where_it_cannot_be_read(link, position):
     link.run(0.01)
     link.reception.rest = rest_at(position)
     measured = link.run(PERIOD)
-    assert measured.sent_to is None and measured.fault.startswith("where the robot holds: ")
+    assert measured.sent_to is None
+    assert measured.fault.startswith("joint_messages: where the robot holds: ")
 
 
 def test_what_arrives_is_measured_with_both_clocks(link):

@@ -78,7 +78,7 @@ def test_nothing_goes_on_while_the_sensors_lie_nor_after_until_hey_robot():
     assert rig.state is State.FAULTED
     before = rig.robot.measured_js().position
     rig.run(2 * SENSORS.plausible_for)
-    assert rig.state is State.FAULTED and rig.view.health == ""
+    assert rig.state is State.FAULTED and rig.view.health is None
     np.testing.assert_array_equal(rig.robot.measured_js().position, before)
     rig.say("hey robot")
     assert rig.state is State.ACTIVE
@@ -111,4 +111,4 @@ def test_a_whole_session_with_good_sensors_raises_nothing(kind):
     rig.awake()
     for words in ("tense", "pull more", "pull less", "release"):
         rig.finish(words)
-    assert rig.state is State.ACTIVE and rig.view.health == ""
+    assert rig.state is State.ACTIVE and rig.view.health is None

@@ -9,7 +9,7 @@ from rst_control.planning.patient_surface import NOWHERE, TrocarPose
 from rst_control.supervision.plausibility import SensorWatch, greatest_speed
 from rst_control.supervision.presence import Presence
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs, Watched
-from rst_control.types import Measurement, Reason
+from rst_control.types import Cause, Measurement, Reason
 from tests.unit.rst_control.support.executor_rig import Rig, shared, with_watchdogs
 
 SETTINGS = shared()[0].controller
@@ -36,8 +36,8 @@ def measured(**changes):
 
 
 def test_nothing_is_wrong_with_a_robot_where_it_was_sent():
-    assert WATCHDOGS.motion(0.001, measured(), GOOD) == ""
-    assert WATCHDOGS.motion(0.019, measured(), GOOD) == ""
+    assert WATCHDOGS.motion(0.001, measured(), GOOD) is None
+    assert WATCHDOGS.motion(0.019, measured(), GOOD) is None
 
 
 def off(**changes):
@@ -65,18 +65,19 @@ def off(**changes):
     ],
 )
 def test_each_fault_is_named_with_what_was_allowed(now, measurement, watched, words):
-    assert words in WATCHDOGS.motion(now, measurement, watched)
+    assert words in WATCHDOGS.motion(now, measurement, watched).words
 
 
 def test_the_shaft_may_be_anywhere_only_while_the_whole_robot_is_outside():
-    assert WATCHDOGS.motion(0.0, measured(), replace(GOOD, trocar_pose=FAR)) == ""
+    assert WATCHDOGS.motion(0.0, measured(), replace(GOOD, trocar_pose=FAR)) is None
     near = replace(FAR, is_outside=False)
-    assert "off the trocar" in WATCHDOGS.motion(0.0, measured(), replace(GOOD, trocar_pose=near))
+    found = WATCHDOGS.motion(0.0, measured(), replace(GOOD, trocar_pose=near))
+    assert "off the trocar" in found.words
 
 
 def test_tension_over_its_limit_does_not_keep_the_robot_from_easing_it():
     high = measured(force=np.array([0.0, 0.0, 3.0]))
-    assert WATCHDOGS.motion(0.0, high, replace(GOOD, raises_tension=False)) == ""
+    assert WATCHDOGS.motion(0.0, high, replace(GOOD, raises_tension=False)) is None
 
 
 def test_a_robot_fault_is_told_apart_from_a_lost_robot():
@@ -165,7 +166,7 @@ def test_a_motion_that_a_fault_ended_has_failed_with_its_reason():
     rig.until(lambda: rig.phase == "reach")
     fault_in_motion(rig, _freeze)
     assert ticket.ended.result(0).kind == "failed"
-    assert "stale" in ticket.ended.result(0).reason
+    assert "stale" in ticket.ended.result(0).message
 
 
 def test_joint_states_that_come_back_move_nothing_until_hey_robot():
@@ -314,7 +315,7 @@ def test_pull_less_eases_a_tension_over_its_limit(amounts):
 def test_the_diary_tells_when_a_stop_came_not_when_it_was_taken_up():
     rig = Rig().awake()
     came = rig.now + 0.0007
-    rig.executor.stop("test", came)
+    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"), came)
     rig.tick()
     told = next(entry for entry in rig.executor.diary if entry.kind == "stop_received")
     assert told.stamp == came < rig.now

@@ -16,7 +16,7 @@ def objection(tension_at, way=WAY):
     for s in way:
         answer.look(s, tension_at(s))
         if answer.objection:
-            return s, answer.objection
+            return s, answer.objection.words
     return None
 
 

@@ -74,10 +74,12 @@ def judged(delay: float, distrusted_until: float = 0.0) -> str:
 
 
 def test_a_pull_is_stopped_before_the_limit_by_the_rate_times_the_delay() -> None:
-    assert judged(0.008) == ""  # 2.0 N and 0.08 N more
-    assert judged(0.05) == ("tension 2.00 N and 0.50 N more since it was measured, allowed 2.40 N")
+    assert judged(0.008) is None  # 2.0 N and 0.08 N more
+    assert (
+        judged(0.05).words == "tension 2.00 N and 0.50 N more since it was measured, allowed 2.40 N"
+    )
 
 
 def test_from_a_tension_that_was_not_trusted_nothing_rose() -> None:
-    assert judged(0.05, distrusted_until=0.1995) == ""
-    assert "0.50 N more" in judged(0.05, distrusted_until=0.14)
+    assert judged(0.05, distrusted_until=0.1995) is None
+    assert "0.50 N more" in judged(0.05, distrusted_until=0.14).words

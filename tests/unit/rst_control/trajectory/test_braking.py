@@ -14,7 +14,7 @@ from rst_control.execution.state_machine import State
 from rst_control.kinematics.joint_limits import active_layer
 from rst_control.planning.planner import Planner
 from rst_control.trajectory.profile import Bounds, Profile, stopping_speed
-from rst_control.types import PathState
+from rst_control.types import Cause, PathState, Reason
 from tests.unit.rst_control.support.executor_rig import PERIOD, Rig
 
 
@@ -70,7 +70,7 @@ def test_a_stop_is_harder_than_the_motion_and_ends_in_time():
     layer = active_layer(rig.config.limits)
     rig.run(0.1)
     told, before = rig.now, rig.view.path_position
-    rig.executor.stop("test")
+    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
     rig.until(lambda: rig.state is State.HALTED)
     assert rig.now - told <= layer.stopping_time + 3 * PERIOD
     moved = rig.view.path_position - before

@@ -15,6 +15,7 @@ import pytest
 import yaml
 
 from rst_control.execution.state_machine import LATCHED, State
+from rst_control.types import Cause, Reason
 from tests.unit.rst_control.support.executor_rig import Rig, with_watchdogs
 from voice_assist.alarms.causes import GIVE_UPS, LATCHES, UNKNOWN, find
 
@@ -51,7 +52,7 @@ def slip(rig):
 
 
 def stop(rig):
-    rig.executor.stop("stop topic, from /voice_assist")
+    rig.executor.stop(Cause(Reason.STOP_TOPIC, "stop topic, from /voice_assist"))
 
 
 def stop_by_word(rig):
@@ -63,11 +64,12 @@ def cancel(rig):
 
 
 def unrecorded(rig):
-    rig.executor.stop("not recorded: recorder silent for 1.2 s, allowed 1.0 s")
+    words = "not recorded: recorder silent for 1.2 s, allowed 1.0 s"
+    rig.executor.stop(Cause(Reason.NOT_RECORDED, words))
 
 
 def shut_down(rig):
-    rig.executor.stop("the controller is being shut down")
+    rig.executor.stop(Cause(Reason.SHUTDOWN, "the controller is being shut down"))
 
 
 def error(rig):

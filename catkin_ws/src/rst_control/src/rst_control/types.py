@@ -52,7 +52,7 @@ class Measurement:
     force: Vector = field(default_factory=lambda: np.zeros(3))  # (3,), [N], of tissue on jaws, base
     gripped: bool = False  # tissue lies between the closed jaws
     connected: bool = True
-    fault: str = ""  # empty: healthy
+    fault: str = ""  # as `robot_fault` reads it; empty: healthy
     distrust: str = ""  # why the force must not be relied on; empty: it may
     sent: float | None = None  # [s] sender's clock, which may be set at any time; None: not told
     sent_to: Vector | None = None  # (10,), [rad], where it holds while nobody leads; None: not told
@@ -157,6 +157,7 @@ class Reason(Enum):
     TILT_LIMIT = "tilt_limit"
     NOT_CONFIRMED = "not_confirmed"
     NOT_THE_TROCAR = "not_the_trocar"
+    NO_ANSWER = "no_answer"
     # a command is refused, or a motion braked and latched
     NOT_CONNECTED = "not_connected"
     FAULTED = "robot_fault"
@@ -185,4 +186,40 @@ class Reason(Enum):
     NO_RESPONSE_TO_PULL = "no_response_to_pull"
     CLOSED_ON_NOTHING = "closed_on_nothing"
     CAUGHT_TISSUE = "caught_tissue"
+    # a motion ends as asked; nothing is latched
     TERMINATED = "terminated"
+    REPLACED = "replaced"
+
+
+@dataclass(frozen=True)
+class Cause:
+    """Why something is refused, stopped or given up: a code for programs, words for people."""
+
+    reason: Reason
+    words: str  # names the value and what was allowed
+
+    @property
+    def coded(self) -> str:
+        """Code and words in one text; `robot_fault` reads it."""
+        return f"{self.reason.value}: {self.words}"
+
+
+NOT_CONNECTED = Cause(Reason.NOT_CONNECTED, "robot not connected")
+ROBOT_FAULTS = (
+    Reason.FAULTED,
+    Reason.SETPOINTS_STOPPED,
+    Reason.SETPOINT_REFUSED,
+    Reason.TENSION_SENSOR,
+    Reason.JOINT_MESSAGES,
+)
+
+
+def robot_fault(text: str) -> Cause:
+    """Cause of a fault in the words of the robot's side: "words" or "code: words".
+
+    Args:
+        text: Without the code of one of ROBOT_FAULTS in front, it is a FAULTED.
+    """
+    code, _, words = text.partition(": ")
+    reason = next((r for r in ROBOT_FAULTS if r.value == code), None)
+    return Cause(Reason.FAULTED, text) if reason is None else Cause(reason, words)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from rst_control.config.callers import CallersConfig
+from rst_control.types import Cause, Reason
 
 LONGEST_NAME: Final = 100  # characters of a caller's name that are looked at and shown
 MAX_CALLERS: Final = 256  # that are counted one by one; all others share one budget
@@ -29,7 +30,7 @@ _ANONYMOUS = re.compile(r"_\d+_\d+$")  # what rospy and roscpp append: process a
 class Admission:
     """What becomes of one call."""
 
-    objection: str  # why it is not taken, in words; empty: it is
+    objection: Cause | None  # why it is not taken; None: it is
     pause: float  # [s] by which its answer is held back
     is_news: bool  # the objection belongs into the diary; others like it came just before
 
@@ -100,23 +101,25 @@ class Doorkeeper:
             now = self._clock()
             budget = self._budget(family(caller), now)
             pause = 0.0 if budget.take(now) else PAUSE
-            objection = "" if is_stop else self._objection(caller, pause > 0.0)
-            return Admission(objection, pause, bool(objection) and budget.is_news(now))
+            objection = None if is_stop else self._objection(caller, pause > 0.0)
+            return Admission(objection, pause, objection is not None and budget.is_news(now))
 
     @property
     def counted(self) -> int:
         """How many callers are counted one by one at present."""
         return len(self._budgets)
 
-    def _objection(self, caller: str, is_too_often: bool) -> str:
+    def _objection(self, caller: str, is_too_often: bool) -> Cause | None:
         config = self._config
         if not is_allowed(caller, config.allowed):
             allowed = ", ".join(config.allowed)
-            return f'{caller} may not give commands, allowed: {allowed}; "stop" is always taken'
+            words = f'{caller} may not give commands, allowed: {allowed}; "stop" is always taken'
+            return Cause(Reason.MAY_NOT_COMMAND, words)
         if is_too_often:
             limit = f"{config.rate:g} per second after {config.burst} at once"
-            return f'too many calls from {caller}, allowed: {limit}; "stop" is always taken'
-        return ""
+            words = f'too many calls from {caller}, allowed: {limit}; "stop" is always taken'
+            return Cause(Reason.TOO_MANY_CALLS, words)
+        return None
 
     def _budget(self, name: str, now: float) -> Budget:
         known = self._budgets.get(name)

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Order, Outcome, Reply
 from rst_control.planning.plan import Accepted, Plan, Rejected, Request, Situation
-from rst_control.types import BY_HAND, Command
+from rst_control.types import BY_HAND, Cause, Command, Reason
 
 Verify = Callable[[Request, Situation], Accepted | Rejected]
 
@@ -62,7 +62,7 @@ class CommandDesk:
         caller: str,
         is_spoken: bool = False,
         is_by_hand: bool = True,
-        objection: str = "",
+        objection: Cause | None = None,
         owner: str = "",
     ) -> Ticket:
         """Take a command; returns at once, with the answer to come in the ticket.
@@ -72,25 +72,28 @@ class CommandDesk:
             caller: Who gives it, for the diary.
             is_spoken: It came by voice: that node's heartbeat must go on while it is carried out.
             is_by_hand: It came from elsewhere than the voice node, alive or not.
-            objection: Why nothing but a stop is taken from this caller; empty: anything is.
+            objection: Why nothing but a stop is taken from this caller; None: anything is.
             owner: Node that has to stay while it is carried out; empty: none has.
         """
         ticket = Ticket(request, caller, is_spoken, owner)
         command = read_command(request.words)
         if command is Command.STOP:
-            self._executor.stop(f'"stop" from {caller}', self._clock())
+            cause = Cause(Reason.STOP_COMMAND, f'"stop" from {caller}')
+            self._executor.stop(cause, self._clock())
             ticket.reply.set_result(Reply(True, 'stops and holds; say "hey robot" to go on'))
             ticket.ended.set_result(Outcome("succeeded", ""))
         elif command in BY_HAND and (is_spoken or not is_by_hand):
-            self._refuse(ticket, f'"{command.value}" is given by hand, never by voice')
-        elif objection:
+            words = f'"{command.value}" is given by hand, never by voice'
+            self._refuse(ticket, Cause(Reason.BY_HAND_ONLY, words))
+        elif objection is not None:
             self._refuse(ticket, objection)
         elif command is None:
             self._refuse(ticket, unknown(request.words))
         elif command in (Command.HEY_ROBOT, Command.TERMINATE):
             self._post(ticket, Plan(command, _WORDS[command]), serial=-1)
         elif not _is_amount(request.tension) or not _is_amount(request.distance):
-            self._refuse(ticket, "tension and distance must be numbers from 0 up")
+            words = "tension and distance must be numbers from 0 up"
+            self._refuse(ticket, Cause(Reason.BAD_AMOUNT, words))
         else:
             self._queue(ticket)
         return ticket
@@ -107,23 +110,26 @@ class CommandDesk:
         view = self._executor.view
         decision = self._verify(ticket.request, view.situation(self._clock()))
         if isinstance(decision, Rejected):
-            self._refuse(ticket, decision.words)
+            self._refuse(ticket, decision)
         else:
             self._post(ticket, decision.plan, view.serial)
 
     def fail(self, ticket: Ticket, error: Exception) -> None:
         """Refuse a command whose verification raised."""
-        self._refuse(ticket, f"error while checking the command: {error!r}"[:300])
+        words = f"error while checking the command: {error!r}"[:300]
+        self._refuse(ticket, Cause(Reason.CHECK_FAILED, words))
 
     def _queue(self, ticket: Ticket) -> None:
         try:
             self._waiting.put_nowait(ticket)
         except queue.Full:
-            self._refuse(ticket, f"{WAITING} commands are waiting already")
+            words = f"{WAITING} commands are waiting already"
+            self._refuse(ticket, Cause(Reason.QUEUE_FULL, words))
 
     def _again(self, ticket: Ticket) -> None:
         if ticket.attempts >= ATTEMPTS:
-            self._refuse(ticket, "the situation keeps changing; say it again")
+            words = "the situation keeps changing; say it again"
+            self._refuse(ticket, Cause(Reason.SITUATION_CHANGING, words))
             return
         again = Ticket(
             ticket.request,
@@ -148,10 +154,10 @@ class CommandDesk:
         )
         self._executor.post(order)
 
-    def _refuse(self, ticket: Ticket, words: str) -> None:
-        self._executor.note_refusal(shown(ticket.request.words), words, self._clock())
-        ticket.reply.set_result(Reply(False, words))
-        ticket.ended.set_result(Outcome("refused", words))
+    def _refuse(self, ticket: Ticket, cause: Cause) -> None:
+        self._executor.note_refusal(shown(ticket.request.words), cause, self._clock())
+        ticket.reply.set_result(Reply.refused(cause))
+        ticket.ended.set_result(Outcome("refused", cause.words, cause.reason))
 
 
 _WORDS = {Command.HEY_ROBOT: "ready", Command.TERMINATE: "finishes braking, holds and stands by"}
@@ -181,7 +187,7 @@ def is_stop(words: str) -> bool:
     return bool(said) and set(said) == {Command.STOP.value}
 
 
-def unknown(words: str, length: int = 0) -> str:
+def unknown(words: str, length: int = 0) -> Cause:
     """Reason for refusing words that are no command, with the list of those that are.
 
     Args:
@@ -189,7 +195,8 @@ def unknown(words: str, length: int = 0) -> str:
         length: Of all that was said [bytes], where `words` is only its beginning.
     """
     oddity = f" of {length} bytes, allowed: {LONGEST}" if length else _oddity(words)
-    return f"unknown command {shown(words)!r}{oddity}; say one of: {', '.join(COMMANDS)}"
+    words = f"unknown command {shown(words)!r}{oddity}; say one of: {', '.join(COMMANDS)}"
+    return Cause(Reason.UNKNOWN_COMMAND, words)
 
 
 def _oddity(words: str) -> str:

@@ -66,9 +66,9 @@ class FirstMotion:
     def confirm(self) -> Reply:
         """Let the motion shown last set off when it is asked for again."""
         if self._is_free:
-            return Reply(False, ALREADY)
+            return Reply(False, ALREADY, Reason.NOT_CONFIRMED)
         if self._shown is None:
-            return Reply(False, NOTHING)
+            return Reply(False, NOTHING, Reason.NOT_CONFIRMED)
         self._confirmed = self._clock()
         command = self._shown[0].command.value
         return Reply(True, f'confirmed: say "{command}" again within {VALID_FOR:.0f} s')

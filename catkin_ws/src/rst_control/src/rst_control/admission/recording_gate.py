@@ -14,7 +14,7 @@ from typing import Final
 from rst_control.admission.command_queue import Verify
 from rst_control.config.recording import IGNORE, REFUSE, STOP, RecordingConfig
 from rst_control.planning.plan import Accepted, Plan, Rejected, Request, Situation
-from rst_control.types import LOOKS, Command, Reason
+from rst_control.types import LOOKS, Cause, Command, Reason
 
 # What loads the patient more, or moves the tool within.
 ADVANCING: Final = (Command.TENSE, Command.PULL_MORE, Command.INSERT, *LOOKS)
@@ -101,16 +101,16 @@ class RecordingWatch:
         remaining = ", ".join(f'"{c.value}"' for c in (*EASING, Command.STOP))
         return f"not recorded: {problem}; still allowed: {remaining}" if problem else ""
 
-    def stop_reason(self, plan: Plan | None) -> str:
-        """Why the motion under way has to brake, as far as the recording goes; empty: it goes on.
+    def stop_cause(self, plan: Plan | None) -> Cause | None:
+        """Why the motion under way has to brake, as far as the recording goes; None: it goes on.
 
         Args:
             plan: Of the motion; None at rest.
         """
         if self._config.on_loss != STOP or plan is None or plan.command not in ADVANCING:
-            return ""
+            return None
         problem = self.problem
-        return f"not recorded: {problem}" if problem else ""
+        return Cause(Reason.NOT_RECORDED, f"not recorded: {problem}") if problem else None
 
     def _objection(self, beat: Beat) -> str:
         age, allowed = self._clock() - beat.time, self._config.heartbeat_age

@@ -12,7 +12,7 @@ from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import Rejected, Situation
 from rst_control.planning.planner import Planner
-from rst_control.types import BY_HAND, JOINTS, Command, Measurement, Reason
+from rst_control.types import BY_HAND, JOINTS, Command, Measurement, Reason, robot_fault
 
 PULLS: Final = (Command.PULL_MORE, Command.PULL_LESS)
 
@@ -67,7 +67,8 @@ class Conditions:
             words = f"joint states {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
             return Rejected(Reason.STALE, words)
         if measured.fault:
-            return Rejected(Reason.FAULTED, f"robot fault: {measured.fault}")
+            fault = robot_fault(measured.fault)
+            return Rejected(fault.reason, f"robot fault: {fault.words}")
         if command is not Command.HEY_ROBOT:
             return self._placed(command, measured)
         is_under_way = situation.is_moving and situation.is_active and not situation.halt_reason

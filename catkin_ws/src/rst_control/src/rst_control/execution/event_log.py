@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections import deque
 
 from rst_control.execution.orders import DiaryEntry, DiaryKind, Order, Outcome, OutcomeKind, Reply
-from rst_control.planning.plan import Rejected
+from rst_control.types import Cause, Reason
 
 LONGEST_DIARY = 10_000  # [entries] kept where nobody takes them
 
@@ -20,21 +20,29 @@ class Ledger:
     def __init__(self) -> None:
         self.diary: deque[DiaryEntry] = deque(maxlen=LONGEST_DIARY)  # emptied by its publisher
         self.order: Order | None = None  # the one in motion
-        self.command = self.last_refusal = ""
+        self.command = ""
+        self.last_refusal: Cause | None = None
 
     @property
     def is_spoken(self) -> bool:
         """The order in motion was spoken."""
         return self.order is not None and self.order.is_spoken
 
-    def note(self, now: float, kind: DiaryKind, command: str, message: str) -> None:
+    def note(
+        self,
+        now: float,
+        kind: DiaryKind,
+        command: str,
+        message: str,
+        reason: Reason | None = None,
+    ) -> None:
         """Write what happened at a time [s]."""
-        self.diary.append(DiaryEntry(now, kind, command, message))
+        self.diary.append(DiaryEntry(now, kind, command, message, reason))
 
-    def note_refusal(self, now: float, command: str, words: str) -> None:
+    def note_refusal(self, now: float, command: str, cause: Cause) -> None:
         """Write a refusal, wherever it was decided."""
-        self.last_refusal = words
-        self.note(now, "refused", command, words)
+        self.last_refusal = cause
+        self.note(now, "refused", command, cause.words, cause.reason)
 
     def accept(self, now: float, order: Order) -> None:
         """Answer that it is done or will be."""
@@ -42,28 +50,29 @@ class Ledger:
         self.note(now, "accepted", self.command, order.plan.words)
         order.reply(Reply(True, order.plan.words))
 
-    def refuse(self, now: float, order: Order, refusal: Rejected, tension: float) -> None:
+    def refuse(self, now: float, order: Order, cause: Cause, tension: float) -> None:
         """Answer that it will not be done, and end it.
 
         Args:
             now: Time [s].
             order: Not in motion.
-            refusal: Why.
+            cause: Why.
             tension: Present [N].
         """
-        self.note_refusal(now, order.command.value, refusal.words)
-        order.reply(Reply(False, refusal.words))
-        order.ended(Outcome("refused", refusal.words, tension))
+        self.note_refusal(now, order.command.value, cause)
+        order.reply(Reply.refused(cause))
+        order.ended(Outcome("refused", cause.words, cause.reason, tension))
 
-    def end(self, kind: OutcomeKind, reason: str, tension: float, rcm_error: float) -> None:
+    def end(self, kind: OutcomeKind, cause: Cause | None, tension: float, rcm_error: float) -> None:
         """End the order in motion, if there is one.
 
         Args:
             kind: How it ended.
-            reason: Why it did not succeed; empty where it did.
+            cause: Why it did not succeed; None where it did.
             tension: Present [N].
             rcm_error: Largest since the motion began [m].
         """
         order, self.order = self.order, None
         if order is not None:
-            order.ended(Outcome(kind, reason, tension, rcm_error))
+            words, reason = (cause.words, cause.reason) if cause else ("", None)
+            order.ended(Outcome(kind, words, reason, tension, rcm_error))

@@ -32,7 +32,7 @@ from rst_control.execution.state_machine import ControllerMode, State
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
 from rst_control.planning.plan import Rejected
 from rst_control.supervision.watchdogs import Watchdogs, Watched
-from rst_control.types import JOINT_COUNT, Command, Measurement, Reason, Setpoint, Vector
+from rst_control.types import JOINT_COUNT, Cause, Command, Measurement, Reason, Setpoint, Vector
 
 log = logging.getLogger("rosout.rst_control.executor")
 
@@ -67,9 +67,10 @@ class Executor:
         self._mode, self._mode_changes = ControllerMode(), 0
         self._ledger = Ledger()
         self._waking = Waking(self._cannot_wake, clear_fault, self._refuse)
-        self._health, self._heartbeat = "", -np.inf
+        self._health: Cause | None = None
+        self._heartbeat = -np.inf
         self._orders: deque[Order] = deque()
-        self._stops: deque[tuple[str, float | None]] = deque()
+        self._stops: deque[tuple[Cause, float | None]] = deque()
         self._older = 0  # orders still waiting that came before the last stop
         self._changes: deque[Change] = deque()
         self._changed = 0  # how often what verification relies on was changed from outside
@@ -81,9 +82,9 @@ class Executor:
         """Hand over a verified command; the next tick answers it."""
         self._orders.append(order)
 
-    def stop(self, reason: str, received: float | None = None) -> None:
+    def stop(self, cause: Cause, received: float | None = None) -> None:
         """Brake, hold and latch from the next tick on; `received` [s] is told by the diary."""
-        self._stops.append((reason, received))
+        self._stops.append((cause, received))
 
     def change(self, change: Change) -> None:
         """Let something that verification relies on be changed, within the next tick."""
@@ -93,9 +94,9 @@ class Executor:
         """Note that the voice node is alive."""
         self._heartbeat = now
 
-    def note_refusal(self, command: str, words: str, now: float) -> None:
+    def note_refusal(self, command: str, cause: Cause, now: float) -> None:
         """Write a refusal into the diary."""
-        self._ledger.note_refusal(now, command, words)
+        self._ledger.note_refusal(now, command, cause)
 
     @property
     def diary(self) -> deque[DiaryEntry]:
@@ -135,15 +136,15 @@ class Executor:
 
     def crashed(self, error: Exception) -> None:
         """After a tick raised: brake along the path; where that raises too, let the robot hold."""
-        reason = f"error in the control loop: {error!r}"[:300]
-        if self._mode.reason != reason:
-            log.error(reason, exc_info=error)
+        cause = Cause(Reason.LOOP_ERROR, f"error in the control loop: {error!r}"[:300])
+        if self._mode.cause != cause:
+            log.error(cause.words, exc_info=error)
         if self._mover.motion is not None and self._mode.mode_after is not State.FAULTED:
-            self._fault(reason)
+            self._fault(cause)
         else:
             self._mover.lose()
-            self._latch(state_machine.at_rest(state_machine.faulted(self._mode, reason)))
-            self._end_order("failed", reason)
+            self._latch(state_machine.at_rest(state_machine.faulted(self._mode, cause)))
+            self._end_order("failed", cause)
         self.view = self._seen()  # the tick did not come to it
 
     def _look(self, measured: Measurement | None) -> None:
@@ -153,16 +154,15 @@ class Executor:
             self._trocar_pose = self._locate(measured.position)
             if self._mover.motion is not None:
                 self._max_rcm_error = max(self._max_rcm_error, self._trocar_pose.rcm_error)
-        lost = self._watchdogs.lost(self._now, measured)
-        self._health = lost.words if lost else ""
+        self._health = self._watchdogs.lost(self._now, measured)
 
     def _take_stops(self) -> None:
         while self._stops:
-            reason, received = self._stops.popleft()
-            self._ledger.note(received or self._now, "stop_received", Command.STOP.value, reason)
-            self._waking.drop("stopped")
+            cause, received = self._stops.popleft()
+            self._note("stop_received", Command.STOP.value, cause, received)
+            self._waking.drop(Cause(Reason.WITHDRAWN, "stopped"))
             self._older = len(self._orders)
-            self._latch(state_machine.stopped(self._mode, reason))
+            self._latch(state_machine.stopped(self._mode, cause))
 
     def _take_change(self) -> None:
         if not self._changes:
@@ -199,14 +199,14 @@ class Executor:
 
     def _start(self, order: Order) -> None:
         lost = self._health or self._watchdogs.owner(order.owner)
-        if lost:
-            self._refuse(order, Rejected(Reason.NOT_CONNECTED, lost))
+        if lost is not None:
+            self._refuse(order, lost)
             return
         refusal = self._mover.start(order.plan, self._now)
         if refusal is not None:
             self._refuse(order, refusal)
             return
-        self._end_order("stopped", f'replaced by "{order.command.value}"')
+        self._end_order("stopped", Cause(Reason.REPLACED, f'replaced by "{order.command.value}"'))
         if self._mode.state is not State.MOVING:
             self._max_rcm_error = self._trocar_pose.rcm_error
         self._ledger.order = order
@@ -219,7 +219,7 @@ class Executor:
         order.ended(Outcome("succeeded", ""))
         self._latch(state_machine.terminated(self._mode))
 
-    def _cannot_wake(self) -> Rejected | None:
+    def _cannot_wake(self) -> Cause | None:
         return self._watchdogs.waking(self._now, self._measured, self._mover.motion is not None)
 
     def _resume(self, order: Order | None) -> None:
@@ -229,14 +229,14 @@ class Executor:
         if (
             measured is not None
             and self._mover.motion is None
-            and (held is None or self._watchdogs.following(measured, held))
+            and (held is None or self._watchdogs.following(measured, held) is not None)
         ):
             self._synchronise(measured)
         self._ledger.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
         self._change(state_machine.activated(was))
         if was.is_latched:
-            self._note("cleared", order.command.value, was.reason)
+            self._note("cleared", order.command.value, was.cause or "")
 
     def _move(self, motion: Motion, periods: int) -> Vector:
         self._watch(motion)
@@ -270,13 +270,14 @@ class Executor:
         self._change(state_machine.at_rest(was))
         if was.state is State.MOVING:
             self._note("motion_finished", self._ledger.command, f"tension {self._tension:.2f} N")
-            self._end_order("succeeded", "")
+            self._end_order("succeeded", None)
             return
-        reason = was.reason if was.is_latched else motion.failure or "terminated"
-        self._note("at_rest", self._ledger.command, reason)
+        ended = motion.failure or Cause(Reason.TERMINATED, "terminated")
+        cause = was.cause if was.is_latched and was.cause else ended
+        self._note("at_rest", self._ledger.command, cause)
         self._note_latch()
         self._end_order(
-            "stopped" if was.mode_after in (State.HALTED, State.STANDBY) else "failed", reason
+            "stopped" if was.mode_after in (State.HALTED, State.STANDBY) else "failed", cause
         )
 
     def _rest(self) -> Vector:
@@ -285,7 +286,7 @@ class Executor:
         lost = self._watchdogs.robot(self._now, measured)
         if lost is not None and lost.reason is not Reason.STALE:
             self._mover.lose()
-            self._fault(lost.words)
+            self._fault(lost)
         elif lost is None and measured is not None:
             self._keep_still(measured, self._mover.held)
         return STILL
@@ -321,29 +322,32 @@ class Executor:
     def _latch(self, mode: ControllerMode) -> None:
         """Take a state in which nothing moves; brake where something does."""
         was = self._mode
-        is_told = was.state in state_machine.LATCHED and was.reason == mode.reason
+        is_told = was.state in state_machine.LATCHED and was.cause == mode.cause
         self._change(mode)
         if not self._mover.brake() and not is_told:
             self._note_latch()
 
-    def _fault(self, reason: str) -> None:
-        if reason:
-            mode = state_machine.faulted(self._mode, reason)
+    def _fault(self, cause: Cause | None) -> None:
+        if cause is not None:
+            mode = state_machine.faulted(self._mode, cause)
             if mode != self._mode:
                 self._latch(mode)
 
-    def _refuse(self, order: Order, refusal: Rejected) -> None:
-        self._ledger.refuse(self._now, order, refusal, self._tension)
+    def _refuse(self, order: Order, cause: Cause) -> None:
+        self._ledger.refuse(self._now, order, cause, self._tension)
 
-    def _end_order(self, kind: OutcomeKind, reason: str) -> None:
-        self._ledger.end(kind, reason, self._tension, self._max_rcm_error)
+    def _end_order(self, kind: OutcomeKind, cause: Cause | None) -> None:
+        self._ledger.end(kind, cause, self._tension, self._max_rcm_error)
 
-    def _note(self, kind: DiaryKind, command: str, message: str) -> None:
-        self._ledger.note(self._now, kind, command, message)
+    def _note(
+        self, kind: DiaryKind, command: str, why: Cause | str, at: float | None = None
+    ) -> None:
+        words, reason = (why.words, why.reason) if isinstance(why, Cause) else (why, None)
+        self._ledger.note(at or self._now, kind, command, words, reason)
 
     def _note_latch(self) -> None:
         if self._mode.state in state_machine.LATCHED:
-            self._note("halted", self._ledger.command, self._mode.reason)
+            self._note("halted", self._ledger.command, self._mode.cause or "")
 
     def _seen(self) -> View:
         return view_of(

@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rst_control.execution.orders import Order
-from rst_control.planning.plan import Rejected
-from rst_control.types import Reason
+from rst_control.types import ROBOT_FAULTS, Cause, Reason
 
 WAKE_TIME = 0.3  # [s] that the robot gets to clear its own fault after "hey robot"
+CLEARABLE = (*ROBOT_FAULTS, Reason.SENSOR_FAULT)  # which the robot may clear by itself
 
 
 class Waking:
@@ -23,9 +23,9 @@ class Waking:
 
     def __init__(
         self,
-        objection: Callable[[], Rejected | None],
+        objection: Callable[[], Cause | None],
         clear_fault: Callable[[], None],
-        refuse: Callable[[Order, Rejected], None],
+        refuse: Callable[[Order, Cause], None],
     ) -> None:
         self._objection, self._clear_fault, self._refuse = objection, clear_fault, refuse
         self._waiting: tuple[Order, float] | None = None  # and until when [s]
@@ -40,8 +40,8 @@ class Waking:
         refusal = self._objection()
         if refusal is None:
             return order
-        if refusal.reason is Reason.FAULTED:
-            self.drop("said again")
+        if refusal.reason in CLEARABLE:
+            self.drop(Cause(Reason.WITHDRAWN, "said again"))
             self._clear_fault()
             self._waiting = (order, now + WAKE_TIME)
         else:
@@ -58,11 +58,11 @@ class Waking:
             self._waiting = None
             return order
         if now >= until:
-            self.drop(refusal.words)
+            self.drop(refusal)
         return None
 
-    def drop(self, words: str) -> None:
+    def drop(self, cause: Cause) -> None:
         """Refuse the one that waits, if there is one."""
         if self._waiting is not None:
             order, self._waiting = self._waiting[0], None
-            self._refuse(order, Rejected(Reason.FAULTED, words))
+            self._refuse(order, cause)

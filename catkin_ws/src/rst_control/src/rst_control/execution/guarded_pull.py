@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rst_control.config import TensionConfig
-from rst_control.execution.phase_execution import TowardsTension, distrust_words
+from rst_control.execution.phase_execution import TowardsTension, distrust_of
 from rst_control.planning.plan import Phase
 from rst_control.tension.response_check import RisingTension
 from rst_control.trajectory.path import Path
@@ -64,7 +64,7 @@ class GuardedRun(TowardsTension):
         state = profile.step(dt)
         self.is_done = profile.is_done
         if self._brake is None:
-            self.failure = distrust_words(measured)
+            self.failure = distrust_of(measured)
             if self.failure or self._is_reached:
                 self._brake_from(state)
         return self._joints(state)

@@ -17,7 +17,7 @@ from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.plan import Grasp, Phase, PhaseKind, Plan, Rejected
 from rst_control.trajectory.path import Path
 from rst_control.trajectory.profile import Bounds
-from rst_control.types import Measurement, PathState, Reason, Vector
+from rst_control.types import Cause, Measurement, PathState, Reason, Vector
 
 START_TOLERANCE = 2e-3  # [rad] between a joint's set-point and where a phase begins
 PULLS = (PhaseKind.PULL, PhaseKind.STEP)
@@ -94,8 +94,8 @@ class Motion:
         return self._run.is_done and (not self._waiting or self._is_braking)
 
     @property
-    def failure(self) -> str:
-        """Why the plan cannot go on; empty: it can."""
+    def failure(self) -> Cause | None:
+        """Why the plan cannot go on; None: it can."""
         return self._run.failure
 
     def overtime(self, now: float) -> float:

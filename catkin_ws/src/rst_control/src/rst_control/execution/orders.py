@@ -11,7 +11,7 @@ from rst_control.execution.state_machine import IN_MOTION, ControllerMode, State
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
 from rst_control.planning.plan import Grasp, PhaseKind, Plan, Situation
 from rst_control.trajectory.path import Path
-from rst_control.types import Command, Measurement, Vector
+from rst_control.types import NOT_CONNECTED, Cause, Command, Measurement, Reason, Vector
 
 DiaryKind = Literal[
     "accepted",
@@ -34,6 +34,12 @@ class Reply:
 
     accepted: bool
     message: str
+    reason: Reason | None = None  # None: accepted
+
+    @classmethod
+    def refused(cls, cause: Cause) -> Reply:
+        """That the command is not carried out."""
+        return cls(False, cause.words, cause.reason)
 
 
 @dataclass(frozen=True)
@@ -41,7 +47,8 @@ class Outcome:
     """How a motion ended."""
 
     kind: OutcomeKind
-    reason: str
+    message: str  # why it did not succeed; empty: it did
+    reason: Reason | None = None  # None: it succeeded
     tension: float = 0.0  # [N] at the end
     max_rcm_error: float = 0.0  # [m] largest measured in motion
 
@@ -54,6 +61,7 @@ class DiaryEntry:
     kind: DiaryKind
     command: str
     message: str
+    reason: Reason | None = None  # of what was refused, stopped, halted, given up or cleared
 
 
 def _ignore(_: object) -> None:
@@ -105,8 +113,8 @@ class View:
     measurement: Measurement | None
     setpoint: Vector | None  # (10,), [rad]
     grasp: Grasp | None
-    last_refusal: str
-    health: str  # why no motion would be accepted, as far as the robot is concerned; empty: healthy
+    last_refusal: Cause | None  # None: none was refused
+    health: Cause | None  # why the robot is not fit for a motion; None: it is
 
     @classmethod
     def at_start(cls) -> View:
@@ -124,8 +132,8 @@ class View:
             measurement=None,
             setpoint=None,
             grasp=None,
-            last_refusal="",
-            health="robot not connected",
+            last_refusal=None,
+            health=NOT_CONNECTED,
         )
 
     @property

@@ -17,7 +17,7 @@ from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.tension.control import TensionControl
 from rst_control.trajectory.path import Path
 from rst_control.trajectory.profile import Bounds, Profile
-from rst_control.types import PLAN_COUNT, Measurement, PathState, Vector
+from rst_control.types import PLAN_COUNT, Cause, Measurement, PathState, Reason, Vector
 
 TINY = 1e-9  # [m] or [rad] of way, below which a phase has none to go
 
@@ -27,7 +27,7 @@ class PhaseRun(Protocol):
 
     phase: Phase
     is_done: bool  # at its end, or at rest after braking
-    failure: str  # why it could not reach its end; empty: it did, or is under way
+    failure: Cause | None  # why it could not reach its end; None: it did, or is under way
     is_pulling: bool  # it may raise the tension
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
@@ -64,7 +64,8 @@ class Braking:
 
     def __init__(self, phase: Phase, path: Path, opening: float, brakes: Bounds) -> None:
         self.phase = phase
-        self.is_done, self.failure, self.is_pulling = False, "", False
+        self.is_done, self.is_pulling = False, False
+        self.failure: Cause | None = None
         self._path, self._opening, self._brakes = path, opening, brakes
         self._brake: Profile | None = None
 
@@ -215,7 +216,7 @@ class TensionRun(TowardsTension):
             self.is_done = self._brake.is_done
             return self._joints(state)
         state = self._control.step(self._now, dt)
-        self.failure = distrust_words(measured) or self._control.objection
+        self.failure = distrust_of(measured) or self._control.objection
         if self.failure or self._control.is_settled or self._control.is_at_limit:
             self._brake_from(state)
         return self._joints(state)
@@ -237,7 +238,8 @@ class JawRun:
     def __init__(
         self, phase: Phase, held: Vector, bounds: Bounds, brakes: Bounds, settle_time: float
     ) -> None:
-        self.phase, self.is_done, self.failure = phase, False, ""
+        self.phase, self.is_done = phase, False
+        self.failure: Cause | None = None
         self._q, self._start = planning_joints(held)
         self._target = self._start if phase.opening is None else phase.opening
         self._brakes, self._left = brakes, settle_time
@@ -273,18 +275,20 @@ class JawRun:
         return share_done(self._start, self._profile.state.s, self._target)
 
 
-def _grip_failure(kind: PhaseKind, is_gripped: bool) -> str:
+def _grip_failure(kind: PhaseKind, is_gripped: bool) -> Cause | None:
     if kind is PhaseKind.CLOSE and not is_gripped:
-        return "nothing grasped: no tissue between the closed jaws"
+        words = "nothing grasped: no tissue between the closed jaws"
+        return Cause(Reason.CLOSED_ON_NOTHING, words)
     if kind is PhaseKind.ALIGN and is_gripped:
-        return "the closing jaws caught tissue; release first"
-    return ""
+        return Cause(Reason.CAUGHT_TISSUE, "the closing jaws caught tissue; release first")
+    return None
 
 
-def distrust_words(measured: Measurement) -> str:
-    """Why a pull to a tension cannot go on; empty: it can."""
+def distrust_of(measured: Measurement) -> Cause | None:
+    """Why a pull to a tension cannot go on; None: it can."""
     why = measured.distrust
-    return f"no trusted tension to pull to: {why}" if why else ""
+    words = f"no trusted tension to pull to: {why}"
+    return Cause(Reason.TENSION_SENSOR, words) if why else None
 
 
 def _not_pushing(state: PathState) -> PathState:

@@ -8,7 +8,7 @@ from rst_control.execution.orders import View
 from rst_control.execution.setpoint import Mover
 from rst_control.execution.state_machine import ControllerMode
 from rst_control.planning.patient_surface import TrocarPose
-from rst_control.types import Measurement
+from rst_control.types import Cause, Measurement
 
 
 def view_of(
@@ -19,7 +19,7 @@ def view_of(
     ledger: Ledger,
     trocar_pose: TrocarPose,
     measured: Measurement | None,
-    health: str,
+    health: Cause | None,
 ) -> View:
     """What the executor looks like after a tick.
 
@@ -31,7 +31,7 @@ def view_of(
         ledger: Command and last refusal.
         trocar_pose: Of the measured joints.
         measured: Newest from the robot.
-        health: Why no motion would be accepted; empty: it would.
+        health: Why no motion would be accepted; None: it would.
     """
     motion, place = mover.motion, mover.place
     holds = measured is not None and measured.gripped

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from rst_control.planning.plan import Rejected
-from rst_control.types import Command, Reason
+from rst_control.types import Cause, Command, Reason
 
 RETARGETS = (
     Command.PULL_MORE,
@@ -40,7 +40,12 @@ class ControllerMode:
     state: State = State.STANDBY
     is_active: bool = False  # "hey robot" was said, and no "terminate" since
     mode_after: State = State.STANDBY  # where STOPPING ends
-    reason: str = ""  # why it is halted or faulted, or will be once at rest
+    cause: Cause | None = None  # why it is halted or faulted, or will be once at rest
+
+    @property
+    def reason(self) -> str:
+        """The words of its cause; empty: there is none."""
+        return self.cause.words if self.cause else ""
 
     @property
     def is_latched(self) -> bool:
@@ -73,8 +78,7 @@ def _motion_refusal(mode: ControllerMode, command: Command) -> Rejected | None:
         return Rejected(Reason.BUSY, 'busy moving; wait, or say "stop"')
     if mode.state is State.STOPPING and not mode.is_latched:
         return Rejected(Reason.NOT_AT_REST, "braking; wait until the robot is at rest")
-    reason = Reason.FAULTED if State.FAULTED in (mode.state, mode.mode_after) else Reason.HALTED
-    return Rejected(reason, f'halted ({mode.reason}); say "hey robot" to go on')
+    return Rejected(Reason.HALTED, f'halted ({mode.reason}); say "hey robot" to go on')
 
 
 def activated(mode: ControllerMode) -> ControllerMode:
@@ -106,28 +110,28 @@ def at_rest(mode: ControllerMode) -> ControllerMode:
             return mode
 
 
-def stopped(mode: ControllerMode, reason: str) -> ControllerMode:
+def stopped(mode: ControllerMode, cause: Cause) -> ControllerMode:
     """After a stop by a person or program, in any state: halted, or braking towards it."""
     match mode.state:
         case State.MOVING:
-            return replace(mode, state=State.STOPPING, mode_after=State.HALTED, reason=reason)
+            return replace(mode, state=State.STOPPING, mode_after=State.HALTED, cause=cause)
         case State.STOPPING if mode.mode_after not in LATCHED:
-            return replace(mode, mode_after=State.HALTED, reason=reason)
+            return replace(mode, mode_after=State.HALTED, cause=cause)
         case State.STANDBY | State.ACTIVE:
-            return replace(mode, state=State.HALTED, reason=reason)
+            return replace(mode, state=State.HALTED, cause=cause)
         case _:
             return mode  # the first cause is the one reported
 
 
-def faulted(mode: ControllerMode, reason: str) -> ControllerMode:
+def faulted(mode: ControllerMode, cause: Cause) -> ControllerMode:
     """After a watchdog fired; in standby there is nothing to stop, and waking asks for health."""
     match mode.state:
         case State.MOVING:
-            return replace(mode, state=State.STOPPING, mode_after=State.FAULTED, reason=reason)
+            return replace(mode, state=State.STOPPING, mode_after=State.FAULTED, cause=cause)
         case State.STOPPING if mode.mode_after is not State.FAULTED:
-            return replace(mode, mode_after=State.FAULTED, reason=reason)
+            return replace(mode, mode_after=State.FAULTED, cause=cause)
         case State.ACTIVE | State.HALTED:
-            return replace(mode, state=State.FAULTED, reason=reason)
+            return replace(mode, state=State.FAULTED, cause=cause)
         case _:
             return mode
 

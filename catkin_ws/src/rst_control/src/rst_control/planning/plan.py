@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from rst_control.trajectory.path import Path
-from rst_control.types import Command, Measurement, Reason, Vector
+from rst_control.types import Cause, Command, Measurement, Vector
 
 
 class PhaseKind(Enum):
@@ -85,11 +85,8 @@ class Accepted:
 
 
 @dataclass(frozen=True)
-class Rejected:
+class Rejected(Cause):
     """The command may not run."""
-
-    reason: Reason
-    words: str  # names the value and what was allowed
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.registration.pivot_calibration import PivotFit, fit_pivot
 from rst_control.registration.trocar import position_words, unrest
-from rst_control.types import Vector
+from rst_control.types import NOT_CONNECTED, Reason, Vector
 
 MOST: Final = 1000  # poses that are kept
 
@@ -39,10 +39,11 @@ class ShaftPoses:
             now: Time [s], the clock of the measurement.
         """
         refusal = unrest(view, now, self._watchdogs)
-        if refusal or view.measurement is None:
-            return Reply(False, refusal)
+        if refusal is not None or view.measurement is None:
+            return Reply.refused(refusal or NOT_CONNECTED)
         if len(self._lines) >= MOST:
-            return Reply(False, f"{MOST} shaft poses recorded already; fit or forget them")
+            words = f"{MOST} shaft poses recorded already; fit or forget them"
+            return Reply(False, words, Reason.QUEUE_FULL)
         self._lines.append(shaft_line(self._model, view.measurement.position))
         words = f"{len(self._lines)} shaft poses recorded, {self._settings.min_poses} needed"
         return Reply(True, words)

@@ -16,14 +16,14 @@ from rst_control.commands.preconditions import rest_refusal
 from rst_control.config import WatchdogConfig
 from rst_control.errors import InsertionOutOfRange
 from rst_control.execution.executor import Executor
-from rst_control.execution.orders import DiaryEntry, DiaryKind, Reply, View
+from rst_control.execution.orders import DiaryEntry, Reply, View
 from rst_control.execution.state_machine import State
 from rst_control.registration.trocar_context import (
     ActiveTrocarContext,
     TrocarContext,
     TrocarOutOfReach,
 )
-from rst_control.types import Measurement, Vector
+from rst_control.types import NOT_CONNECTED, Cause, Measurement, Reason, Vector
 
 COMMAND: Final = "set_trocar"  # as the diary names it
 
@@ -50,9 +50,9 @@ class TrocarRegistrar:
         try:
             context = self._present.current.with_trocar(trocar)
         except TrocarOutOfReach as error:
-            now = self._executor.view.stamp
-            self._executor.diary.append(_entry(now, "trocar_refused", str(error), caller))
-            reply.set_result(Reply(False, str(error)))
+            now, cause = self._executor.view.stamp, Cause(Reason.UNREACHABLE, str(error))
+            self._executor.diary.append(_refused(now, cause, caller))
+            reply.set_result(Reply.refused(cause))
             return reply
         self._executor.change(lambda view: self._apply(context, caller, reply, view))
         return reply
@@ -63,42 +63,46 @@ class TrocarRegistrar:
         if not reply.set_running_or_notify_cancel():
             return None  # whoever asked waits no longer
         answer = decide(context, view)
-        reply.set_result(answer)
-        if not answer.accepted:
-            entry = _entry(view.stamp, "trocar_refused", answer.message, caller)
-            self._executor.diary.append(entry)
+        if isinstance(answer, Cause):
+            reply.set_result(Reply.refused(answer))
+            self._executor.diary.append(_refused(view.stamp, answer, caller))
             return None
+        reply.set_result(Reply(True, answer))
         was, self._present.current = self._present.current, context
-        words = f"{answer.message}; was {position_words(was.trocar)}"
-        return _entry(view.stamp, "trocar_set", words, caller)
+        words = f"{answer}; was {position_words(was.trocar)}; asked by {caller}"
+        return DiaryEntry(view.stamp, "trocar_set", COMMAND, words)
 
 
-def decide(context: TrocarContext, view: View) -> Reply:
-    """Whether the trocar of a context may become active, in the view of this moment."""
+def decide(context: TrocarContext, view: View) -> Cause | str:
+    """How far off the shaft is, or why the trocar of a context may not become active now."""
     refusal = unrest(view, view.stamp, context.config.controller.watchdogs)
     measured = view.measurement
-    if refusal or measured is None:
-        return Reply(False, refusal)
+    if refusal is not None or measured is None:
+        return refusal or NOT_CONNECTED
     if view.mode.state is State.FAULTED:
-        return Reply(False, f'halted ({view.mode.reason}); say "hey robot" first')
+        words = f'halted ({view.mode.reason}); say "hey robot" first'
+        return Cause(Reason.HALTED, words)
     if measured.gripped:
         words = "tissue is held, and its ways out lead through the present trocar"
-        return Reply(False, f'{words}; say "release" first')
+        return Cause(Reason.ALREADY_GRASPED, f'{words}; say "release" first')
     return _decide_shaft(context, measured)
 
 
-def unrest(view: View, now: float, watchdogs: WatchdogConfig) -> str:
-    """Why the robot is not known to be healthy and at rest at a time [s]; empty: it is."""
+def unrest(view: View, now: float, watchdogs: WatchdogConfig) -> Cause | None:
+    """Why the robot is not known to be healthy and at rest at a time [s]; None: it is."""
     if view.is_moving:
-        return f"{view.mode.state.value}; wait until the robot is at rest"
+        words = f"{view.mode.state.value}; wait until the robot is at rest"
+        return Cause(Reason.NOT_AT_REST, words)
     measured = view.measurement
-    if view.health or measured is None:
+    if view.health is not None:
         return view.health
+    if measured is None:
+        return NOT_CONNECTED
     age, allowed = now - measured.stamp, watchdogs.joint_state_age
     if age > allowed:
-        return f"joint states {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
-    moving = rest_refusal(measured, watchdogs.at_rest_speed)
-    return moving.words if moving else ""
+        words = f"joint states {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
+        return Cause(Reason.STALE, words)
+    return rest_refusal(measured, watchdogs.at_rest_speed)
 
 
 def position_words(position: Vector) -> str:
@@ -107,18 +111,20 @@ def position_words(position: Vector) -> str:
     return f"({x:.6f}, {y:.6f}, {z:.6f}) m"
 
 
-def _decide_shaft(context: TrocarContext, measured: Measurement) -> Reply:
+def _decide_shaft(context: TrocarContext, measured: Measurement) -> Cause | str:
     shaft, rcm = context.shaft(measured.position), context.config.rcm
     allowed = rcm.registration.tolerance
     words = f"shaft {shaft.error * 1e3:.3f} mm off it, allowed {allowed * 1e3:.3f} mm"
     words = f"trocar {position_words(context.trocar)}: {words}"
     if shaft.error > allowed:
-        return Reply(False, words)
+        return Cause(Reason.NOT_THE_TROCAR, words)
     least, most = rcm.insertion
     if not least <= shaft.insertion <= most:
-        return Reply(False, str(InsertionOutOfRange(shaft.insertion, least, most)))
-    return Reply(True, words)
+        depth = InsertionOutOfRange(shaft.insertion, least, most)
+        return Cause(Reason.INSERTION_DEPTH, str(depth))
+    return words
 
 
-def _entry(stamp: float, kind: DiaryKind, words: str, caller: str) -> DiaryEntry:
-    return DiaryEntry(stamp, kind, COMMAND, f"{words}; asked by {caller}")
+def _refused(stamp: float, cause: Cause, caller: str) -> DiaryEntry:
+    words = f"{cause.words}; asked by {caller}"
+    return DiaryEntry(stamp, "trocar_refused", COMMAND, words, cause.reason)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rst_control.config import ServoConfig
 from rst_control.robot import joint_kernels
-from rst_control.types import Setpoint
+from rst_control.types import Cause, Reason, Setpoint
 
 Joints = NDArray[np.float64]  # (10,), [rad] or [rad/s]
 
@@ -147,7 +147,7 @@ class Servo:
             return
         reason = self._objection(point, now)
         if reason:
-            self.fail(reason, now)
+            self.fail(Cause(Reason.SETPOINT_REFUSED, reason).coded, now)
             return
         if self.state is ServoState.HOLDING:
             rest, still = self._brake.at(now)
@@ -167,7 +167,12 @@ class Servo:
             self._start_braking(now)
 
     def fail(self, reason: str, now: float) -> None:
-        """Latch a fault, slow down and stay. The first reason is the one that is kept."""
+        """Latch a fault, slow down and stay. The first reason is the one that is kept.
+
+        Args:
+            reason: In words, or as `Cause.coded`.
+            now: Time [s].
+        """
         self.fault = self.fault or reason
         self.hold(now)
 
@@ -218,7 +223,8 @@ class Servo:
         is_unfinished, age = not self._ends_at_rest(), now - self.newest_stamp
         self._start_braking(now)
         if is_unfinished:
-            self.fail(f"set-points stopped coming while moving, {age * 1e3:.0f} ms ago", now)
+            words = f"set-points stopped coming while moving, {age * 1e3:.0f} ms ago"
+            self.fail(Cause(Reason.SETPOINTS_STOPPED, words).coded, now)
 
     def _ends_at_rest(self) -> bool:
         return bool(np.abs(self._points[-1].velocity).max() <= self._config.rest_speed)

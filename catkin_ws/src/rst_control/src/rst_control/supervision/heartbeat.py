@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import math
 
+from rst_control.types import Cause, Reason
+
 
 class Heartbeat:
     """Judges heartbeats by their age, not by their coming in.
@@ -36,11 +38,12 @@ class Heartbeat:
             self._newest = max(self._newest, now - max(late, 0.0))
         return self._newest
 
-    def objection(self, now: float) -> str:
-        """Why nothing spoken may move at a time [s], steady clock; empty: it may."""
+    def objection(self, now: float) -> Cause | None:
+        """Why nothing spoken may move at a time [s], steady clock; None: it may."""
         silent = now - self._newest
         if silent <= self._allowed:
-            return ""
+            return None
+        words = f"voice node silent for {silent:.2f} s, allowed {self._allowed:.2f} s"
         if math.isinf(silent):
-            return "voice node without heartbeat; a spoken stop would not be heard"
-        return f"voice node silent for {silent:.2f} s, allowed {self._allowed:.2f} s"
+            words = "voice node without heartbeat; a spoken stop would not be heard"
+        return Cause(Reason.VOICE_SILENT, words)

@@ -9,11 +9,10 @@ import numpy as np
 
 from rst_control.config import WatchdogConfig
 from rst_control.planning.patient_surface import TrocarPose
-from rst_control.planning.plan import Rejected
 from rst_control.supervision.plausibility import SensorWatch
 from rst_control.supervision.presence import MASTER, Presence
 from rst_control.tension.response_check import RisingTension
-from rst_control.types import JOINTS, Measurement, Reason, Vector
+from rst_control.types import JOINTS, NOT_CONNECTED, Cause, Measurement, Reason, Vector, robot_fault
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class Watched:
 
 
 class Watchdogs:
-    """Names the first thing that is wrong; an empty string means that nothing is.
+    """Names the first thing that is wrong; None means that nothing is.
 
     Args:
         limits: Settings.
@@ -61,62 +60,65 @@ class Watchdogs:
         else:
             self._rising.look(measured.stamp, measured.tension)
 
-    def master(self) -> str:
+    def master(self) -> Cause | None:
         """Whether the ROS master is there; a robot at rest keeps its set-point without it."""
         gone = self._presence.of(MASTER)
-        return f"the ROS master {gone}: nobody new could stop the robot" if gone else ""
+        words = f"the ROS master {gone}: nobody new could stop the robot"
+        return Cause(Reason.NO_MASTER, words) if gone else None
 
-    def lost(self, now: float, measured: Measurement | None) -> Rejected | None:
+    def lost(self, now: float, measured: Measurement | None) -> Cause | None:
         """Whether all are there without whom nothing may begin or go on: master and robot."""
-        gone = self.master()
-        return Rejected(Reason.NOT_CONNECTED, gone) if gone else self.robot(now, measured)
+        return self.master() or self.robot(now, measured)
 
-    def robot(self, now: float, measured: Measurement | None) -> Rejected | None:
+    def robot(self, now: float, measured: Measurement | None) -> Cause | None:
         """Whether the robot is there and speaks, at rest as in motion."""
         if measured is None or not measured.connected:
-            return Rejected(Reason.NOT_CONNECTED, "robot not connected")
+            return NOT_CONNECTED
         age, allowed = now - measured.stamp, self._settings.joint_state_age
         if age > allowed:
             words = f"joint states stale, {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
-            return Rejected(Reason.STALE, f"{words}: {measured.fault}" if measured.fault else words)
+            why = robot_fault(measured.fault).words
+            return Cause(Reason.STALE, f"{words}: {why}" if why else words)
         if measured.fault:
-            return Rejected(Reason.FAULTED, f"robot fault: {measured.fault}")
+            fault = robot_fault(measured.fault)
+            return Cause(fault.reason, f"robot fault: {fault.words}")
         if self._sensors.objection:
-            return Rejected(Reason.FAULTED, f"sensor fault: {self._sensors.objection}")
+            return Cause(Reason.SENSOR_FAULT, f"sensor fault: {self._sensors.objection}")
         return None
 
-    def owner(self, name: str) -> str:
+    def owner(self, name: str) -> Cause | None:
         """Whether the node that asked for a motion is still there; it need not, without a name."""
         gone = self._presence.of(name) if name else ""
-        return f"{name} {gone}" if gone else ""
+        return Cause(Reason.NODE_LOST, f"{name} {gone}") if gone else None
 
-    def following(self, measured: Measurement, setpoint: Vector) -> str:
+    def following(self, measured: Measurement, setpoint: Vector) -> Cause | None:
         """Whether every joint is where it was sent."""
         error = np.abs(measured.position - setpoint)
         joint = int(error.argmax())
         if error[joint] <= self._settings.following_error:
-            return ""
-        return (
+            return None
+        words = (
             f"{JOINTS[joint]} {error[joint]:.3f} rad off its set-point, "
             f"allowed {self._settings.following_error:.3f}"
         )
+        return Cause(Reason.OFF_SETPOINT, words)
 
     def is_at_rest(self, measured: Measurement) -> bool:
         """Whether every joint is measured at rest."""
         return bool(np.abs(measured.velocity).max() <= self._settings.at_rest_speed)
 
-    def waking(self, now: float, measured: Measurement | None, is_led: bool) -> Rejected | None:
+    def waking(self, now: float, measured: Measurement | None, is_led: bool) -> Cause | None:
         """Why the robot is not fit for "hey robot"; while it is led in a motion it may move."""
         lost = self.lost(now, measured)
         if lost is not None or measured is None or is_led or self.is_at_rest(measured):
             return lost
-        return Rejected(Reason.NOT_AT_REST, "robot not at rest yet; say it again")
+        return Cause(Reason.NOT_AT_REST, "robot not at rest yet; say it again")
 
-    def motion(self, now: float, measured: Measurement | None, watched: Watched) -> str:
+    def motion(self, now: float, measured: Measurement | None, watched: Watched) -> Cause | None:
         """Whether a motion may go on."""
         lost = self.lost(now, measured)
         if lost is not None or measured is None:
-            return lost.words if lost else ""
+            return lost
         return (
             self.following(measured, watched.setpoint)
             or self._rcm(watched.trocar_pose)
@@ -125,31 +127,36 @@ class Watchdogs:
             or self._times(watched)
         )
 
-    def _rcm(self, place: TrocarPose) -> str:
+    def _rcm(self, place: TrocarPose) -> Cause | None:
         """In force unless the whole robot is measured outside the patient; no number: it fires."""
         allowed = self._limits.rcm_error
         if place.is_outside or place.error <= allowed:
-            return ""
+            return None
         words = f"shaft {place.error * 1e3:.2f} mm off the trocar, allowed {allowed * 1e3:.2f} mm"
         height = f"{place.height * 1e3:.1f} mm above the patient's surface"
-        return f"{words} with the robot {height}" if place.height > 0.0 else words
+        words = f"{words} with the robot {height}" if place.height > 0.0 else words
+        return Cause(Reason.OFF_TROCAR, words)
 
-    def _tension(self, measured: Measurement, watched: Watched) -> str:
+    def _tension(self, measured: Measurement, watched: Watched) -> Cause | None:
         allowed, ahead = self._limits.tension, self._rising.ahead
         if not watched.raises_tension or measured.tension + ahead <= allowed:
-            return ""
+            return None
         late = f" and {ahead:.2f} N more since it was measured" if ahead >= 0.01 else ""
-        return f"tension {measured.tension:.2f} N{late}, allowed {allowed:.2f} N"
+        words = f"tension {measured.tension:.2f} N{late}, allowed {allowed:.2f} N"
+        return Cause(Reason.OVER_TENSION, words)
 
-    def _grip(self, measured: Measurement, watched: Watched) -> str:
-        return "tissue slipped from the jaws" if watched.needs_grip and not measured.gripped else ""
+    def _grip(self, measured: Measurement, watched: Watched) -> Cause | None:
+        has_slipped = watched.needs_grip and not measured.gripped
+        return Cause(Reason.SLIPPED, "tissue slipped from the jaws") if has_slipped else None
 
-    def _times(self, watched: Watched) -> str:
+    def _times(self, watched: Watched) -> Cause | None:
         if gone := self.owner(watched.owner):
-            return f"{gone} during its motion"
+            return Cause(gone.reason, f"{gone.words} during its motion")
         age, allowed = watched.heartbeat_age, self._settings.voice_heartbeat_age
         if age is not None and age > allowed:
-            return f"voice node silent for {age:.1f} s, allowed {allowed:.1f} s"
+            words = f"voice node silent for {age:.1f} s, allowed {allowed:.1f} s"
+            return Cause(Reason.VOICE_SILENT, words)
         if watched.overtime > self._settings.phase_timeout:
-            return f"phase took {self._settings.phase_timeout:.0f} s longer than planned"
-        return ""
+            words = f"phase took {self._settings.phase_timeout:.0f} s longer than planned"
+            return Cause(Reason.OVERTIME, words)
+        return None

@@ -16,7 +16,7 @@ from rst_control.config import TensionConfig
 from rst_control.tension.response_check import PullAnswer
 from rst_control.tension.stiffness import STIFFENING, StiffnessEstimate
 from rst_control.trajectory.profile import Bounds, Profile
-from rst_control.types import PathState
+from rst_control.types import Cause, PathState
 
 BRAKING_SHARE = 0.5  # of the acceleration that the approach to a target counts on
 TRUST = 20.0  # [1/s] how fast tissue is taken for softer; for stiffer it is taken at once
@@ -72,8 +72,8 @@ class TensionControl:
         return self._estimate.value
 
     @property
-    def objection(self) -> str:
-        """Why it is no use to pull on; empty: nothing speaks against it."""
+    def objection(self) -> Cause | None:
+        """Why it is no use to pull on; None: nothing speaks against it."""
         return self._answer.objection
 
     @property

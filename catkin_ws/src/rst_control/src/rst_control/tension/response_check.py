@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from collections import deque
 
+from rst_control.types import Cause, Reason
+
 EXPECTED = 0.15  # [N] of rise after which it is looked whether it came
 MIN_SHARE = 0.25  # of the rise expected that must have come
 MIN_TENSION = 0.05  # [N] and
@@ -20,7 +22,7 @@ class PullAnswer:
 
     def __init__(self) -> None:
         self._s = self._tension = 0.0  # where it was looked last
-        self.objection = ""  # empty: the tension follows the pull
+        self.objection: Cause | None = None  # None: the tension follows the pull
 
     def look(self, s: float, tension: float) -> None:
         """Take in the pull from the grasp [m] and its tension [N]."""
@@ -32,10 +34,11 @@ class PullAnswer:
             return
         rise = tension - self._tension
         if rise < MIN_SHARE * expected:
-            self.objection = (
+            words = (
                 f"tension rose by {rise:.2f} N over {(s - self._s) * 1e3:.1f} mm of pull, at least "
                 f"{MIN_SHARE * expected:.2f} N expected: tissue torn or slipping, or sensor dead"
             )
+            self.objection = Cause(Reason.NO_RESPONSE_TO_PULL, words)
         self._s, self._tension = s, tension
 
 

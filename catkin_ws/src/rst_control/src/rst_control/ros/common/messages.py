@@ -12,9 +12,15 @@ from rst_control.execution.orders import DiaryEntry, Outcome, View
 from rst_control.execution.state_machine import LATCHED
 from rst_control.msg import AssistFeedback, AssistResult, ControllerState, Event
 from rst_control.ros.common.wall_clock import followed, wall_offset
-from rst_control.types import Vector
+from rst_control.types import Cause, Reason, Vector
 
 BASE = "base_link"
+
+
+def code_of(why: Cause | Reason | None) -> str:
+    """A `reason_code` of the messages; empty: there is no reason."""
+    reason = why.reason if isinstance(why, Cause) else why
+    return "" if reason is None else str(reason.value)
 
 
 class RosClock:
@@ -31,14 +37,16 @@ class RosClock:
 
 def state_message(view: View, clock: RosClock) -> ControllerState:
     """The controller's state for `rst_control/state`."""
-    mode, motion = view.mode, view.motion
+    mode, motion, refused = view.mode, view.motion, view.last_refusal
+    halted = mode.cause if mode.is_latched else None
     message = ControllerState(
         state=mode.state.value,
         phase=view.phase,
         command=view.command,
-        active=mode.is_active,
+        assistance_enabled=mode.is_active,
         halted=mode.state in LATCHED,
-        halt_reason=mode.reason if mode.is_latched else "",
+        halt_reason=halted.words if halted else "",
+        halt_reason_code=code_of(halted),
         tissue_held=view.is_tissue_held,
         progress=motion.progress if motion else 1.0,
         path_position=view.path_position,
@@ -47,7 +55,8 @@ def state_message(view: View, clock: RosClock) -> ControllerState:
         insertion=view.insertion,
         tension=view.tension,
         tension_target=view.tension_target,
-        last_refusal=view.last_refusal,
+        last_refusal=refused.words if refused else "",
+        last_refusal_code=code_of(refused),
     )
     message.header.stamp = clock.stamp(view.stamp)
     message.header.frame_id = BASE
@@ -56,7 +65,12 @@ def state_message(view: View, clock: RosClock) -> ControllerState:
 
 def event_message(entry: DiaryEntry, clock: RosClock) -> Event:
     """A diary entry for `rst_control/event`."""
-    message = Event(kind=entry.kind, command=entry.command, message=entry.message)
+    message = Event(
+        kind=entry.kind,
+        command=entry.command,
+        message=entry.message,
+        reason_code=code_of(entry.reason),
+    )
     message.header.stamp = clock.stamp(entry.stamp)
     return message
 
@@ -75,7 +89,8 @@ def result_message(outcome: Outcome) -> AssistResult:
     """Ending of an action goal."""
     return AssistResult(
         outcome=outcome.kind,
-        reason=outcome.reason,
+        reason=outcome.message,
+        reason_code=code_of(outcome.reason),
         tension=outcome.tension,
         max_rcm_error=outcome.max_rcm_error,
     )

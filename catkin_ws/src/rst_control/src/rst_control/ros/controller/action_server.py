@@ -23,6 +23,7 @@ from rst_control.execution.orders import Outcome, Reply
 from rst_control.msg import AssistAction, AssistActionGoal
 from rst_control.planning.plan import Request
 from rst_control.ros.common.messages import caller_of, feedback_message, result_message
+from rst_control.types import Cause, Reason
 
 OnGoal = Callable[[ServerGoalHandle], None]
 
@@ -55,11 +56,12 @@ class GuardedServer(actionlib.ActionServer):
         goal.goal_id.stamp = _not_after_now(goal.goal_id.stamp)
         admission = self._door.admit(caller_of(goal), is_stop(goal.goal.command))
         objection = admission.objection or self._too_much(goal.goal_id)
-        if admission.is_news:
-            rospy.logwarn("goal refused: %s", objection)
-        if objection and not is_stop(goal.goal.command):
-            status = GoalStatus(_short(goal.goal_id), GoalStatus.REJECTED, objection)
-            self.publish_result(status, result_message(Outcome("refused", objection)))
+        if admission.objection is not None and admission.is_news:
+            rospy.logwarn("goal refused: %s", admission.objection.words)
+        if objection is not None and not is_stop(goal.goal.command):
+            status = GoalStatus(_short(goal.goal_id), GoalStatus.REJECTED, objection.words)
+            outcome = Outcome("refused", objection.words, objection.reason)
+            self.publish_result(status, result_message(outcome))
         else:
             super().internal_goal_callback(goal)
         time.sleep(admission.pause)  # whoever floods waits: nothing is read from it meanwhile
@@ -77,11 +79,13 @@ class GuardedServer(actionlib.ActionServer):
             goal_id = GoalID(goal_id.stamp, "")  # it still cancels all that is older
         super().internal_cancel_callback(goal_id)
 
-    def _too_much(self, goal_id: GoalID) -> str:
+    def _too_much(self, goal_id: GoalID) -> Cause | None:
         if len(goal_id.id) > LONGEST_ID:
-            return f"a goal id of {len(goal_id.id)} characters, allowed: {LONGEST_ID}"
+            words = f"a goal id of {len(goal_id.id)} characters, allowed: {LONGEST_ID}"
+            return Cause(Reason.BAD_AMOUNT, words)
         known = len(self.status_list)
-        return f"{known} goals are known already" if known >= MAX_GOALS else ""
+        words = f"{known} goals are known already"
+        return Cause(Reason.QUEUE_FULL, words) if known >= MAX_GOALS else None
 
 
 class AssistServer:
@@ -125,13 +129,13 @@ class AssistServer:
         result = result_message(outcome)
         match outcome.kind:
             case "succeeded":
-                goal.set_succeeded(result, outcome.reason)
+                goal.set_succeeded(result, outcome.message)
             case "refused":
-                goal.set_rejected(result, outcome.reason)
+                goal.set_rejected(result, outcome.message)
             case "stopped":
-                goal.set_canceled(result, outcome.reason)
+                goal.set_canceled(result, outcome.message)
             case "failed":
-                goal.set_aborted(result, outcome.reason)
+                goal.set_aborted(result, outcome.message)
 
     def _on_goal(self, goal: ServerGoalHandle) -> None:
         wanted = goal.get_goal()
@@ -144,11 +148,13 @@ class AssistServer:
 
     def _on_cancel(self, goal: ServerGoalHandle) -> None:
         received, command = time.monotonic(), shown(goal.get_goal().command, 40)
-        self._executor.stop(f'stop by cancelling the action "{command}"', received)
+        words = f'stop by cancelling the action "{command}"'
+        self._executor.stop(Cause(Reason.STOP_CANCEL, words), received)
 
     def _on_cancel_all(self, goal_id: GoalID) -> None:
         received = time.monotonic()
-        self._executor.stop(f"stop by cancelling all actions, from {caller_of(goal_id)}", received)
+        words = f"stop by cancelling all actions, from {caller_of(goal_id)}"
+        self._executor.stop(Cause(Reason.STOP_CANCEL, words), received)
 
 
 def _short(goal_id: GoalID) -> GoalID:

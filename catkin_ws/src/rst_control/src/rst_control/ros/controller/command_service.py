@@ -13,11 +13,13 @@ from std_msgs.msg import Empty, Time
 from rst_control.admission.callers import Doorkeeper
 from rst_control.admission.command_queue import LONGEST, CommandDesk, is_stop, read_command, unknown
 from rst_control.execution.executor import Executor
+from rst_control.execution.orders import Reply
 from rst_control.host.message_limits import announced
 from rst_control.planning.plan import Request
-from rst_control.ros.common.messages import caller_of
+from rst_control.ros.common.messages import caller_of, code_of
 from rst_control.srv import Command, CommandRequest, CommandResponse
 from rst_control.supervision.heartbeat import Heartbeat
+from rst_control.types import Cause, Reason
 from rst_control.types import Command as Spoken
 
 REPLY_TIME = 2.0  # [s] within which every command is answered, or the caller told that it was not
@@ -96,18 +98,18 @@ class CommandService:
         caller = caller_of(request)
         admission = self._door.admit(caller, is_stop(request.command))
         objection = admission.objection
-        if objection and not admission.is_news:
-            response = CommandResponse(False, objection)
+        if objection is not None and not admission.is_news:
+            response = CommandResponse(False, objection.words, code_of(objection))
         else:
-            if request.length and not objection:
+            if request.length and objection is None:
                 objection = unknown(request.command, request.length)
             response = self._ask(request.command, caller, objection)
         time.sleep(admission.pause)  # after a stop, too: it has been carried out
         return response
 
-    def _ask(self, words: str, caller: str, objection: str) -> CommandResponse:
+    def _ask(self, words: str, caller: str, objection: Cause | None) -> CommandResponse:
         is_spoken = caller == self._spoken_by
-        if is_spoken and not objection and read_command(words) not in _UNWATCHED:
+        if is_spoken and objection is None and read_command(words) not in _UNWATCHED:
             objection = self._heartbeat.objection(time.monotonic())
         owner = caller if is_spoken else ""
         request = Request(words)
@@ -115,13 +117,13 @@ class CommandService:
         try:
             reply = ticket.reply.result(REPLY_TIME)
         except NoReply:
-            return CommandResponse(
-                False, "the controller does not answer; nothing is known to move"
-            )
-        return CommandResponse(reply.accepted, reply.message)
+            words = "the controller does not answer; nothing is known to move"
+            reply = Reply(False, words, Reason.NO_ANSWER)
+        return CommandResponse(reply.accepted, reply.message, code_of(reply.reason))
 
     def _on_stop(self, message: Empty) -> None:
-        self._executor.stop(f"stop topic, from {caller_of(message)}", time.monotonic())
+        cause = Cause(Reason.STOP_TOPIC, f"stop topic, from {caller_of(message)}")
+        self._executor.stop(cause, time.monotonic())
 
     def _on_heartbeat(self, message: Time) -> None:
         sent, now = message.data.to_sec(), time.monotonic()

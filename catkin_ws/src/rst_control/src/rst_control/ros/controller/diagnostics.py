@@ -57,8 +57,8 @@ class Diagnostics:
         if view.mode.state in LATCHED:
             level = DiagnosticStatus.WARN
             message = f'{message}: {view.mode.reason}; say "hey robot" to go on'
-        if view.health:
-            level, message = DiagnosticStatus.ERROR, view.health
+        if view.health is not None:
+            level, message = DiagnosticStatus.ERROR, view.health.words
         values = {
             "state": view.mode.state.value,
             "phase": view.phase,
@@ -67,7 +67,7 @@ class Diagnostics:
             "tension [N]": f"{view.tension:.3f}",
             "tension not trusted": view.measurement.distrust if view.measurement else "",
             "last command [s ago]": f"{command_age:.1f}",
-            "last refusal": view.last_refusal,
+            "last refusal": view.last_refusal.words if view.last_refusal else "",
             "messages of the robot": objection or "good",
         }
         return make_status("motion", level, message, values)

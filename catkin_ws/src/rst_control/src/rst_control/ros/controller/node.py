@@ -38,6 +38,7 @@ from rst_control.ros.controller.robot_link import RobotLink
 from rst_control.ros.controller.trocar_service import TrocarService
 from rst_control.ros.controller.worker import Worker
 from rst_control.supervision.presence import Presence
+from rst_control.types import Cause, Reason
 from typed_config import ConfigError, load_config
 
 FEEDBACK_RATE = 20.0  # [Hz] to action clients
@@ -115,7 +116,7 @@ class ControllerNode:
 
     def close(self) -> None:
         """Bring the robot to rest, then end all threads; called before the topics are closed."""
-        self._executor.stop("the controller is being shut down")
+        self._executor.stop(Cause(Reason.SHUTDOWN, "the controller is being shut down"))
         end = time.monotonic() + BRAKING_TIME
         while self._executor.view.is_moving and time.monotonic() < end:
             time.sleep(0.005)

@@ -50,8 +50,8 @@ class RecordingLink:
 
     def look(self, view: View) -> None:
         """Stop what may not go on unrecorded, and tell what is new."""
-        if view.mode.state is State.MOVING and (reason := self._watch.stop_reason(view.plan)):
-            self._executor.stop(reason)
+        if view.mode.state is State.MOVING and (cause := self._watch.stop_cause(view.plan)):
+            self._executor.stop(cause)
         news = self._news.next()
         if news is None:
             return

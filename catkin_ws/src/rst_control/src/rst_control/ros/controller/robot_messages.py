@@ -22,7 +22,7 @@ from rst_control.ros.common.serialization import (
     OutOfOrder,
     read_force,
 )
-from rst_control.types import JOINTS, Measurement, Vector, frozen_array
+from rst_control.types import JOINTS, Cause, Measurement, Reason, Vector, frozen_array
 
 LOST_AFTER = 0.25  # [s] without joint states: the robot counts as not connected
 NO_EFFORT, NO_FORCE = np.zeros(len(JOINTS)), np.zeros(3)
@@ -68,14 +68,16 @@ class Reception:
         self._rest_seen: Arrived | None = None
         self._sent_to: Vector | None = None
         self._refused, self._why_refused = 0, ""  # since the last joint states in order
-        self._objection = ""
+        self._objection: Cause | None = None
         self._measured: Measurement | None = None
 
     @property
     def objection(self) -> str:
         """What is wrong with the robot's messages; empty: nothing."""
         count = self.out_of_order
-        return self._objection or (f"{count} refused so far, out of order" if count else "")
+        if self._objection is not None:
+            return self._objection.words
+        return f"{count} refused so far, out of order" if count else ""
 
     def measured(self) -> Measurement | None:
         """Newest joint states with the force on the jaws; None until the robot has told all.
@@ -85,7 +87,8 @@ class Reception:
         """
         joints = self.joints
         if joints is not None and self.gripped is None:
-            self._objection = "the robot has not told yet whether its jaws hold anything"
+            words = "the robot has not told yet whether its jaws hold anything"
+            self._objection = Cause(Reason.JOINT_MESSAGES, words)
         elif joints is not None and joints is not self._seen:
             self._seen = joints
             self._take(joints)
@@ -102,10 +105,10 @@ class Reception:
             self._keep()
             return
         except BadMessage as error:
-            self._objection = str(error)
+            self._objection = Cause(Reason.JOINT_MESSAGES, str(error))
             self._keep()
             return
-        self._objection, self._refused = "", 0
+        self._objection, self._refused = None, 0
         self._take_rest()
         force = self._force(joints.arrived)
         self._measured = Measurement(
@@ -115,11 +118,16 @@ class Reception:
             stamp=joints.arrived,
             force=force,
             gripped=bool(self.gripped),
-            fault=self.fault or self._objection,
+            fault=self._fault,
             distrust=self.distrust,
             sent=sample.stamp,
             sent_to=self._sent_to,
         )
+
+    @property
+    def _fault(self) -> str:
+        """What the robot says of itself, else what is wrong with its messages; empty: nothing."""
+        return self.fault or (self._objection.coded if self._objection else "")
 
     def led(self) -> None:
         """Note that a set-point was sent: where the robot held before it says nothing any more."""
@@ -135,7 +143,8 @@ class Reception:
         try:
             self._sent_to = frozen_array(self._read_rest(rest.raw).position, len(JOINTS))
         except BadMessage as error:
-            self._objection = f"where the robot holds: {error}"
+            words = f"where the robot holds: {error}"
+            self._objection = Cause(Reason.JOINT_MESSAGES, words)
 
     def _keep(self) -> None:
         """No new joint states: note what else has changed."""
@@ -147,9 +156,10 @@ class Reception:
         if not is_connected:
             self._read.reset()  # a robot that comes back may have another clock
             self._sent_to = None  # and may hold elsewhere
-        fault = self.fault or self._objection
+        fault = self._fault
         if age > self._joint_age and self._refused and not fault:
-            fault = f"the last {self._refused} refused: {self._why_refused}"
+            words = f"the last {self._refused} refused: {self._why_refused}"
+            fault = Cause(Reason.JOINT_MESSAGES, words).coded
         if (is_connected, fault) != (measured.connected, measured.fault):
             self._measured = replace(measured, connected=is_connected, fault=fault)
 
@@ -159,10 +169,10 @@ class Reception:
         if not self._has_tension:
             return NO_FORCE
         if wrench is None or arrived - wrench.arrived > self._tension_age:
-            self._objection = "tension is not measured"
+            self._objection = Cause(Reason.TENSION_SENSOR, "tension is not measured")
         else:
             try:
                 return read_force(wrench.raw)
             except BadMessage as error:
-                self._objection = str(error)
+                self._objection = Cause(Reason.TENSION_SENSOR, str(error))
         return self._measured.force if self._measured is not None else np.zeros(3)

@@ -19,7 +19,7 @@ from rst_control.registration.pivot_calibration import PivotFit, PivotIllPosed
 from rst_control.registration.shaft_poses import ShaftPoses, fit_words
 from rst_control.registration.trocar import TrocarRegistrar
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.ros.common.messages import caller_of, trocar_message
+from rst_control.ros.common.messages import caller_of, code_of, trocar_message
 from rst_control.srv import (
     FitTrocar,
     FitTrocarRequest,
@@ -28,6 +28,7 @@ from rst_control.srv import (
     SetTrocarRequest,
     SetTrocarResponse,
 )
+from rst_control.types import Reason
 
 REPLY_TIME = 2.0  # [s] for the control loop to take up the question
 UNANSWERED = "the control loop does not answer; the trocar stays as it is"
@@ -66,15 +67,15 @@ class TrocarService:
     def _on_set(self, request: SetTrocarRequest) -> SetTrocarResponse:
         p = request.position
         reply = self._turn_away(request) or self._set((p.x, p.y, p.z), caller_of(request))
-        return SetTrocarResponse(reply.accepted, reply.message)
+        return SetTrocarResponse(reply.accepted, reply.message, code_of(reply.reason))
 
     def _on_fit(self, request: FitTrocarRequest) -> FitTrocarResponse:
         if refusal := self._turn_away(request):
-            return FitTrocarResponse(accepted=False, message=refusal.message)
+            return _no_fit(refusal)
         try:
             fit = self._poses.fit()
         except PivotIllPosed as error:
-            return FitTrocarResponse(accepted=False, message=str(error))
+            return _no_fit(Reply(False, str(error), Reason.NOT_THE_TROCAR))
         reply = Reply(True, fit_words(fit))
         if request.apply:
             reply = self._set_fitted(fit, reply.message, caller_of(request))
@@ -83,10 +84,10 @@ class TrocarService:
     def _set_fitted(self, fit: PivotFit, words: str, caller: str) -> Reply:
         objection = self._poses.objection(fit)
         if objection:
-            return Reply(False, f"{words}; not set: {objection}")
+            return Reply(False, f"{words}; not set: {objection}", Reason.NOT_THE_TROCAR)
         reply = self._set(fit.position.tolist(), f"{caller}, fitted")
         if not reply.accepted:
-            return Reply(False, f"{words}; not set: {reply.message}")
+            return Reply(False, f"{words}; not set: {reply.message}", reply.reason)
         self._poses.forget()
         return Reply(True, f"{words}; set: {reply.message}")
 
@@ -96,7 +97,7 @@ class TrocarService:
             reply = answer.result(REPLY_TIME)
         except NoReply:
             if answer.cancel():
-                return Reply(False, UNANSWERED)
+                return Reply(False, UNANSWERED, Reason.NO_ANSWER)
             reply = answer.result(REPLY_TIME)  # it is being answered at this moment
         if reply.accepted:
             self._publish()
@@ -108,10 +109,11 @@ class TrocarService:
     def _turn_away(self, request: genpy.Message) -> Reply | None:
         """Refuse a call of somebody who may not call, or calls too often; None: take it."""
         admission = self._door.admit(caller_of(request))
-        if admission.is_news:
-            rospy.logwarn("refused: %s", admission.objection)
+        objection = admission.objection
+        if objection is not None and admission.is_news:
+            rospy.logwarn("refused: %s", objection.words)
         time.sleep(admission.pause)
-        return Reply(False, admission.objection) if admission.objection else None
+        return Reply.refused(objection) if objection is not None else None
 
     def _on(self, act: Callable[[], Reply]) -> Callable[[TriggerRequest], TriggerResponse]:
         def answer(request: TriggerRequest) -> TriggerResponse:
@@ -121,15 +123,22 @@ class TrocarService:
         return answer
 
 
+def _no_fit(reply: Reply) -> FitTrocarResponse:
+    return FitTrocarResponse(
+        accepted=False, message=reply.message, reason_code=code_of(reply.reason)
+    )
+
+
 def _fit_response(reply: Reply, fit: PivotFit) -> FitTrocarResponse:
     return FitTrocarResponse(
         accepted=reply.accepted,
         message=reply.message,
+        reason_code=code_of(reply.reason),
         position=Point(*fit.position.tolist()),
         poses=len(fit.residuals),
         rms=fit.rms,
-        largest=fit.largest,
-        deviation=fit.deviation,
-        spread=fit.spread,
+        max_residual=fit.largest,
+        position_stddev=fit.deviation,
+        angular_spread=fit.spread,
         outliers=[n + 1 for n in fit.outliers],
     )

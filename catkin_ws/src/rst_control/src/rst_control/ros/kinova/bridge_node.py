@@ -31,7 +31,7 @@ from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
 from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.ros.kinova.hardware import KinovaHardware
-from rst_control.types import JOINTS, Measurement, Setpoint, Vector
+from rst_control.types import JOINTS, Cause, Measurement, Reason, Setpoint, Vector, robot_fault
 from typed_config import ConfigError, load_config
 
 BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard
@@ -143,7 +143,8 @@ class KinovaBridgeNode:
         try:
             sample = self._reader(raw)
         except BadMessage as error:
-            self._bridge.fail(f"bad set-point: {error}", now)
+            words = f"bad set-point: {error}"
+            self._bridge.fail(Cause(Reason.SETPOINT_REFUSED, words).coded, now)
             return
         stamp = sample.stamp - self._offset
         self._bridge.servo_jp(Setpoint(sample.position, sample.velocity, stamp), now)
@@ -172,7 +173,7 @@ class KinovaBridgeNode:
         before, fault = self._told_fault.last, bridge.fault(now)
         if self._told_fault.is_due(fault, now):
             if fault and fault != before:
-                rospy.logwarn("fault: %s", fault)
+                rospy.logwarn("fault: %s", robot_fault(fault).words)
             self._fault.publish(String(fault))
         if measured is None or measured is self._told:
             return
@@ -223,7 +224,7 @@ class KinovaBridgeNode:
         status = DiagnosticStatus(
             level=level,
             name="robot: kinova bridge",
-            message=fault or "leads the arm by velocities",
+            message=robot_fault(fault).words if fault else "leads the arm by velocities",
             values=[KeyValue(key, value) for key, value in values.items()],
         )
         array = DiagnosticArray(status=[status])

@@ -15,6 +15,7 @@ from rst_control.config import SceneConfig
 from rst_control.ros.simulator.pace import SimulationPace
 from rst_control.simulation.exposure import exposure, exposure_words
 from rst_control.simulation.pybullet_robot import PybulletRobot
+from rst_control.types import robot_fault
 
 PERIOD = 1.0  # [s]
 LATE_SHARE = 0.05  # of the periods, above which a warning is given
@@ -89,7 +90,7 @@ class SimulatorDiagnostics:
 
     def _verdict(self, late_share: float) -> tuple[int, str]:
         if self._robot.fault:
-            return DiagnosticStatus.ERROR, self._robot.fault
+            return DiagnosticStatus.ERROR, robot_fault(self._robot.fault).words
         if late_share > LATE_SHARE:
             return DiagnosticStatus.WARN, f"{late_share:.0%} of the steps began late"
         return DiagnosticStatus.OK, "keeping up"

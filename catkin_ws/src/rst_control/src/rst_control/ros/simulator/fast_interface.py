@@ -19,7 +19,7 @@ from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
 from rst_control.ros.simulator.messages import Stamper, StateWriter
 from rst_control.simulation.pybullet_robot import PybulletRobot
-from rst_control.types import JOINTS, Setpoint
+from rst_control.types import JOINTS, Cause, Reason, Setpoint, robot_fault
 
 log = logging.getLogger("rosout.rst_control.simulator")
 
@@ -80,7 +80,7 @@ class SetpointInterface:
         before, fault = self._told_fault.last, robot.fault
         if self._told_fault.is_due(fault, now):
             if fault and fault != before:
-                log.warning("fault: %s", fault)
+                log.warning("fault: %s", robot_fault(fault).words)
             self._fault.publish(String(fault))
 
     def _on(self, job: Callable[[], None]) -> Callable[[Empty], None]:
@@ -95,7 +95,8 @@ class SetpointInterface:
         try:
             sample = self._reader(raw)
         except BadMessage as error:
-            self._robot.fail(f"bad set-point: {error}")
+            words = f"bad set-point: {error}"
+            self._robot.fail(Cause(Reason.SETPOINT_REFUSED, words).coded)
             return
         known = self._is_real_time and sample.stamp > NO_STAMP
         stamp = self._stamper.simulated(sample.stamp) if known else self._robot.now

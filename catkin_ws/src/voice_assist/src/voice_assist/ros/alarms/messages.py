@@ -29,7 +29,7 @@ def robot_state(message: ControllerState) -> RobotState:
         stamp=message.header.stamp.to_sec(),
         state=message.state,
         halt_reason=message.halt_reason,
-        is_active=message.active,
+        is_active=message.assistance_enabled,
         is_tissue_held=message.tissue_held,
     )
 
