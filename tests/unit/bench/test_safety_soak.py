@@ -16,7 +16,7 @@ from rst_control.execution.state_machine import ControllerMode, State
 from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import Phase, PhaseKind, Plan
 from rst_control.robot.setpoint_servo import ServoLimits
-from rst_control.types import JOINTS, Command, Measurement, Setpoint
+from rst_control.types import JOINTS, Cause, Command, Measurement, Reason, Setpoint
 
 ZERO, ONES = np.zeros(10), np.ones(10)
 LIMITS = ServoLimits(JOINTS, -ONES, ONES, ONES)
@@ -30,9 +30,10 @@ BOUNDS = Bounds(
     period=0.002,
     max_periods=5,
 )
+STOP = Cause(Reason.STOP_TOPIC, "stop")
 ACTIVE, MOVING = ControllerMode(State.ACTIVE, True), ControllerMode(State.MOVING, True)
-HALTED = ControllerMode(State.HALTED, True, reason="stop")
-BRAKING = ControllerMode(State.STOPPING, True, State.HALTED, "stop")
+HALTED = ControllerMode(State.HALTED, True, cause=STOP)
+BRAKING = ControllerMode(State.STOPPING, True, State.HALTED, STOP)
 OFF = Setpoint(1.5e-3 * np.eye(10)[1], ZERO, 10.002)
 TENSE = Plan(Command.TENSE, "pulls", (Phase(PhaseKind.REACH),))
 
