@@ -13,7 +13,7 @@ import numpy as np
 from paper.config import VoiceConfig
 from paper.outcomes import Outcome
 from paper.plan import COMMANDS, MOTIONS, STOP
-from support.exact_bounds import at_least, at_most
+from session_log.report.bounds import at_least, at_most
 from support.figures import Figure
 
 SYNTHETIC = "synthetic voices"

@@ -12,7 +12,7 @@ import numpy as np
 import soxr
 from numpy.typing import NDArray
 
-from bench.voice.held_out_voices import foreigners, natives
+from bench.voice.material.held_out_voices import foreigners, natives
 from support.figures import ROOT
 from voice_assist.training.data import texts
 from voice_assist.training.data.noise import build_rooms, coloured

@@ -19,8 +19,8 @@ from random import Random
 
 import numpy as np
 
-from bench.voice.held_out_voices import Voice
-from support.exact_bounds import at_least, at_most
+from bench.voice.material.held_out_voices import Voice
+from session_log.report.bounds import at_least, at_most
 from support.figures import Figure
 from typed_config import load_config, load_yaml
 from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config

@@ -12,11 +12,11 @@ import time
 from collections import defaultdict
 from dataclasses import dataclass
 
+from bench.common.resumable import MINUTES, share_of
 from bench.enrolment import pieces
 from bench.enrolment.cast import Said
-from bench.voice.resumable import MINUTES, share_of
-from bench.voice.synthesis import DEV, Spoken, recorded
-from support.exact_bounds import at_most
+from bench.voice.material.synthesis import DEV, Spoken, recorded
+from session_log.report.bounds import at_most
 from support.figures import ROOT, Figure
 from voice_assist.audio.wav_file import read_sound
 from voice_assist.enrolment.learn import learn

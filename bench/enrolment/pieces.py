@@ -3,17 +3,16 @@
 
 from __future__ import annotations
 
-import json
-import os
 import resource
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
+from bench.common.resumable import digest, remembered, source
 from bench.enrolment.cast import Material as Recorded
 from bench.enrolment.cast import Said, Surgeon, material
-from bench.voice.resumable import digest, source
 from support.figures import ROOT
 from voice_assist.config import CONFIG_DIR, VoiceConfig, load_voice_config
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
@@ -85,19 +84,19 @@ def bench() -> Bench:
 
 def piece(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> Piece:
     """Measure a surgeon, or find it measured."""
-    path = FOLDER / key() / f"{str(surgeon).replace(':', '_')}-{repetitions}.json"
-    if not path.is_file():
-        found = _measure(surgeon, stranger, repetitions)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = path.with_suffix(f".{os.getpid()}.tmp")
-        unfinished.write_text(json.dumps(asdict(found), indent=1), encoding="utf-8")
-        unfinished.rename(path)
-    return Piece.from_json(json.loads(path.read_text(encoding="utf-8")))
+    path = _path(surgeon, repetitions)
+    return Piece.from_json(
+        remembered(path, lambda: asdict(_measure(surgeon, stranger, repetitions)))
+    )
 
 
 def is_done(surgeon: Surgeon, repetitions: int) -> bool:
     """Whether a piece is there."""
-    return (FOLDER / key() / f"{str(surgeon).replace(':', '_')}-{repetitions}.json").is_file()
+    return _path(surgeon, repetitions).is_file()
+
+
+def _path(surgeon: Surgeon, repetitions: int) -> Path:
+    return FOLDER / key() / f"{str(surgeon).replace(':', '_')}-{repetitions}.json"
 
 
 @cache

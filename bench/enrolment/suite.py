@@ -17,11 +17,11 @@ from itertools import product
 
 import torch
 
+from bench.common.resumable import MINUTES, share_of
 from bench.enrolment import people
 from bench.enrolment.cast import Surgeon, surgeons
 from bench.enrolment.pieces import Counts, Piece, is_done, piece
-from bench.voice.resumable import MINUTES, share_of
-from support.exact_bounds import at_most
+from session_log.report.bounds import at_most
 from support.figures import RESULTS, Figure
 
 REPETITIONS = tuple(int(n) for n in os.environ.get("REPETITIONS", "3,5,10").split(","))

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.common.rig import Rig
-from bench.kinova import trajectory
 from bench.kinova.rig import KinovaRig, Loss, kinova_motion
 from rst_control.config import load_motion_config, load_simulation_config
 from rst_control.execution.state_machine import IN_MOTION
@@ -59,7 +58,7 @@ class Ended:
 
 def measure() -> list[Figure]:
     """All figures, fast first."""
-    parts = (_fast, _commands, _stops, _losses, _slow, _trajectories)
+    parts = (_fast, _commands, _stops, _losses, _slow)
     with ProcessPoolExecutor(PROCESSES) as pool:
         running = [pool.submit(part) for part in parts]
         return [figure for part in running for figure in part.result()]
@@ -101,15 +100,6 @@ def _losses() -> list[Figure]:
             ended = [_lose(rig, loss, 100 + k) for k in range(LOSSES)]
             figures += _ended(f"{STRICT}: {words}", ended)
     return figures
-
-
-def _trajectories() -> list[Figure]:
-    """The other way of the driver, from tissue that was just taken."""
-    with _ready(1.0) as rig:
-        if why_not := rig.finish("tense"):
-            raise RuntimeError(why_not)
-        rig.run(0.3)
-        return trajectory.measure(rig)
 
 
 def _ready(scale: float) -> KinovaRig:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Item 4: time of one control tick, state in and set-point out, beside a step of `pin-pink`."""
+"""Item 4: time of one control tick, state in and set-point out."""
 
 from __future__ import annotations
 
 import gc
+import itertools
 import time
 from collections.abc import Callable
 
@@ -14,9 +15,7 @@ from bench.common.rig import Rig, random_poses
 from rst_control.config import MotionConfig, SimulationConfig
 from rst_control.errors import Infeasible
 from rst_control.execution.orders import Order
-from rst_control.kinematics.configuration import Configuration
 from rst_control.planning.plan import PhaseKind, Plan
-from rst_control.trajectory.path import Path
 from rst_control.types import Command, Measurement
 from support.figures import Figure
 
@@ -25,10 +24,7 @@ WARM_UP = 200  # ticks that are not counted
 
 
 def measure(config: MotionConfig, simulation: SimulationConfig, ticks: int) -> list[Figure]:
-    """Times of the executor's ticks while moving and while pulling, and of `pin-pink`'s step.
-
-    Both follow the same path: ours reads a set-point off the path that was solved before, theirs
-    solves for the joints in every tick.
+    """Times of the executor's ticks while moving and while pulling.
 
     Args:
         config: Settings of the controller.
@@ -37,20 +33,19 @@ def measure(config: MotionConfig, simulation: SimulationConfig, ticks: int) -> l
     """
     with Rig(config, simulation, is_light=True) as rig:
         rig.wake()
-        paths: list[Path] = []
-        reach = _ticks(rig, lambda: _set_off(rig, paths), ticks)
+        seeds = itertools.count(40)
+        reach = _ticks(rig, lambda: _set_off(rig, next(seeds)), ticks)
     with Rig(config, simulation, is_light=True) as rig:
         rig.wake()
         pull = _ticks(rig, lambda: _pull_on(rig), ticks // 2)
     ours = np.concatenate([reach, pull])
     p50, p99 = np.percentile(ours, (50, 99))
     note = f"({len(ours)} ticks in motion: along paths and pulling tissue)"
-    figures = [
+    return [
         Figure("control tick median", p50 * 1e6, "us", 60.0, note=note),
         Figure("control tick p99", p99 * 1e6, "us", 200.0),
         Figure("control tick max", ours.max() * 1e6, "us"),
     ]
-    return figures + _compared(rig, paths, float(p50), ticks)
 
 
 def _ticks(rig: Rig, renew: Callable[[], None], count: int) -> Array:
@@ -75,13 +70,12 @@ def _ticks(rig: Rig, renew: Callable[[], None], count: int) -> Array:
     return times[WARM_UP:]
 
 
-def _set_off(rig: Rig, paths: list[Path]) -> None:
-    for pose in random_poses(rig.config, 50, seed=40 + len(paths)):
+def _set_off(rig: Rig, seed: int) -> None:
+    for pose in random_poses(rig.config, 50, seed=seed):
         try:
             path = rig.planner.leg(rig.planner_joints, pose)
         except Infeasible:
             continue
-        paths.append(path)
         phase = rig.along(PhaseKind.REACH, path, rig.config.controller.speed.tip_speed)
         rig.executor.post(Order(Plan(Command.TENSE, "moves", (phase,)), rig.executor.view.serial))
         rig.tick()
@@ -96,30 +90,3 @@ def _pull_on(rig: Rig) -> None:
         rig.until(lambda: rig.executor.view.phase == PhaseKind.PULL.value)
         return
     rig.give("pull more" if rig.executor.view.tension < 1.0 else "pull less", tension=0.5)
-
-
-def _compared(rig: Rig, paths: list[Path], ours: float, ticks: int) -> list[Figure]:
-    name = "pin-pink step, pose and RCM, median"
-    try:
-        from bench.motion.pink_step import PinkStep
-    except ImportError as error:
-        return [Figure(f"{name}: not measured, for it is not installed ({error})", 0.0, "us")]
-    planner = rig.planner
-    times, worst = list[float](), 0.0
-    for path in paths:
-        start = np.append(path.start, -path.start[8])  # both jaws, closed
-        step = PinkStep(start, planner.trocar, rig.period)
-        for s in np.arange(0.0, path.length, 0.02 * rig.period):
-            pose = Configuration(planner.model, path.evaluate(float(s)).q).T_base_tip
-            begin = time.perf_counter()
-            step.step(pose)
-            times.append(time.perf_counter() - begin)
-        worst = max(worst, step.rcm_error())
-        if len(times) > ticks // 2:
-            break
-    p50 = float(np.median(times[WARM_UP:]))
-    note = f"(same paths; at their ends its shaft is {worst * 1e6:.2g} um off the trocar)"
-    return [
-        Figure(name, p50 * 1e6, "us", note=note),
-        Figure("pin-pink step over our tick", p50 / ours, "times", 3.0, at_most=False),
-    ]

@@ -9,17 +9,15 @@ from minutes to a day, so `make bench ONLY=safety` measures none: it gathers wha
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
+from typing import Any
 
-from bench.safety.summary import gather
 from support.figures import RESULTS, Figure
 
-__all__ = ["PARTS", "measure"]
-
 NAMES = (
-    "hang",  # a recogniser that hangs, and a machine that is busy
-    "flood",  # a minute of 10,000 calls a second
     "network",  # voice on one host, controller on another, and a bad network between them
     "losses",  # each part of the running system killed or stopped in mid-motion
     "soak",  # a day of commands, talk and faults, in process
@@ -29,15 +27,10 @@ NAMES = (
     "stops_system",  # the same in the running system, by service, topic and cancel, 50 clients
 )
 
-MODULES = {  # of the parts that are no folder of their own
-    "hang": "bench.safety.hang",
-    "flood": "bench.safety.flood",
-    "stops_system": "bench.safety.stops.system",
-}
-
 
 def _measure(name: str) -> list[Figure]:
-    module = importlib.import_module(MODULES.get(name, f"bench.safety.{name}.suite"))
+    own = "stops.system" if name == "stops_system" else f"{name}.suite"
+    module = importlib.import_module(f"bench.safety.{own}")
     measure: Callable[[], list[Figure]] = module.measure
     return measure()
 
@@ -48,3 +41,34 @@ PARTS: dict[str, Callable[[], list[Figure]]] = {name: partial(_measure, name) fo
 def measure() -> list[Figure]:
     """What was last measured of all parts, each with its date, code and load."""
     return gather(RESULTS / "safety", NAMES)
+
+
+def gather(folder: Path, parts: Sequence[str]) -> list[Figure]:
+    """Figures of all parts; a part that was never measured misses a target.
+
+    Args:
+        folder: With one file for each part that was measured.
+        parts: Their names.
+    """
+    found: list[Figure] = []
+    for part in parts:
+        path = folder / f"{part}.json"
+        if path.is_file():
+            found += _on_file(part, json.loads(path.read_text(encoding="utf-8")))
+        else:
+            found.append(_was_measured(part, 0.0, "(never)"))
+    return found
+
+
+def _on_file(part: str, result: dict[str, Any]) -> list[Figure]:
+    where = result["machine"]
+    words = f"({where['date']}, {where['commit']}, load {where['load_at_start']})"
+    figures = [_was_measured(part, 1.0, words)]
+    for fields in result["figures"]:
+        kept = {key: value for key, value in fields.items() if key != "met"}
+        figures.append(Figure(**{**kept, "name": f"{part}: {kept['name']}"}))
+    return figures
+
+
+def _was_measured(part: str, value: float, words: str) -> Figure:
+    return Figure(f"{part}: was measured", value, "", 1.0, at_most=False, note=words)

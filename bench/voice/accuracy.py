@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from bench.voice import evaluate_once
-from support.exact_bounds import at_least, rate_at_most
+from bench.voice.outcomes import rate_at_most
+from session_log.report.bounds import at_least
 from support.figures import Figure
 
 

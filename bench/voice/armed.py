@@ -9,11 +9,12 @@ from typing import Any
 
 import soundfile
 
-from bench.voice import merge_results, resumable
-from bench.voice.mixing import chunks, trials_of
+from bench.common import resumable
+from bench.voice.hearing import pieces
+from bench.voice.hearing.pieces import Record
+from bench.voice.material.mixing import chunks, trials_of
+from bench.voice.material.synthesis import DEV, TALK, Spoken, recorded
 from bench.voice.outcomes import motions, rate
-from bench.voice.resumable import Record
-from bench.voice.synthesis import DEV, TALK, Spoken, recorded
 from bench.voice.trials import STOP
 from support.figures import ROOT, Figure
 
@@ -29,20 +30,20 @@ def measure() -> list[Figure]:
     kinds = dict(zip((c.path for c in spoken), _kinds(spoken), strict=True))
     records = measured()
     hours = _hours(records)
-    figures = [merge_results.measured(round(hours, 3), "h", round(_length(spoken), 3))]
+    figures = [resumable.measured(round(hours, 3), "h", round(_length(spoken), 3))]
     figures += of_commands("human speech, armed", records, 0.0, 0.5)
     for kind in (SENTENCES, WORDS, WAKE_WORDS):
         some = [r for r in records if kinds[r.label["path"]] == kind]
         if some:
             figures += of_commands(f"{kind}, armed", some)
     data = {"fired": fired(records), "clips": Counter(kinds.values())}
-    merge_results.write_details("armed_fired", hours, data)
+    resumable.write_details("voice/armed_fired.json", hours, data)
     return figures
 
 
 def measured() -> list[Record]:
     """All clips in which nobody says "stop", armed; none where there are no recordings."""
-    return resumable.measured("armed", {"": chunks(trials_of(clips()))})[""]
+    return pieces.measured("armed", {"": chunks(trials_of(clips()))})[""]
 
 
 def of_commands(

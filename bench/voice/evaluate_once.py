@@ -14,11 +14,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import yaml
-
-from bench.voice import clips as voice_sets
+from bench.common import resumable
+from bench.voice.material import clips as voice_sets
 from support.figures import RESULTS, ROOT
-from voice_assist.config import CONFIG_DIR, SECTIONS
 from voice_assist.evaluation.evaluator import Claim
 
 KEEP = bool(os.environ.get("KEEP"))  # use the results that are there, measure the others
@@ -59,7 +57,6 @@ def evaluated(
     manifest: Path,
     noise: Path | None = None,
     snr: float = 0.0,
-    changes: tuple[tuple[str, str], ...] = (),
 ) -> Evaluated:
     """Evaluate a manifest; figures go to bench/results/voice/<name>.json.
 
@@ -68,15 +65,12 @@ def evaluated(
         manifest: CSV of clips.
         noise: Folder of sound to add; None: none.
         snr: Speech over that noise [dB].
-        changes: Settings to replace, path such as "audio.denoise.mode" and value.
     """
-    out, details = FOLDER / f"{name}.json", voice_sets.CACHE / "details" / f"{name}.csv"
+    out, details = FOLDER / f"{name}.json", resumable.CACHE / "details" / f"{name}.csv"
     if not (KEEP and out.is_file() and details.is_file()):
         FOLDER.mkdir(parents=True, exist_ok=True)
         details.parent.mkdir(parents=True, exist_ok=True)
         command = [sys.executable, "-m", "voice_assist.cli.main"]
-        if changes:
-            command += ["--config", str(changed_config(changes))]
         command += ["evaluate", str(manifest), "--out", str(out), "--details", str(details)]
         if noise is not None:
             command += ["--noise", str(noise.relative_to(ROOT)), "--snr", str(snr)]
@@ -84,25 +78,6 @@ def evaluated(
             command += ["--jobs", JOBS]
         subprocess.run(command, check=True, cwd=ROOT)
     return Evaluated(name, json.loads(out.read_text(encoding="utf-8")), read_rows(details))
-
-
-def changed_config(changes: tuple[tuple[str, str], ...]) -> Path:
-    """Folder of settings that differ from the shipped ones in what is given."""
-    label = "_".join(f"{path}={value}" for path, value in changes)
-    folder = voice_sets.CACHE / "config" / label
-    folder.mkdir(parents=True, exist_ok=True)
-    for section in SECTIONS:
-        data = yaml.safe_load((CONFIG_DIR / f"{section}.yaml").read_text(encoding="utf-8"))
-        for path, value in changes:
-            first, *between, last = path.split(".")
-            if first == section:
-                branch = data
-                for key in between:
-                    branch = branch[key]
-                branch[last] = value
-        text = yaml.safe_dump(data, sort_keys=False)
-        (folder / f"{section}.yaml").write_text(text, encoding="utf-8")
-    return folder
 
 
 def read_rows(path: Path) -> tuple[Row, ...]:

@@ -14,11 +14,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import astuple, dataclass
 from functools import cache
 
-from bench.voice import merge_results, resumable, resumable_archive, theatre_noise
-from bench.voice.fingerprint import outline
-from bench.voice.replay_stream import Scene
-from bench.voice.resumable import Label, Record, digest
-from support.exact_bounds import rate_at_most
+from bench.common import resumable
+from bench.common.resumable import digest
+from bench.voice.hearing import pieces
+from bench.voice.hearing.fingerprint import outline
+from bench.voice.hearing.pieces import Label, Record
+from bench.voice.hearing.replay_stream import Scene
+from bench.voice.material import theatre_noise
+from bench.voice.outcomes import rate_at_most
 from support.figures import Figure
 from voice_assist.types import RATE, Mode
 
@@ -63,18 +66,18 @@ def measure() -> list[Figure]:
     """As much of each kind; beside them replies that quote commands, where a "stop" is one."""
     kinds = _kinds()
     wanted = math.ceil(HOURS * 3600.0 / SECONDS)
-    resumable_archive.restore("nothing")
-    pieces = {
-        "": resumable.up_to("nothing", _plan(kinds), wanted),
+    pieces.restore("nothing")
+    plans = {
+        "": pieces.up_to("nothing", _plan(kinds), wanted),
         theatre_noise.QUOTING: _quoting(math.ceil(wanted / len(kinds))),
         TOLD: _told(math.ceil(wanted / len(kinds))),
     }
-    found = resumable.measured("nothing", pieces)
-    resumable_archive.keep("nothing", [piece for some in pieces.values() for piece in some])
+    found = pieces.measured("nothing", plans)
+    pieces.keep("nothing", [piece for some in plans.values() for piece in some])
     records, quoting, told = found[""], found[theatre_noise.QUOTING], found[TOLD]
     hours = _hours(records)
     figures = [
-        merge_results.measured(hours, "h", FULL),
+        resumable.measured(hours, "h", FULL),
         _figure("nothing said: taken", records, 0.0),
     ]
     for kind in dict.fromkeys(r.label["kind"] for r in records):
@@ -91,7 +94,7 @@ def measure() -> list[Figure]:
     compute = sum(r.heard.compute for r in records)
     figures.append(Figure("real-time factor on noise", compute / (3600.0 * hours), ""))
     data = {"mode": "active", "fired": _fired([*records, *quoting, *told])}
-    merge_results.write_details("nothing_fired", hours, data)
+    resumable.write_details("voice/nothing_fired.json", hours, data)
     return figures
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.voice.theatre_noise import make
+from bench.voice.material.theatre_noise import make
 from support.figures import ROOT, Figure
 from voice_assist.assembly import make_pipeline
 from voice_assist.audio.source import Framer

@@ -10,15 +10,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from bench.voice import clips, merge_results, resumable
-from bench.voice.confusable_phrases import ALL, NAMED, TRAINED, plan
+from bench.common import resumable
 from bench.voice.evaluate_once import THIN, Evaluated, Row
-from bench.voice.held_out_voices import natives, spread
-from bench.voice.mixing import Trial, chunks, trials_of
+from bench.voice.hearing import pieces
+from bench.voice.hearing.pieces import Record
+from bench.voice.material import clips
+from bench.voice.material.confusable_phrases import ALL, NAMED, TRAINED, plan
+from bench.voice.material.held_out_voices import natives, spread
+from bench.voice.material.mixing import Trial, chunks, trials_of
+from bench.voice.material.synthesis import spoken
 from bench.voice.outcomes import motions
-from bench.voice.resumable import Record
-from bench.voice.synthesis import spoken
-from support.exact_bounds import at_most
+from session_log.report.bounds import at_most
 from support.figures import Figure
 from voice_assist.evaluation.evaluator import Claim
 from voice_assist.training.data.homophones import same_as_command
@@ -37,9 +39,9 @@ def measure() -> list[Figure]:
     """Share of them taken as a motion; stops apart, since they are safe."""
     found = measured()
     done, full = sum(map(len, found.values())), sum(map(len, _trials().values()))
-    merge_results.write_details("near_taken", done, {k: taken(r) for k, r in found.items()})
+    resumable.write_details("voice/near_taken.json", done, {k: taken(r) for k, r in found.items()})
     return [
-        merge_results.measured(done, "trials", full),
+        resumable.measured(done, "trials", full),
         *figures(found[PHRASES]),
         *of_named(found[OWN]),
     ]
@@ -111,7 +113,7 @@ def taken(records: Iterable[Record]) -> list[dict[str, Any]]:
 def measured() -> dict[str, list[Record]]:
     """Phrases and the requirement's own list through the pipeline, armed."""
     plans = {name: chunks(trials) for name, trials in _trials().items()}
-    return resumable.measured("near", plans)
+    return pieces.measured("near", plans)
 
 
 def _trials() -> dict[str, list[Trial]]:

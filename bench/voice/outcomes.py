@@ -10,9 +10,10 @@ from functools import cache
 from typing import Any, Literal
 
 import numpy as np
+from scipy.stats import chi2
 
-from bench.voice.resumable import Record
-from support.exact_bounds import at_least, at_most, rate_at_most
+from bench.voice.hearing.pieces import Record
+from session_log.report.bounds import CONFIDENCE, at_least, at_most
 from support.figures import Figure
 from voice_assist.config import load_voice_config
 
@@ -138,6 +139,16 @@ def latencies(records: Iterable[Record]) -> dict[str, list[float]]:
 def quantiles(times: Sequence[float]) -> dict[str, float]:
     """Percentiles of times."""
     return {f"p{q}": float(np.percentile(times, q)) for q in (50, 95, 99)}
+
+
+def rate_at_most(count: int, hours: float) -> float:
+    """Upper bound on the rate behind so many events in a time [1/h] (Garwood 1936).
+
+    Args:
+        count: Events, taken as a Poisson process.
+        hours: Watched, above 0 [h].
+    """
+    return float(chi2.ppf(CONFIDENCE, 2 * count + 2)) / (2.0 * hours)
 
 
 def rate(name: str, count: int, hours: float, target: float | None = None) -> Figure:

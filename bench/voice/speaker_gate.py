@@ -16,8 +16,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.voice.clips import SPEECH
-from support.exact_bounds import at_least, at_most
+from bench.voice.material.clips import SPEECH
+from session_log.report.bounds import at_least, at_most
 from support.figures import Figure
 from support.theatre_sound import theatre_noise
 from voice_assist.audio.mixing import add_noise

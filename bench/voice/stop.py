@@ -6,13 +6,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from bench.voice import merge_results, outcomes, resumable
+from bench.common import resumable
+from bench.voice import outcomes
 from bench.voice.evaluate_once import THIN
-from bench.voice.mixing import Trial, chunks, trials_of, twice
+from bench.voice.hearing import pieces
+from bench.voice.hearing.pieces import Record
+from bench.voice.hearing.replay_stream import WAYS
+from bench.voice.material.mixing import Trial, chunks, trials_of, twice
+from bench.voice.material.synthesis import DEV, Spoken, recorded
 from bench.voice.outcomes import latencies, quantiles, right, tally
-from bench.voice.replay_stream import WAYS
-from bench.voice.resumable import Record
-from bench.voice.synthesis import DEV, Spoken, recorded
 from bench.voice.trials import STOP, WHOLE, clips_of
 from support.figures import Figure
 from voice_assist.types import Mode
@@ -35,16 +37,16 @@ HARD = ("theatre", 0.0)  # background and SNR [dB] in which each way is tried al
 def measure() -> list[Figure]:
     """Share heard and nothing else taken; synthetic voices and people apart."""
     plans = {name: chunks(plan) for name, plan in _plans(THIN)}
-    every = resumable.measured("stop", plans)
+    every = pieces.measured("stop", plans)
     found = {name: records for name, records in every.items() if records}
     done = sum(map(len, found.values()))
     full = sum(len(plan) for _, plan in _plans(min(THIN, WHOLE)))
-    figures = [merge_results.measured(done, "trials", full)]
+    figures = [resumable.measured(done, "trials", full)]
     for name, records in found.items():
         figures.append(right(name, tally(records), TARGETS.get(name)))
         figures += _latency(name, records)
     missed = {name: outcomes.misses(records) for name, records in found.items()}
-    merge_results.write_details("stop_missed", done, missed)
+    resumable.write_details("voice/stop_missed.json", done, missed)
     return figures
 
 

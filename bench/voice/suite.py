@@ -2,9 +2,9 @@
 """All figures of the voice, part by part; `make bench ONLY=voice.near` measures one part.
 
 In the environment: THIN=1 takes all clips (3: one in three in noise), JOBS the processes, KEEP=1
-uses evaluations that are there. The long parts (trials, stop, armed, near, unarmed, nothing, soak)
-go on where they were interrupted: see voice_chunks for MODEL, MINUTES and SHARE, voice_kept for
-RESULTS and FORCE, and the parts themselves for HOURS.
+uses evaluations that are there. The long parts (trials, stop, armed, near, unarmed, nothing)
+go on where they were interrupted: see bench/common/resumable.py for MINUTES, SHARE,
+RESULTS and FORCE, hearing/pieces.py for MODEL, and the parts themselves for HOURS.
 """
 
 from __future__ import annotations
@@ -12,24 +12,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+from bench.common.resumable import kept
 from bench.voice import (
     accuracy,
     armed,
-    baseline_pocketsphinx,
-    baseline_whisper,
     calibration,
-    denoise,
     false_alarms,
     idle,
     near_misses,
-    soak,
-    speed,
     stop,
     thresholds,
     trials,
     unarmed,
 )
-from bench.voice.merge_results import kept
 from support.figures import Figure
 
 _MEASURES: dict[str, Callable[[], list[Figure]]] = {
@@ -40,16 +35,11 @@ _MEASURES: dict[str, Callable[[], list[Figure]]] = {
     "armed": armed.measure,
     "calibration": calibration.measure,
     "thresholds": thresholds.measure,
-    "denoise": denoise.measure,
-    "speed": speed.measure,
     "idle": idle.measure,
-    "keywords": baseline_pocketsphinx.measure,
-    "stock": baseline_whisper.measure,
     "nothing": false_alarms.measure,
     "unarmed": unarmed.measure,
-    "soak": soak.measure,
 }
-PARTS = {name: kept(name, part) for name, part in _MEASURES.items()}
+PARTS = {name: kept(f"voice/{name}", part) for name, part in _MEASURES.items()}
 
 
 def measure() -> list[Figure]:

@@ -19,13 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from bench.voice import armed, near_misses, resumable
+from bench.voice import armed, near_misses
 from bench.voice import trials as voice_trials
 from bench.voice.calibration import reliability
 from bench.voice.evaluate_once import THIN
-from bench.voice.mixing import chunks
+from bench.voice.hearing import pieces
+from bench.voice.hearing.pieces import Record
+from bench.voice.material.mixing import chunks
 from bench.voice.outcomes import motions
-from bench.voice.resumable import Record
 from support.figures import Figure
 from voice_assist.config import load_voice_config
 from voice_assist.config.calibration import Calibration, log_odds
@@ -153,7 +154,7 @@ def _error(confidence: Sequence[float], right: Sequence[bool]) -> float:
 def _records() -> list[Record]:
     found: list[Record] = []
     trials = {name: chunks(some) for name, some in voice_trials.conditions(THIN).items() if some}
-    for records in resumable.measured("trials", trials).values():
+    for records in pieces.measured("trials", trials).values():
         found += records
     for records in near_misses.measured().values():
         found += [r for r in records if not near_misses.is_same(r)]

@@ -13,14 +13,16 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
-from bench.voice import merge_results, outcomes, resumable
+from bench.common import resumable
+from bench.voice import outcomes
 from bench.voice.evaluate_once import THIN
-from bench.voice.held_out_voices import Voice, foreigners, natives, spread
-from bench.voice.mixing import Trial, chunks, trials_of
+from bench.voice.hearing import pieces
+from bench.voice.hearing.pieces import Record
+from bench.voice.material.held_out_voices import Voice, foreigners, natives, spread
+from bench.voice.material.mixing import Trial, chunks, trials_of
+from bench.voice.material.synthesis import Spoken, spoken
 from bench.voice.outcomes import by, latencies, others, quantiles, right, tally
-from bench.voice.resumable import Record
-from bench.voice.synthesis import Spoken, spoken
-from support.exact_bounds import at_least
+from session_log.report.bounds import at_least
 from support.figures import Figure
 
 SEED = 5
@@ -44,19 +46,21 @@ NAMES = {MOTIONS: "motion commands", STOP: "stop", OTHERS: "hey robot and termin
 def measure() -> list[Figure]:
     """Right, nothing, another command and the opposite; by engine, by command, by noise."""
     plans = {name: chunks(trials) for name, trials in conditions(THIN).items() if trials}
-    every = resumable.measured("trials", plans)
+    every = pieces.measured("trials", plans)
     found = {name: records for name, records in every.items() if records}
     done = sum(map(len, found.values()))
-    figures = [merge_results.measured(done, "trials", full())]
+    figures = [resumable.measured(done, "trials", full())]
     for condition, records in found.items():
         figures += _of_condition(condition, records)
     figures += _latency(found.get("quiet", ()))
     missing = (*natives().missing, *foreigners().missing)
     names = ", ".join(map(str, missing))
     figures.append(Figure("voices missing here", len(missing), "", note=f"({names or 'none'})"))
-    merge_results.write_details("trials_table", done, {k: _table(r) for k, r in found.items()})
+    resumable.write_details(
+        "voice/trials_table.json", done, {k: _table(r) for k, r in found.items()}
+    )
     missed = {name: outcomes.misses(records) for name, records in found.items()}
-    merge_results.write_details("trials_missed", done, missed)
+    resumable.write_details("voice/trials_missed.json", done, missed)
     return figures
 
 

@@ -12,11 +12,12 @@ import os
 from collections.abc import Sequence
 from typing import Any
 
-from bench.voice import merge_results, resumable, resumable_archive
+from bench.common import resumable
 from bench.voice.armed import of_commands
+from bench.voice.hearing import pieces
+from bench.voice.hearing.pieces import Record
+from bench.voice.material.theatre_talk import SECONDS, TalkChunk, Who, deck
 from bench.voice.outcomes import motions
-from bench.voice.resumable import Record
-from bench.voice.theatre_talk import SECONDS, TalkChunk, Who, deck
 from bench.voice.trials import STOP
 from support.figures import Figure
 
@@ -28,12 +29,12 @@ def measure() -> list[Figure]:
     """People and synthetic voices in turn, counted apart."""
     plan = _plan()
     wanted = math.ceil(HOURS * 3600.0 / SECONDS)
-    resumable_archive.restore("unarmed")
-    pieces = resumable.up_to("unarmed", plan, wanted)
-    records = resumable.measured("unarmed", {"": pieces})[""]
-    resumable_archive.keep("unarmed", pieces)
+    pieces.restore("unarmed")
+    chosen = pieces.up_to("unarmed", plan, wanted)
+    records = pieces.measured("unarmed", {"": chosen})[""]
+    pieces.keep("unarmed", chosen)
     hours = sum(r.heard.streamed for r in records) / 3600.0
-    figures = [merge_results.measured(hours, "h", FULL)]
+    figures = [resumable.measured(hours, "h", FULL)]
     figures += of_commands("talk, unarmed", records, 0.0)
     figures.append(_reaching(records))
     for who in ("human", "synthetic"):
@@ -44,7 +45,7 @@ def measure() -> list[Figure]:
     compute = sum(r.heard.compute for r in records)
     figures.append(Figure("real-time factor on talk", compute / (3600.0 * hours), ""))
     data = {"fired": [one for r in records for one in fired(r)]}
-    merge_results.write_details("unarmed_fired", hours, data)
+    resumable.write_details("voice/unarmed_fired.json", hours, data)
     return figures
 
 
@@ -53,7 +54,7 @@ def fired(record: Record) -> list[dict[str, Any]]:
     found = []
     for one in record.heard.said:
         if one.is_taken:
-            begun = resumable_archive.begun_last(record.label["spans"], one.at)
+            begun = pieces.begun_last(record.label["spans"], one.at)
             _, text, voice, path = begun or (0.0, "", "", "")
             found.append(
                 {

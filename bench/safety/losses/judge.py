@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +70,11 @@ class Loss:
     objections: tuple[str, ...]  # what else was not as it must be
     load: float  # average number of processes that wanted the machine's cores in that minute
     finished: bool = False  # the motion came to its own end as the part was lost
+
+    @staticmethod
+    def from_json(row: dict[str, Any]) -> Loss:
+        """Of a row that was kept."""
+        return Loss(**{**row, "objections": tuple(row["objections"])})
 
     @property
     def aside(self) -> str:

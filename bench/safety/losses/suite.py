@@ -16,51 +16,41 @@ it, so that a second go continues the first. In the environment: LOSSES in all (
 
 from __future__ import annotations
 
-import hashlib
 import os
 import subprocess
 import sys
 import time
+from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 
+from bench.common import resumable
 from bench.safety.losses import judge
 from bench.safety.losses.judge import Loss, left, ways_of
-from bench.safety.losses.kept import FOLDER, append, earlier, read
 from bench.safety.losses.stage import RULES, stage_for
-from support.figures import ROOT, Figure
+from support.figures import RESULTS, ROOT, Figure
 from voice_assist.config import load_voice_config
 
 LOSSES = int(os.environ.get("LOSSES", "60"))
-MINUTES = float(os.environ.get("MINUTES", "inf"))
 VICTIMS = tuple(os.environ.get("VICTIMS", " ".join(RULES)).split())
 PATIENCE = 3  # goes in a row from which nothing comes
-EXECUTION = "executor motion phase_execution setpoint state_machine fault_reset"
-CONTROLLER = "action_server command_service node presence_watch recording_link"
-HEARING = "voice_node publishers recognition_watch"
-CONCERNED = (  # what decides how soon the robot rests, and how it comes back
-    *(f"rst_control/src/rst_control/execution/{name}.py" for name in EXECUTION.split()),
-    *(f"rst_control/src/rst_control/ros/controller/{name}.py" for name in CONTROLLER.split()),
-    *(f"rst_control/src/rst_control/host/{name}.py" for name in ("respawn", "processes")),
-    "rst_control/src/rst_control/ros/common/peers.py",
-    "rst_control/src/rst_control/ros/registrar_node.py",
-    "rst_control/src/rst_control/supervision/*.py",
-    "rst_control/src/rst_control/trajectory/profile.py",
-    "rst_control/src/rst_control/robot/setpoint_servo.py",
-    *(f"voice_assist/src/voice_assist/ros/{name}.py" for name in HEARING.split()),
+CONCERNED = (  # rooms whose code decides how soon the robot rests, and how it comes back
+    *("rst_control/execution", "rst_control/supervision", "rst_control/trajectory"),
+    *("rst_control/robot", "rst_control/host", "rst_control/ros/common"),
+    *("rst_control/ros/controller", "voice_assist/ros"),
 )
+FOLDER = RESULTS / "safety" / "losses_rows"
 LOGS = ROOT / ".cache" / "bench" / "safety" / "losses"
 
 
 def measure() -> list[Figure]:
-    """Lose parts until each was lost often enough; figures are of all losses, earlier ones too.
+    """Lose parts until each was lost often enough; figures are of all losses that are kept.
 
     Raises:
         RuntimeError: The system did not start, or came to no loss.
     """
-    FOLDER.mkdir(parents=True, exist_ok=True)
     LOGS.mkdir(parents=True, exist_ok=True)
-    end = time.monotonic() + 60.0 * MINUTES
+    end = time.monotonic() + 60.0 * resumable.MINUTES
     each = -(-LOSSES // sum(len(ways_of(victim)) for victim in RULES))
     for victim in VICTIMS:
         fruitless = 0
@@ -72,21 +62,18 @@ def measure() -> list[Figure]:
                 )
     losses = [loss for victim in RULES for loss in _so_far(victim)]
     planned = each * sum(len(ways_of(victim)) for victim in RULES)
-    return earlier().joined(judge.figures(losses, RULES, planned))
+    return judge.figures(losses, RULES, planned)
 
 
 @cache
 def key(victim: str) -> str:
     """Names the code and settings that losses of a part depend on, as this process began."""
     packages = ROOT / "catkin_ws" / "src"
-    files = [p for p in Path(__file__).parent.glob("*.py") if p.stem != "kept"]
-    files += [file for pattern in CONCERNED for file in packages.glob(pattern)]
-    digest = hashlib.sha256()
-    for file in sorted(files):
-        digest.update(file.name.encode() + file.read_bytes())
-    if victim == "recogniser":
-        digest.update(repr(load_voice_config().recognizer.hung_after).encode())
-    return digest.hexdigest()[:16]
+    rooms = [packages / room.split("/")[0] / "src" / room for room in CONCERNED]
+    hung_after = load_voice_config().recognizer.hung_after if victim == "recogniser" else 0.0
+    return resumable.digest(
+        hung_after, [resumable.code(r) for r in (*rooms, Path(__file__).parent)]
+    )
 
 
 def _kept(victim: str) -> Path:
@@ -94,7 +81,7 @@ def _kept(victim: str) -> Path:
 
 
 def _so_far(victim: str) -> list[Loss]:
-    return read(_kept(victim), key(victim))
+    return [Loss.from_json(row) for row in resumable.rows_of(_kept(victim), key(victim))]
 
 
 def _log(victim: str) -> Path:
@@ -103,9 +90,7 @@ def _log(victim: str) -> Path:
 
 def _wanting(victim: str, each: int) -> list[str]:
     """Ways that are still to be taken, once for each time."""
-    before = earlier()
-    counted = {way: each - before.count(f"{victim}, {way}") for way in ways_of(victim)}
-    return left(victim, _so_far(victim), counted)
+    return left(victim, _so_far(victim), dict.fromkeys(ways_of(victim), each))
 
 
 def _has_come_of_it(victim: str, each: int, end: float) -> bool:
@@ -121,7 +106,7 @@ def _lose(victim: str, each: int, end: float) -> None:
     with stage_for(victim, len(_so_far(victim)), _log(victim)) as stage:
         while (ways := _wanting(victim, each)) and time.monotonic() < end:
             loss = stage.lose(ways[0])
-            append(_kept(victim), loss, key(victim))
+            resumable.append(_kept(victim), key(victim), asdict(loss))
             if loss.back is None or not loss.found:
                 return  # the next must not be judged by what this one has broken
 

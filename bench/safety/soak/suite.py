@@ -11,28 +11,21 @@ from __future__ import annotations
 
 import json
 import logging
-import multiprocessing
 import os
 from collections import Counter
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from bench.common.pieces import do_pieces
+from bench.common import resumable
+from bench.common.resumable import code, digest
 from bench.safety.soak import session
 from bench.safety.soak.check import SHARE
 from bench.safety.soak.session import Stretch, carried_out
-from bench.voice import merge_results
-from bench.voice.resumable import code, digest
-from support import figures
 from support.figures import ROOT, Figure
 
 HOURS = float(os.environ.get("HOURS", "24"))
-JOBS = int(os.environ.get("JOBS") or os.cpu_count() or 1)
-MINUTES = float(os.environ.get("MINUTES", "inf"))
 PIECE = 600.0  # [s] of session time
-CACHE = ROOT / ".cache" / "bench" / "safety"
 PACKAGES = ("rst_control", "voice_assist")
 GROWTH = 2.0  # [MiB] in an hour of session time that is borne
 FAMILIES = ("RCM", "tension", "joint speed", "joint acceleration", "joint limits", "mode")
@@ -41,14 +34,15 @@ Report = dict[str, Any]
 
 def measure() -> list[Figure]:
     """Carry out what is missing, and sum up all that there is."""
+    return resumable.kept("safety/soak", _measure)()
+
+
+def _measure() -> list[Figure]:
     stretches = [Stretch(seed, PIECE) for seed in range(round(3600.0 * HOURS / PIECE) or 1)]
-    figures.RESULTS = merge_results.PLACE
-    reports = carried(stretches, CACHE / identity())
+    reports = carried(stretches, resumable.CACHE / "safety" / identity())
     if not reports:
-        raise RuntimeError(f"no piece was carried out within MINUTES={MINUTES:g}")
-    found = summary(reports)
-    figures.RESULTS = merge_results.place("safety/soak.json", found[0].value)
-    return found
+        raise RuntimeError(f"no piece was carried out within MINUTES={resumable.MINUTES:g}")
+    return summary(reports)
 
 
 def identity() -> str:
@@ -69,30 +63,16 @@ def _settings(package: str) -> list[bytes]:
 
 def carried(stretches: Sequence[Stretch], folder: Path) -> list[Report]:
     """Reports of the stretches that are there, after those that were missing have been done."""
-    folder.mkdir(parents=True, exist_ok=True)
     jobs = [(one, folder / f"{one.seed}_{one.seconds:g}.json") for one in stretches]
-    missing = [job for job in jobs if not job[1].is_file()]
-    print(f"soak: {len(missing)} of {len(jobs)} pieces to do, kept in {folder}", flush=True)
-    if missing:
-        _do(missing)
-    return [json.loads(path.read_text(encoding="utf-8")) for _, path in jobs if path.is_file()]
-
-
-def _do(missing: Sequence[tuple[Stretch, Path]]) -> None:
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(JOBS, len(missing)), context, _quieten) as pool:
-        do_pieces("soak", missing, _one, pool, JOBS, MINUTES)
+    missing = sum(not path.is_file() for _, path in jobs)
+    print(f"soak: {missing} of {len(jobs)} pieces to do, kept in {folder}", flush=True)
+    with resumable.pool(resumable.JOBS, _quieten) as pool:
+        paths = list(resumable.carried_out("soak", jobs, carried_out, pool))
+    return [json.loads(path.read_text(encoding="utf-8")) for path in paths]
 
 
 def _quieten() -> None:
-    logging.disable(logging.CRITICAL)  # every error of the soak's making would be told
-
-
-def _one(stretch: Stretch, path: Path) -> None:
-    report = carried_out(stretch)
-    unfinished = path.with_suffix(f".{os.getpid()}.tmp")
-    unfinished.write_text(json.dumps(report), encoding="utf-8")
-    unfinished.rename(path)
+    logging.disable(logging.CRITICAL)  # every error of the soak's making would be logged
 
 
 def summary(reports: Sequence[Report]) -> list[Figure]:
@@ -110,7 +90,7 @@ def summary(reports: Sequence[Report]) -> list[Figure]:
         f"{faults} faults; {counts['diary: motion_started']} motions)"
     )
     return [
-        merge_results.measured(hours, "h", HOURS),
+        resumable.measured(hours, "h", HOURS),
         Figure("violations of any invariant", broken.total(), "", 0.0, note=note),
         *(Figure(f"violations: {name}", of(broken, name), "", 0.0) for name in FAMILIES),
         Figure(

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The voice of the soak: transcripts through the real mapper and dialogue to the controller's desk.
 
-Sound and recognition are left out; `bench.voice.soak` measures those.
+Sound and recognition are left out.
 """
 
 from __future__ import annotations

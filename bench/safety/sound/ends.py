@@ -8,8 +8,8 @@ from itertools import product
 import numpy as np
 
 from bench.safety.sound.kinds import VOICES, Sound
-from bench.voice import theatre_noise
-from support.exact_bounds import at_least
+from bench.voice.material import theatre_noise
+from session_log.report.bounds import at_least
 from support.figures import Figure
 from support.theatre_sound import speak
 from voice_assist.audio.source import Framer

@@ -9,7 +9,7 @@ import numpy as np
 import soxr
 from numpy.typing import NDArray
 
-from bench.voice import theatre_noise
+from bench.voice.material import theatre_noise
 from support.theatre_sound import speak
 from voice_assist.audio.source import Framer
 from voice_assist.types import RATE, Frame

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import correlate
 
-from support.exact_bounds import at_least
+from session_log.report.bounds import at_least
 from support.figures import Figure, percentiles
 from voice_assist.audio.mixing import end_of_speech
 from voice_assist.types import RATE, Samples

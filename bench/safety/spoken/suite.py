@@ -29,9 +29,9 @@ from bench.safety.losses.parts import START_TIME, Parts, wait_for
 from bench.safety.losses.scene import FRESH, Lead, Watcher
 from bench.safety.spoken import judge as spoken_judge
 from bench.safety.spoken.judge import Piece, SpokenStop
-from bench.voice.held_out_voices import natives, spread
+from bench.voice.material.held_out_voices import natives, spread
+from bench.voice.material.synthesis import Spoken, spoken
 from bench.voice.stop import people
-from bench.voice.synthesis import Spoken, spoken
 from rst_control.msg import Event
 from rst_control.ros.common.wall_clock import wall_offset
 from support.figures import ROOT, Figure

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from session_log.report.bounds import proportion, quantile
+from session_log.report.bounds import at_least, at_most, proportion, quantile
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,7 @@ def test_no_trials_say_nothing():
 
 
 def test_more_hits_than_trials_are_refused():
-    with pytest.raises(ValueError, match="k"):
+    with pytest.raises(ValueError, match="3 hits in 2 trials"):
         proportion(3, 2)
 
 
@@ -53,3 +53,16 @@ def test_the_bounds_of_a_quantile_hold_as_often_as_they_promise(p, n):
 
 def test_no_values_have_no_quantile():
     assert math.isnan(quantile([], 0.5).value)
+
+
+@pytest.mark.parametrize(("hits", "trials"), [(0, 60), (3, 96), (110, 112), (7, 7)])
+def test_a_one_sided_bound_leaves_five_percent_on_its_side(hits, trials):
+    if hits:
+        assert binom.sf(hits - 1, trials, at_least(hits, trials)) == pytest.approx(0.05)
+    if hits < trials:
+        assert binom.cdf(hits, trials, at_most(hits, trials)) == pytest.approx(0.05)
+
+
+def test_one_sided_bounds_reach_the_ends_only_where_nothing_speaks_against_it():
+    assert at_least(0, 50) == 0.0 and at_most(50, 50) == 1.0
+    assert at_most(0, 3000) == pytest.approx(1 - 0.05 ** (1 / 3000))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Exact 95 % confidence bounds of proportions and quantiles."""
+"""Exact confidence bounds of proportions and quantiles."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import binomtest, quantile_test
+from scipy.stats import beta, quantile_test
 
 CONFIDENCE = 0.95
 
@@ -28,10 +28,34 @@ def proportion(hits: int, trials: int) -> Bounded:
     Raises:
         ValueError: There are fewer trials than hits.
     """
+    if hits > trials:
+        raise ValueError(f"{hits} hits in {trials} trials")
     if trials == 0:
         return Bounded(math.nan, 0.0, 1.0)
-    bounds = binomtest(hits, trials).proportion_ci(CONFIDENCE, method="exact")
-    return Bounded(hits / trials, float(bounds.low), float(bounds.high))
+    each = 0.5 * (1.0 + CONFIDENCE)
+    return Bounded(hits / trials, at_least(hits, trials, each), at_most(hits, trials, each))
+
+
+def at_least(hits: int, trials: int, confidence: float = CONFIDENCE) -> float:
+    """One-sided lower bound of a share (Clopper and Pearson 1934).
+
+    Args:
+        hits: Out of the trials.
+        trials: At least one.
+        confidence: That the share is not below it, in (0, 1).
+    """
+    return float(beta.ppf(1.0 - confidence, hits, trials - hits + 1)) if hits else 0.0
+
+
+def at_most(hits: int, trials: int, confidence: float = CONFIDENCE) -> float:
+    """One-sided upper bound of a share (Clopper and Pearson 1934).
+
+    Args:
+        hits: Out of the trials.
+        trials: At least one.
+        confidence: That the share is not above it, in (0, 1).
+    """
+    return float(beta.ppf(confidence, hits + 1, trials - hits)) if hits < trials else 1.0
 
 
 def quantile(values: Sequence[float], p: float) -> Bounded:

@@ -5,6 +5,8 @@ import pytest
 from scipy.stats import binom, poisson
 
 from bench.voice import armed, near_misses, unarmed
+from bench.voice.hearing.pieces import Record
+from bench.voice.hearing.replay_stream import Heard, Said
 from bench.voice.outcomes import (
     by,
     engine,
@@ -12,13 +14,10 @@ from bench.voice.outcomes import (
     latencies,
     motions,
     others,
+    rate_at_most,
     tally,
     verdict,
 )
-from bench.voice.replay_stream import Heard, Said
-from bench.voice.resumable import Record
-from bench.voice.soak import Answer, Soaked, Told, answers_to, drift
-from bench.voice.soak import figures as soak_figures
 
 MOTIONS = ("tense", "release", "pull more", "pull less")
 
@@ -120,6 +119,12 @@ def test_latency_is_of_the_first_command_taken_in_right_trials_alone():
 # --- false commands
 
 
+@pytest.mark.parametrize("events", [0, 1, 9])
+def test_bound_on_a_rate_leaves_five_percent_below(events):
+    most = rate_at_most(events, 2.5)
+    assert poisson.cdf(events, most * 2.5) == pytest.approx(0.05)
+
+
 def test_false_commands_are_counted_by_hours_of_sound_with_exact_bounds():
     records = [record("", said("stop"), seconds=1800.0), record("", seconds=1800.0)]
     records += [record("", said("tense", is_taken=False), seconds=3600.0)]
@@ -213,47 +218,3 @@ def test_phrases_taken_are_listed_motions_first_with_voice_and_confidence():
     assert (first["said"], first["taken"], first["confidence"]) == ("tents", "tense", 0.62)
     assert first["voice"] == "espeak:en-gb-x-gbcwmd+f2"
     assert (first["is_motion"], second["is_motion"]) == (True, False)
-
-
-# --- soak
-
-
-def test_drift_is_found_where_there_is_one_and_not_where_there_is_none():
-    at = [i / 100 for i in range(100)]
-    wobble = [(-1) ** i * 3.0 for i in range(100)]
-    slope, width = drift(at, [100.0 + w + 40.0 * t for t, w in zip(at, wobble, strict=True)])
-    assert abs(slope - 40.0) < width < 10.0
-    slope, width = drift(at, [100.0 + w for w in wobble])
-    assert abs(slope) < width
-
-
-def test_an_answer_belongs_to_the_command_said_just_before_it():
-    told = [Told("tense", 9.4, 10.0), Told("stop", 11.9, 12.5), Told("tense", 59.4, 60.0)]
-    found = answers_to(told, [(10.2, "tense"), (12.4, "stop"), (30.0, "tense")])
-    assert [(a.text, round(a.latency, 3)) for a in found] == [("tense", 0.2), ("stop", -0.1)]
-
-
-def test_a_command_said_again_is_answered_by_its_own_match_and_not_by_the_one_before():
-    told = [Told("release", 9.5, 10.2), Told("release", 12.0, 12.7), Told("release", 14.5, 15.2)]
-    found = answers_to(told, [(10.4, "release"), (12.95, "release")])
-    assert [round(a.latency, 3) for a in found] == [0.2, 0.25]
-
-
-def test_commands_that_differ_in_latency_are_no_drift():
-    answers = [Answer("stop", 60.0 * i, 0.1) for i in range(1, 30)]
-    answers += [Answer("tense", 60.0 * i, 0.2) for i in range(30, 60)]
-    memory = [(60.0 * i, 4e8) for i in range(1, 61)]
-    found = {f.name: f for f in soak_figures(Soaked(3600, 60, answers, memory, 0, 0, 0.1, 9))}
-    assert found["soak: drift of latency"].value == pytest.approx(0.0, abs=1e-9)
-
-
-def test_a_soak_that_grows_or_loses_sound_misses_its_targets():
-    answers = [Answer("stop", 60.0 * i, 0.2) for i in range(1, 60)]
-    steady = [(60.0 * i, 4e8) for i in range(1, 61)]
-    growing = [(60.0 * i, 4e8 + 1e6 * i) for i in range(1, 61)]
-    met = {f.name: f.is_met for f in soak_figures(Soaked(3600, 60, answers, steady, 0, 0, 0.1, 9))}
-    assert met["soak: memory grown"]
-    assert met["soak: lost samples"]
-    met = {f.name: f.is_met for f in soak_figures(Soaked(3600, 60, answers, growing, 5, 0, 0.1, 9))}
-    assert not met["soak: memory grown"]
-    assert not met["soak: lost samples"]

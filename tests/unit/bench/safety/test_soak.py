@@ -177,14 +177,6 @@ def test_a_short_stretch_breaks_nothing_and_is_the_same_again():
     json.dumps(first)
 
 
-def test_pieces_that_are_there_are_read_and_those_that_are_missing_are_done(tmp_path, monkeypatch):
-    done = []
-    monkeypatch.setattr(suite, "_do", lambda jobs: done.extend(one.seed for one, _ in jobs))
-    (tmp_path / "1_5.json").write_text('{"ticks": 7}')
-    found = suite.carried([Stretch(n, 5.0) for n in range(3)], tmp_path)
-    assert done == [0, 2] and found == [{"ticks": 7}]
-
-
 def test_the_summary_counts_every_violation_and_the_growth_of_later_pieces():
     def report(later, after, violations):
         extremes = dict.fromkeys(("planned_rcm", "speed", "acceleration", "stop"), 0.5)

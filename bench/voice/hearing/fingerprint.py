@@ -11,13 +11,19 @@ import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, is_dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.voice.replay_stream import Listener, Scene
+from bench.common import resumable
+from bench.common.resumable import code, digest
+from bench.voice.hearing.replay_stream import Listener, Scene
 from support.theatre_sound import LEVEL, speak, theatre_noise
+from voice_assist.assembly import make_recognizer, make_spotter
+from voice_assist.config import CONFIG_DIR, load_voice_config
+from voice_assist.pipeline import pipeline
 from voice_assist.types import RATE, Mode, Samples
 
 PHRASES = (
@@ -30,6 +36,7 @@ SNRS = (40.0, 6.0)  # [dB]
 QUIET = 0.8  # [s] before and after the words
 WINDOWS = 20  # of an outline
 DIGITS = 3  # of full scale, in an outline
+UNHEARD = {"recognizer__hung_after": 0.35}  # of the node alone; as when rows were first kept
 
 
 def decisions(model: str) -> list[list[object]]:
@@ -50,19 +57,26 @@ def scenes() -> Iterator[Scene]:
                 yield Scene(_in_noise(speak(phrase, voice, 150), snr, i), mode)
 
 
-def fingerprint(model: str, code: str, folder: Path) -> str:
-    """Digest of the decisions; kept by the code that made them, since they take half a minute.
+def fingerprint(decided: Sequence[object]) -> str:
+    """Digest of decisions."""
+    return hashlib.sha256(json.dumps(decided).encode()).hexdigest()[:16]
 
-    Args:
-        model: That listens.
-        code: Digest of model, settings and code, as they are now.
-        folder: Where decisions are kept.
+
+@cache
+def identity(model: str) -> str:
+    """Key of all that decides what is heard: networks, settings, and decisions on fixed clips.
+
+    The decisions take half a minute, so they are kept by the code that made them.
     """
-    kept = folder / f"{model}-{code}.json"
-    if not kept.is_file():
-        folder.mkdir(parents=True, exist_ok=True)
-        kept.write_text(json.dumps(decisions(model)), encoding="utf-8")
-    return hashlib.sha256(kept.read_bytes()).hexdigest()[:16]
+    config = load_voice_config(CONFIG_DIR, recognizer__model=model)
+    network = make_recognizer(config).model_hash
+    _, spotter = make_spotter(config.spotter)
+    named = load_voice_config(CONFIG_DIR, **UNHEARD)  # by what is in the file, not by its name
+    settings = values(named)
+    now = digest(network, spotter, settings, code(Path(pipeline.__file__).parent.parent))
+    path = resumable.CACHE / "fingerprints" / f"{model}-{now}.json"
+    decided = resumable.remembered(path, lambda: decisions(model))
+    return digest(network, spotter, settings, fingerprint(decided))
 
 
 def values(settings: object) -> object:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The judge of lost parts: what it must call late, resumed, unseen or well, by made traces."""
 
-import json
 from dataclasses import asdict
 
 import numpy as np
 import pytest
 
+from bench.common import resumable
 from bench.safety.losses.judge import (
     GAP,
     STILL,
@@ -22,7 +22,6 @@ from bench.safety.losses.judge import (
     objections,
     speed,
 )
-from bench.safety.losses.kept import append, earlier, read
 
 PERIOD = 0.002
 CRUISE = 0.05  # [rad/s]
@@ -238,37 +237,9 @@ def test_a_controller_that_nobody_finds_is_told():
 
 def test_what_is_kept_is_read_again_infinity_included(tmp_path):
     rows, kept = tmp_path / "robot.jsonl", loss(alone=float("inf"), objections=("one", "two"))
-    assert read(rows, "a") == []
-    append(rows, kept, "a")
-    append(rows, loss(), "b")
-    assert read(rows, "a") == [kept]
-    assert read(rows, "b") == [loss()]
-
-
-def test_earlier_figures_are_counted_and_told_as_they_were(tmp_path):
-    rules = {"controller": HOLDS}
-    some = [loss(), loss(), loss(load=9.0), loss(alone=0.3)]
-    before = [asdict(f) for f in figures(some, rules, 8)]
-    machine = {"date": "2026-11-22", "commit": "abc"}
-    path = tmp_path / "earlier.json"
-    path.write_text(json.dumps({"machine": machine, "figures": before}), encoding="utf-8")
-    old = earlier(tmp_path)
-    assert old.count("controller, SIGKILL") == 3 and old.count("controller, SIGSTOP") == 0
-    new = [loss(), loss(way="SIGSTOP"), loss(load=9.0)]
-    found = {f.name: f for f in old.joined(figures(new, rules, 8))}
-    assert (found["losses"].value, found["losses"].target) == (5, 8)
-    rest = found["arm and jaws at rest in time by the loss alone"]
-    assert (rest.value, rest.target, rest.is_met) == (4, 5, False)
-    assert found["set aside and repeated, other work on the machine"].value == 2
-    assert found["of these earlier"].value == 3
-    wrong = "controller, SIGKILL: not as documented"
-    assert found[wrong].value == 0 and found[f"{wrong}, earlier"].value == 1
-
-
-def test_without_earlier_figures_nothing_is_added(tmp_path):
-    assert earlier(tmp_path).count("controller, SIGKILL") == 0
-    new = figures([loss()], {"controller": HOLDS}, 1)
-    assert earlier(tmp_path).joined(new) == new
+    resumable.append(rows, "a", asdict(kept))
+    (row,) = resumable.rows_of(rows, "a")
+    assert Loss.from_json(row) == kept
 
 
 def test_a_loss_beside_other_work_or_at_the_end_of_its_motion_is_taken_again() -> None:

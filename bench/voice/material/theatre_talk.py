@@ -13,13 +13,14 @@ import soxr
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
-from bench.voice import theatre_noise
-from bench.voice.confusable_phrases import DENIED, IN_A_SENTENCE
-from bench.voice.fingerprint import outline
-from bench.voice.held_out_voices import natives, spread
-from bench.voice.replay_stream import Scene
-from bench.voice.resumable import Label, digest
-from bench.voice.synthesis import DEV, TALK, Spoken, recorded, spoken
+from bench.common.resumable import digest
+from bench.voice.hearing.fingerprint import outline
+from bench.voice.hearing.pieces import Label
+from bench.voice.hearing.replay_stream import Scene
+from bench.voice.material import theatre_noise
+from bench.voice.material.confusable_phrases import DENIED, IN_A_SENTENCE
+from bench.voice.material.held_out_voices import natives, spread
+from bench.voice.material.synthesis import DEV, TALK, Spoken, recorded, spoken
 from support.figures import ROOT
 from voice_assist.audio.mixing import speech_power
 from voice_assist.audio.wav_file import read_sound

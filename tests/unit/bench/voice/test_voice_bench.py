@@ -3,21 +3,15 @@ import json
 
 import numpy as np
 import pytest
-import torch
-from scipy.stats import binom, poisson
-from whisper.model import ModelDimensions, Whisper
 
 from bench import __main__ as main_module
-from bench.voice import denoise, evaluate_once, speed, theatre_noise
-from bench.voice.baseline_pocketsphinx import count
 from bench.voice.calibration import KINDS, Reliability, claims_of, draw, reliability
-from bench.voice.confusable_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
-from bench.voice.evaluate_once import Evaluated, Row, changed_config, read_rows
-from support.exact_bounds import at_least, at_most, rate_at_most
+from bench.voice.evaluate_once import Evaluated, Row, read_rows
+from bench.voice.material import theatre_noise
+from bench.voice.material.confusable_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
 from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import Claim
 from voice_assist.intent.mapper import Mapper
-from voice_assist.recognizer.whisper import OpenAIRecognizer
 from voice_assist.text.normalize import is_negated, normalize
 from voice_assist.types import RATE, Match
 
@@ -26,31 +20,6 @@ CONFIG = load_voice_config()
 
 def row(transcript, command="", taken=(), seconds=1.0, claims=()):
     return Row("a.wav", transcript, command, tuple(taken), seconds, tuple(claims))
-
-
-# --- bounds
-
-
-@pytest.mark.parametrize(("count_", "trials"), [(0, 60), (3, 96), (110, 112), (7, 7)])
-def test_bounds_on_a_share_leave_five_percent_on_their_side(count_, trials):
-    if count_:
-        low = at_least(count_, trials)
-        assert binom.sf(count_ - 1, trials, low) == pytest.approx(0.05)
-    if count_ < trials:
-        high = at_most(count_, trials)
-        assert binom.cdf(count_, trials, high) == pytest.approx(0.05)
-
-
-def test_bounds_reach_the_ends_only_where_nothing_speaks_against_it():
-    assert at_least(0, 50) == 0.0
-    assert at_most(50, 50) == 1.0
-    assert at_most(0, 3000) == pytest.approx(1 - 0.05 ** (1 / 3000))
-
-
-@pytest.mark.parametrize("events", [0, 1, 9])
-def test_bound_on_a_rate_leaves_five_percent_below(events):
-    most = rate_at_most(events, 2.5)
-    assert poisson.cdf(events, most * 2.5) == pytest.approx(0.05)
 
 
 # --- calibration
@@ -166,21 +135,6 @@ def test_details_of_an_evaluation_are_read_back(tmp_path):
     assert Evaluated("x", {}, (first, second)).hours == pytest.approx(2.0 / 3600)
 
 
-@pytest.mark.parametrize("mode", denoise.MODES)
-def test_changed_settings_differ_in_that_one_alone(tmp_path, monkeypatch, mode):
-    monkeypatch.setattr(evaluate_once.voice_sets, "CACHE", tmp_path)
-    folder = changed_config((("audio.denoise.mode", mode),))
-    assert load_voice_config(folder) == load_voice_config(audio__denoise__mode=mode)
-
-
-def test_a_command_heard_beside_another_is_not_right():
-    rows = [row("stop", "stop"), row("tense", "tense"), row("shop", seconds=1800.0)]
-    heard = {"stop": ("stop", "tense"), "tense": ("tense",), "shop": ("stop", "stop")}
-    counts = count(rows, lambda r: heard[r.transcript])
-    assert (counts.said, counts.right, counts.hours) == (2, 1, 0.5)
-    assert counts.taken == {"stop": 2}
-
-
 def test_an_unknown_part_is_refused_and_nothing_is_measured(capsys, monkeypatch):
     monkeypatch.setattr(main_module, "run", lambda *_: pytest.fail("measured"))
     for name, allowed in [
@@ -203,21 +157,3 @@ def test_a_part_alone_is_measured_and_written_beside_its_family(monkeypatch):
     from bench.voice import suite
 
     assert ran == [("voice/near", suite.PARTS["near"])]
-
-
-# --- speed
-
-
-def test_both_ways_of_whisper_write_as_few_tokens_as_asked_for():
-    dims = ModelDimensions(80, 1500, 16, 2, 1, 51864, 448, 16, 2, 1)
-    torch.manual_seed(0)
-    model = Whisper(dims).eval()
-    with torch.no_grad():
-        model.decoder.positional_embedding.normal_(std=0.02)
-    steps = []
-    ours = OpenAIRecognizer("small", speed.checkpoint(model), most_tokens=3)
-    ours.model.decoder.register_forward_hook(lambda *_: steps.append("ours"))
-    ours.transcribe(speed.clip())
-    model.decoder.register_forward_hook(lambda *_: steps.append("theirs"))
-    speed.transcribe(model, speed.clip(), 3)
-    assert [steps.count("ours"), steps.count("theirs")] == [3, 3]

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bench.voice.replay_stream import Heard, Said
-from bench.voice.resumable import Record
+from bench.voice.hearing.pieces import Record
+from bench.voice.hearing.replay_stream import Heard, Said
 from bench.voice.thresholds import Claim, claims_of, fit, halves, least
 from voice_assist.config import load_voice_config
 from voice_assist.config.calibration import log_odds, logistic

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.voice.clips import SPEECH
+from bench.voice.material.clips import SPEECH
 from support.theatre_sound import speak, theatre_noise
 from voice_assist.config import load_voice_config
 from voice_assist.text.spoken_reply import spoken_reply

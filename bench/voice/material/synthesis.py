@@ -12,7 +12,8 @@ from pathlib import Path
 
 import soundfile
 
-from bench.voice import clips as voice_sets
+from bench.common import resumable
+from bench.voice.material import clips as voice_sets
 from support.figures import ROOT
 from voice_assist.training.data.human import read_manifest
 from voice_assist.training.data.synthesis import synthesise
@@ -42,7 +43,7 @@ def spoken(prompts: Sequence[Prompt]) -> list[Spoken]:
         prompts: Sorted by engine and voice.
     """
     key = hashlib.sha256(repr(list(prompts)).encode()).hexdigest()[:16]
-    folder = voice_sets.CACHE / "spoken" / key
+    folder = resumable.CACHE / "spoken" / key
     index = folder / "index.csv"
     if not index.is_file():
         _speak(prompts, folder, index)

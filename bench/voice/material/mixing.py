@@ -10,12 +10,13 @@ from typing import Literal
 
 import numpy as np
 
-from bench.voice import clips as voice_sets
-from bench.voice import theatre_noise
-from bench.voice.fingerprint import outline
-from bench.voice.replay_stream import Scene, Way
-from bench.voice.resumable import Label, digest, share_of
-from bench.voice.synthesis import Spoken
+from bench.common.resumable import digest, share_of
+from bench.voice.hearing.fingerprint import outline
+from bench.voice.hearing.pieces import Label
+from bench.voice.hearing.replay_stream import Scene, Way
+from bench.voice.material import clips as voice_sets
+from bench.voice.material import theatre_noise
+from bench.voice.material.synthesis import Spoken
 from support.figures import ROOT
 from voice_assist.audio.mixing import add_noise, end_of_speech
 from voice_assist.audio.wav_file import read_sound

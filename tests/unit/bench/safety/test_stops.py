@@ -117,15 +117,11 @@ def test_chunks_that_are_kept_are_not_made_again(tmp_path, monkeypatch):
     for number in range(3):
         fields = stop(situation=f"chunk {number}").__dict__
         (tmp_path / f"{number:05d}.json").write_text(json.dumps([[fields, fields], []]))
-    monkeypatch.setattr(suite, "make_chunk", None)  # making one would raise
-    found, failures = suite.gather(tmp_path, 5, 1, 0.0)
+    monkeypatch.setattr(suite, "run_chunk", None)  # making one would raise
+    found, failures = suite.gather(tmp_path, 5)
     assert [s.situation for s in found] == [f"chunk {n}" for n in (0, 0, 1, 1, 2, 2)]
     assert failures == []
-    assert len(suite.gather(tmp_path, 4, 1, 0.0)[0]) == 4
-
-
-def test_after_the_time_is_up_no_chunk_is_begun(tmp_path):
-    assert suite.gather(tmp_path, 5, 1, -1.0) == ([], [])
+    assert len(suite.gather(tmp_path, 4)[0]) == 4
 
 
 def test_other_code_of_the_bench_begins_anew(tmp_path, monkeypatch):

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import soundfile
 
+from bench.common.resumable import CACHE
 from support.figures import ROOT
 from support.theatre_sound import theatre_noise
 from voice_assist.training.data.human import read_manifest
 from voice_assist.training.data.synthesis import TrainingClip, plan_held_out, synthesise
 from voice_assist.types import RATE
 
-CACHE = ROOT / ".cache" / "bench"
 SPEECH = ROOT.parent / "shared" / "speech"  # human speech; not part of the product
 SEED = 1  # of the training run, so that the held-out voices are those it never heard
 NOISES = 8
@@ -73,13 +73,6 @@ def people(split: str, thin: int = 1, only: str = "") -> Path | None:
     CACHE.mkdir(parents=True, exist_ok=True)
     manifest = CACHE / f"{split}_{only or 'all'}_{thin}.csv"
     _table(manifest, ((str(r.path.resolve()), r.transcript) for r in rows))
-    return manifest
-
-
-def no_command(folder: Path, names: Iterable[str]) -> Path:
-    """Manifest of sound files in which no command is said."""
-    manifest = folder / "manifest.csv"
-    _table(manifest, ((name, "") for name in names))
     return manifest
 
 

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scenes through the pipeline, in pieces that are kept.
+
+Pieces lie under .cache/bench/chunks/<key>/, where the key is made of the networks, the settings and
+what the pipeline decides on a fixed set of clips: whatever changes one of them begins anew, and a
+move of code does not. Pieces of the longest measurements lie beside the results, too: a row is a
+piece with its key. Of what was said in it, only what was taken is left, for no more is counted.
+In the environment: MODEL another model than the shipped one; see bench/common/resumable.py.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from bench.common import resumable
+from bench.voice.hearing.fingerprint import identity
+from bench.voice.hearing.replay_stream import Heard, Listener, Scene
+from support.figures import RESULTS
+from voice_assist.assembly import limit_torch
+from voice_assist.config import load_voice_config
+
+MODEL = os.environ.get("MODEL", "embedded")
+FOLDER = RESULTS / "voice" / "pieces"
+
+Label = dict[str, Any]  # what is known of a scene; JSON
+
+
+class Chunk(Protocol):
+    """A piece of work: small enough to be lost, large enough to be worth a file."""
+
+    def name(self) -> str:
+        """Tells the piece from all others of its part, and changes when its content does."""
+        ...
+
+    def scenes(self) -> Iterator[tuple[Label, Scene]]:
+        """What to stream."""
+        ...
+
+
+@dataclass(frozen=True)
+class Record:
+    """A scene and what it came to."""
+
+    label: Label
+    heard: Heard
+
+
+def measured(
+    part: str, plans: Mapping[str, Sequence[Chunk]], model: str = MODEL
+) -> dict[str, list[Record]]:
+    """Stream the pieces that are not there yet; gives all that are, in the order of the plans.
+
+    Args:
+        part: Names the measurement.
+        plans: Pieces by the set that they belong to.
+        model: That listens.
+    """
+    folder = folder_of(part, model)
+    jobs = {
+        name: [(chunk, folder / f"{chunk.name()}.json") for chunk in plan]
+        for name, plan in plans.items()
+    }
+    missing = [job for some in jobs.values() for job in some if not job[1].is_file()]
+    if missing:
+        print(f"{part}: {len(missing)} of {sum(map(len, jobs.values()))} pieces to do", flush=True)
+        with _pool(model, min(resumable.JOBS, len(missing))) as pool:
+            list(resumable.carried_out(part, missing, _stream, pool))
+    return {
+        name: [record for _, path in some if path.is_file() for record in read(path)]
+        for name, some in jobs.items()
+    }
+
+
+def folder_of(part: str, model: str = MODEL) -> Path:
+    """Where the pieces of a measurement lie; made where it is missing."""
+    folder = resumable.CACHE / "chunks" / identity(model) / part
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def up_to(part: str, plan: Sequence[Chunk], count: int, model: str = MODEL) -> list[Chunk]:
+    """The first pieces of a plan, and of the others those that earlier goes have done."""
+    folder = folder_of(part, model)
+    done = [chunk for chunk in plan[count:] if (folder / f"{chunk.name()}.json").is_file()]
+    return [*plan[:count], *done]
+
+
+def read(path: Path) -> list[Record]:
+    """Records of a piece."""
+    data = json.loads(path.read_text(encoding="utf-8"))
+    return [Record(one["label"], Heard.from_json(one["heard"])) for one in data]
+
+
+def restore(part: str, folder: Path = FOLDER, model: str = MODEL) -> int:
+    """Put the pieces that lie beside the results where `measured` finds them; gives their number.
+
+    Args:
+        part: Names the measurement.
+        folder: With one file for each part.
+        model: That listened.
+    """
+    there = folder_of(part, model)
+    rows = resumable.rows_of(folder / f"{part}.jsonl", identity(model))
+    new = [row for row in rows if not (there / f"{row['piece']}.json").is_file()]
+    for row in new:
+        resumable.write(there / f"{row['piece']}.json", row["records"])
+    return len(new)
+
+
+def keep(part: str, plan: Sequence[Chunk], folder: Path = FOLDER, model: str = MODEL) -> int:
+    """Keep beside the results the pieces of a plan that are done and not kept yet; their number.
+
+    Args:
+        part: Names the measurement.
+        plan: Its pieces.
+        folder: With one file for each part.
+        model: That listened.
+    """
+    path, key, there = folder / f"{part}.jsonl", identity(model), folder_of(part, model)
+    kept = {row["piece"] for row in resumable.rows_of(path, key)}
+    names = [chunk.name() for chunk in plan]
+    new = [n for n in names if n not in kept and (there / f"{n}.json").is_file()]
+    for name in new:
+        records = json.loads((there / f"{name}.json").read_text(encoding="utf-8"))
+        resumable.append(path, key, {"piece": name, "records": [_short(r) for r in records]})
+    return len(new)
+
+
+def begun_last(spans: Sequence[Sequence[Any]], at: float) -> Sequence[Any] | None:
+    """The utterance that was last begun; None before the first.
+
+    Args:
+        spans: Utterances in their order, each with its beginning [s] first.
+        at: In the same sound [s].
+    """
+    return next((span for span in reversed(spans) if span[0] <= at), None)
+
+
+def _short(record: dict[str, Any]) -> dict[str, Any]:
+    """Without what was not taken; of the utterances, those begun last before something was."""
+    heard, label = dict(record["heard"]), dict(record["label"])
+    heard["said"] = [one for one in heard["said"] if one["is_taken"]]
+    if "spans" in label:
+        begun = [begun_last(label["spans"], one["at"]) for one in heard["said"]]
+        label["spans"] = [span for span in label["spans"] if span in begun]
+    return {"label": label, "heard": heard}
+
+
+def _pool(model: str, jobs: int) -> Executor:
+    """Processes of their own, which load their networks once."""
+    return resumable.pool(jobs, _prepare, model)
+
+
+_LISTENERS: list[Listener] = []  # one per process, built by its start
+
+
+def _prepare(model: str) -> None:
+    limit_torch(load_voice_config())
+    _LISTENERS[:] = [Listener(model)]
+
+
+def _stream(chunk: Chunk) -> list[dict[str, Any]]:
+    listen = _LISTENERS[0]
+    return [{"label": label, "heard": listen(scene).to_json()} for label, scene in chunk.scenes()]

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pieces and results on file: what is made again, and which result stays."""
+
+import json
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from bench.common import resumable
+from support import figures
+from support.figures import Figure
+
+
+def carried_out(folder, names, one=str.upper):
+    jobs = [(name, folder / f"{name}.json") for name in names]
+    with ThreadPoolExecutor(2) as pool:
+        return [p.stem for p in resumable.carried_out("part", jobs, one, pool)]
+
+
+def test_pieces_that_are_there_are_not_made_again(tmp_path):
+    made = []
+
+    def one(name):
+        made.append(name)
+        return name.upper()
+
+    assert carried_out(tmp_path, "ab", one) == ["a", "b"]
+    assert sorted(carried_out(tmp_path, "abc", one)) == ["a", "b", "c"]
+    assert sorted(made) == ["a", "b", "c"]
+    assert json.loads((tmp_path / "c.json").read_text()) == "C"
+
+
+def test_once_the_minutes_are_over_no_piece_is_begun_and_kept_ones_still_count(
+    tmp_path, monkeypatch
+):
+    carried_out(tmp_path, "b")
+    monkeypatch.setattr(resumable, "MINUTES", 0.0)
+    assert carried_out(tmp_path, "abc") == ["b"]
+
+
+def test_who_has_enough_ends_the_pieces(tmp_path):
+    jobs = ((n, tmp_path / f"{n}.json") for n in range(10**9))
+    with ThreadPoolExecutor(1) as pool:
+        some = resumable.carried_out("part", jobs, str, pool)
+        assert [next(some).stem for _ in range(3)] == ["0", "1", "2"]
+        some.close()
+
+
+def test_a_piece_that_failed_leaves_nothing_behind(tmp_path):
+    def fail(_):
+        raise ValueError("no sound")
+
+    with pytest.raises(ValueError, match="no sound"):
+        carried_out(tmp_path, "a", fail)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_rows_of_other_keys_are_left_alone(tmp_path):
+    path = tmp_path / "rows" / "part.jsonl"
+    assert resumable.rows_of(path, "now") == []
+    resumable.append(path, "before", {"n": 1})
+    resumable.append(path, "now", {"n": float("inf")})
+    assert resumable.rows_of(path, "now") == [{"n": float("inf")}]
+    assert resumable.rows_of(path, "before") == [{"n": 1}]
+
+
+def test_code_digest_follows_the_code_and_not_its_comments(tmp_path):
+    def digest_of(text):
+        (tmp_path / "a.py").write_text(text)
+        return resumable.code(tmp_path)
+
+    plain = digest_of("x = 1\n")
+    assert digest_of('"""Says."""\n# why\nx  =  1\n') == plain
+    assert digest_of("x = 2\n") != plain
+
+
+def test_a_share_of_a_plan_is_its_beginning_and_at_least_one(monkeypatch):
+    monkeypatch.setattr(resumable, "SHARE", 0.01)
+    assert resumable.share_of([7, 8, 9]) == [7]
+    monkeypatch.setattr(resumable, "SHARE", 1.0)
+    assert resumable.share_of([7, 8, 9]) == [7, 8, 9]
+
+
+# --- results on file
+
+
+@pytest.fixture
+def on_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(resumable, "PLACE", tmp_path / "results")
+    monkeypatch.setattr(resumable, "ASIDE", tmp_path / "aside")
+    monkeypatch.setattr(figures, "RESULTS", tmp_path / "results")
+    monkeypatch.delenv("FORCE", raising=False)
+    path = tmp_path / "results" / "voice" / "x.json"
+    path.parent.mkdir(parents=True)
+    data = {"figures": [{"name": "measured", "value": 100.0}]}
+    path.write_text(json.dumps(data))
+    return tmp_path
+
+
+@pytest.mark.parametrize(("amount", "where"), [(40.0, "aside"), (100.0, "results")])
+def test_a_result_that_rests_on_less_is_written_aside(on_file, amount, where):
+    measure = resumable.kept("voice/x", lambda: [resumable.measured(amount, "h", 100.0)])
+    measure()
+    assert on_file / where == figures.RESULTS
+
+
+def test_a_whole_result_after_a_part_goes_to_its_place_again(on_file):
+    resumable.kept("voice/x", lambda: [resumable.measured(1.0, "h", 100.0)])()
+    resumable.kept("voice/y", lambda: [Figure("other", 1.0, "")])()
+    assert on_file / "results" == figures.RESULTS
+
+
+def test_force_writes_whatever_is_on_file(on_file, monkeypatch):
+    monkeypatch.setenv("FORCE", "1")
+    assert resumable.place("voice/x.json", 1.0) == on_file / "results"
+
+
+def test_details_follow_the_same_rule(on_file):
+    resumable.write_details("voice/d.json", 10.0, {"fired": [1]})
+    resumable.write_details("voice/d.json", 3.0, {"fired": []})
+    path = on_file / "results" / "voice" / "d.json"
+    assert json.loads(path.read_text()) == {"measured": 10.0, "fired": [1]}
+    assert (on_file / "aside" / "voice" / "d.json").is_file()
