@@ -41,6 +41,8 @@ def test_phrases_prints_all_that_is_accepted(capsys):
         (["evaluate", "x.csv", "--out", "y", "--mode", "asleep"], "invalid choice"),
         (["--config", "nowhere", "phrases"], "a readable file"),
         (["listen", "--wav", "none.wav", "--model", "none.pt"], "none.pt"),
+        (["enroll", "ada", "--from-wavs", "nowhere"], "nowhere: no such folder"),
+        (["profiles", "show", "--profiles", "nowhere"], "needs the name of a profile"),
     ],
 )
 def test_wrong_arguments_end_with_2_and_say_why(arguments, problem, capsys):

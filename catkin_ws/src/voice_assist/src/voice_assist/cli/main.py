@@ -95,9 +95,9 @@ def _alarms(options: argparse.Namespace) -> None:
 
 def _enroll(options: argparse.Namespace) -> None:
     """Learn one person's voice; ends with 1 where the profile is not active afterwards."""
-    from voice_assist.cli.enroll import Enrol, enroll
+    from voice_assist.cli.enroll import EnrolRequest, enroll
 
-    asked = Enrol(
+    asked = EnrolRequest(
         name=options.name,
         folder=options.profiles,
         wavs=options.from_wavs,
