@@ -9,8 +9,8 @@ READERS = (
     *(
         "rst_control.admission.command_queue",
         "rst_control.admission.callers",
-        "rst_control.host.message_limits",
-        "rst_control.ros.common.message_limits",
+        "rst_control.ros.rospy_patches.message_framing",
+        "rst_control.ros.rospy_patches.message_limits",
     ),
     *(
         "rst_control.ros.common.serialization",

@@ -26,12 +26,12 @@ from std_srvs.srv import TriggerRequest
 from rst_control.admission.callers import LONGEST_NAME, MAX_CALLERS, Doorkeeper, caller_name
 from rst_control.admission.command_queue import LONGEST, CommandDesk, is_stop, read_command, unknown
 from rst_control.config.callers import CallersConfig
-from rst_control.host.message_limits import has_whole_header, split_messages
 from rst_control.msg import AssistActionGoal, ControllerState, Event
 from rst_control.planning.plan import Request
-from rst_control.ros.common.message_limits import _read_messages
 from rst_control.ros.common.serialization import BadMessage, JointStateReader, read_force
 from rst_control.ros.controller.command_service import WordsCommand
+from rst_control.ros.rospy_patches.message_framing import has_whole_header, split_messages
+from rst_control.ros.rospy_patches.message_limits import _read_messages
 from rst_control.srv import CommandRequest, FitTrocarRequest, SetTrocarRequest
 from rst_control.types import JOINTS, Command
 from tests.fuzz.names import NAMES

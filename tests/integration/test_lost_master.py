@@ -39,7 +39,7 @@ def test_all_brakes_is_named_and_found_again_with_the_next_master(host):
     until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted')
     parameters = said("rosparam", "get", "/controller")
     assert "tip_speed" in parameters
-    time.sleep(2.0)  # for the registrar to have seen all
+    time.sleep(2.0)  # for master_failover to have seen all
     assert "accepted: True" in give("tense")
     os.kill(host.master.getPid(), signal.SIGKILL)
     until(lambda: not host.is_there(), "the master gone")

@@ -12,7 +12,7 @@ from roslaunch.core import is_machine_local
 from rst_control.config import load_motion_config
 
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
-ON_ROBOT = {"robot", "robot_state_publisher", "controller", "registrar", "recorder"}
+ON_ROBOT = {"robot", "robot_state_publisher", "controller", "master_failover", "recorder"}
 ON_VOICE = {"voice_assist", "alarms"}
 ADDRESSES = ("robot_address:=203.0.113.1", "voice_address:=203.0.113.2")  # RFC 5737: nobody's
 

@@ -56,7 +56,7 @@ class LostNodes(unittest.TestCase):
         self.robot.wait_for_state("faulted", limit=5)
         self.assertRegex(self.robot.state.halt_reason, "stale|not connected")
         self.assertIn("halted", self.robot.refused("tense"))
-        self.robot.activate()  # `keep` has started it anew; nothing else was
+        self.robot.activate()  # `respawn` has started it again; nothing else was
         self.robot.say("tense")
         self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
         self.robot.say("stop")

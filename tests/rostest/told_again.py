@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A subscriber that misses what the master says of a new publisher hears it from the registrar."""
+"""A subscriber that misses the master's notice of a publisher gets it from master_failover."""
 
 import sys
 import threading
@@ -38,7 +38,7 @@ class Subscriber:
 class ToldAgain(unittest.TestCase):
     def test_a_new_publisher_is_told_three_times_in_all(self):
         subscriber, master = Subscriber(), rosgraph.Master("/by_hand")
-        wait_for(lambda: "/registrar" in registered(), "the registrar")
+        wait_for(lambda: "/master_failover" in registered(), "master_failover")
         master.registerSubscriber(TOPIC, "std_msgs/Bool", subscriber.uri)
         publisher = rospy.Publisher(TOPIC, Bool, queue_size=1)
         wait_for(lambda: subscriber.told.count((rospy.get_node_uri(),)) >= 3, "told three times")

@@ -181,7 +181,7 @@ class Parts:
 
     def run(self, name: str, node: str, command: tuple[str, ...]) -> None:
         """Start a part by a command, as the launch files do."""
-        self._start(name, Plan(node, ("rosrun", "rst_control", "keep", *command), is_kept=True))
+        self._start(name, Plan(node, ("rosrun", "rst_control", "respawn", *command), is_kept=True))
 
     def _start(self, name: str, plan: Plan) -> None:
         self._parts[name] = self._part(plan)

@@ -42,19 +42,19 @@ def quick(monkeypatch):
 )
 def test_who_crashes_is_started_anew(tmp_path, crash, capfd):
     then = f"if count < 3: {crash}"
-    assert respawn.Keeper(command(tmp_path, then)).run() == 0
+    assert respawn.Respawner(command(tmp_path, then)).run() == 0
     assert len(pids(tmp_path)) == 3
     assert capfd.readouterr().err.count("is started anew") == 2
 
 
 @pytest.mark.parametrize("status", [0, 2, 7])
 def test_who_ends_by_itself_has_ended(tmp_path, status):
-    assert respawn.Keeper(command(tmp_path, f"sys.exit({status})")).run() == status
+    assert respawn.Respawner(command(tmp_path, f"sys.exit({status})")).run() == status
     assert len(pids(tmp_path)) == 1
 
 
 def test_who_crashes_again_and_again_is_given_up(tmp_path, capfd):
-    assert respawn.Keeper(command(tmp_path, "sys.exit(1)")).run() == 1
+    assert respawn.Respawner(command(tmp_path, "sys.exit(1)")).run() == 1
     assert len(pids(tmp_path)) == respawn.MOST
     assert "is given up" in capfd.readouterr().err
 
@@ -62,7 +62,7 @@ def test_who_crashes_again_and_again_is_given_up(tmp_path, capfd):
 def test_crashes_far_apart_are_not_added_up(tmp_path, monkeypatch):
     monkeypatch.setattr(respawn, "SPAN", -1.0)
     then = f"sys.exit(1 if count < {2 * respawn.MOST} else 0)"
-    assert respawn.Keeper(command(tmp_path, then)).run() == 0
+    assert respawn.Respawner(command(tmp_path, then)).run() == 0
     assert len(pids(tmp_path)) == 2 * respawn.MOST
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs a command and starts it anew where it crashes: `keep COMMAND ARGUMENTS`, before a node.
+"""Runs a command and starts it again after a crash: `respawn COMMAND ARGUMENTS`, before a node.
 
 roslaunch can start a node that has ended anew, but cannot tell a crash from a wrong setting, after
 which it would do so for ever. This can: a node that crashes is killed by a signal, or ends with
@@ -32,7 +32,7 @@ PATIENCE: Final = 10.0  # [s] for a node to end by itself once that one is gone
 _PR_SET_PDEATHSIG: Final = 1
 
 
-class Keeper:
+class Respawner:
     """Runs one command, again where it crashes.
 
     Args:
@@ -104,23 +104,23 @@ def ending(status: int) -> str:
 
 
 def _die_with_parent() -> None:
-    """In the child: whoever kills the keeper ends what it keeps."""
+    """In the child: killing the respawner ends its child too."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
 
 
 def _say(words: str) -> None:
-    print(f"[keep] {words}", file=sys.stderr, flush=True)
+    print(f"[respawn] {words}", file=sys.stderr, flush=True)
 
 
 def main() -> None:
-    """Keep the command of the arguments.
+    """Run the command of the arguments.
 
     Raises:
         SystemExit: It has ended.
     """
     if len(sys.argv) < 2:
-        sys.exit("usage: keep COMMAND [ARGUMENT...]")
-    keeper = Keeper(sys.argv[1:])
+        sys.exit("usage: respawn COMMAND [ARGUMENT...]")
+    respawner = Respawner(sys.argv[1:])
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, keeper.end)
-    sys.exit(keeper.run())
+        signal.signal(number, respawner.end)
+    sys.exit(respawner.run())

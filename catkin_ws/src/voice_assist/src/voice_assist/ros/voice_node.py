@@ -130,7 +130,7 @@ class VoiceNode:
         rospy.spin()
         self._over.set()
         if self._health.failure:
-            sys.exit(1)  # as after a crash: `keep` starts it anew
+            sys.exit(1)  # as after a crash: `respawn` starts it again
 
     def _guard(self, target: Callable[[], None]) -> None:
         """Top of a thread: an error stops the robot and ends the heartbeat."""

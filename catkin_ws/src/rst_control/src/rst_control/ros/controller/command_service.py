@@ -14,9 +14,9 @@ from rst_control.admission.callers import Doorkeeper
 from rst_control.admission.command_queue import LONGEST, CommandDesk, is_stop, read_command, unknown
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Reply
-from rst_control.host.message_limits import announced
 from rst_control.planning.plan import Request
 from rst_control.ros.common.messages import caller_of, code_of
+from rst_control.ros.rospy_patches.message_framing import announced
 from rst_control.srv import Command, CommandRequest, CommandResponse
 from rst_control.supervision.heartbeat import Heartbeat
 from rst_control.types import Cause, Reason

@@ -22,10 +22,8 @@ from rst_control.msg import ControllerState, Event
 from rst_control.registration.trocar import position_words
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.exposure_warning import warn_of_listeners
-from rst_control.ros.common.message_limits import guard_intake
 from rst_control.ros.common.messages import RosClock, event_message, state_message
 from rst_control.ros.common.priority import ask_for_priority
-from rst_control.ros.common.prompt_sending import send_promptly
 from rst_control.ros.controller.action_server import AssistServer
 from rst_control.ros.controller.command_service import CommandService
 from rst_control.ros.controller.control_loop import ControlLoop
@@ -37,6 +35,8 @@ from rst_control.ros.controller.recording_link import RecordingLink
 from rst_control.ros.controller.robot_link import RobotLink
 from rst_control.ros.controller.trocar_service import TrocarService
 from rst_control.ros.controller.worker import Worker
+from rst_control.ros.rospy_patches.message_limits import limit_messages
+from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from rst_control.supervision.presence import Presence
 from rst_control.types import Cause, Reason
 from typed_config import ConfigError, load_config
@@ -171,8 +171,8 @@ class ControllerNode:
 
 def main() -> None:
     """Run the controller node."""
-    guard_intake()
-    send_promptly()
+    limit_messages()
+    publish_without_waiting()
     rospy.init_node("controller")
     try:
         config = load_config(MotionConfig, rospy.get_param("~", {}), "controller parameters")

@@ -22,15 +22,15 @@ from rst_control.errors import RstError
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import KinovaConfig
 from rst_control.kinova.homing import home
-from rst_control.ros.common.message_limits import guard_intake
 from rst_control.ros.common.messages import BASE
 from rst_control.ros.common.priority import ask_for_priority
-from rst_control.ros.common.prompt_sending import send_promptly
 from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
 from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.ros.kinova.hardware import KinovaHardware
+from rst_control.ros.rospy_patches.message_limits import limit_messages
+from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from rst_control.types import JOINTS, Cause, Measurement, Reason, Setpoint, Vector, robot_fault
 from typed_config import ConfigError, load_config
 
@@ -249,8 +249,8 @@ def _wait(condition: Callable[[], bool], limit: float) -> bool:
 
 def main() -> None:
     """Run the bridge node."""
-    guard_intake()
-    send_promptly()
+    limit_messages()
+    publish_without_waiting()
     rospy.init_node("kinova_bridge")
     try:
         config = load_config(KinovaConfig, rospy.get_param("~", {}), "bridge parameters")

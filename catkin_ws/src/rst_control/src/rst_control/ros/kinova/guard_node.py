@@ -12,7 +12,8 @@ from std_msgs.msg import Empty
 from rst_control.kinova.config import GuardConfig
 from rst_control.kinova.guard import StopGuard
 from rst_control.ros.common.priority import ask_for_priority
-from rst_control.ros.common.prompt_sending import send_in_the_end, send_promptly
+from rst_control.ros.kinova.hardware import send_at_shutdown
+from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from typed_config import ConfigError, load_config
 
 PERIOD = 0.010  # [s] between two looks
@@ -21,7 +22,7 @@ ALIVE_EVERY = 2  # looks between two beats for the bridge
 
 def main() -> None:
     """Run the guard node."""
-    send_promptly()
+    publish_without_waiting()
     rospy.init_node("kinova_guard")
     try:
         config = load_config(GuardConfig, rospy.get_param("~bridge/guard", {}), "guard parameters")
@@ -34,7 +35,7 @@ def main() -> None:
     alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
     rospy.Subscriber("kinova_bridge/beat", Empty, lambda _: guard.heard(time.monotonic()), **newest)
     # A guard that ends guards no longer: the arm stops, whether the bridge is there or not.
-    rospy.on_shutdown(lambda: send_in_the_end(lambda: stop.publish(Empty())))
+    rospy.on_shutdown(lambda: send_at_shutdown(lambda: stop.publish(Empty())))
     ask_for_priority()
     looks, was_silent = 0, False
     while not rospy.is_shutdown():

@@ -14,10 +14,17 @@ from std_msgs.msg import Empty, Float64MultiArray, Int32MultiArray
 
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
-from rst_control.ros.common.prompt_sending import send_in_the_end
 from rst_control.types import Vector
 
+LAST_TIMES, LAST_PERIOD = 5, 0.02  # that a last message is sent, and [s] between them
 SAY_AGAIN = 2.0  # [s] before the same complaint about messages is made again
+
+
+def send_at_shutdown(send: Callable[[], None]) -> None:
+    """Send what must arrive before this process ends, more than once."""
+    for _ in range(LAST_TIMES):
+        send()
+        time.sleep(LAST_PERIOD)
 
 
 class KinovaHardware:
@@ -60,7 +67,7 @@ class KinovaHardware:
     def close(self) -> None:
         """Stop the arm, and send it no more velocities."""
         self._is_closed = True
-        send_in_the_end(self.stop)
+        send_at_shutdown(self.stop)
 
     def request(self, message: str) -> bool:
         """Ask OpenRST's node for something; waits for the answer, however long that takes.

@@ -22,10 +22,10 @@ from rst_control.config import SimulationConfig
 from rst_control.errors import RstError
 from rst_control.kinova.stand_in import StandInConfig, as_driven
 from rst_control.robot.setpoint_servo import ServoState
-from rst_control.ros.common.message_limits import guard_intake
 from rst_control.ros.common.priority import ask_for_priority
-from rst_control.ros.common.prompt_sending import send_promptly
 from rst_control.ros.kinova.stand_in_interface import DriverInterface
+from rst_control.ros.rospy_patches.message_limits import limit_messages
+from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from rst_control.ros.simulator.diagnostics import SimulatorDiagnostics, broadcast_places
 from rst_control.ros.simulator.fast_interface import SetpointInterface
 from rst_control.ros.simulator.markers import SimulatorMarkers
@@ -193,8 +193,8 @@ def read_parameters(given: dict[str, object]) -> tuple[SimulationConfig, StandIn
 
 def main() -> None:
     """Run the simulator node."""
-    guard_intake()
-    send_promptly()
+    limit_messages()
+    publish_without_waiting()
     rospy.init_node("robot")
     try:
         config, stand_in = read_parameters(rospy.get_param("~", {}))

@@ -3,7 +3,7 @@
 
 Left alone, a peer that connects and says nothing keeps everybody else from connecting, a message
 of 10 MB holds the interpreter, and with it the control loop, for milliseconds while it is copied,
-and bytes that are no message end the thread that reads them with a trace. `guard_intake` replaces
+and bytes that are no message end the thread that reads them with a trace. `limit_messages` replaces
 the places in rospy that take up connections and read from them.
 """
 
@@ -21,7 +21,7 @@ from rospy.impl.tcpros_base import TCPROSServer, TCPROSTransportProtocol, TCPSer
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from rospy.impl.tcpros_service import TCPService
 
-from rst_control.host.message_limits import (
+from rst_control.ros.rospy_patches.message_framing import (
     LONGEST_HEADER,
     LONGEST_MESSAGE,
     Refusals,
@@ -30,7 +30,7 @@ from rst_control.host.message_limits import (
     split_messages,
 )
 
-log = logging.getLogger("rosout.rst_control.intake")
+log = logging.getLogger("rosout.rst_control.message_limits")
 
 HANDSHAKE_TIME = 2.0  # [s] for a peer to say what it wants
 LOOK_PERIOD = 0.005  # [s] between looks whether the rest of it has come
@@ -44,7 +44,7 @@ _welcome = TCPROSServer._tcp_server_callback
 _open = TCPServer._create_server_sock
 
 
-def guard_intake() -> None:
+def limit_messages() -> None:
     """Bound what this process takes in; call it before rospy.init_node."""
     TCPServer._create_server_sock = _listen
     TCPROSServer._tcp_server_callback = _admit
@@ -74,7 +74,7 @@ def _meet(server: TCPROSServer, sock: socket.socket, peer: tuple[str, int]) -> N
         else:
             _refuse("connections", f"{peer} sent no ROS header within {HANDSHAKE_TIME:g} s")
             sock.close()
-    except OSError as error:  # it hung up; nobody is left to be told
+    except OSError as error:  # it hung up; nobody is left to be answered
         _refuse("connections", f"{peer}: {error}")
         sock.close()
     finally:
@@ -158,5 +158,5 @@ def _forget(sock: socket.socket, size: int) -> None:
 
 
 def _refuse(where: str, words: str) -> None:
-    if told := _refusals.tell(where, words):
-        log.warning("refused on %s: %s", where, told)
+    if reported := _refusals.count(where, words):
+        log.warning("refused on %s: %s", where, reported)

@@ -4,7 +4,7 @@ import struct
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rst_control.host.message_limits import (
+from rst_control.ros.rospy_patches.message_framing import (
     LONGEST_HEADER,
     LONGEST_MESSAGE,
     MAX_PLACES,
@@ -66,14 +66,14 @@ def test_a_handshake_is_waited_for_and_what_is_none_is_not():
 def test_refusals_are_told_seldom_with_the_number_kept_back():
     now = [0.0]
     refusals = Refusals(lambda: now[0])
-    assert refusals.tell("/topic", "bad") == "bad"
-    assert [refusals.tell("/topic", "bad") for _ in range(1000)] == [""] * 1000
-    assert refusals.tell("/another", "worse") == "worse"
+    assert refusals.count("/topic", "bad") == "bad"
+    assert [refusals.count("/topic", "bad") for _ in range(1000)] == [""] * 1000
+    assert refusals.count("/another", "worse") == "worse"
     now[0] = NEWS_PERIOD
-    assert refusals.tell("/topic", "bad") == "bad; and 1000 more before it"
+    assert refusals.count("/topic", "bad") == "bad; and 1000 more before it"
 
 
 def test_refusals_in_places_without_end_are_not_remembered_without_end():
     refusals = Refusals(lambda: 0.0)
-    told = [refusals.tell(f"/topic{n}", "bad") for n in range(1000)]
+    told = [refusals.count(f"/topic{n}", "bad") for n in range(1000)]
     assert sum(words != "" for words in told) <= MAX_PLACES + 1

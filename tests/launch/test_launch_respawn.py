@@ -18,11 +18,11 @@ def nodes(file, *arguments):
 @pytest.mark.parametrize("name", KEPT)
 def test_who_crashes_is_started_anew_and_who_ends_otherwise_ends_the_launch(name):
     node = nodes("system.launch")[name]
-    assert node.launch_prefix == "rosrun rst_control keep"
+    assert node.launch_prefix == "rosrun rst_control respawn"
     assert node.required and not node.respawn
 
 
-@pytest.mark.parametrize("name", ["alarms", "registrar"])
+@pytest.mark.parametrize("name", ["alarms", "master_failover"])
 def test_who_moves_nothing_is_respawned(name):
     node = nodes("system.launch")[name]
     assert node.respawn and not node.required

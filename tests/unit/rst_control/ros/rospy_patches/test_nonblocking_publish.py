@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from rst_control.host.prompt_connection import PromptConnection
+from rst_control.ros.rospy_patches.nonblocking_publish import NonblockingConnection
 
 
 class PipeTransport:
@@ -62,7 +62,7 @@ def threads():
 
 
 def test_a_message_is_with_the_network_when_write_returns_and_no_thread_is_made(transport):
-    connection = PromptConnection(transport, 5)
+    connection = NonblockingConnection(transport, 5)
     for number in range(100):
         connection.write_data(message(number, 300))
         assert transport.far.recv(300, socket.MSG_DONTWAIT) == message(number, 300)
@@ -71,7 +71,7 @@ def test_a_message_is_with_the_network_when_write_returns_and_no_thread_is_made(
 
 
 def test_a_subscriber_that_does_not_read_holds_nobody_up_and_gets_whole_messages_later(transport):
-    connection, size, count = PromptConnection(transport, 3), 5000, 60
+    connection, size, count = NonblockingConnection(transport, 3), 5000, 60
     for number in range(count):
         connection.write_data(message(number, size))  # would block for ever in rospy's own way
     last = read(transport.far, size)
@@ -87,7 +87,7 @@ def test_a_subscriber_that_does_not_read_holds_nobody_up_and_gets_whole_messages
 
 
 def test_after_a_jam_messages_go_out_at_once_again(transport):
-    connection = PromptConnection(transport, 0)
+    connection = NonblockingConnection(transport, 0)
     jam = [message(number, 5000) for number in range(40)]
     for data in jam:
         connection.write_data(data)
@@ -100,7 +100,7 @@ def test_after_a_jam_messages_go_out_at_once_again(transport):
 
 
 def test_a_subscriber_that_went_is_told_to_the_publisher(transport):
-    connection = PromptConnection(transport, 5)
+    connection = NonblockingConnection(transport, 5)
     transport.far.close()
     with pytest.raises(BrokenPipeError):
         connection.write_data(b"hello")
@@ -110,7 +110,7 @@ def test_a_subscriber_that_went_is_told_to_the_publisher(transport):
 
 
 def test_a_jam_ends_with_the_connection(transport):
-    connection = PromptConnection(transport, 1)
+    connection = NonblockingConnection(transport, 1)
     for number in range(20):
         connection.write_data(message(number, 5000))
     thread = connection._thread
@@ -120,7 +120,7 @@ def test_a_jam_ends_with_the_connection(transport):
 
 
 def test_the_rest_is_the_transports(transport):
-    connection = PromptConnection(transport, 1)
+    connection = NonblockingConnection(transport, 1)
     assert connection.endpoint_id == "somebody"
     with pytest.raises(AttributeError):
         _ = connection.no_such_thing

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Messages to one subscriber, sent by whoever publishes them as long as the network takes them."""
+"""Publishing without waiting: the publishing thread sends itself while the network takes it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,13 @@ from collections import deque
 from collections.abc import Callable
 from socket import MSG_DONTWAIT, socket
 from typing import Any, Protocol
+
+import rospy.topics
+
+
+def publish_without_waiting() -> None:
+    """Publish without a thread per subscriber; call it before the first publisher is made."""
+    rospy.topics.QueuedConnection = NonblockingConnection
 
 
 class Transport(Protocol):
@@ -27,7 +34,7 @@ class Transport(Protocol):
         ...
 
 
-class PromptConnection:
+class NonblockingConnection:
     """Stands where rospy puts its queue: same order, same length, no thread while all goes well.
 
     rospy hands every message for every subscriber to a thread of that subscriber. At 500 Hz these
@@ -79,7 +86,7 @@ class PromptConnection:
         return True
 
     def _send_now(self, data: bytes) -> int:
-        """Bytes that went out; what goes wrong is left to the transport to tell."""
+        """Bytes that went out; what goes wrong is left to the transport to report."""
         transport = self._transport
         if transport.socket is None or transport.done:
             transport.write_data(data)
@@ -105,7 +112,7 @@ class PromptConnection:
         while data := self._next():
             try:
                 self._transport.write_data(data)
-            except Exception as error:  # told to whoever publishes next
+            except Exception as error:  # raised at the next message
                 with self._changed:
                     self._error = error
 

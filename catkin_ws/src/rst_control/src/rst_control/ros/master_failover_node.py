@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Keeps what the ROS master knows, and tells it to another master that takes its place.
+"""Master failover: registers all nodes and parameters with a ROS master that was started again.
 
-A ROS 1 node registers once. After a master was started anew its connections go on, but nobody new
-finds it, and all parameters are gone. This node notices that, and registers all nodes that are
-still there, of whatever language, and sets the parameters that are missing.
+A ROS 1 node registers once. After a restart of the master its connections go on, but no new node
+finds it, and all parameters are gone. This node registers every node that still runs, of any
+language, and sets the parameters that are missing.
 
-A master tells subscribers of a new publisher once; a subscriber that misses that, or whose attempt
-to connect hangs, never hears it. This node tells them again, twice, which those who do hear ignore.
+A master notifies subscribers of a new publisher once. A subscriber that misses the notice, or hangs
+while it connects, never receives. This node repeats the notice twice; the others ignore it.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ import rospy
 from rst_control.host.master_registrations import Registrations, missing_parameters, pairs_of
 from rst_control.ros.common.xmlrpc import FAILURES, ask, master, value_of
 
-log = logging.getLogger("rosout.rst_control.registrar")
+log = logging.getLogger("rosout.rst_control.master_failover")
 
 PERIOD: Final = 0.5  # [s] between looks; what was registered since the last one may be forgotten
 PARAMETERS_EVERY: Final = 6  # looks
 RETRIES: Final = 120  # looks at a node that hung when the others were registered
-AGAIN: Final = (4, 12)  # looks after which subscribers are told of a new publisher once more
+AGAIN: Final = (4, 12)  # looks after which subscribers are notified of a new publisher again
 
 
-class Registrar:
+class MasterFailover:
     """Copies the master's knowledge, and gives it back."""
 
     def __init__(self) -> None:
@@ -39,7 +39,7 @@ class Registrar:
         self._known = Registrations()
         self._parameters: dict[str, object] = {}
         self._hanging: set[str] = set()
-        self._to_tell: dict[int, set[str]] = {}  # topics, by the look at which they are due
+        self._to_notify: dict[int, set[str]] = {}  # topics, by the look at which they are due
         self._count = self._retries = 0
 
     def step(self) -> None:
@@ -49,20 +49,20 @@ class Registrar:
             OSError: It is not there, or does not answer.
             ValueError: It cannot be understood.
         """
-        present = self._look()
+        present = self._read_master()
         if self._known.nodes and self._own not in present.nodes:
             log.warning("another ROS master: all nodes are registered with it again")
             self._hanging, self._retries = set(self._known.nodes), RETRIES
         if self._hanging:
-            self._give_back(present)
-            present = self._look()
-        self._tell_again(present)
+            self._restore(present)
+            present = self._read_master()
+        self._notify_again(present)
         self._known = present.joined(self._known.of(self._hanging))
         if self._count % PARAMETERS_EVERY == 0:
             self._parameters = cast(dict[str, object], self._ask("getParam", "/"))
         self._count += 1
 
-    def _give_back(self, present: Registrations) -> None:
+    def _restore(self, present: Registrations) -> None:
         there = set(self._alive(self._hanging))
         lost = self._known.of(there).without(present)
         parameters = cast(dict[str, object], self._ask("getParam", "/"))
@@ -71,7 +71,7 @@ class Registrar:
             for key, value in missing_parameters(self._parameters, parameters).items()
         ]
         self._call([*calls, *lost.calls(last=self._own)])
-        self._tell(lost)
+        self._notify(lost)
         self._retries -= 1
         self._hanging -= there
         if self._retries <= 0:
@@ -89,21 +89,21 @@ class Registrar:
                 continue
             yield name
 
-    def _tell_again(self, present: Registrations) -> None:
-        """Tell subscribers of publishers that came a while ago."""
+    def _notify_again(self, present: Registrations) -> None:
+        """Notify subscribers of publishers that came a while ago."""
         self._remind(present.news(self._known))
-        due = self._to_tell.pop(self._count, set())
+        due = self._to_notify.pop(self._count, set())
         self._update(present.updates(due), present.nodes)
 
     def _remind(self, topics: Iterable[str]) -> None:
-        """Plan to tell the subscribers of some topics again."""
+        """Plan to notify the subscribers of some topics again."""
         for looks in AGAIN:
-            self._to_tell.setdefault(self._count + looks, set()).update(topics)
+            self._to_notify.setdefault(self._count + looks, set()).update(topics)
 
-    def _tell(self, lost: Registrations) -> None:
-        """Tell subscribers who publishes: the master tells them of news alone."""
+    def _notify(self, lost: Registrations) -> None:
+        """Notify subscribers of all publishers: the master does so for new ones alone."""
         nodes = self._known.nodes
-        present = replace(lost, publishers=self._look().publishers, nodes=nodes)
+        present = replace(lost, publishers=self._read_master().publishers, nodes=nodes)
         topics = {topic for topic, _ in lost.subscribers}
         self._update(present.updates(topics), nodes)
         self._remind(topics)
@@ -111,7 +111,7 @@ class Registrar:
     def _update(
         self, updates: Mapping[str, Mapping[str, list[str]]], nodes: Mapping[str, str]
     ) -> None:
-        """Tell each of some nodes who publishes its topics; one that hangs is not waited for."""
+        """Send some nodes the publishers of their topics; one that hangs is not waited for."""
         for name, topics in updates.items():
             for topic, uris in topics.items():
                 try:
@@ -121,7 +121,7 @@ class Registrar:
                 except FAILURES:
                     continue
 
-    def _look(self) -> Registrations:
+    def _read_master(self) -> Registrations:
         state = cast(list[list[list[object]]], self._ask("getSystemState"))
         publishers, subscribers, services = (pairs_of(part) for part in state)
         types = dict(cast(list[tuple[str, str]], self._ask("getTopicTypes")))
@@ -159,12 +159,12 @@ def _text(answer: object) -> str:
 
 
 def main() -> None:
-    """Run the registrar node."""
-    rospy.init_node("registrar")
-    registrar, is_there = Registrar(), True
+    """Run the node."""
+    rospy.init_node("master_failover")
+    failover, is_there = MasterFailover(), True
     while not rospy.is_shutdown():
         try:
-            registrar.step()
+            failover.step()
             is_there = True
         except FAILURES as error:
             if is_there:

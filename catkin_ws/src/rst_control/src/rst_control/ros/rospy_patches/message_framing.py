@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bounds of what is taken in from the network, and how bytes are cut into messages."""
+"""How bytes from the network become messages, and how long messages may be; without rospy."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def has_whole_header(data: bytes) -> bool | None:
 
 
 class Refusals:
-    """Counts what was refused, place by place, and tells it seldom enough; from any thread.
+    """Counts what was refused, place by place, and reports it seldom enough; from any thread.
 
     Args:
         clock: Time [s].
@@ -72,22 +72,22 @@ class Refusals:
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock, self._lock = clock, threading.Lock()
-        self._untold: dict[str, int] = {}
-        self._told: dict[str, float] = {}
+        self._unreported: dict[str, int] = {}
+        self._reported: dict[str, float] = {}
 
-    def tell(self, where: str, words: str) -> str:
+    def count(self, where: str, words: str) -> str:
         """Count a refusal.
 
         Returns:
             What to report, with the number of those that were kept back; empty: nothing now.
         """
         with self._lock:
-            if where not in self._told and len(self._told) >= MAX_PLACES:
+            if where not in self._reported and len(self._reported) >= MAX_PLACES:
                 where = ""
             now = self._clock()
-            if now - self._told.get(where, float("-inf")) < NEWS_PERIOD:
-                self._untold[where] = self._untold.get(where, 0) + 1
+            if now - self._reported.get(where, float("-inf")) < NEWS_PERIOD:
+                self._unreported[where] = self._unreported.get(where, 0) + 1
                 return ""
-            self._told[where] = now
-            kept_back = self._untold.pop(where, 0)
+            self._reported[where] = now
+            kept_back = self._unreported.pop(where, 0)
             return f"{words}; and {kept_back} more before it" if kept_back else words
