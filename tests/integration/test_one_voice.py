@@ -49,7 +49,7 @@ def test_the_enrolled_voice_moves_and_another_does_not(pipeline, phrase):
     assert [a for d in own for a in d.actions] == [Call(phrase)], own
     other = hear(pipeline, phrase, VISITOR)
     assert [a for d in other for a in d.actions] == []
-    assert [d.outcome.reason[:14] for d in other if isinstance(d.outcome, NoMatch)] == [
+    assert [d.outcome.rejection.words[:14] for d in other if isinstance(d.outcome, NoMatch)] == [
         "not this voice"
     ]
 

@@ -79,7 +79,7 @@ def main():
                 m.transcript,
                 m.command,
                 m.reason,
-                m.early,
+                m.is_partial,
                 dict(zip(m.phrases, m.wer, strict=True)),
             ),
         ),

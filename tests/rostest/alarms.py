@@ -78,13 +78,13 @@ class Alarms(unittest.TestCase):
 
     def test_5_words_of_a_command_that_was_not_taken_are_told(self):
         reason = "confidence 0.31, allowed: at least 0.50"
-        said = Utterance(phrases=["tense"], wer=[0.0], nearest="tense", reason=reason)
+        said = Utterance(phrases=["tense"], wer=[0.0], nearest_command="tense", reason=reason)
         self.said.publish(said)
         self.until(lambda: self.alarm.kind == "refusal")
         self.assertEqual(self.alarm.next_step, "Say it again, clearly.")
         self.until(lambda: self.alarm.kind == "", limit=15.0)
         self.said.publish(
-            Utterance(phrases=["tense"], wer=[1.0], nearest="tense", reason="WER 1.0")
+            Utterance(phrases=["tense"], wer=[1.0], nearest_command="tense", reason="WER 1.0")
         )
         rospy.sleep(0.5)
         self.assertEqual(self.alarm.kind, "")

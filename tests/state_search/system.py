@@ -243,7 +243,7 @@ class Search:
         state = dialogue.State(mode, "")
         outcome = self._mapper(text)
         if not isinstance(outcome, Match):
-            return dialogue.Step(state, (), outcome.reason)
+            return dialogue.Step(state, (), outcome.rejection)
         return dialogue.step(state, dialogue.Heard(COMMANDS.get(outcome.command)))
 
     def _desk(self, command, is_spoken):

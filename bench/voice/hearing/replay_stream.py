@@ -163,15 +163,15 @@ def _said(decision: Decision, began: float) -> Said:
     if isinstance(outcome, Match):
         command = outcome.command
     else:
-        why = outcome.reason
-        if outcome.wer.get(outcome.nearest) == 0.0:
-            command = outcome.nearest
+        why = outcome.rejection.words
+        if outcome.wer.get(outcome.nearest_command) == 0.0:
+            command = outcome.nearest_command
     return Said(
         round(decision.decided - began, 4),
         command,
         is_taken,
         round(decision.confidence, 4),
-        decision.origin,
+        decision.decided_by,
         decision.hypothesis.text,
         why,
         round(decision.hypothesis.confidence, 4),

@@ -56,10 +56,10 @@ def test_two_that_change_places_are_one_difference_of_order():
         ({"wer": {"tense": 0.5, "stop": 1.0}}, "WER"),
         ({"wer": {"tense": 0.0}}, "WER"),
         ({"confidence": 0.89}, "confidence"),
-        ({"nearest": "stop"}, "nearest"),
+        ({"nearest_command": "stop"}, "nearest_command"),
         ({"mode": "standby"}, "mode"),
-        ({"origin": "spotter"}, "origin"),
-        ({"early": True}, "early"),
+        ({"decided_by": "spotter"}, "decided_by"),
+        ({"is_partial": True}, "is_partial"),
         ({"speech_end": 4.3}, "end of speech"),
     ],
 )

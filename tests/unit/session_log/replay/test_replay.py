@@ -51,8 +51,12 @@ def replayed(tmp_path, config, capsys):
 def say(story, end, **changes):
     """A recorded utterance that ended at a time of the session [s]."""
     u = utterance(end, **changes)
-    fields = {name: getattr(u, name) for name in ("transcript", "command", "reason", "nearest")}
-    fields |= {name: getattr(u, name) for name in ("confidence", "mode", "origin", "early")}
+    fields = {
+        name: getattr(u, name) for name in ("transcript", "command", "reason", "nearest_command")
+    }
+    fields |= {
+        name: getattr(u, name) for name in ("confidence", "mode", "decided_by", "is_partial")
+    }
     fields |= {n: float(getattr(u, n)) for n in ("speech_start", "speech_end", "decision")}
     wer = {"phrases": list(u.wer), "wer": list(u.wer.values())}
     topic = "/voice_assist/utterance"

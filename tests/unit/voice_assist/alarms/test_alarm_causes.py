@@ -165,7 +165,7 @@ def test_every_way_to_give_a_motion_up_is_known():
 
 def test_commands_that_the_mode_forbids_are_known():
     commands = load_voice_config().commands
-    why = step(State(Mode.STANDBY, "start"), Heard(commands.get("tense"))).why
+    why = step(State(Mode.STANDBY, "start"), Heard(commands.get("tense"))).rejection.words
     assert find(UNHEARD, why, NO_REASON).name == "wrong mode"
 
 

@@ -68,7 +68,7 @@ def test_a_motion_in_damaged_sound_is_refused_and_a_stop_is_not(monkeypatch):
     monkeypatch.setattr(fake_speech.FakeRecognizer, "transcribe", clean(fake_speech.FakeRecognizer))
     events = heard("tense")
     assert commands(events) == []
-    assert any(one.reason.startswith("damaged sound: ") for one in refusals(events))
+    assert any(one.rejection.words.startswith("damaged sound: ") for one in refusals(events))
     assert commands(heard("stop")) == ["stop"]
 
 

@@ -75,8 +75,8 @@ def test_a_tone_moves_nothing_and_the_reason_says_so(command):
     events = hear(command)
     assert commands(events) == []
     (refusal,) = refusals(events)
-    assert refusal.nearest == command
-    assert refusal.reason.startswith("a tone, no voice: its pitch moves by ")
+    assert refusal.nearest_command == command
+    assert refusal.rejection.words.startswith("a tone, no voice: its pitch moves by ")
     assert commands(hear(command, recognizer__motion_glide=0.0)) == [command]
 
 

@@ -28,7 +28,9 @@ def test_the_robots_own_voice_neither_moves_nor_wakes_it_and_may_stop_it(command
         assert commands(events) == [command]
     else:
         assert commands(events) == []
-        assert [(r.nearest, r.reason) for r in refusals(events)] == [(command, REASON)]
+        assert [(r.nearest_command, r.rejection.words) for r in refusals(events)] == [
+            (command, REASON)
+        ]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -9,7 +9,17 @@ from voice_assist.cli import listen as listen_module
 from voice_assist.cli.listen import Screen, row
 from voice_assist.cli.main import main
 from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.types import Decision, Hypothesis, Lost, Match, Mode, NoMatch, Partial
+from voice_assist.types import (
+    Decision,
+    Hypothesis,
+    Lost,
+    Match,
+    Mode,
+    NoMatch,
+    Partial,
+    Rejection,
+    RejectionReason,
+)
 
 
 def fails(arguments, capsys):
@@ -61,7 +71,7 @@ def decision(outcome, text="pull more"):
         speech_start=1.0,
         speech_end=1.5,
         decided=1.72,
-        is_early=True,
+        is_partial=True,
     )
 
 
@@ -69,7 +79,12 @@ def test_a_row_shows_all_there_is_to_know():
     assert row(decision(Match("pull more", {"pull more": 0.0}))) == (
         *("pull more", "pull more", "0.00", "0.93", "220 ms", ""),
     )
-    refused = row(decision(NoMatch("too far", "tense", {"tense": 2.0}), "hello there"))
+    refused = row(
+        decision(
+            NoMatch(Rejection(RejectionReason.NO_COMMAND, "too far"), "tense", {"tense": 2.0}),
+            "hello there",
+        )
+    )
     assert refused == ("hello there", "(tense)", "2.00", "0.93", "220 ms", "too far")
 
 

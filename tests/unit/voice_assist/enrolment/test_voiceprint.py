@@ -44,9 +44,9 @@ def test_a_profile_with_a_voiceprint_lets_its_own_throat_move_and_no_other(tmp_p
     assert known.takes == 8 and known.missed <= CONFIG.most_missed
     gate = make_gate(CONFIG, voiceprint_of(profile))
     assert isinstance(gate, SpeakerGate)
-    assert gate(voiced(110.0, 0.8, 50)) == ""
+    assert gate(voiced(110.0, 0.8, 50)) is None
     rng = np.random.default_rng(5)
-    assert "not this voice" in gate(frozen_samples(0.1 * rng.standard_normal(RATE)))
+    assert "not this voice" in gate(frozen_samples(0.1 * rng.standard_normal(RATE))).words
 
 
 def test_a_profile_without_enough_takes_gets_none_and_nothing_moves(tmp_path):
@@ -54,4 +54,6 @@ def test_a_profile_without_enough_takes_gets_none_and_nothing_moves(tmp_path):
     with pytest.raises(VoiceprintError, match="2 takes"):
         put_voiceprint(profile, CONFIG)
     gate = make_gate(CONFIG, voiceprint_of(profile))
-    assert isinstance(gate, ClosedGate) and "no profile with a voiceprint" in gate(np.zeros(9))
+    assert (
+        isinstance(gate, ClosedGate) and "no profile with a voiceprint" in gate(np.zeros(9)).words
+    )

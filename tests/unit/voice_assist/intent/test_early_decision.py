@@ -52,7 +52,7 @@ def test_unsure_readings_of_stop_do_not_count(judge):
         assert judge(heard("stop", 0.3), at(time)) is None
     refused = judge(heard("stop", 0.3), at(0.8, 0.4, is_complete=True))
     least = CONFIG.commands.get("stop").least_confidence
-    assert refused.reason == f"confidence 0.30, allowed: at least {least:.2f}"
+    assert refused.rejection.words == f"confidence 0.30, allowed: at least {least:.2f}"
 
 
 def test_a_half_sure_stop_waits_for_the_pause(judge):
@@ -89,7 +89,9 @@ def test_a_new_word_starts_the_wait_anew(judge):
 
 def test_the_rest_of_an_utterance_cannot_move(judge):
     refused = judge(heard("release"), at(1.0, 0.4, is_complete=True, is_whole=False))
-    assert isinstance(refused, NoMatch) and "continues a longer utterance" in refused.reason
+    assert (
+        isinstance(refused, NoMatch) and "continues a longer utterance" in refused.rejection.words
+    )
     assert judge(heard("release"), at(1.0, 0.2, is_whole=False)) is None
 
 
@@ -100,7 +102,7 @@ def test_the_rest_of_an_utterance_can_stop(judge):
 def test_after_a_command_the_reason_names_it(judge):
     judge.accept("hey robot")
     refused = judge(heard("tense"), at(1.0, 0.4, is_complete=True, is_whole=False))
-    assert refused.reason.startswith("it continues 'hey robot' in the same breath")
+    assert refused.rejection.words.startswith("it continues 'hey robot' in the same breath")
 
 
 def test_nothing_said_is_nothing(judge):

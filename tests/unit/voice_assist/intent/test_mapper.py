@@ -3,7 +3,7 @@ import pytest
 
 from voice_assist.config import load_voice_config
 from voice_assist.intent.mapper import Mapper
-from voice_assist.types import Match, NoMatch
+from voice_assist.types import Match, NoMatch, Rejection, RejectionReason
 
 MAPPER = Mapper(load_voice_config().commands)
 
@@ -94,7 +94,7 @@ def test_a_command_is_taken_in_each_of_its_spellings(command, text):
 def test_what_is_no_command_does_nothing(text):
     outcome = MAPPER(text)
     assert isinstance(outcome, NoMatch)
-    assert outcome.reason
+    assert outcome.rejection.words
 
 
 def test_more_phrases_must_do_nothing_than_something():
@@ -111,17 +111,19 @@ def test_a_tie_is_no_match_and_names_both():
     outcome = Mapper(load_voice_config(commands__commands=entries).commands)("now pull more there")
     assert isinstance(outcome, NoMatch)
     words = "it fits 'now pull more here' and 'now pull less there' equally well"
-    assert outcome.reason == words
+    assert outcome.rejection.words == words
 
 
 def test_the_nearest_command_and_its_error_are_named():
     outcome = MAPPER("pull more gauze")
-    assert outcome.nearest == "pull more"
-    assert outcome.reason == "WER 0.50 to 'pull more', allowed below 0.50"
+    assert outcome.nearest_command == "pull more"
+    assert outcome.rejection.words == "WER 0.50 to 'pull more', allowed below 0.50"
 
 
 def test_silence_has_no_nearest_command():
-    assert MAPPER("") == NoMatch("nothing was said", "", MAPPER("").wer)
+    assert MAPPER("") == NoMatch(
+        Rejection(RejectionReason.NO_COMMAND, "nothing was said"), "", MAPPER("").wer
+    )
     assert set(MAPPER("").wer) == set(TAKEN)
 
 

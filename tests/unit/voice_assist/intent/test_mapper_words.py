@@ -59,7 +59,7 @@ def test_ten_million_characters_are_refused_by_their_number(beginning, repeated)
     text = huge(beginning, repeated)
     outcome = MAPPER(text)
     assert not isinstance(outcome, Match)
-    assert outcome.reason == f"{len(text)} characters, allowed: {LONGEST}"
+    assert outcome.rejection.words == f"{len(text)} characters, allowed: {LONGEST}"
     assert tuple(outcome.wer) == CONFIG.phrases
     assert len(normalize(text)) <= 18 * LONGEST
     MAPPER.can_grow(text)

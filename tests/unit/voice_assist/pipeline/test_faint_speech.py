@@ -40,9 +40,9 @@ def test_a_motion_in_it_is_refused_with_the_probability_and_what_is_allowed(comm
     events = hear(command, LEAST - 0.05)
     assert commands(events) == []
     (refusal,) = refusals(events)
-    assert refusal.nearest == command
+    assert refusal.nearest_command == command
     told = f"gave {LEAST - 0.05:.2f} at most, allowed: at least {LEAST:.2f}"
-    assert refusal.reason == f"too faint to be surely speech: the speech detector {told}"
+    assert refusal.rejection.words == f"too faint to be surely speech: the speech detector {told}"
 
 
 @pytest.mark.parametrize("command", MOTIONS)

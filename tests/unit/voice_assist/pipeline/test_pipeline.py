@@ -86,7 +86,7 @@ def test_each_command_is_heard_once(command):
 def test_each_command_is_heard_without_early_decisions_too(command):
     events = hear(command, recognizer__early__is_enabled=False)
     assert commands(events) == [command]
-    assert not decisions(events)[0].is_early
+    assert not decisions(events)[0].is_partial
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -124,7 +124,7 @@ def test_silence_gives_nothing_at_all():
 def test_stop_is_decided_before_the_word_has_faded():
     events = hear("stop")
     (decision,) = decisions(events)
-    assert decision.is_early
+    assert decision.is_partial
     assert decision.decided < 100.0 + 0.5 + 0.22 + 0.1
     assert decision.actions == (Halt(), Call("stop"))
 
@@ -148,7 +148,7 @@ def test_stop_may_follow_a_command_in_the_same_breath():
 def test_another_command_in_the_same_breath_is_refused_with_a_reason():
     events = hear("pull more 0.25 pull less")
     assert commands(events) == ["pull more"]
-    assert "pause before the next command" in refusals(events)[0].reason
+    assert "pause before the next command" in refusals(events)[0].rejection.words
 
 
 def test_two_commands_with_a_pause_are_two():
@@ -157,7 +157,7 @@ def test_two_commands_with_a_pause_are_two():
 
 def test_a_motion_waits_for_a_short_pause():
     (decision,) = decisions(hear("pull more"))
-    assert decision.is_early
+    assert decision.is_partial
     assert (
         decision.decided >= decision.speech_end + load_voice_config().recognizer.early.pause - 1e-6
     )
@@ -181,7 +181,7 @@ def test_a_phrase_that_can_grow_waits_for_the_end_of_the_utterance():
     ]
     grown += [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
     (decision,) = decisions(hear("pull more", commands__commands=grown))
-    assert isinstance(decision.outcome, Match) and not decision.is_early
+    assert isinstance(decision.outcome, Match) and not decision.is_partial
 
 
 def test_the_second_opinion_refuses_a_motion():
@@ -189,7 +189,7 @@ def test_the_second_opinion_refuses_a_motion():
     assert commands(events) == []
     worth = load_voice_config().recognizer.confidence.scores(-3.0)
     assert worth < 0.5
-    assert f"confidence {worth:.2f}, allowed: at least 0.80" in refusals(events)[0].reason
+    assert f"confidence {worth:.2f}, allowed: at least 0.80" in refusals(events)[0].rejection.words
 
 
 @pytest.mark.parametrize("text", ["pull more", "tense", "release", "pull less"])
@@ -197,7 +197,9 @@ def test_a_motion_that_the_decoder_only_guesses_is_refused_whatever_its_scores(t
     least = load_voice_config().recognizer.motion_confidence
     events = hear(text, recognizer=FakeRecognizer(confidence=least - 0.01))
     assert commands(events) == []
-    assert f"of the transcript, allowed: at least {least:.2f}" in refusals(events)[0].reason
+    assert (
+        f"of the transcript, allowed: at least {least:.2f}" in refusals(events)[0].rejection.words
+    )
     assert commands(hear(text, recognizer=FakeRecognizer(confidence=least + 0.01))) == [text]
 
 
@@ -211,14 +213,14 @@ def test_what_moves_nothing_is_not_held_to_the_confidence_of_motions(text):
 def test_the_second_opinion_refuses_what_sounds_like_another_command():
     events = hear("pull more", recognizer=FakeRecognizer({"pull less": 21.0}))
     assert commands(events) == []
-    assert "sounds more like 'pull less'" in refusals(events)[0].reason
+    assert "sounds more like 'pull less'" in refusals(events)[0].rejection.words
 
 
 def test_an_unsure_stop_is_refused_at_the_end_and_says_so():
     events = hear("stop", recognizer=FakeRecognizer(confidence=0.3))
     assert commands(events) == []
-    assert refusals(events)[0].reason.startswith("confidence 0.30, allowed: at least")
-    assert refusals(events)[0].nearest == "stop"
+    assert refusals(events)[0].rejection.words.startswith("confidence 0.30, allowed: at least")
+    assert refusals(events)[0].nearest_command == "stop"
 
 
 def test_the_second_opinion_never_refuses_a_stop():
@@ -233,7 +235,7 @@ def test_the_second_opinion_can_fire_a_stop():
     recognizer = FakeRecognizer({"stop": 2.0})
     events = hear("mumble", recognizer=recognizer, commands__commands=entries)
     assert commands(events) == ["stop"]
-    assert decisions(events)[0].origin == "spotter"
+    assert decisions(events)[0].decided_by == "spotter"
 
 
 def test_without_second_opinion_the_transcript_decides():
@@ -369,7 +371,7 @@ def test_a_slow_recogniser_skips_partials_and_still_decides():
         clock.now = frame.stamp + frame.duration + 2.0  # always two seconds behind
         events += pipeline(frame)
     assert commands(events) == ["pull more"]
-    assert not any(d.is_early for d in decisions(events))
+    assert not any(d.is_partial for d in decisions(events))
 
 
 def test_the_same_sound_gives_the_same_decisions_again():

@@ -158,4 +158,4 @@ def test_the_second_opinion_scores_what_was_written_and_may_refuse_it():
     told = {"mumble please": -30.0, "tense": -40.0, "release": 0.0}
     (decision,) = decide("mumble please", FakeRecognizer(told), tense=("mumble please",))
     assert isinstance(decision.outcome, NoMatch)
-    assert "sounds more like 'release'" in decision.outcome.reason
+    assert "sounds more like 'release'" in decision.outcome.rejection.words

@@ -90,12 +90,12 @@ def as_decided(decisions):
     return [
         (
             d.hypothesis.text,
-            d.outcome.command if isinstance(d.outcome, Match) else d.outcome.reason,
+            d.outcome.command if isinstance(d.outcome, Match) else d.outcome.rejection.words,
             d.outcome.wer,
             d.confidence,
             d.mode.value,
-            d.origin,
-            d.is_early,
+            d.decided_by,
+            d.is_partial,
             d.speech_start,
             d.speech_end,
         )
@@ -111,8 +111,8 @@ def as_heard(heard):
             h.wer,
             h.confidence,
             h.mode,
-            h.origin,
-            h.early,
+            h.decided_by,
+            h.is_partial,
             h.speech_start,
             h.speech_end,
         )
@@ -271,7 +271,7 @@ def test_a_stop_of_the_spotter_is_heard_again():
     sound = frames(say("hey robot 0.8 tense 0.8"))
     fires = {sound[60].first_sample}
     live = Live(spotter=Listening(fires)).hear(sound)
-    assert [d.origin for d in live.decisions].count("spotter") == 1
+    assert [d.decided_by for d in live.decisions].count("spotter") == 1
     assert as_heard(again(live, spotter=Listening(fires))) == as_decided(live.decisions)
 
 

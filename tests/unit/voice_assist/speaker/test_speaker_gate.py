@@ -16,7 +16,18 @@ from voice_assist.speaker.gate import ClosedGate, SpeakerGate, make_gate
 from voice_assist.speaker.network import WIDTH, VoiceNetwork, unit
 from voice_assist.speaker.speech import piece_up, spoken
 from voice_assist.speaker.voiceprint import Voiceprint, VoiceprintError, make_voiceprint
-from voice_assist.types import RATE, Call, Decision, Halt, Match, Mode, NoMatch, frozen_samples
+from voice_assist.types import (
+    RATE,
+    Call,
+    Decision,
+    Halt,
+    Match,
+    Mode,
+    NoMatch,
+    Rejection,
+    RejectionReason,
+    frozen_samples,
+)
 
 CONFIG = load_voice_config(speaker__gate="on").speaker
 MOTIONS = ("tense", "release", "pull more", "pull less")
@@ -32,18 +43,18 @@ def run(sound, gate, mode=Mode.ACTIVE):
 
 
 def nobody(samples):
-    return "not this voice: score 0.1, allowed: at least 2.0"
+    return Rejection(RejectionReason.OTHER_VOICE, "not this voice: score 0.1")
 
 
 def anybody(samples):
-    return ""
+    return None
 
 
 @pytest.mark.parametrize("phrase", MOTIONS)
 def test_a_motion_in_another_voice_is_refused_by_name(phrase):
     (decision,) = run(say(phrase), nobody)
-    assert isinstance(decision.outcome, NoMatch) and decision.outcome.nearest == phrase
-    assert decision.outcome.reason.startswith("not this voice") and not decision.actions
+    assert isinstance(decision.outcome, NoMatch) and decision.outcome.nearest_command == phrase
+    assert decision.outcome.rejection.words.startswith("not this voice") and not decision.actions
 
 
 @pytest.mark.parametrize("phrase", MOTIONS)
@@ -70,7 +81,7 @@ def test_a_stop_never_asks_the_gate(mode):
 
 def test_a_gate_that_cannot_judge_refuses_motion_with_its_reason():
     (decision,) = run(say("tense"), ClosedGate("the model is missing"))
-    assert "cannot judge: the model is missing" in decision.outcome.reason
+    assert "cannot judge: the model is missing" in decision.outcome.rejection.words
 
 
 def test_what_moves_nothing_anyway_is_refused_for_its_own_reason():
@@ -85,7 +96,7 @@ def test_the_gate_hears_the_utterance_and_judges_it_once():
 
     def gate(samples):
         heard.append(len(spoken(samples)) / RATE)
-        return ""
+        return None
 
     run(say("tense"), gate)
     assert heard and min(heard) > 0.15
@@ -126,8 +137,8 @@ def test_a_voiceprint_lets_its_own_voice_through_and_no_other(cohort):
     assert known.missed == 0.0 and known.takes == 8
     own = SpeakerGate(known, embed_as(0.0, 5), cohort, CONFIG)
     other = SpeakerGate(known, embed_as(1.5, 5), cohort, CONFIG)
-    assert own(frozen_samples(noise(1.0))) == ""
-    assert "not this voice: score" in other(frozen_samples(noise(1.0)))
+    assert own(frozen_samples(noise(1.0))) is None
+    assert "not this voice: score" in other(frozen_samples(noise(1.0))).words
 
 
 def test_the_share_of_background_voices_let_through_is_what_was_asked_for(cohort):
@@ -146,13 +157,13 @@ def test_a_network_that_raises_refuses(cohort):
         raise RuntimeError("out of memory")
 
     gate = SpeakerGate(print_of(0.0, cohort), broken, cohort, CONFIG)
-    assert "failed" in gate(frozen_samples(noise(1.0)))
+    assert "failed" in gate(frozen_samples(noise(1.0))).words
 
 
 def test_too_little_speech_is_refused_with_the_limit(cohort):
     gate = SpeakerGate(print_of(0.0, cohort), embed_as(0.0), cohort, CONFIG)
-    assert "0.25 s" in gate(frozen_samples(noise(0.1)))
-    assert "too short" in gate(frozen_samples(np.zeros(RATE)))
+    assert "0.25 s" in gate(frozen_samples(noise(0.1))).words
+    assert "too short" in gate(frozen_samples(np.zeros(RATE))).words
 
 
 def test_a_voice_like_many_others_gets_no_voiceprint(cohort):
@@ -181,8 +192,8 @@ def test_a_voiceprint_survives_its_file_and_a_damaged_one_is_refused(cohort):
 def test_a_gate_that_is_off_is_none_and_one_without_a_profile_stays_closed():
     assert make_gate(load_voice_config().speaker, None) is None
     closed = make_gate(CONFIG, None)
-    assert "no profile with a voiceprint" in closed(frozen_samples(noise(1.0)))
-    assert "cannot be read" in make_gate(CONFIG, b"damaged")(frozen_samples(noise(1.0)))
+    assert "no profile with a voiceprint" in closed(frozen_samples(noise(1.0))).words
+    assert "cannot be read" in make_gate(CONFIG, b"damaged")(frozen_samples(noise(1.0))).words
 
 
 def test_a_gate_without_its_network_stays_closed(cohort, monkeypatch):
@@ -192,12 +203,12 @@ def test_a_gate_without_its_network_stays_closed(cohort, monkeypatch):
     _, digest = read_cohort()
     monkeypatch.setattr(gates, "VoiceNetwork", missing)
     data = replace(print_of(0.0, cohort), cohort=digest).to_bytes()
-    assert "resemblyzer" in make_gate(CONFIG, data)(frozen_samples(noise(1.0)))
+    assert "resemblyzer" in make_gate(CONFIG, data)(frozen_samples(noise(1.0))).words
 
 
 def test_a_voiceprint_of_another_background_is_refused(cohort):
     gate = make_gate(CONFIG, print_of(0.0, cohort).to_bytes())
-    assert "other background voices" in gate(frozen_samples(noise(1.0)))
+    assert "other background voices" in gate(frozen_samples(noise(1.0))).words
 
 
 # The real network and background.

@@ -232,12 +232,12 @@ def stops(found):
 def test_an_unsure_stop_that_the_spotter_did_not_hear_is_refused_with_its_reason():
     (decision,) = decisions("stop", Told(-9.0), 0.7)
     assert stops([decision]) == []
-    assert "spotter" in decision.outcome.reason
+    assert "spotter" in decision.outcome.rejection.words
 
 
 def test_an_unsure_stop_that_the_spotter_heard_too_stops():
     (decision,) = stops(decisions("stop", Told(2.0), 0.7))
-    assert decision.origin == "recognizer"
+    assert decision.decided_by == "recognizer"
 
 
 def test_without_a_spotter_an_unsure_stop_stops():
@@ -247,7 +247,7 @@ def test_without_a_spotter_an_unsure_stop_stops():
 
 def test_a_word_near_stop_that_the_spotter_believes_in_stops():
     (decision,) = stops(decisions("mumble", Told(5.0), scores={"stop": -1.0}))
-    assert decision.origin == "spotter"
+    assert decision.decided_by == "spotter"
     assert stops(decisions("mumble", Told(5.0), scores={"stop": -9.0})) == []
     assert stops(decisions("mumble", Told(0.0), scores={"stop": -1.0})) == []
 
@@ -258,7 +258,7 @@ def test_a_denied_stop_is_not_fired_by_half_belief():
 
 def test_the_spotter_alone_stops_in_quiet_and_says_who_it_was():
     (decision,) = stops(decisions("1.0", Told(None, at=100.8)))
-    assert decision.origin == "spotter"
+    assert decision.decided_by == "spotter"
     assert decision.outcome == Match("stop", decision.outcome.wer)
     assert decision.hypothesis == Hypothesis("", 0.0, 0.0)
 
@@ -272,11 +272,11 @@ def test_a_stop_that_was_sent_already_is_told_and_not_sent_again():
 
 def test_after_a_stop_spotted_in_quiet_the_recogniser_still_hears_the_next():
     found = stops(decisions("1.0 stop", Told(None, at=100.4)))
-    assert [d.origin for d in found] == ["spotter", "recognizer"]
+    assert [d.decided_by for d in found] == ["spotter", "recognizer"]
 
 
 def test_both_ways_give_one_decision_for_one_word():
     early = stops(decisions("stop", Told(9.0, at=100.6), 0.95))
     late = stops(decisions("stop", Told(9.0, at=100.9), 0.95))
     assert len(early) == len(late) == 1
-    assert (early[0].origin, late[0].origin) == ("spotter", "recognizer")
+    assert (early[0].decided_by, late[0].decided_by) == ("spotter", "recognizer")

@@ -94,13 +94,45 @@ class Match:
     command: str  # phrase, a key of commands.yaml
     wer: dict[str, float]  # WER of the transcript to every command
 
+    def rejected(self, rejection: Rejection) -> NoMatch:
+        """The same utterance where something keeps the command from being taken."""
+        return NoMatch(rejection, self.command, self.wer)
+
+
+class RejectionReason(Enum):
+    """Why what was heard is not taken for a command.
+
+    The value is the `reason_code` of `Utterance.msg`, for programs.
+    The sentences beside it are for people.
+    """
+
+    UNSURE = "unsure"
+    SOUNDS_LIKE_ANOTHER = "sounds_like_another"
+    HALT_UNSURE = "halt_unsure"
+    OTHER_VOICE = "other_voice"
+    DAMAGED_SOUND = "damaged_sound"
+    TONE = "tone"
+    ROBOT_SPEAKING = "robot_speaking"
+    SAME_BREATH = "same_breath"
+    WRONG_MODE = "wrong_mode"
+    OTHER_MODE = "other_mode"
+    NO_COMMAND = "no_command"
+
+
+@dataclass(frozen=True)
+class Rejection:
+    """What keeps an utterance from being taken for a command."""
+
+    reason: RejectionReason
+    words: str  # for people
+
 
 @dataclass(frozen=True)
 class NoMatch:
     """No command was recognised, and why."""
 
-    reason: str
-    nearest: str  # command with the lowest WER; empty when nothing was said
+    rejection: Rejection
+    nearest_command: str  # that with the lowest WER; empty when nothing was said
     wer: dict[str, float] = field(default_factory=dict)
 
 
@@ -154,6 +186,22 @@ class Decision:
     speech_start: float  # [s] clock time
     speech_end: float  # [s] clock time of the last speech before the decision
     decided: float  # [s] clock time
-    is_early: bool  # before the end of the utterance was confirmed
-    origin: str = "recognizer"  # or "spotter"
+    is_partial: bool  # before the end of the utterance was confirmed
+    decided_by: str = "recognizer"  # or "spotter"
     actions: tuple[Action, ...] = ()  # what must now be done, in this order
+
+    @property
+    def command(self) -> str:
+        """The command that was taken; empty: none."""
+        return self.outcome.command if isinstance(self.outcome, Match) else ""
+
+    @property
+    def nearest_command(self) -> str:
+        """That with the lowest WER, taken or not; empty when nothing was said."""
+        outcome = self.outcome
+        return outcome.command if isinstance(outcome, Match) else outcome.nearest_command
+
+    @property
+    def rejection(self) -> Rejection | None:
+        """Why no command was taken; None: one was."""
+        return None if isinstance(self.outcome, Match) else self.outcome.rejection

@@ -22,7 +22,8 @@ from typed_config import ConfigError, load_config, load_yaml
 
 SAME, DIFFERENT, FAILED = 0, 1, 2
 _FIELDS = (
-    *("transcript", "command", "reason", "nearest", "confidence", "mode", "origin", "early"),
+    *("transcript", "command", "reason", "nearest_command", "confidence", "mode"),
+    *("decided_by", "is_partial"),
     *("speech_start", "speech_end", "decision"),
 )
 
@@ -112,9 +113,9 @@ def _words(decided: Decided | None) -> str:
     if decided is None:
         return "nothing"
     taken = decided.command or f"no command ({decided.reason})"
-    wer = decided.wer.get(decided.command or decided.nearest)
+    wer = decided.wer.get(decided.command or decided.nearest_command)
     shown = "" if wer is None else f", WER {wer:.2f}"
-    by = "" if decided.origin == "recognizer" else f", by the {decided.origin}"
+    by = "" if decided.decided_by == "recognizer" else f", by the {decided.decided_by}"
     sure = f"confidence {decided.confidence:.3f}, in {decided.mode} mode"
     return f"{decided.transcript!r}: {taken}{shown}, {sure}{by}"
 

@@ -68,7 +68,7 @@ def _fields(then: Decided, now: Decided, config: ReplayConfig) -> Iterator[str]:
         yield "WER"
     if abs(then.confidence - now.confidence) > config.confidence_tolerance:
         yield "confidence"
-    for name in ("nearest", "mode", "origin", "early"):
+    for name in ("nearest_command", "mode", "decided_by", "is_partial"):
         if getattr(then, name) != getattr(now, name):
             yield name
     if abs(then.speech_end - now.speech_end) > config.time_tolerance:

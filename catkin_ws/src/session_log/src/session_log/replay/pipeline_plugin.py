@@ -53,15 +53,15 @@ class Decided(Protocol):
     @property
     def reason(self) -> str: ...  # noqa: D102
     @property
-    def nearest(self) -> str: ...  # noqa: D102
+    def nearest_command(self) -> str: ...  # noqa: D102
     @property
     def confidence(self) -> float: ...  # noqa: D102
     @property
     def mode(self) -> str: ...  # noqa: D102
     @property
-    def origin(self) -> str: ...  # noqa: D102
+    def decided_by(self) -> str: ...  # noqa: D102
     @property
-    def early(self) -> bool: ...  # noqa: D102
+    def is_partial(self) -> bool: ...  # noqa: D102
     @property
     def speech_start(self) -> float: ...  # noqa: D102
     @property

@@ -31,11 +31,11 @@ class RecordedDecision:
     wer: Mapping[str, float]
     command: str
     reason: str
-    nearest: str
+    nearest_command: str
     confidence: float
     mode: str
-    origin: str
-    early: bool
+    decided_by: str
+    is_partial: bool
     speech_start: float
     speech_end: float
     decision: float
@@ -161,11 +161,11 @@ class _VoiceReader:
                 wer=dict(zip(m.phrases, m.wer, strict=False)),
                 command=m.command,
                 reason=m.reason,
-                nearest=m.nearest_command,
+                nearest_command=m.nearest_command,
                 confidence=float(m.confidence),
                 mode=m.mode,
-                origin=m.decided_by,
-                early=bool(m.is_partial),
+                decided_by=m.decided_by,
+                is_partial=bool(m.is_partial),
                 speech_start=seconds(m.speech_start),
                 speech_end=seconds(m.speech_end),
                 decision=seconds(m.decision),

@@ -18,7 +18,7 @@ from voice_assist.audio.input_check import SoundWatch
 from voice_assist.audio.source import level_db
 from voice_assist.config import VoiceConfig
 from voice_assist.pipeline.pipeline import Event
-from voice_assist.types import Decision, Frame, Lost, Match, Mode, Partial
+from voice_assist.types import Decision, Frame, Lost, Mode, Partial
 
 _QUIETEST_DB, _CLIPPING_DB = -60.0, -1.0
 _METER = 40  # characters
@@ -59,17 +59,15 @@ class Screen:
 
 def row(decision: Decision) -> tuple[str, ...]:
     """One line of the table: heard, taken for, WER, confidence, latency, reason."""
-    outcome = decision.outcome
-    is_match = isinstance(outcome, Match)
-    nearest = outcome.command if isinstance(outcome, Match) else outcome.nearest
-    wer = outcome.wer.get(nearest)
+    nearest, rejection = decision.nearest_command, decision.rejection
+    wer = decision.outcome.wer.get(nearest)
     return (
         decision.hypothesis.text,
-        nearest if is_match else f"({nearest})" if nearest else "",
+        nearest if decision.command else f"({nearest})" if nearest else "",
         "" if wer is None else f"{wer:.2f}",
         f"{decision.confidence:.2f}",
         f"{1e3 * (decision.decided - decision.speech_end):.0f} ms",
-        "" if isinstance(outcome, Match) else outcome.reason,
+        "" if rejection is None else rejection.words,
     )
 
 

@@ -150,7 +150,7 @@ class Evaluator:
                 text, sure = decision.hypothesis.text, decision.confidence
                 taken.append(Taken(decision.outcome.command, text, latency, sure))
             else:
-                why.append(decision.outcome.reason)
+                why.append(decision.outcome.rejection.words)
         spent = self._clock.compute - compute
         seconds = len(samples) / RATE
         streamed = len(stream) / RATE
@@ -266,9 +266,9 @@ def claims_of(decision: Decision) -> list[Claim]:
     """The claim of a decision whose words are exactly a command's; of any other none."""
     outcome, sure = decision.outcome, decision.confidence
     if isinstance(outcome, Match):
-        return [Claim(outcome.command, sure, decision.origin, True)]
-    is_named = outcome.wer.get(outcome.nearest) == 0.0
-    return [Claim(outcome.nearest, sure, decision.origin, False)] if is_named else []
+        return [Claim(outcome.command, sure, decision.decided_by, True)]
+    is_named = outcome.wer.get(outcome.nearest_command) == 0.0
+    return [Claim(outcome.nearest_command, sure, decision.decided_by, False)] if is_named else []
 
 
 def _frames(stream: Samples, began: float) -> Iterator[Frame]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from voice_assist.config import CommandConfig
-from voice_assist.types import Action, Call, Halt, Mode, SetMode
+from voice_assist.types import Action, Call, Halt, Mode, Rejection, RejectionReason, SetMode
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Step:
 
     state: State
     actions: tuple[Action, ...]  # to be done in this order
-    why: str  # why nothing is done; empty where something is
+    rejection: Rejection | None = None  # why a command is not taken; None: it is
 
 
 AT_START = State(Mode.STANDBY, "start")
@@ -55,25 +55,28 @@ def step(state: State, event: Heard | Answered) -> Step:
         return _answered(state, event)
     command = event.command
     if state.mode.value not in command.modes:
-        return Step(state, (), _why_not(command, state.mode))
+        return Step(state, (), _wrong_mode(command, state.mode))
     actions: list[Action] = [Halt()] if command.is_halt else []
     if command.call:
         actions.append(Call(command.call))
     mode = state.mode if command.then == "same" else Mode(command.then)
     if mode is state.mode:
-        return Step(state, tuple(actions), "")
-    return Step(State(mode, command.phrase), (*actions, SetMode(mode, command.phrase)), "")
+        return Step(state, tuple(actions))
+    return Step(State(mode, command.phrase), (*actions, SetMode(mode, command.phrase)))
 
 
 def _answered(state: State, event: Answered) -> Step:
     if event.is_accepted:
-        return Step(state, (), "")
+        return Step(state, ())
     reason = f"{event.command}, refused by the robot: {event.message}"
     if state.reason != event.command:
-        return Step(state, (), reason)
-    return Step(State(state.mode, reason), (SetMode(state.mode, reason),), reason)
+        return Step(state, ())
+    return Step(State(state.mode, reason), (SetMode(state.mode, reason),))
 
 
-def _why_not(command: CommandConfig, mode: Mode) -> str:
+def _wrong_mode(command: CommandConfig, mode: Mode) -> Rejection:
     allowed = " or ".join(command.modes)
-    return f"{command.phrase!r} counts only in {allowed} mode, and the mode is {mode.value}"
+    words = f"{command.phrase!r} counts only in {allowed} mode, and the mode is {mode.value}"
+    is_asleep = mode is Mode.STANDBY
+    reason = RejectionReason.WRONG_MODE if is_asleep else RejectionReason.OTHER_MODE
+    return Rejection(reason, words)

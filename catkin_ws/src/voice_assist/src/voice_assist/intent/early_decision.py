@@ -14,7 +14,7 @@ from voice_assist.config import CommandsConfig, EarlyConfig
 from voice_assist.intent.mapper import Mapper
 from voice_assist.spotter.fusion import Belief, SecondWay
 from voice_assist.text.normalize import normalize
-from voice_assist.types import Hypothesis, Match, NoMatch
+from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason
 
 _SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
 
@@ -70,9 +70,9 @@ class Judge:
         if not self._words:
             return None
         if isinstance(outcome, Match) and (self.has_decided or not moment.is_whole):
-            return NoMatch(self._continues(), outcome.command, outcome.wer)
+            return outcome.rejected(self._continues())
         if isinstance(outcome, NoMatch) and self.has_decided:
-            return replace(outcome, reason=self._continues())
+            return replace(outcome, rejection=self._continues())
         return outcome
 
     def said_over(self, part: Hypothesis | None, least: float) -> Match | None:
@@ -112,7 +112,7 @@ class Judge:
         if heard.confidence < least:
             if not moment.is_complete:
                 return None
-            return NoMatch(too_unsure(heard.confidence, least), outcome.command, outcome.wer)
+            return outcome.rejected(too_unsure(heard.confidence, least))
         is_now = config.is_enabled and (
             self._votes >= config.stop_agreement
             or heard.confidence >= config.stop_confidence
@@ -122,8 +122,9 @@ class Judge:
         belief = Belief(heard.confidence, is_ready, moment.spotted)
         if self._second.confirms(belief, outcome.command):
             return outcome
-        reason = "the recogniser is not sure, and the spotter did not hear it"
-        return NoMatch(reason, outcome.command, outcome.wer) if moment.is_complete else None
+        words = "the recogniser is not sure, and the spotter did not hear it"
+        unsure = Rejection(RejectionReason.HALT_UNSURE, words)
+        return outcome.rejected(unsure) if moment.is_complete else None
 
     def _may_commit(self, outcome: Match | NoMatch, heard: Hypothesis, moment: Moment) -> bool:
         """Whether a whole command is taken before the end of the utterance."""
@@ -138,13 +139,15 @@ class Judge:
     def _is_pause(self, moment: Moment) -> bool:
         return moment.quiet >= self._config.pause - _SLACK
 
-    def _continues(self) -> str:
+    def _continues(self) -> Rejection:
         first = f"{self._decided!r}" if self._decided else "a longer utterance"
         if self._has_halted and not self._decided:
             first = "a stop"
-        return f"it continues {first} in the same breath; pause before the next command"
+        words = f"it continues {first} in the same breath; pause before the next command"
+        return Rejection(RejectionReason.SAME_BREATH, words)
 
 
-def too_unsure(confidence: float, least: float, of: str = "") -> str:
+def too_unsure(confidence: float, least: float, of: str = "") -> Rejection:
     """Why a command that was heard is refused; `of` says of what the confidence is."""
-    return f"confidence {confidence:.2f}{of}, allowed: at least {least:.2f}"
+    words = f"confidence {confidence:.2f}{of}, allowed: at least {least:.2f}"
+    return Rejection(RejectionReason.UNSURE, words)

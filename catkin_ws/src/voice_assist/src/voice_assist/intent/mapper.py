@@ -6,7 +6,7 @@ from __future__ import annotations
 from voice_assist.config import CommandsConfig
 from voice_assist.text.normalize import LONGEST, Words, foreign, is_negated, is_too_long, normalize
 from voice_assist.text.wer import least_distance, wer
-from voice_assist.types import Match, NoMatch
+from voice_assist.types import Match, NoMatch, Rejection, RejectionReason
 
 SILENCE = "nothing was said"
 
@@ -35,19 +35,19 @@ class Mapper:
         words = normalize(transcript)
         errors = self._errors(words)
         if is_too_long(transcript):
-            reason = f"{len(transcript)} characters, allowed: {LONGEST}"
-            return NoMatch(reason, "", errors)
+            return _no_command(f"{len(transcript)} characters, allowed: {LONGEST}", "", errors)
         if not words:
-            return NoMatch(SILENCE, "", errors)
+            return _no_command(SILENCE, "", errors)
         nearest = min(errors, key=errors.__getitem__)
         near = {p: error for p, error in errors.items() if error < self._thresholds[p]}
         best = [phrase for phrase, error in near.items() if error == min(near.values())]
         if len(best) == 1 and (near[best[0]] == 0.0 or not is_negated(words)):
             odd = foreign(transcript)
             if odd and best[0] not in self._halts:
-                return NoMatch(f"U+{ord(odd):04X} in it, which no command has", best[0], errors)
+                why = f"U+{ord(odd):04X} in it, which no command has"
+                return _no_command(why, best[0], errors)
             return Match(best[0], errors)
-        return NoMatch(self._reason(words, nearest, errors, best), nearest, errors)
+        return _no_command(self._reason(words, nearest, errors, best), nearest, errors)
 
     def can_grow(self, transcript: str) -> bool:
         """Whether more words could make another command of it, other than a halt.
@@ -100,3 +100,7 @@ class Mapper:
             return "it fits " + " and ".join(repr(phrase) for phrase in best) + " equally well"
         error, allowed = errors[nearest], self._thresholds[nearest]
         return f"WER {error:.2f} to {nearest!r}, allowed below {allowed:.2f}"
+
+
+def _no_command(words: str, nearest: str, errors: dict[str, float]) -> NoMatch:
+    return NoMatch(Rejection(RejectionReason.NO_COMMAND, words), nearest, errors)

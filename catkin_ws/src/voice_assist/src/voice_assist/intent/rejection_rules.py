@@ -11,7 +11,7 @@ from voice_assist.audio.robot_speech import Talkback
 from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandConfig
 from voice_assist.intent.early_decision import too_unsure
-from voice_assist.types import Hypothesis, Samples
+from voice_assist.types import Hypothesis, Rejection, RejectionReason, Samples
 from voice_assist.vad.segmenter import Growth
 
 if TYPE_CHECKING:
@@ -33,8 +33,8 @@ class Objections:
 
     def __call__(
         self, command: CommandConfig, heard: Hypothesis, sound: Samples, growth: Growth
-    ) -> str:
-        """Why a command is not taken; empty: it is.
+    ) -> Rejection | None:
+        """Why a command is not taken; None: it is.
 
         Args:
             command: That was heard.
@@ -44,24 +44,26 @@ class Objections:
         """
         wakes = command.then == "active"
         if (command.is_motion or wakes) and self._talkback.is_in(growth.utterance.speech_start):
-            return "the robot itself was speaking; say it again"
-        return self._of_motion(heard, sound, growth.clearness) if command.is_motion else ""
+            words = "the robot itself was speaking; say it again"
+            return Rejection(RejectionReason.ROBOT_SPEAKING, words)
+        return self._of_motion(heard, sound, growth.clearness) if command.is_motion else None
 
-    def _of_motion(self, heard: Hypothesis, sound: Samples, clearness: float) -> str:
+    def _of_motion(self, heard: Hypothesis, sound: Samples, clearness: float) -> Rejection | None:
         if clearness < self._config.motion_speech:
             return too_faint(clearness, self._config.motion_speech)
         least = self._config.motion_confidence
         if heard.confidence < least:
             return too_unsure(heard.confidence, least, " of the transcript")
-        if reason := damage(sound):
-            return reason
+        if words := damage(sound):
+            return Rejection(RejectionReason.DAMAGED_SOUND, words)
         moved, least = glide(sound), self._config.motion_glide
         if moved < least:
-            return f"a tone, no voice: its pitch moves by {moved:.2f} cent, a voice's by {least:g}"
-        return self._gate(sound) if self._gate else ""
+            words = f"a tone, no voice: its pitch moves by {moved:.2f} cent, a voice's by {least:g}"
+            return Rejection(RejectionReason.TONE, words)
+        return self._gate(sound) if self._gate else None
 
 
-def too_faint(clearness: float, least: float) -> str:
+def too_faint(clearness: float, least: float) -> Rejection:
     """Why a motion is refused in a sound that may be no voice."""
     told = f"the speech detector gave {clearness:.2f} at most, allowed: at least {least:.2f}"
-    return f"too faint to be surely speech: {told}"
+    return Rejection(RejectionReason.UNSURE, f"too faint to be surely speech: {told}")

@@ -35,6 +35,8 @@ from voice_assist.types import (
     Mode,
     NoMatch,
     Partial,
+    Rejection,
+    RejectionReason,
     Samples,
     Utterance,
     frozen_samples,
@@ -214,24 +216,24 @@ class Pipeline:
         spotted = self._second.best(frame.stamp + frame.duration)
         moment = Moment(time, growth.quiet, utterance.is_complete, is_whole, spotted)
         outcome = self._judge(heard, moment)
-        origin, part = "recognizer", self._hear.part
+        decided_by, part = "recognizer", self._hear.part
         if part and (
             over := self._judge.said_over(part, self._config.audio.talkback.stop_confidence)
         ):
             outcome, heard = over, part
         if not isinstance(outcome, Match) and (fired := self._fire(growth, heard, spotted)):
-            outcome, origin = fired, "spotter"
+            outcome, decided_by = fired, "spotter"
         if outcome is None:
             if self._hear.is_settled(growth):
                 self._prepare(heard, growth)
             return ()
         worth = self._config.recognizer.confidence
         confidence = worth.transcript(log_odds(heard.confidence))
-        if origin == "spotter" and spotted is not None:
+        if decided_by == "spotter" and spotted is not None:
             confidence = worth.spotter(spotted)
         elif isinstance(outcome, Match):
             outcome, confidence = self._second_opinion(outcome, heard, growth)
-        return (self._conclude(outcome, heard, confidence, growth, origin),)
+        return (self._conclude(outcome, heard, confidence, growth, decided_by),)
 
     def _prepare(self, heard: Hypothesis, growth: Growth) -> None:
         """Compute in the pause what a decision at its end will need."""
@@ -256,13 +258,13 @@ class Pipeline:
             best, score = max(scores, key=scores.__getitem__), scores[match.command]
             confidence = worth.scores(score)
             if best != match.command:
-                reason = f"it sounds more like {best!r}"
-                return NoMatch(reason, match.command, match.wer), confidence
+                words = f"it sounds more like {best!r}"
+                other = Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, words)
+                return match.rejected(other), confidence
         if confidence < command.least_confidence:
-            reason = too_unsure(confidence, command.least_confidence)
-            return NoMatch(reason, match.command, match.wer), confidence
-        if objection := self._object(command, heard, self._hear.sound, growth):
-            return NoMatch(objection, match.command, match.wer), confidence
+            return match.rejected(too_unsure(confidence, command.least_confidence)), confidence
+        if rejection := self._object(command, heard, self._hear.sound, growth):
+            return match.rejected(rejection), confidence
         return match, confidence
 
     def _fire(self, growth: Growth, heard: Hypothesis, spotted: float | None) -> Match | None:
@@ -308,7 +310,7 @@ class Pipeline:
         heard: Hypothesis,
         confidence: float,
         growth: Growth,
-        origin: str,
+        decided_by: str,
     ) -> Decision:
         """Let the dialogue act on it, and make ready for the rest of the utterance."""
         mode = self._state.mode
@@ -328,8 +330,8 @@ class Pipeline:
             speech_start=utterance.speech_start,
             speech_end=utterance.speech_end,
             decided=self._clock(),
-            is_early=not utterance.is_complete,
-            origin=origin,
+            is_partial=not utterance.is_complete,
+            decided_by=decided_by,
             actions=actions,
         )
 
@@ -341,6 +343,6 @@ class Pipeline:
     def _act(self, match: Match) -> tuple[Match | NoMatch, tuple[Action, ...]]:
         outcome = step(self._state, Heard(self._config.commands.get(match.command)))
         self._state = outcome.state
-        if outcome.why:
-            return NoMatch(outcome.why, match.command, match.wer), ()
+        if outcome.rejection is not None:
+            return match.rejected(outcome.rejection), ()
         return match, outcome.actions

@@ -26,7 +26,7 @@ from voice_assist.pipeline.pipeline import Event, Pipeline
 from voice_assist.profile.active import personalise
 from voice_assist.replay.recorded_spotter import RecalledSpotter
 from voice_assist.side_inputs import Circumstances, Kind, from_text
-from voice_assist.types import RATE, Decision, Frame, Match, Mode, frozen_samples
+from voice_assist.types import RATE, Decision, Frame, Mode, frozen_samples
 
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
@@ -67,12 +67,12 @@ class HeardAgain:
     transcript: str
     wer: Mapping[str, float]
     command: str  # empty: none
-    reason: str  # why none
-    nearest: str
+    reason: str  # why none, in words
+    nearest_command: str
     confidence: float  # [0, 1]
     mode: str
-    origin: str
-    early: bool
+    decided_by: str
+    is_partial: bool
     speech_start: float  # [s]
     speech_end: float  # [s]
     decision: float  # [s] end of the frame with which it was decided
@@ -254,17 +254,17 @@ def _decisions(events: Iterable[Event], time: float) -> list[HeardAgain]:
 
 
 def _heard(decision: Decision, time: float) -> HeardAgain:
-    outcome = decision.outcome
+    rejection = decision.rejection
     return HeardAgain(
         transcript=decision.hypothesis.text,
-        wer=dict(outcome.wer),
-        command=outcome.command if isinstance(outcome, Match) else "",
-        reason="" if isinstance(outcome, Match) else outcome.reason,
-        nearest=outcome.command if isinstance(outcome, Match) else outcome.nearest,
+        wer=dict(decision.outcome.wer),
+        command=decision.command,
+        reason="" if rejection is None else rejection.words,
+        nearest_command=decision.nearest_command,
         confidence=decision.confidence,
         mode=decision.mode.value,
-        origin=decision.origin,
-        early=decision.is_early,
+        decided_by=decision.decided_by,
+        is_partial=decision.is_partial,
         speech_start=decision.speech_start,
         speech_end=decision.speech_end,
         decision=time,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from voice_assist.msg import AudioChunk
 from voice_assist.msg import Mode as ModeMessage
 from voice_assist.msg import Utterance as UtteranceMessage
-from voice_assist.types import FULL_SCALE, RATE, Decision, Frame, Match, Mode
+from voice_assist.types import FULL_SCALE, RATE, Decision, Frame, Mode
 
 
 def audio_chunk(frame: Frame) -> AudioChunk:
@@ -34,19 +34,19 @@ def utterance(decision: Decision, now: float) -> UtteranceMessage:
         decision: Its stamps are seconds of ROS time.
         now: Stamp of the message [s].
     """
-    outcome = decision.outcome
-    command, reason = (outcome.command, "") if isinstance(outcome, Match) else ("", outcome.reason)
+    rejection = decision.rejection
     message = UtteranceMessage(
         transcript=decision.hypothesis.text,
-        phrases=list(outcome.wer),
-        wer=list(outcome.wer.values()),
-        command=command,
-        reason=reason,
-        nearest=outcome.command if isinstance(outcome, Match) else outcome.nearest,
+        phrases=list(decision.outcome.wer),
+        wer=list(decision.outcome.wer.values()),
+        command=decision.command,
+        reason="" if rejection is None else rejection.words,
+        reason_code="" if rejection is None else rejection.reason.value,
+        nearest_command=decision.nearest_command,
         confidence=decision.confidence,
         mode=decision.mode.value,
-        origin=decision.origin,
-        early=decision.is_early,
+        decided_by=decision.decided_by,
+        is_partial=decision.is_partial,
         speech_start=rospy.Time.from_sec(decision.speech_start),
         speech_end=rospy.Time.from_sec(decision.speech_end),
         decision=rospy.Time.from_sec(decision.decided),

@@ -251,11 +251,12 @@ class VoiceNode:
         outcome, text = decision.outcome, decision.hypothesis.text
         if isinstance(outcome, Match):
             self._health.commanded, self._health.last_command = _now(), outcome.command
-            by = "" if decision.origin == "recognizer" else f", by the {decision.origin}"
+            by = "" if decision.decided_by == "recognizer" else f", by the {decision.decided_by}"
             rospy.loginfo("heard %r: %s (%.2f%s)", text, outcome.command, decision.confidence, by)
         else:
-            nearest = f", nearest {outcome.nearest!r}" if outcome.nearest else ""
-            rospy.loginfo("heard %r: no command, %s%s", text, outcome.reason, nearest)
+            named = outcome.nearest_command
+            nearest = f", nearest {named!r}" if named else ""
+            rospy.loginfo("heard %r: no command, %s%s", text, outcome.rejection.words, nearest)
 
     # --- thread 3: the second way to a stop
 

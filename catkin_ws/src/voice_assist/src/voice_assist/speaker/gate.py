@@ -15,14 +15,14 @@ from voice_assist.speaker.cohort import Cohort, read_cohort
 from voice_assist.speaker.network import VoiceNetwork
 from voice_assist.speaker.speech import spoken
 from voice_assist.speaker.voiceprint import Embed, Voiceprint, VoiceprintError
-from voice_assist.types import RATE, Samples
+from voice_assist.types import RATE, Rejection, RejectionReason, Samples
 
 
 class Gate(Protocol):
     """Tells why a motion command is not taken."""
 
-    def __call__(self, samples: Samples) -> str:
-        """Why a sound, shape (n,), may move nothing; empty: it may."""
+    def __call__(self, samples: Samples) -> Rejection | None:
+        """Why a sound, shape (n,), may move nothing; None: it may."""
         ...
 
 
@@ -33,9 +33,9 @@ class ClosedGate:
         """Keep the reason."""
         self._why = why
 
-    def __call__(self, samples: Samples) -> str:
+    def __call__(self, samples: Samples) -> Rejection | None:
         """Why nothing moves."""
-        return f"the speaker gate is on, and cannot judge: {self._why}"
+        return _other_voice(f"the speaker gate is on, and cannot judge: {self._why}")
 
 
 class SpeakerGate:
@@ -53,26 +53,31 @@ class SpeakerGate:
     ) -> None:
         self._voiceprint, self._embed, self._cohort = voiceprint, embed, cohort
         self._least = config.least_speech
-        self._last: tuple[Samples, str] | None = None  # the sound judged last, and how
+        self._last: tuple[Samples, Rejection | None] | None = None  # the sound judged last, and how
 
-    def __call__(self, samples: Samples) -> str:
+    def __call__(self, samples: Samples) -> Rejection | None:
         """Why a sound may move nothing; the same sound is judged once."""
         if self._last is None or self._last[0] is not samples:
             self._last = samples, self._judge(samples)
         return self._last[1]
 
-    def _judge(self, samples: Samples) -> str:
+    def _judge(self, samples: Samples) -> Rejection | None:
         speech = spoken(samples)
         if (seconds := len(speech) / RATE) < self._least:
-            return f"{seconds:.2f} s of speech is too short to tell the voice: {self._least:g} s"
+            words = f"{seconds:.2f} s of speech is too short to tell the voice: {self._least:g} s"
+            return _other_voice(words)
         try:
             score = float(self._cohort.score(self._embed(speech), self._voiceprint.centre))
         except (RuntimeError, ValueError) as error:
-            return f"the speaker gate failed: {error!r}"[:200]
+            return _other_voice(f"the speaker gate failed: {error!r}"[:200])
         if score >= self._voiceprint.threshold:  # no number is below it, too
-            return ""
+            return None
         allowed = f"allowed: at least {self._voiceprint.threshold:.1f}"
-        return f"not this voice: score {score:.1f}, {allowed}"
+        return _other_voice(f"not this voice: score {score:.1f}, {allowed}")
+
+
+def _other_voice(words: str) -> Rejection:
+    return Rejection(RejectionReason.OTHER_VOICE, words)
 
 
 def make_gate(config: SpeakerConfig, voiceprint: bytes | None) -> Gate | None:

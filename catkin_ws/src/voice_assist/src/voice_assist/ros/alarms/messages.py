@@ -42,7 +42,7 @@ def diary_event(message: Event) -> DiaryEvent:
 def utterance(message: UtteranceMessage) -> Utterance:
     """A decision of the recogniser."""
     wer = dict(zip(message.phrases, message.wer, strict=False))
-    nearest = message.nearest
+    nearest = message.nearest_command
     return Utterance(message.command, message.reason, nearest, wer.get(nearest, math.inf))
 
 
