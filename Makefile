@@ -12,7 +12,7 @@ RUN := unset PYTHONPATH PYTHONHOME; . catkin_ws/devel/setup.sh; export ROS_IP=12
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
 
-.PHONY: FORCE help setup demo test bench fuzz evaluate train paper lint report clean
+.PHONY: FORCE help setup demo check test bench fuzz evaluate train paper lint report clean
 
 help: ## list the verbs
 	@echo "Voice interface for surgical robot assistants. Say one of:"
@@ -43,7 +43,10 @@ setup: .setup/workspace ## install and build what the nodes, `make demo` and `ma
 demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you, ROBOT=kinova_strict leads it as Kinova's driver is led
 	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out '$(OUT)')
 
-test: .setup/dev ## all tests: unit, property, integration and rostest
+check: lint ## before a change is proposed: lint, and the tests that need no node and little time
+	@$(RUN) python -m tests --fast
+
+test: .setup/dev ## all tests; [ARGS="tests/unit/x.py -k y"] those alone
 	@$(RUN) python -m tests $(ARGS)
 
 .setup/bench: .setup/dev requirements-bench.txt

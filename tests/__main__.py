@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`make test`: all tests in two processes side by side, those with running nodes and the others.
+"""`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
-Tests with nodes mostly wait, so the others take what they leave of the machine, at a lower
-priority. A robot holds where its machine does not keep up, so what failed in that crowd is run once
-more with nothing beside it; both outcomes are shown, the second counts. With arguments: one
-pytest over all tests, with them.
+Tests with nodes run one after the other and mostly wait. The others run on every core beside them,
+at a lower priority. With other arguments: one pytest with them.
 """
 
 from __future__ import annotations
@@ -14,90 +12,97 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
-FOLDER = Path(__file__).resolve().parent
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form, and what the tests beside printed
 WITH_NODES = ("integration", "rostest")
-WITHOUT = ("simulation", "property", "traps", "unit")
+WITHOUT = ("state_search", "simulation", "property", "docs", "launch", "traps", "unit")
+CORES = len(os.sched_getaffinity(0))
+SPREAD = ("-n", str(CORES), "--dist", "loadfile")  # what a file's tests share is made once
 NICE = 19  # of the tests without nodes
+SLOWEST = 20
 COUNTS = ("passed", "failed", "skipped")
-TESTS_FAILED = 1  # pytest's exit code; others mean that not all of them were run
-MOST_AGAIN = 5  # failures beyond which the crowd is not to blame
 
 
 def main(arguments: Sequence[str]) -> int:
     """Run them; 0 when all passed."""
-    pytest = [sys.executable, "-m", "pytest"]
+    RESULTS.mkdir(parents=True, exist_ok=True)
+    if arguments == ["--fast"]:
+        fast = subprocess.call(_command("fast", WITHOUT, *SPREAD, "-m", "not slow"))
+        return _conclude(["fast"], [fast])
     if arguments:
-        return subprocess.call([*pytest, str(FOLDER), *arguments])
-    with tempfile.TemporaryDirectory() as scratch:
-        log, failed = Path(scratch) / "log", Path(scratch) / "failed"
-        results = [Path(scratch) / name for name in ("a.xml", "b.xml", "again.xml")]
-        print("Tests with nodes first; the others run beside them and are shown last.", flush=True)
-        environment = {**os.environ, "FAILED_TESTS": str(failed)}
-        with log.open("wb") as file:
-            other = subprocess.Popen(
-                [*pytest, *_paths(WITHOUT), f"--junitxml={results[0]}"],
-                stdout=file,
-                stderr=subprocess.STDOUT,
-                env=environment,
-                preexec_fn=_give_way,
-            )
-        try:
-            first = subprocess.call(
-                [*pytest, *_paths(WITH_NODES), f"--junitxml={results[1]}"],
-                env=environment,
-            )
-            second = other.wait()
-        finally:
-            _end(other)
-            print(log.read_text(encoding="utf-8", errors="replace"), flush=True)
-        again = _to_run_again(failed) if {first, second} <= {0, TESTS_FAILED} else []
-        if again:
-            print("Failed beside others, so once more alone:", *again, sep="\n  ", flush=True)
-            command = [*pytest, *again, f"--junitxml={results[2]}"]
-            first, second = 0, subprocess.call(command, env={**os.environ, "FAILED_TESTS": ""})
-        _tell([count(file) for file in results], len(again))
-    return 1 if first or second else 0
+        return subprocess.call(_pytest(*_places(arguments), *arguments))
+    print("Tests with nodes first; the others run beside them and are shown last.", flush=True)
+    log = RESULTS / "others.log"
+    with log.open("wb") as file:
+        beside = subprocess.Popen(
+            _command("others", WITHOUT, *SPREAD),
+            stdout=file,
+            stderr=subprocess.STDOUT,
+            preexec_fn=_give_way,
+        )
+    try:
+        codes = [subprocess.call(_command("nodes", WITH_NODES)), beside.wait()]
+    finally:
+        if beside.poll() is None:
+            os.killpg(beside.pid, signal.SIGTERM)
+        print(log.read_text(encoding="utf-8", errors="replace"), flush=True)
+    return _conclude(["nodes", "others"], codes)
 
 
-def _to_run_again(failed: Path) -> list[str]:
-    """Tests named in a file, each once; none where it is missing or names too many."""
-    if not failed.is_file():
-        return []
-    names = list(dict.fromkeys(failed.read_text(encoding="utf-8").splitlines()))
-    return [str(FOLDER.parent / name) for name in names] if len(names) <= MOST_AGAIN else []
+def _conclude(names: Sequence[str], codes: Sequence[int]) -> int:
+    """Show the slowest tests and how many passed; gives the exit code."""
+    results = [RESULTS / f"{name}.xml" for name in names]
+    print(f"slowest {SLOWEST}, also in {RESULTS}:")
+    for seconds, test in slowest(results):
+        print(f"{seconds:7.2f} s  {test}")
+    total = count(results)
+    print(", ".join(f"{total[name]} {name}" for name in COUNTS))
+    return int(any(codes))
 
 
-def count(results: Path) -> dict[str, int]:
-    """Tests that passed, failed and were skipped, of a file of JUnit's form; empty: no file."""
-    if not results.is_file():
-        return {}
-    (suite,) = ElementTree.parse(results).iter("testsuite")
-    failed = int(suite.get("failures", 0)) + int(suite.get("errors", 0))
-    skipped = int(suite.get("skipped", 0))
-    passed = int(suite.get("tests", 0)) - failed - skipped
+def count(results: Sequence[Path]) -> dict[str, int]:
+    """Tests that passed, failed and were skipped, of those files that are there."""
+    suites = [suite for file in results for suite in _tree(file).iter("testsuite")]
+    sums = {key: sum(int(suite.get(key, 0)) for suite in suites) for key in _KEYS}
+    failed, skipped = sums["failures"] + sums["errors"], sums["skipped"]
+    passed = sums["tests"] - failed - skipped
     return dict(zip(COUNTS, (passed, failed, skipped), strict=True))
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End it, and what it started, where it still runs."""
-    if process.poll() is None:
-        os.killpg(process.pid, signal.SIGTERM)
+def slowest(results: Sequence[Path]) -> list[tuple[float, str]]:
+    """Seconds and name of the slowest tests, the slowest first; set-up and tear-down count."""
+    cases = [case for file in results for case in _tree(file).iter("testcase")]
+    times = [(float(c.get("time", 0)), f"{c.get('classname')}::{c.get('name')}") for c in cases]
+    return sorted(times, reverse=True)[:SLOWEST]
 
 
-def _tell(counts: Sequence[dict[str, int]], again: int) -> None:
-    total = {name: sum(one.get(name, 0) for one in counts) for name in COUNTS}
-    total["failed"] -= again  # each of them counts as what it came to alone
-    print(", ".join(f"{total[name]} {name}" for name in COUNTS), end="")
-    print(f"; {again} of them run again alone" if again else "")
+_KEYS = ("tests", "failures", "errors", "skipped")
 
 
-def _paths(folders: Sequence[str]) -> list[str]:
-    return [str(FOLDER / name) for name in folders]
+def _tree(file: Path) -> ElementTree.Element:
+    return ElementTree.parse(file).getroot() if file.is_file() else ElementTree.Element("none")
+
+
+def _pytest(*words: str) -> list[str]:
+    return [sys.executable, "-m", "pytest", *words]
+
+
+def _command(name: str, folders: Sequence[str], *more: str) -> list[str]:
+    """Pytest over folders, with its results in a file of the name."""
+    results = RESULTS / f"{name}.xml"
+    results.unlink(missing_ok=True)
+    places = [str(ROOT / "tests" / folder) for folder in folders]
+    return _pytest(*places, f"--junitxml={results}", *more)
+
+
+def _places(arguments: Sequence[str]) -> list[str]:
+    """All tests, unless the arguments name some by their paths."""
+    named = [word for word in arguments if Path(word.partition("::")[0]).exists()]
+    return [] if named else [str(ROOT / "tests")]
 
 
 def _give_way() -> None:

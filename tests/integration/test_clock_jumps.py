@@ -13,9 +13,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.integration.ros_host import ROSTEST, until
+from support.waiting import wait_until
+from tests.support.ros_host import ROSTEST
 
-CLOCK = Path(__file__).with_name("other_clock")
+PROGRAMS = Path(__file__).parent / "programs"
+CLOCK = PROGRAMS / "other_clock"
 STEP = 5e-3  # [rad] that no joint goes from one joint state to the next, 2 ms later
 HELD = 1e-5  # [rad] that it may go while it is held
 RCM = 1e-5  # [m]
@@ -37,10 +39,10 @@ def test_at_worst_it_holds_names_it_and_goes_on_after_hey_robot(host, tmp_path, 
         overrides=ROSTEST / "patient_controller.yaml",
         on_recording_loss="ignore",
     )
-    words = (str(Path(__file__).with_name("clock_witness.py")), str(clock), str(results))
+    words = (str(PROGRAMS / "clock_witness.py"), str(clock), str(results))
     witness = host.start(sys.executable, *words)
-    until(lambda: witness.poll() is not None, "a robot that was watched")
-    said = (tmp_path / "said.txt").read_text(encoding="utf-8", errors="replace")
+    wait_until(lambda: witness.poll() is not None, "a robot that was watched")
+    said = host.said()
     assert witness.returncode == 0, said[-3000:]
     found = json.loads(results.read_text(encoding="utf-8"))
     assert len(found) == 6

@@ -17,10 +17,11 @@ from mcap_ros1.decoder import DecoderFactory
 from demo.check import REST
 from session_log.mcap_file.reader import SessionReader
 from session_log.recording import metadata
-from tests.integration.heeding import heed
+from tests.support.heeding import heed
 from tests.support.recorded_topics import ON_REQUEST, TYPES
 
 ROOT = Path(__file__).resolve().parents[2]
+PROGRAMS = Path(__file__).parent / "programs"
 SCRIPT = ROOT / "tests" / "data" / "short_session.yaml"
 COMMAND = [sys.executable, "-m", "demo", "--wav", "--script", str(SCRIPT)]
 
@@ -105,7 +106,7 @@ def test_the_message_classes_of_ros_read_every_message_and_write_the_same_bytes(
     done = subprocess.run(
         [
             sys.executable,
-            ROOT / "tests" / "integration" / "ros_classes.py",
+            PROGRAMS / "ros_classes.py",
             folder / "session.mcap",
         ],
         capture_output=True,

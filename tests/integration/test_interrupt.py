@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.integration.heeding import heed
+from tests.support.heeding import heed
 
 ROOT = Path(__file__).resolve().parents[2]
 END = 40.0  # [s] allowed for roscore to end

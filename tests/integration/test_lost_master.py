@@ -9,12 +9,13 @@ import signal
 import subprocess
 import time
 
-from tests.integration.ros_host import END, ROSTEST, WAIT, until
+from support.waiting import PATIENCE, wait_until
+from tests.support.ros_host import END, ROSTEST
 
 
 def said(*words):
     """What a command of ROS prints, as a client that begins anew."""
-    done = subprocess.run(words, capture_output=True, text=True, timeout=WAIT, check=False)
+    done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, check=False)
     return done.stdout + done.stderr
 
 
@@ -35,20 +36,20 @@ def test_all_brakes_is_named_and_found_again_with_the_next_master(host):
     host.launch(
         "controller", overrides=ROSTEST / "patient_controller.yaml", on_recording_loss="ignore"
     )
-    until(lambda: host.is_found("/rst_control/command"), "a controller")
-    until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted')
+    wait_until(lambda: host.is_found("/rst_control/command"), "a controller")
+    wait_until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted')
     parameters = said("rosparam", "get", "/controller")
     assert "tip_speed" in parameters
     time.sleep(2.0)  # for master_failover to have seen all
     assert "accepted: True" in give("tense")
     os.kill(host.master.getPid(), signal.SIGKILL)
-    until(lambda: not host.is_there(), "the master gone")
+    wait_until(lambda: not host.is_there(), "the master gone")
     first.wait(END)  # roscore ends with the master
     host.start_master()
-    until(lambda: host.is_found("/rst_control/command"), "the controller found by others")
+    wait_until(lambda: host.is_found("/rst_control/command"), "the controller found by others")
     assert state() == ("faulted", "the ROS master ended: nobody new could stop the robot")
-    until(lambda: said("rosparam", "get", "/controller") == parameters, "the parameters")
-    until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted')
+    wait_until(lambda: said("rosparam", "get", "/controller") == parameters, "the parameters")
+    wait_until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted')
     assert state()[0] == "active"
     assert "accepted: True" in give("tense")
     assert "accepted: True" in give("stop")

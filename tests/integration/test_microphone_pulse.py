@@ -12,6 +12,7 @@ import pytest
 import soundfile
 
 from demo.virtual_microphone import VirtualMicrophone
+from support.waiting import PATIENCE, wait_until
 from voice_assist.audio.microphone import Microphone
 from voice_assist.audio.portaudio import PortAudio
 from voice_assist.audio.source import level_db
@@ -19,7 +20,6 @@ from voice_assist.config import load_voice_config
 from voice_assist.types import RATE
 
 START = 15.0  # [s] allowed for the server to answer
-LIMIT = 60.0  # [s] allowed for anything to be noticed
 
 
 @pytest.fixture(scope="module")
@@ -92,13 +92,10 @@ class Listener:
 
     def __exit__(self, *_):
         self._over.set()
-        self._thread.join(LIMIT)
+        self._thread.join(PATIENCE)
 
     def wait_until(self, is_true):
-        deadline = time.monotonic() + LIMIT
-        while not is_true():
-            assert time.monotonic() < deadline, (len(self.frames), self.reports)
-            time.sleep(0.05)
+        wait_until(is_true, f"{len(self.frames)} frames, {self.reports}")
 
     def hears(self, count):
         wanted = len(self.frames) + count

@@ -7,7 +7,6 @@ import hashlib
 import json
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -16,7 +15,6 @@ from datetime import datetime
 from pathlib import Path
 
 import pytest
-import rosgraph
 import yaml
 from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
@@ -24,64 +22,34 @@ from mcap_ros1.decoder import DecoderFactory
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import survey
 from session_log.recording import metadata
-from tests.integration import interrupted_recorder, recorder_talker
-from tests.integration.recorder_talker import FAST, odd_classes, odd_message
+from support.waiting import PATIENCE, wait_until
+from tests.integration.programs import interrupted_recorder, recorder_talker
+from tests.integration.programs.recorder_talker import FAST, odd_classes, odd_message
+from tests.support.ros_host import Host
 from typed_config import load_yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "catkin_ws" / "src" / "session_log"
-PATIENCE = 40.0  # [s] after which a test gives up
 
 
-def wait_until(claim, what):
-    deadline = time.monotonic() + PATIENCE
-    while not (found := claim()):
-        assert time.monotonic() < deadline, f"never: {what}"
-        time.sleep(0.05)
-    return found
-
-
-class Ros:
-    """A roscore on a free port of the loopback."""
+class Ros(Host):
+    """A host whose processes see ROS as an installed package would."""
 
     def __init__(self, folder):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
-        self.uri = f"http://127.0.0.1:{port}"
-        self.environment = {
-            **os.environ,
-            "ROS_IP": "127.0.0.1",
-            "ROS_MASTER_URI": self.uri,
-            "ROS_HOME": str(folder / "ros"),
-            "ROS_LOG_DIR": str(folder / "ros" / "log"),
+        super().__init__(folder)
+        self.environment |= {
             "ROS_PACKAGE_PATH": os.pathsep.join(
                 [str(ROOT / "catkin_ws" / "src"), os.environ.get("ROS_PACKAGE_PATH", "/usr/share")]
             ),
             "PYTHONPATH": os.pathsep.join(sys.path),
             "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
         }
-        self.master = rosgraph.Master("/test", master_uri=self.uri)
-        self._children = []
-        self._core = self.start(["roscore", "-p", str(port)], stdout=subprocess.DEVNULL)
-        wait_until(self.master.is_online, "roscore answers")
-
-    def start(self, command, **options):
-        process = subprocess.Popen(command, env=self.environment, cwd=ROOT, **options)
-        self._children.append(process)
-        return process
-
-    def close(self):
-        for process in self._children[1:]:
-            process.kill()  # only those that a failed test left
-            process.wait(PATIENCE)
-        self._core.send_signal(signal.SIGINT)
-        self._core.wait(PATIENCE)
 
 
 @pytest.fixture(scope="module")
 def ros(tmp_path_factory):
     ros = Ros(tmp_path_factory.mktemp("ros"))
+    ros.start_master()
     yield ros
     ros.close()
 

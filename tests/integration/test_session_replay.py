@@ -5,12 +5,11 @@ The controller is a stub that answers, so that nothing but the sound moves the s
 """
 
 import json
-import os
 import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
@@ -21,15 +20,15 @@ from demo.script import load_script
 from demo.sound import render
 from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
-from support.launched_system import free_port
 from support.theatre_sound import RATE
+from support.waiting import wait_until
+from tests.support.ros_host import Host
 
 ROOT = Path(__file__).resolve().parents[2]
-HERE = Path(__file__).parent
+PROGRAMS = Path(__file__).parent / "programs"
 PACKAGES = ROOT / "catkin_ws" / "src"
 SCRIPT = ROOT / "tests" / "data" / "replay_session.yaml"
-START = 90.0  # [s] allowed for a process to be ready
-END = 90.0  # [s] allowed for the last utterance
+SPOKEN = 180.0  # [s] allowed for the last utterance
 LAST = "terminate"
 UTTERANCE, CIRCUMSTANCES = "/voice_assist/utterance", "/voice_assist/circumstances"
 
@@ -67,13 +66,6 @@ def running(words, environment):
             process.wait()
 
 
-def wait_until(is_done, seconds, what):
-    deadline = time.monotonic() + seconds
-    while not is_done():
-        assert time.monotonic() < deadline, f"{what} did not come within {seconds:g} s"
-        time.sleep(0.2)
-
-
 def contents(path, topic):
     decoder = Decoder()
     return [decoder.decode(m) for m in SessionReader(path).messages({topic})]
@@ -86,22 +78,10 @@ def has_heard(path, words):
 def record(folder, **changes):
     """One session: what the script says, heard by the node and recorded."""
     soundfile.write(folder / "said.wav", render(load_script(SCRIPT), 1.0), RATE, subtype="PCM_16")
-    environment = {
-        **os.environ,
-        "ROS_IP": "127.0.0.1",
-        "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}",
-        "ROS_LOG_DIR": str(folder / "log"),
-        "PYTHONPATH": f"{ROOT}:{os.environ.get('PYTHONPATH', '')}",
-    }
-    port = environment["ROS_MASTER_URI"].rsplit(":", 1)[1]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     path = folder / "s" / "session.mcap"
-    with running(["roscore", "-p", port], environment):
-        wait_until(
-            lambda: not subprocess.run(["rosnode", "list"], env=environment, **quiet).returncode,
-            START,
-            "roscore",
-        )
+    with closing(Host(folder)) as host:
+        host.start_master()
+        environment = host.environment
         given = yaml.safe_dump(settings(folder, **changes))
         words = ["rosparam", "load", "-", "/"]
         subprocess.run(words, env=environment, input=given, text=True, check=True)
@@ -115,13 +95,13 @@ def record(folder, **changes):
             str(PACKAGES / "voice_assist/scripts/voice"),
             "__name:=voice_assist",
         ]
-        stub = [sys.executable, str(HERE / "controller_stub.py"), str(folder / "stub_ready")]
+        stub = [sys.executable, str(PROGRAMS / "controller_stub.py"), str(folder / "stub_ready")]
         with running(recorder, environment):
-            wait_until(path.exists, START, "the recording")
+            wait_until(path.exists, "the recording")
             with running(stub, environment):
-                wait_until((folder / "stub_ready").exists, START, "the controller's stub")
+                wait_until((folder / "stub_ready").exists, "the controller's stub")
                 with running(voice, environment):
-                    wait_until(lambda: has_heard(path, LAST), START + END, f"{LAST!r}")
+                    wait_until(lambda: has_heard(path, LAST), repr(LAST), SPOKEN, every=0.2)
                     time.sleep(1.5)
     return path
 

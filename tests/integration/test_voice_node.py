@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -19,11 +18,12 @@ import soxr
 import yaml
 
 from demo.virtual_microphone import VirtualMicrophone
-from support.launched_system import free_port
+from support.waiting import wait_until
+from tests.support.ros_host import Host
 from tests.unit.voice_assist.support.fake_speech import say
 
 ROOT = Path(__file__).resolve().parents[2]
-HERE = Path(__file__).parent
+PROGRAMS = Path(__file__).parent / "programs"
 HANG = 4.0  # [s] as in voice_witness.py
 START = 40.0  # [s] allowed for a process to be ready
 DEBUG, INFO, WARN, ERROR = 1, 2, 4, 8
@@ -32,32 +32,12 @@ DEBUG, INFO, WARN, ERROR = 1, 2, 4, 8
 @pytest.fixture(scope="module")
 def master(tmp_path_factory):
     """Environment of a roscore that only this file uses."""
-    port = free_port()
-    environment = {
-        **os.environ,
-        "ROS_IP": "127.0.0.1",
-        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
-        "ROS_LOG_DIR": str(tmp_path_factory.mktemp("log")),
-        "PYTHONPATH": f"{ROOT}:{os.environ.get('PYTHONPATH', '')}",
-    }
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    core = subprocess.Popen(["roscore", "-p", str(port)], env=environment, **quiet)
+    host = Host(tmp_path_factory.mktemp("master"))
     try:
-        wait_until(
-            lambda: not subprocess.run(["rosnode", "list"], env=environment, **quiet).returncode,
-            "roscore",
-        )
-        yield environment
+        host.start_master()
+        yield host.environment
     finally:
-        core.send_signal(signal.SIGINT)
-        core.wait(20.0)
-
-
-def wait_until(is_done, what):
-    deadline = time.monotonic() + START
-    while not is_done():
-        assert time.monotonic() < deadline, f"{what} was not ready within {START:g} s"
-        time.sleep(0.1)
+        host.close()
 
 
 def watch(master, folder, seconds, behaviour=(), **settings):
@@ -65,8 +45,14 @@ def watch(master, folder, seconds, behaviour=(), **settings):
     out = folder / "seen.json"
     given = {"audio/source": "wav", **settings}
     load(master, given)
-    witness = [sys.executable, str(HERE / "voice_witness.py"), str(seconds), str(out), *behaviour]
-    node = [sys.executable, str(HERE / "fake_voice_node.py"), "__name:=voice_assist"]
+    witness = [
+        sys.executable,
+        str(PROGRAMS / "voice_witness.py"),
+        str(seconds),
+        str(out),
+        *behaviour,
+    ]
+    node = [sys.executable, str(PROGRAMS / "fake_voice_node.py"), "__name:=voice_assist"]
     processes = []
     try:
         processes.append(subprocess.Popen(witness, env=master))
@@ -284,7 +270,7 @@ def test_an_audio_topic_of_another_rate_is_heard_and_its_end_reported(master, tm
 
 def test_a_wrong_setting_ends_it_at_once_with_the_reason(master):
     load(master, {"audio/vad/detector": "magic"})
-    node = [sys.executable, str(HERE / "fake_voice_node.py"), "__name:=voice_assist"]
+    node = [sys.executable, str(PROGRAMS / "fake_voice_node.py"), "__name:=voice_assist"]
     done = subprocess.run(node, env=master, capture_output=True, text=True, timeout=START)
     assert done.returncode == 2
     assert "audio.vad.detector is 'magic', allowed: one of silero, energy, either" in (

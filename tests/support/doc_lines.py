@@ -18,7 +18,7 @@ PAGES = (
     "docs/hardware.md",
     "docs/kinova_driver.md",
 )
-MARKERS = ROOT / "tests" / "rostest" / "doc_examples.yaml"
+MARKERS = ROOT / "tests" / "rostest" / "documents" / "doc_examples.yaml"
 PROGRAMS = ("rosservice", "rostopic", "rosrun", "roslaunch")
 FENCE = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
 

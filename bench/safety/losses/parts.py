@@ -8,7 +8,6 @@ import signal
 import subprocess
 import time
 from collections import deque
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ import rosgraph
 from rst_control.host.respawn import MOST, PAUSE, SPAN
 from support.figures import ROOT
 from support.launched_system import STOP_TIME, free_port
+from support.waiting import wait_until
 
 START_TIME = 60.0  # [s] for a part to come up
 SIGNALS = {  # by which a part is lost; the last two mean something to losses_voice.py alone
@@ -69,7 +69,7 @@ class Part:
             )
         self._kills.clear()
         before, self.pid = self.pid, 0
-        wait_for(lambda: self._find(before), f"{self._plan.command[-1]} started", START_TIME)
+        wait_until(lambda: self._find(before), f"{self._plan.command[-1]} started", START_TIME)
 
     def lose(self, way: str) -> float:
         """Send the signal of a way; gives when [s], time.monotonic()."""
@@ -90,7 +90,7 @@ class Part:
                 self._lost = time.monotonic()
                 os.kill(self.pid, signal.SIGKILL)
             before, moment = self.pid, self._lost + PAUSE
-            wait_for(lambda: self._find(before) and self.pid != before, "kept", START_TIME)
+            wait_until(lambda: self._find(before) and self.pid != before, "kept", START_TIME)
             return moment
         self.end()  # what its launch has beside it goes, too
         moment = time.monotonic()
@@ -189,19 +189,6 @@ class Parts:
 
     def _part(self, plan: Plan) -> Part:
         return Part(plan, self._log)
-
-
-def wait_for(is_done: Callable[[], bool], what: str, limit: float) -> None:
-    """Wait until something is so.
-
-    Raises:
-        RuntimeError: It was not within the limit [s].
-    """
-    end = time.monotonic() + limit
-    while not is_done():
-        if time.monotonic() > end:
-            raise RuntimeError(f"not within {limit:g} s: {what}")
-        time.sleep(0.01)
 
 
 def _children(pid: int) -> list[int]:

@@ -15,11 +15,11 @@ from std_msgs.msg import Empty, Float64, String, Time
 
 from bench.safety.losses.client import ActionClient, Room
 from bench.safety.losses.judge import Trace
-from bench.safety.losses.parts import wait_for
 from rst_control.msg import ControllerState, Event
 from rst_control.ros.common.wall_clock import wall_offset
 from rst_control.srv import Command, CommandResponse
 from rst_control.types import JOINTS
+from support.waiting import wait_until
 
 KEPT = 10_000  # messages of each stream: twenty seconds
 LIMIT = 20.0  # [s] for anything to happen
@@ -161,7 +161,7 @@ class Lead:
             if time.monotonic() > end:
                 raise RuntimeError(f'"hey robot" is refused: {reply.message}')
             time.sleep(0.1)
-        wait_for(lambda: self._watcher.is_("active", "moving"), "active", LIMIT)
+        wait_until(lambda: self._watcher.is_("active", "moving"), "active", LIMIT)
 
     def set_off(self) -> str:
         """Bring the robot into motion; gives how.
@@ -184,7 +184,7 @@ class Lead:
                     refused += f'; "{words}": {reply.message}'
                     continue
             with suppress(RuntimeError):
-                wait_for(lambda: self._watcher.is_("moving"), f'"{words}" moves it', 3.0)
+                wait_until(lambda: self._watcher.is_("moving"), f'"{words}" moves it', 3.0)
                 return words
         raise RuntimeError(f"nothing moves it{refused}")
 
@@ -202,8 +202,8 @@ class Lead:
         """Take tissue, to its end; a refusal is told by what comes next."""
         if self.say("tense").accepted:
             with suppress(RuntimeError):
-                wait_for(lambda: self._watcher.is_("moving"), "tensing", 3.0)
-                wait_for(lambda: self._watcher.is_("active"), "tensed", LIMIT)
+                wait_until(lambda: self._watcher.is_("moving"), "tensing", 3.0)
+                wait_until(lambda: self._watcher.is_("active"), "tensed", LIMIT)
 
     def is_spotted(self) -> bool:
         """Say "stop", some times if need be; gives whether somebody stops by topic."""
@@ -212,7 +212,7 @@ class Lead:
             if self.room is not None:
                 self.room.say("stop!", voice, pace)
             with suppress(RuntimeError):
-                wait_for(lambda: self._watcher.stops > before, "a stop", 2.0)
+                wait_until(lambda: self._watcher.stops > before, "a stop", 2.0)
                 return True
         return False
 
@@ -239,7 +239,7 @@ class Lead:
             if self.room is not None:
                 self.room.say(words)
             with suppress(RuntimeError):
-                wait_for(lambda: self._watcher.is_(*states), words, LISTENS)
+                wait_until(lambda: self._watcher.is_(*states), words, LISTENS)
                 return
         raise RuntimeError(f'"{words}", spoken {REPEATS} times, was not obeyed')
 

@@ -5,14 +5,13 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
 from rst_control.host import respawn
+from support.waiting import PATIENCE, wait_until
 
-WAIT = 20.0  # [s] for another process; only a broken one lets it pass
 COUNTED = """
 import os, signal, sys
 from pathlib import Path
@@ -71,20 +70,13 @@ def kept(tmp_path):
     program = "from rst_control.host.respawn import main; main()"
     words = command(tmp_path, "signal.pause()")
     process = subprocess.Popen((sys.executable, "-c", program, *words), env=with_paths())
-    until(lambda: pids(tmp_path))
+    wait_until(lambda: pids(tmp_path))
     return process
 
 
 def with_paths():
     """The environment, in which a process finds what this one finds."""
     return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-
-
-def until(is_done):
-    end = time.monotonic() + WAIT
-    while not is_done():
-        assert time.monotonic() < end
-        time.sleep(0.01)
 
 
 def is_alive(pid):
@@ -98,26 +90,26 @@ def is_alive(pid):
 def test_who_is_asked_to_end_ends_with_what_it_keeps(tmp_path, number):
     process = kept(tmp_path)
     process.send_signal(number)
-    process.wait(WAIT)
+    process.wait(PATIENCE)
     (child,) = pids(tmp_path)
-    until(lambda: not is_alive(child))
+    wait_until(lambda: not is_alive(child))
 
 
 def test_what_a_killed_keeper_kept_ends_with_it(tmp_path):
     process = kept(tmp_path)
     process.kill()
-    process.wait(WAIT)
+    process.wait(PATIENCE)
     (child,) = pids(tmp_path)
-    until(lambda: not is_alive(child))
+    wait_until(lambda: not is_alive(child))
 
 
 def test_a_crash_of_what_is_kept_does_not_end_the_keeper(tmp_path):
     process = kept(tmp_path)
     os.kill(pids(tmp_path)[0], signal.SIGKILL)
-    until(lambda: len(pids(tmp_path)) == 2)
+    wait_until(lambda: len(pids(tmp_path)) == 2)
     assert process.poll() is None
     process.send_signal(signal.SIGINT)
-    process.wait(WAIT)
+    process.wait(PATIENCE)
 
 
 @pytest.mark.parametrize(
@@ -128,8 +120,8 @@ def test_what_is_kept_ends_when_whoever_started_the_keeper_is_killed(tmp_path, w
     words = command(tmp_path, f"{waits}\nwhile True: signal.pause()")
     starter = f"import subprocess; subprocess.run({(sys.executable, '-c', program, *words)!r})"
     process = subprocess.Popen((sys.executable, "-c", starter), env=with_paths())
-    until(lambda: pids(tmp_path))
+    wait_until(lambda: pids(tmp_path))
     process.kill()
-    process.wait(WAIT)
+    process.wait(PATIENCE)
     (child,) = pids(tmp_path)
-    until(lambda: not is_alive(child))
+    wait_until(lambda: not is_alive(child))

@@ -66,7 +66,7 @@ def test_what_is_given_counts():
 
 
 def test_other_settings_of_the_bridge_count_for_its_guard_too():
-    overrides = Path(__file__).parents[3] / "rostest" / "kinova_bridge.yaml"
+    overrides = Path(__file__).parents[3] / "rostest" / "kinova" / "kinova_bridge.yaml"
     config = load(*TROCAR, *LIMITS, *STOP, f"bridge_overrides:={overrides}")
     value = {name: param.value for name, param in config.params.items()}
     assert value["/kinova_bridge/bridge/guard/silence"] == 0.8

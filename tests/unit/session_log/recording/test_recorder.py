@@ -15,15 +15,7 @@ from session_log.mcap_file.writer import SessionWriter
 from session_log.recording.recorder import Recorder
 from session_log.types import Source
 from support.message_classes import class_of, serialise, source_of
-
-PATIENCE = 20.0  # [s] after which a test gives up; none is expected to take it
-
-
-def wait_until(claim):
-    deadline = time.monotonic() + PATIENCE
-    while not claim():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.002)
+from support.waiting import PATIENCE, wait_until
 
 
 def text(topic="/t", publisher="/p"):

@@ -5,7 +5,6 @@ The threads of the node are the real ones; ROS, the networks and the clock are m
 """
 
 import threading
-import time
 from collections import deque
 from contextlib import suppress
 from importlib import import_module
@@ -18,6 +17,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 import rst_control
 import voice_assist
+from support.waiting import PATIENCE, wait_until
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
 from voice_assist.config import load_voice_config
 from voice_assist.pipeline.hang_detection import HangWatch
@@ -30,7 +30,6 @@ for package in (rst_control, voice_assist):  # pytest's paths hide the generated
 node = import_module("voice_assist.ros.voice_node")
 diagnostics = import_module("voice_assist.ros.diagnostics")
 
-WAIT = 20.0  # [s] for another thread; only a broken one lets it pass
 BEATS = 5  # heartbeats that show that they go on
 CONFIG = load_voice_config()
 LIMIT, MIDDLE = CONFIG.recognizer.hung_after, CONFIG.spotter.middle
@@ -52,7 +51,7 @@ class Moody(FakeRecognizer):
             raise self.error
         if self.is_hanging:
             self.hangs.set()
-            assert self.go.wait(3 * WAIT)
+            assert self.go.wait(PATIENCE)
         return super().transcribe(samples, *more)
 
 
@@ -175,11 +174,11 @@ class Room:
     def more(self, kind, number):
         """Wait until that much more of a kind was published."""
         enough = self.count(kind) + number
-        until(lambda: self.count(kind) >= enough, f"{number} more {kind}")
+        wait_until(lambda: self.count(kind) >= enough, f"{number} more {kind}")
 
     def reach(self, kind, number):
         """Wait until so much of a kind was published in all."""
-        until(lambda: self.count(kind) >= number, f"{number} {kind} in all")
+        wait_until(lambda: self.count(kind) >= number, f"{number} {kind} in all")
 
     def state(self):
         """Level and words of the newest diagnostics."""
@@ -189,7 +188,7 @@ class Room:
         """Hang while a word is heard."""
         self.recognizer.is_hanging = True
         self.hear("tense")
-        assert self.recognizer.hangs.wait(WAIT)
+        assert self.recognizer.hangs.wait(PATIENCE)
         self.more("heartbeat", 2)  # whoever watches has seen when it began
 
     def close(self):
@@ -197,14 +196,7 @@ class Room:
         self.recognizer.go.set()
         self.sound.put(None)
         self.done.set()
-        self._thread.join(WAIT)
-
-
-def until(is_done, what):
-    end = time.monotonic() + WAIT
-    while not is_done():
-        assert time.monotonic() < end, f"never: {what}"
-        time.sleep(0.001)
+        self._thread.join(PATIENCE)
 
 
 @pytest.fixture
@@ -256,7 +248,7 @@ def test_a_hang_does_not_hide_a_stop_from_the_spotter(room, clock):
     room.reach("stop", 1)
     room.spotter.is_said = True
     end = room.hear("stop")
-    until(lambda: room.spotter.heard[-1] >= end - 512, "the spotter hears on")
+    wait_until(lambda: room.spotter.heard[-1] >= end - 512, "the spotter hears on")
     assert room.count("stop") == 2  # although the first was but a moment ago
     assert room.count("utterance") == 0  # recognition itself hears nothing
 
@@ -277,7 +269,7 @@ def test_the_spotter_stops_before_the_hang_is_noticed(room):
     room.hang()
     room.spotter.is_said = True
     end = room.hear("")
-    until(lambda: room.spotter.heard[-1] >= end - 512, "the spotter hears on")
+    wait_until(lambda: room.spotter.heard[-1] >= end - 512, "the spotter hears on")
     assert room.count("stop") >= 1
 
 
@@ -294,7 +286,7 @@ def test_after_a_hang_that_ends_the_heartbeat_comes_back_and_nothing_else(room, 
 def test_looks_that_are_slow_each_but_within_the_limit_never_add_up_to_a_hang(room):
     room.recognizer.takes = LIMIT / 4
     room.hear("hey robot 1 mumble mumble 1 the now")
-    until(lambda: room.recognizer.looks > 8, "many looks")
+    wait_until(lambda: room.recognizer.looks > 8, "many looks")
     room.recognizer.takes = 0.0
     room.more("diagnostics", 2)
     assert room.count("stop") == 0
@@ -303,7 +295,7 @@ def test_looks_that_are_slow_each_but_within_the_limit_never_add_up_to_a_hang(ro
 def test_a_recognizer_that_crashes_stops_the_robot_at_once_and_is_named(room):
     room.recognizer.error = ArithmeticError("no such number")
     room.hear("tense")
-    until(lambda: "hear: no such number" in room.ended, "the node ends with the reason")
+    wait_until(lambda: "hear: no such number" in room.ended, "the node ends with the reason")
     assert room.count("stop") == 1
     room.more("diagnostics", 1)
     beats = room.count("heartbeat")

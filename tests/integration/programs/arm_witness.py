@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Leads the arm into a motion, kills the bridge, and writes down what the arm did.
+
+Argument: file to write. It runs outside of every launch, for roslaunch ends all with the bridge.
+"""
+
+import json
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import rospy
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty
+from std_srvs.srv import Trigger
+
+from rst_control.types import ARM_JOINTS
+from support.raw_peer import process_of
+from tests.support.robot_client import START_LIMIT, RobotClient
+
+MOVING = 0.02  # [rad/s] of the fastest joint, in whose midst the bridge dies
+WATCHED = 6.0  # [s] after that
+
+
+def main() -> None:
+    seen, stops = [], []
+    rospy.init_node("arm_witness")
+
+    def on_joints(message):
+        order = [message.name.index(name) for name in ARM_JOINTS]
+        speed = np.abs(np.array(message.velocity)[order]).max()
+        seen.append((time.monotonic(), speed, np.array(message.position)[order]))
+
+    rospy.Subscriber("simulation/joint_states", JointState, on_joints, tcp_nodelay=True)
+    rospy.Subscriber("my_gen3/in/stop", Empty, lambda _: stops.append(time.monotonic()))
+    robot = RobotClient()
+    home = rospy.ServiceProxy("robot/home_tool", Trigger)
+    home.wait_for_service(START_LIMIT)
+    robot.wait(lambda: home().success, START_LIMIT)
+    robot.activate()
+    robot.say("tense")
+    robot.wait(lambda: seen[-1][1] > MOVING)
+    before = len(stops)
+    os.kill(process_of("kinova_bridge"), signal.SIGKILL)
+    killed = time.monotonic()
+    time.sleep(WATCHED)
+    after = [one for one in seen if one[0] > killed]
+    resting = [t for t, speed, _ in after if speed < 1e-3]
+    found = {
+        "speed": float(next(speed for t, speed, _ in reversed(seen) if t <= killed)),
+        "stops": len(stops) - before,
+        "rest": resting[0] - killed if resting else None,
+        "last_speed": float(after[-1][1]),
+        "drift": float(np.abs(after[-1][2] - after[len(after) // 2][2]).max()),
+        "seen": after[-1][0] - killed,
+    }
+    Path(sys.argv[1]).write_text(json.dumps(found), encoding="utf-8")
+
+
+main()

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sets the wall clock of running nodes in mid-motion, and writes down what the robot did.
+
+Arguments: the file that says how far the clock is off (`other_clock`), and the file to write.
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import rospy
+from sensor_msgs.msg import JointState
+
+from tests.support.robot_client import RobotClient
+
+JUMPS = (0.3, 30.0, -3.0)  # [s] each in a motion, and back again at rest
+MOVING = 5e-3  # [rad/s] of the fastest joint, in whose midst the clock is set
+RESTING = 1e-4  # [rad] in half a second
+WATCHED = 1.5  # [s] after that
+
+
+def main() -> None:
+    clock, results = Path(sys.argv[1]), Path(sys.argv[2])
+    rospy.init_node("clock_witness")
+    seen = []
+    rospy.Subscriber(
+        "joint_states", JointState, lambda m: seen.append(np.array(m.position)), tcp_nodelay=True
+    )
+    robot = RobotClient()
+    found = []
+    for jump in JUMPS:
+        robot.start_fresh()
+        robot.say("tense")
+        robot.wait(lambda: robot.state.state == "moving" and robot.speed() > MOVING)
+        seen.clear()
+        put_off(clock, jump)
+        time.sleep(WATCHED)
+        found.append({"jump": jump, **after(robot, seen)})
+        seen.clear()
+        put_off(clock, 0.0)
+        time.sleep(WATCHED)
+        found.append({"jump": -jump, **after(robot, seen)})
+    robot.start_fresh()
+    robot.say_and_finish("tense")
+    results.write_text(json.dumps(found), encoding="utf-8")
+
+
+def put_off(clock: Path, seconds: float) -> None:
+    """Set the nodes' wall clock so far ahead of the machine's."""
+    new = clock.with_suffix(".new")
+    new.write_text(str(seconds), encoding="utf-8")
+    new.rename(clock)
+
+
+def after(robot: RobotClient, seen: list) -> dict:
+    """What came of it: where the robot went, and whether it can be stopped and woken."""
+    state, reason = robot.state.state, robot.state.halt_reason
+    path = np.array(seen)
+    if state == "moving":
+        robot.say("stop")
+        robot.wait_for_state("halted", "faulted")
+    robot.wait(lambda: robot.drift(0.5) < RESTING)  # with a clock ahead it plays all out later
+    drift = robot.drift(0.5)
+    refused = robot.refused("tense")
+    return {
+        "state": state,
+        "reason": reason,
+        "refused": refused,
+        "drift": drift,
+        "step": float(np.abs(np.diff(path, axis=0)).max()) if len(path) > 1 else 0.0,
+        "rcm": robot.max_rcm_error(),
+    }
+
+
+main()

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs each `<test>` of a `.test` file as one pytest item; all of a file share one launched system.
+
+The system, on a master of its own, is started before the first of them and ends after the last.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from tests.support.ros_host import Host
+
+HERE = Path(__file__).parent
+SHOWN = 8000  # characters of what a failed rostest, or the system, said
+RAN = re.compile(r"^Ran (\d+) tests? in", re.MULTILINE)
+
+
+def pytest_collect_file(file_path, parent):
+    if file_path.suffix == ".test":
+        return RosTestFile.from_parent(parent, path=file_path)
+    return None
+
+
+class RosTestFile(pytest.File):
+    """One launch file; its set-up is the running system."""
+
+    def collect(self):
+        for tag in ElementTree.parse(self.path).getroot().iter("test"):
+            yield RosTest.from_parent(self, name=tag.get("test-name"), tag=tag)
+
+    def setup(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addfinalizer(self.folder.cleanup)
+        self.host = Host(Path(self.folder.name))
+        self.addfinalizer(self.host.close)
+        self.host.start_master()
+        self.system = self.host.start("roslaunch", "--wait", str(self.path))
+        self.host.wait_for_nodes()
+
+
+class RosTest(pytest.Item):
+    """One script of unittests."""
+
+    def __init__(self, *, tag, **more):
+        super().__init__(**more)
+        (self.script,) = HERE.rglob(tag.get("type"))
+        self.limit = float(tag.get("time-limit"))
+
+    def runtest(self):
+        words = [sys.executable, str(self.script), "--text", f"__name:={self.name}"]
+        if self.parent.system.poll() is not None:
+            self.fail("the system ended before this test")
+        try:
+            done = subprocess.run(
+                words,
+                env=self.parent.host.environment,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                timeout=self.limit,
+            )
+        except subprocess.TimeoutExpired as late:
+            said = (late.output or b"").decode(errors="replace")
+            self.fail(f"{said[-SHOWN:]}\nno end within {self.limit:g} s")
+        ran = RAN.search(done.stdout)
+        if done.returncode or not (ran and int(ran[1])):
+            self.fail(done.stdout[-SHOWN:])
+
+    def fail(self, words):
+        raise RosTestError(f"{words}\n--- the system said:\n{self.parent.host.said()[-SHOWN:]}")
+
+    def repr_failure(self, excinfo, style=None):
+        if isinstance(excinfo.value, RosTestError):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, style)
+
+    def reportinfo(self):
+        return self.path, 0, f"rostest {self.name}"
+
+
+class RosTestError(Exception):
+    """A rostest failed, ran nothing or did not end."""

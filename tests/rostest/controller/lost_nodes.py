@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The voice node falls silent, then the robot dies, each in the middle of a motion.
+
+This test bears the name of the voice node, for the controller knows spoken commands by it.
+"""
+
+import os
+import signal
+import sys
+import unittest
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
+import rostest
+from std_msgs.msg import Time
+
+from tests.support.robot_client import RobotClient
+
+
+class LostNodes(unittest.TestCase):
+    """Every loss brakes, latches and is named; nothing goes on by itself."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = RobotClient()
+        cls.heartbeat = rospy.Publisher("rst_control/heartbeat", Time, queue_size=1)
+        cls.robot.wait(lambda: cls.heartbeat.get_num_connections() > 0)
+
+    def test_1_a_spoken_command_brakes_when_the_heartbeat_ends(self):
+        self.robot.start_fresh()
+        beat = rospy.Timer(rospy.Duration(0.05), lambda _: self.heartbeat.publish(Time()))
+        rospy.sleep(0.3)
+        self.robot.say("tense")
+        self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
+        beat.shutdown()
+        self.robot.wait_for_state("faulted", limit=5)
+        self.assertIn("voice node silent", self.robot.state.halt_reason)
+
+    def test_2_without_heartbeat_nothing_spoken_moves(self):
+        self.robot.activate()
+        self.assertIn("voice node silent", self.robot.refused("tense"))
+        self.assertEqual(self.robot.state.state, "active")
+        self.robot.say("stop")
+        self.robot.wait_for_state("halted")
+
+    def test_3_a_dead_robot_is_named_and_waited_for(self):
+        beat = rospy.Timer(rospy.Duration(0.05), lambda _: self.heartbeat.publish(Time()))
+        self.addCleanup(beat.shutdown)
+        rospy.sleep(0.3)
+        self.robot.start_fresh()
+        self.robot.say("tense")
+        self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
+        api = rosgraph.Master(rospy.get_name()).lookupNode("robot")
+        os.kill(ServerProxy(api).getPid(rospy.get_name())[2], signal.SIGKILL)
+        self.robot.wait_for_state("faulted", limit=5)
+        self.assertRegex(self.robot.state.halt_reason, "stale|not connected")
+        self.assertIn("halted", self.robot.refused("tense"))
+        self.robot.activate()  # `respawn` has started it again; nothing else was
+        self.robot.say("tense")
+        self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
+        self.robot.say("stop")
+        self.robot.wait_for_state("halted")
+
+
+if __name__ == "__main__":
+    rospy.init_node("voice_assist")
+    rostest.rosrun("rst_control", "voice_assist", LostNodes, sys.argv)

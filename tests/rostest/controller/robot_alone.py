@@ -1,0 +1,35 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The controller dies in the middle of a motion: the robot side holds by itself."""
+
+import os
+import signal
+import sys
+import unittest
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
+import rostest
+
+from tests.support.robot_client import RobotClient
+
+
+class RobotAlone(unittest.TestCase):
+    """The controller is killed, and the robot watched."""
+
+    def test_the_robot_holds_when_set_points_stop(self):
+        robot = RobotClient()
+        robot.start_fresh()
+        robot.say("tense")
+        robot.wait(lambda: robot.state.state == "moving" and robot.speed() > 5e-3)
+        api = rosgraph.Master(rospy.get_name()).lookupNode("controller")
+        pid = ServerProxy(api).getPid(rospy.get_name())[2]
+        os.kill(pid, signal.SIGKILL)
+        robot.wait(lambda: robot.drift(0.1) < 1e-4, limit=3)
+        self.assertLess(robot.drift(0.5), 1e-3)
+
+
+if __name__ == "__main__":
+    rospy.init_node("robot_alone")
+    rostest.rosrun("rst_control", "robot_alone", RobotAlone, sys.argv)

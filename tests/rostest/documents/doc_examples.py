@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The lines of the documentation, executed as they stand there against a running system."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from sensor_msgs.msg import JointState
+
+from tests.support.doc_lines import all_lines, marker_of
+from tests.support.robot_client import START_LIMIT, RobotClient
+
+ROOT = Path(__file__).resolve().parents[3]
+
+SESSIONS = ROOT / ".cache" / "doc_examples"
+A_SESSION = re.compile(r"^sessions/\S+$")
+FEEDBACK = "/my_gen3/base_feedback/joint_state"
+LIMIT = 90.0  # [s] for one line
+RECORDED = 5.0  # [s] of the session that the lines are about, at least
+LISTENING = 8.0  # [s] for one that runs until it is ended
+WAY_IN_OR_OUT = ("'insert'\"", "'withdraw'\"")  # long, so one after the other, in the end
+ENDLESS = ("rostopic hz",)
+
+
+def lines_of(system):
+    """Lines that are executed against a system; what stands on several pages, once.
+
+    Ways into the patient and out of it come last, so that there is one of each.
+    """
+    found = {}
+    for line in all_lines():
+        marker = marker_of(line)
+        if marker and marker.system == system:
+            found.setdefault(line.text, line)
+    return sorted(found.values(), key=lambda line: line.text.endswith(WAY_IN_OR_OUT))
+
+
+class DocExamples(unittest.TestCase):
+    """Every line of one system."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.system = rospy.get_param("~system")
+        cls.robot = RobotClient() if cls.system == "controller" else None
+        if cls.system == "drivers":
+            rospy.wait_for_message(FEEDBACK, JointState, START_LIMIT)
+        if cls.system == "recording":
+            rospy.wait_for_message("joint_states", JointState, START_LIMIT)
+            rospy.sleep(RECORDED)
+
+    @classmethod
+    def tearDownClass(cls):
+        if cls.robot:
+            cls.robot.leave()
+        if cls.system == "recording":
+            shutil.rmtree(SESSIONS, ignore_errors=True)
+
+    def test_every_line_does_what_its_page_says(self):
+        lines = lines_of(self.system)
+        self.assertTrue(lines)
+        for line in lines:
+            with self.subTest(page=line.page, line=line.number, text=line.text):
+                self.prepare(line)
+                self.check(line, self.execute(line))
+
+    def prepare(self, line):
+        """Bring the robot to where the line begins."""
+        if not line.text.startswith("rosservice call /rst_control"):
+            return
+        if "hey robot" in line.text:
+            self.robot.wait_for_state("standby", "active", "halted", "faulted")
+            return
+        self.robot.start_fresh()
+        is_outside = self.robot.state.insertion < 0.0
+        if "'insert'" in line.text and not is_outside:
+            self.robot.say_and_finish("withdraw", 60.0)
+        elif "'insert'" not in line.text and is_outside:
+            self.robot.say_and_finish("insert", 60.0)
+
+    def execute(self, line):
+        """Run a line in the repository; returns what it printed."""
+        words = [self.place(word) for word in line.words]
+        if not line.text.startswith(ENDLESS):
+            done = subprocess.run(
+                words, cwd=ROOT, capture_output=True, text=True, timeout=LIMIT, check=False
+            )
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            return done.stdout
+        unbuffered = {**os.environ, "PYTHONUNBUFFERED": "1"}
+        running = subprocess.Popen(
+            words, cwd=ROOT, stdout=subprocess.PIPE, text=True, env=unbuffered
+        )
+        rospy.sleep(LISTENING)
+        running.send_signal(signal.SIGINT)
+        return running.communicate(timeout=LIMIT)[0]
+
+    def place(self, word):
+        """The session of this test in the place of the one that a page names."""
+        if not A_SESSION.match(word):
+            return word
+        return str(max((SESSIONS / "sessions").iterdir()))
+
+    def check(self, line, printed):
+        """What the page promises of the line."""
+        if line.text.startswith("rosservice call /rst_control"):
+            self.assertIn("accepted: True", printed)
+            if "hey robot" not in line.text:
+                self.robot.wait_for_state("active", "halted", "faulted", limit=90.0)
+                self.assertEqual(self.robot.state.state, "active", self.robot.halts())
+        elif line.text.startswith("rostopic pub -1 /rst_control/stop"):
+            self.robot.wait_for_state("halted")
+        elif "openrst_request" in line.text:
+            self.assertIn("succeeded: True", printed)
+        elif line.text.startswith("rostopic hz"):
+            rates = [float(rate) for rate in re.findall(r"average rate: ([\d.]+)", printed)]
+            self.assertAlmostEqual(rates[-1], 40.0, delta=15.0)
+        else:
+            self.assertTrue(printed.strip(), "it printed nothing")
+
+
+if __name__ == "__main__":
+    rospy.init_node("doc_examples")
+    rostest.rosrun("rst_control", "doc_examples", DocExamples, sys.argv)

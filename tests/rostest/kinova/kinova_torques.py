@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pulls through the bridge by a tension that is told from the arm's own noisy torques."""
+
+import sys
+import unittest
+
+import rospy
+import rostest
+from geometry_msgs.msg import WrenchStamped
+from std_msgs.msg import Bool, String
+from std_srvs.srv import Trigger
+
+from tests.support.robot_client import START_LIMIT, Halted, RobotClient
+
+ROUGH = 0.6  # [N] by which a pull led by noisy torques may miss; what they are worth says the bench
+CLOSE = 0.5  # [N] by which the estimate may be off, at rest
+TRIES = 3  # to grasp: what is told from torques, on a machine that stalls, may halt the robot
+MOST = 2.4  # [N] at which the controller gives up
+
+
+class KinovaTorques(unittest.TestCase):
+    """In the order of their names, on one robot."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.true, cls.most, cls.distrust, cls.gripped = 0.0, 0.0, None, False
+        rospy.Subscriber("simulation/tension", WrenchStamped, cls.on_true)
+        rospy.Subscriber("simulation/gripped", Bool, lambda m: setattr(cls, "gripped", m.data))
+        rospy.Subscriber("robot/tension_distrust", String, cls.on_distrust)
+        cls.robot = RobotClient()
+        cls.home_tool = rospy.ServiceProxy("robot/home_tool", Trigger)
+        cls.home_tool.wait_for_service(START_LIMIT)
+
+    @classmethod
+    def on_true(cls, message):
+        force = message.wrench.force
+        cls.true = (force.x**2 + force.y**2 + force.z**2) ** 0.5
+        cls.most = max(cls.most, cls.true)
+
+    @classmethod
+    def on_distrust(cls, message):
+        cls.distrust = message.data
+
+    def grasp(self):
+        """Say "tense", and after a halt begin anew, as its user would."""
+        halts = []
+        for _ in range(TRIES):
+            try:
+                return self.robot.say_and_finish("tense", limit=60.0)
+            except Halted as halt:
+                halts.append(str(halt))
+                self.robot.start_fresh()
+        self.fail(f"halted each time: {halts}")
+
+    def assert_told(self):
+        """The estimate settles near the true tension."""
+        self.robot.wait(lambda: abs(self.robot.tension - self.true) < CLOSE, 20.0)
+
+    def say_until_refused(self, command):
+        """Pull so often, six times at most; gives the last reply."""
+        for _ in range(6):
+            done = self.robot.finished(command)
+            reply = self.robot.command(command)
+            if not reply.accepted:
+                break
+            self.robot.wait(lambda done=done: self.robot.finished(command) > done, 60.0)
+            self.assert_told()
+        return reply
+
+    def test_1_before_the_jaws_were_open_at_rest_it_is_not_trusted(self):
+        self.robot.wait(lambda: self.distrust and self.distrust.startswith("no tare"), START_LIMIT)
+        self.robot.wait(lambda: self.home_tool().success, START_LIMIT)
+        self.robot.activate()
+
+    def test_2_tense_pulls_to_about_the_tension_asked_for(self):
+        self.grasp()
+        self.assertTrue(self.gripped)
+        self.assertEqual(self.distrust, "")
+        self.assertAlmostEqual(self.true, 1.0, delta=ROUGH)
+        self.assert_told()
+
+    def test_3_more_than_the_maximum_is_refused(self):
+        before = self.true
+        reply = self.say_until_refused("pull more")
+        self.assertIn("allowed 0.10 to 1.50 N", reply.message)
+        self.assertGreater(self.true, before)
+
+    def test_4_pull_less_pulls_less(self):
+        before = self.true
+        self.say_until_refused("pull less")  # one step is less than what the torques may be off by
+        self.assertLess(self.true, before)
+
+    def test_5_release_lets_go_and_nothing_was_ever_torn(self):
+        self.robot.say_and_finish("release", limit=60.0)
+        self.assertFalse(self.gripped)
+        self.assertEqual(self.true, 0.0)
+        self.assert_told()
+        self.assertLess(self.most, MOST)
+        self.assertLess(self.robot.max_rcm_error(), 1e-3)
+
+
+if __name__ == "__main__":
+    rospy.init_node("kinova_torques")
+    rostest.rosrun("rst_control", "kinova_torques", KinovaTorques, sys.argv)

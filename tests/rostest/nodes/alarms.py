@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The alarm node's wiring: what comes in by topic goes out as an alarm and as a marker."""
+
+import sys
+import unittest
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from visualization_msgs.msg import Marker
+
+from rst_control.msg import ControllerState, Event
+from support.waiting import wait_until
+from voice_assist.msg import Alarm, Utterance
+
+STOP = "stop topic, from /voice_assist"
+OVER = "tension 2.50 N, allowed 2.40 N"
+
+
+class Alarms(unittest.TestCase):
+    """Each way in, one after the other."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.alarm, cls.marker = Alarm(), Marker()
+        cls.state = ControllerState(state="active", assistance_enabled=True)
+        rospy.Subscriber("voice_assist/alarm", Alarm, lambda m: setattr(cls, "alarm", m))
+        rospy.Subscriber("voice_assist/alarm_marker", Marker, lambda m: setattr(cls, "marker", m))
+        cls.states = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
+        cls.events = rospy.Publisher("rst_control/event", Event, queue_size=10)
+        cls.said = rospy.Publisher("voice_assist/utterance", Utterance, queue_size=10)
+        cls.health = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=10)
+        cls.beat = rospy.Timer(rospy.Duration(0.02), cls.tell)
+        for topic in (cls.states, cls.events, cls.said, cls.health):
+            while topic.get_num_connections() == 0 and not rospy.is_shutdown():
+                rospy.sleep(0.05)
+
+    @classmethod
+    def tell(cls, _):
+        cls.state.header.stamp = rospy.Time.now()
+        cls.states.publish(cls.state)
+
+    def be(self, state, reason="", held=False):
+        self.state.state, self.state.halt_reason = state, reason
+        self.state.tissue_held = held
+
+    def test_1_a_stop_stands_and_says_what_to_do(self):
+        self.be("halted", STOP)
+        wait_until(lambda: self.alarm.kind == "stop")
+        self.assertEqual((self.alarm.priority, self.alarm.cause), (Alarm.MEDIUM, STOP))
+        self.assertIn("hey robot", self.alarm.next_step)
+        wait_until(lambda: STOP in self.marker.text)
+
+    def test_2_a_fault_comes_first_and_flashes(self):
+        self.be("faulted", OVER, held=True)
+        wait_until(lambda: self.alarm.kind == "fault")
+        self.assertEqual(self.alarm.priority, Alarm.HIGH)
+        wait_until(lambda: self.marker.color.a < 0.5)
+        wait_until(lambda: self.marker.color.a > 0.9)
+
+    def test_3_hey_robot_acknowledges_and_its_refusal_is_told(self):
+        self.events.publish(
+            Event(kind="refused", command="hey robot", message="robot not connected")
+        )
+        wait_until(lambda: self.alarm.acknowledged and len(self.alarm.others) == 1)
+        self.assertIn("robot not connected", self.alarm.others[0])
+
+    def test_4_all_is_well_again(self):
+        self.be("active")
+        wait_until(lambda: self.alarm.kind == "")
+        wait_until(lambda: self.marker.action == Marker.DELETE)
+
+    def test_5_words_of_a_command_that_was_not_taken_are_told(self):
+        reason = "confidence 0.31, allowed: at least 0.50"
+        said = Utterance(phrases=["tense"], wer=[0.0], nearest_command="tense", reason=reason)
+        self.said.publish(said)
+        wait_until(lambda: self.alarm.kind == "refusal")
+        self.assertEqual(self.alarm.next_step, "Say it again, clearly.")
+        wait_until(lambda: self.alarm.kind == "")
+        self.said.publish(
+            Utterance(phrases=["tense"], wer=[1.0], nearest_command="tense", reason="WER 1.0")
+        )
+        rospy.sleep(0.5)
+        self.assertEqual(self.alarm.kind, "")
+
+    def test_6_a_deaf_microphone_is_told_by_diagnostics(self):
+        status = DiagnosticStatus(level=DiagnosticStatus.ERROR, name="voice_assist: voice")
+        status.message = "default microphone: not found"
+        self.health.publish(DiagnosticArray(status=[status]))
+        wait_until(lambda: self.alarm.kind == "fault")
+        self.assertIn("microphone", self.alarm.cause)
+
+
+if __name__ == "__main__":
+    rospy.init_node("alarms_test")
+    rostest.rosrun("rst_control", "alarms_test", Alarms, sys.argv)

@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Enrolment as a screen leads it: what to say, what is kept and what is asked for again."""
+
+import os
+import shutil
+import sys
+import threading
+import unittest
+from pathlib import Path
+
+import numpy as np
+import rospy
+import rostest
+
+from voice_assist.msg import AudioChunk, Mode
+from voice_assist.srv import Enroll
+from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
+
+RATE, CHUNK = 16_000, 512
+NOISE = 10.0  # of 32767: a quiet room
+DELAY = 0.6  # [s] from the call to the word
+FOLDER = Path(os.environ["ROS_HOME"]) / "enrolment_test"  # as nodes.test has it
+
+
+class Room:
+    """Sound without end, with words in it where asked for."""
+
+    def __init__(self):
+        self._topic = rospy.Publisher("voice_assist/audio", AudioChunk, queue_size=100)
+        self._rng, self._sent = np.random.default_rng(1), 0
+        self._words, self._lock = np.zeros(0), threading.Lock()
+        self._timer = rospy.Timer(rospy.Duration(CHUNK / RATE), self._tell)
+
+    def say(self, text, gain):
+        """Speak, after a moment."""
+        (sound,) = speak([Prompt(text, "espeak", f"{HELD_OUT_ACCENT}+Alex", 1.0, 0.5)])
+        with self._lock:
+            self._words = np.concatenate([np.zeros(round(DELAY * RATE)), gain * sound])
+
+    def _tell(self, _):
+        block = self._rng.normal(0.0, NOISE, CHUNK)
+        with self._lock:
+            words, self._words = self._words[:CHUNK], self._words[CHUNK:]
+        block[: len(words)] += words
+        chunk = AudioChunk(rate=RATE, first_sample=self._sent)
+        chunk.header.stamp = rospy.Time.now()
+        chunk.samples = np.clip(block, -32767, 32767).astype(np.int16).tolist()
+        self._topic.publish(chunk)
+        self._sent += CHUNK
+
+
+class EnrolmentByService(unittest.TestCase):
+    """The tests run in the order of their names, on one profile."""
+
+    @classmethod
+    def setUpClass(cls):
+        shutil.rmtree(FOLDER, ignore_errors=True)
+        cls.room = Room()
+        cls.mode = rospy.Publisher("voice_assist/mode", Mode, queue_size=1, latch=True)
+        cls.mode.publish(Mode(mode="standby"))
+        rospy.wait_for_service("voice_assist/enroll", 60.0)
+        cls.enroll = rospy.ServiceProxy("voice_assist/enroll", Enroll)
+        while not cls.mode.get_num_connections():
+            rospy.sleep(0.05)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(FOLDER, ignore_errors=True)
+
+    def record(self, text, gain=1.0):
+        if text:
+            self.room.say(text, gain)
+        return self.enroll("ada", "record")
+
+    def test_1_it_says_what_to_say_and_records_nothing(self):
+        told = self.enroll("ada", "next")
+        self.assertTrue(told.success, told.message)
+        self.assertEqual((told.kind, told.phrase, told.number), ("room", "", 1))
+        self.assertEqual(self.enroll("ada", "next"), told)
+
+    def test_2_silence_is_the_room_but_no_command_and_asked_for_again(self):
+        told = self.record("")
+        self.assertTrue(told.success, told.message)
+        self.assertEqual((told.kind, told.phrase, told.number), ("command", "hey robot", 1))
+        self.assertGreaterEqual(told.total, 3)
+        for text, gain in (("", 1.0), ("hey robot", 0.003)):
+            told = self.record(text, gain)
+            self.assertFalse(told.success)
+            self.assertTrue(told.message)
+            self.assertEqual((told.phrase, told.number), ("hey robot", 1))
+
+    def test_3_a_good_take_is_kept_and_the_next_one_asked_for(self):
+        told = self.record("hey robot", 0.6)
+        self.assertTrue(told.success, told.message)
+        self.assertNotEqual((told.phrase, told.number), ("hey robot", 1))
+
+    def test_4_while_the_robot_listens_to_commands_nothing_is_recorded(self):
+        before = self.enroll("ada", "next")
+        self.mode.publish(Mode(mode="active"))
+        deadline = rospy.Time.now() + rospy.Duration(10.0)
+        told = self.record("")
+        while "terminate" not in told.message and rospy.Time.now() < deadline:
+            told = self.record("")  # the mode is on its way
+        self.assertFalse(told.success)
+        self.assertIn("terminate", told.message)
+        self.assertEqual((told.phrase, told.number), (before.phrase, before.number))
+        self.mode.publish(Mode(mode="standby"))
+
+    def test_5_what_makes_no_sense_is_refused_by_name(self):
+        self.assertIn("'dance'", self.enroll("ada", "dance").message)
+        told = self.enroll("../../etc", "next")
+        self.assertFalse(told.success)
+        self.assertIn("../../etc", told.message)
+        self.assertFalse(self.enroll("ada", "learn").success)  # most takes are missing
+
+    def test_6_recordings_are_for_their_owner_alone(self):
+        modes = {path.stat().st_mode & 0o077 for path in FOLDER.rglob("*")}
+        self.assertEqual(modes, {0})
+
+
+if __name__ == "__main__":
+    rospy.init_node("enrolment_test")
+    rostest.rosrun("rst_control", "enrolment", EnrolmentByService, sys.argv)

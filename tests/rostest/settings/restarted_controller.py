@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""A controller that is started anew goes on from where the robot holds, whatever that is."""
+
+import os
+import signal
+import sys
+import unittest
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
+import rostest
+
+from tests.support.robot_client import RobotClient
+
+FINGERS = slice(8, 10)
+HALF_OPEN = (0.03, 0.055)  # [rad]: no longer closed, and tissue is still held
+
+
+class RestartedController(unittest.TestCase):
+    """Killed at rest, with the jaws as a release left them that was stopped halfway."""
+
+    def test_it_moves_nothing_and_goes_on(self):
+        robot = RobotClient()
+        robot.activate()
+        robot.say_and_finish("tense")
+        self._release_halfway(robot)
+        before = robot.joints.position
+        self._kill()
+        robot.wait(lambda: robot.state.state == "standby")
+        rospy.sleep(1.0)
+        moved = max(abs(a - b) for a, b in zip(before, robot.joints.position, strict=True))
+        self.assertLess(moved, 2e-5)
+        robot.activate()
+        self.assertTrue(robot.state.tissue_held)
+        robot.say_and_finish("release")
+        self.assertFalse(robot.state.tissue_held)
+
+    def _release_halfway(self, robot):
+        robot.say("release")
+        robot.wait(lambda: sum(robot.joints.position[FINGERS]) > HALF_OPEN[0])
+        robot.say("stop")
+        robot.wait_for_state("halted")
+        robot.wait(lambda: robot.speed() < 1e-3)
+        opening = sum(robot.joints.position[FINGERS])
+        self.assertTrue(HALF_OPEN[0] < opening < HALF_OPEN[1], opening)
+        self.assertTrue(robot.state.tissue_held)
+
+    def _kill(self):
+        api = rosgraph.Master(rospy.get_name()).lookupNode("controller")
+        os.kill(ServerProxy(api).getPid(rospy.get_name())[2], signal.SIGKILL)
+
+
+if __name__ == "__main__":
+    rospy.init_node("restarted_controller")
+    rostest.rosrun("rst_control", "restarted_controller", RestartedController, sys.argv)

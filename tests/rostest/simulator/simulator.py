@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The simulated robot by ROS alone: what it publishes, serves, refuses and clears."""
+
+import sys
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import WrenchStamped
+from sensor_msgs.msg import CompressedImage, JointState
+from std_msgs.msg import Bool, Empty, String
+from std_srvs.srv import Trigger
+
+from support.waiting import wait_until
+
+LIMIT = 60.0  # [s] for whatever must happen on a loaded machine
+NAMES = [f"joint_{i}" for i in range(1, 8)] + [
+    "joint_pitch",
+    "joint_finger_left",
+    "joint_finger_right",
+]
+
+
+class Simulator(unittest.TestCase):
+    """A robot that nobody controls."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.states, cls.faults, cls.pictures = [], [], []
+        cls.subscribers = [
+            rospy.Subscriber("joint_states", JointState, cls.states.append),
+            rospy.Subscriber("robot/fault", String, lambda m: cls.faults.append(m.data)),
+            rospy.Subscriber("robot/scene/compressed", CompressedImage, cls.pictures.append),
+        ]
+        cls.servo = rospy.Publisher("robot/servo_jp", JointState, queue_size=100)
+        cls.clear = rospy.Publisher("robot/clear_fault", Empty, queue_size=1)
+        wait_until(lambda: len(cls.states) > 10 and cls.faults)
+        wait_until(lambda: cls.servo.get_num_connections() and cls.clear.get_num_connections())
+
+    def send(self, position, velocity=None) -> None:
+        message = JointState(name=NAMES, position=position, velocity=velocity or [0.0] * 10)
+        message.header.stamp = rospy.Time.now()
+        self.servo.publish(message)
+
+    def heal(self) -> None:
+        time.sleep(0.2)
+        self.clear.publish(Empty())
+        wait_until(lambda: self.faults[-1] == "")
+
+    def test_joint_states_are_complete_and_in_order(self) -> None:
+        message = self.states[-1]
+        self.assertEqual(list(message.name), NAMES)
+        self.assertEqual(message.header.frame_id, "base_link")
+        self.assertTrue(len(message.position) == len(message.velocity) == len(message.effort) == 10)
+        stamps = [s.header.stamp.to_sec() for s in self.states[-100:]]
+        self.assertTrue(np.allclose(np.diff(stamps), 0.002, atol=1e-6) or min(np.diff(stamps)) > 0)
+        self.assertLess(abs(stamps[-1] - time.time()), 5.0)
+
+    def test_tension_and_grip_are_told_from_the_start(self) -> None:
+        wrench = rospy.wait_for_message("robot/tension", WrenchStamped, LIMIT)
+        self.assertEqual(wrench.header.frame_id, "base_link")
+        self.assertEqual((wrench.wrench.force.x, wrench.wrench.force.z), (0.0, 0.0))
+        self.assertFalse(rospy.wait_for_message("robot/gripped", Bool, LIMIT).data)
+
+    def test_a_set_point_far_away_moves_nothing_and_is_named_and_can_be_cleared(self) -> None:
+        before = self.states[-1].position
+        self.send([0.5] * 10)
+        wait_until(lambda: "away from where it holds" in self.faults[-1])
+        self.heal()
+        self.assertLess(np.abs(np.subtract(self.states[-1].position, before)).max(), 1e-5)
+
+    def test_a_set_point_that_is_not_a_number_is_a_fault(self) -> None:
+        self.send([float("nan")] * 10)
+        wait_until(lambda: "not a number" in self.faults[-1])
+        self.heal()
+
+    def test_it_follows_a_stream_and_holds_at_its_end(self) -> None:
+        start = np.array(self.states[-1].position)
+        rate = rospy.Rate(500)
+        for k in range(250):
+            turn = 0.01 * (1.0 - np.cos(np.pi * k / 249.0))
+            speed = 0.01 * np.pi / 0.498 * np.sin(np.pi * k / 249.0)
+            self.send([*start[:6], start[6] + turn, *start[7:]], [0.0] * 6 + [speed] + [0.0] * 3)
+            rate.sleep()
+        wait_until(
+            lambda: abs(self.states[-1].position[6] - start[6] - 0.02) < 2e-3 or self.faults[-1]
+        )
+        if self.faults[-1]:  # a loaded machine may have held up this stream
+            self.assertIn("stopped coming", self.faults[-1])
+            self.heal()
+
+    def test_snapshot_publishes_a_picture(self) -> None:
+        count = len(self.pictures)
+        rospy.wait_for_service("robot/snapshot", LIMIT)
+        reply = rospy.ServiceProxy("robot/snapshot", Trigger)()
+        self.assertTrue(reply.success, reply.message)
+        wait_until(lambda: len(self.pictures) > count)
+        self.assertEqual(self.pictures[-1].format, "png")
+        self.assertTrue(bytes(self.pictures[-1].data).startswith(b"\x89PNG"))
+
+    def test_tissue_can_be_reset(self) -> None:
+        reply = rospy.ServiceProxy("robot/reset_tissue", Trigger)()
+        self.assertTrue(reply.success, reply.message)
+
+    def test_diagnostics_tell_how_the_simulation_fares(self) -> None:
+        message = rospy.wait_for_message("/diagnostics", DiagnosticArray, LIMIT)
+        keys = {value.key for value in message.status[0].values}
+        self.assertLessEqual({"real-time factor", "late steps", "servo"}, keys)
+
+
+if __name__ == "__main__":
+    rospy.init_node("simulator_test")
+    rostest.rosrun("rst_control", "simulator", Simulator, sys.argv)

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the rostests of the robot side share: a client that speaks by ROS alone."""
+
+from __future__ import annotations
+
+import time
+
+import rospy
+from geometry_msgs.msg import WrenchStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty
+
+from rst_control.msg import ControllerState, Event
+from rst_control.srv import Command
+from support.waiting import PATIENCE
+
+START_LIMIT = 60.0  # [s] for the simulator and the compiled kernels to come up on a loaded machine
+STATE_RATE = 50.0  # [Hz] of rst_control/state, in controller.yaml
+
+
+class Halted(AssertionError):
+    """A motion that had to be carried out ended with the robot holding."""
+
+
+class RobotClient:
+    """Calls the command service and watches what the robot does about it."""
+
+    def __init__(self) -> None:
+        self.state: ControllerState | None = None
+        self.joints: JointState | None = None
+        self.tension = 0.0
+        self.states: list[ControllerState] = []
+        self.count = 0  # of all states so far
+        self.events: list[Event] = []
+        self._subscribers = [
+            rospy.Subscriber("rst_control/state", ControllerState, self._on_state),
+            rospy.Subscriber("rst_control/event", Event, self.events.append),
+            rospy.Subscriber("joint_states", JointState, self._on_joints, tcp_nodelay=True),
+            rospy.Subscriber("robot/tension", WrenchStamped, self._on_tension),
+        ]
+        rospy.wait_for_service("rst_control/command", START_LIMIT)
+        self.command = rospy.ServiceProxy("rst_control/command", Command)
+        self.stop_topic = rospy.Publisher("rst_control/stop", Empty, queue_size=1)
+        self.wait(lambda: self.state is not None and self.joints is not None, START_LIMIT)
+
+    def _on_state(self, message: ControllerState) -> None:
+        self.state = message
+        self.states.append(message)
+        self.count += 1
+
+    def _on_joints(self, message: JointState) -> None:
+        self.joints = message
+
+    def _on_tension(self, message: WrenchStamped) -> None:
+        force = message.wrench.force
+        self.tension = (force.x**2 + force.y**2 + force.z**2) ** 0.5
+
+    def wait(self, condition, limit: float = 30.0, every: float = 0.01) -> None:
+        """Wait until the condition holds; fail with the controller's state where it never does.
+
+        Args:
+            condition: Asked again and again.
+            limit: Longest wait [s], by the states of a controller that runs at its rate. One that
+                the machine holds up, or that has ended, is given `PATIENCE` as well.
+            every: Time between two questions [s].
+        """
+        count, end = self.count + limit * STATE_RATE, time.monotonic() + max(limit, PATIENCE)
+        while not condition():
+            if self.count > count or time.monotonic() > end:
+                raise AssertionError(
+                    f"waited {limit} s in vain; the controller says:\n{self.state}"
+                )
+            time.sleep(every)
+
+    def wait_for_state(self, *names: str, limit: float = 30.0) -> None:
+        """Wait until the controller is in one of the named states."""
+        self.wait(lambda: self.state.state in names, limit)
+
+    def say(self, command: str) -> str:
+        """Give a command that must be accepted; returns its message."""
+        reply = self.command(command)
+        assert reply.accepted, f"{command!r} was refused: {reply.message}"
+        return reply.message
+
+    def say_and_finish(self, command: str, limit: float = 30.0) -> None:
+        """Give a motion command and wait until it was carried out.
+
+        Raises:
+            Halted: The robot halted on the way.
+        """
+        count, halts = self.finished(command), len(self.halts())
+        self.say(command)
+        self.wait(lambda: self.finished(command) > count or len(self.halts()) > halts, limit)
+        if self.finished(command) == count:
+            raise Halted(f"{command!r} was not carried out: {self.halts()[-1]}")
+        rospy.sleep(0.1)  # for the state of that moment to arrive
+
+    def halts(self) -> list[str]:
+        """Why it halted, each time so far."""
+        return [e.message for e in self.events if e.kind == "halted"]
+
+    def finished(self, command: str) -> int:
+        """How often a command was carried out to its end."""
+        return sum(e.kind == "motion_finished" and e.command == command for e in self.events)
+
+    def refused(self, command: str) -> str:
+        """Give a command that must be refused; returns the reason."""
+        reply = self.command(command)
+        assert not reply.accepted, f"{command!r} was accepted: {reply.message}"
+        return reply.message
+
+    def activate(self) -> None:
+        """Say "hey robot" until the robot is healthy and listens, as every session begins.
+
+        Not so often that the caller's budget of calls is spent when the next command comes.
+        """
+        self.wait(lambda: self.command("hey robot").accepted, START_LIMIT, every=0.1)
+        self.wait_for_state("active", "moving")
+
+    def start_fresh(self) -> None:
+        """Bring the robot to rest, active, with nothing grasped, whatever the last test left."""
+        self.wait_for_state("standby", "active", "halted", "faulted")
+        self.activate()
+        if self.state.tissue_held:
+            self.say_and_finish("release")
+
+    def leave(self) -> None:
+        """Leave the robot as it was found: in standby, with nothing grasped."""
+        self.start_fresh()
+        self.say("terminate")
+        self.wait_for_state("standby")
+
+    def speed(self) -> float:
+        """Largest measured joint speed [rad/s]."""
+        return max(abs(v) for v in self.joints.velocity)
+
+    def drift(self, seconds: float) -> float:
+        """Largest change of a joint within a time [rad]."""
+        before = self.joints.position
+        rospy.sleep(seconds)
+        after = self.joints.position
+        return max(abs(a - b) for a, b in zip(before, after, strict=True))
+
+    def max_rcm_error(self) -> float:
+        """Largest RCM error that the controller reported while in motion [m]."""
+        moving = [s.rcm_error for s in self.states if s.state in ("moving", "stopping")]
+        return max(moving, default=0.0)

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A master and launches beside it, as on a machine of its own; each can be killed alone."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import rosgraph
+
+from support.launched_system import end_group, free_port
+from support.waiting import wait_until
+
+ROOT = Path(__file__).resolve().parents[2]
+ROSTEST = ROOT / "tests" / "rostest"
+END = 20.0  # [s] for a process to end
+CORE = {"/rosout"}  # node of the master's own
+
+
+class Host:
+    """A master and launches, each in a process group of its own.
+
+    Attributes:
+        environment: Of what is started here, and of who wants to find it.
+        master: The master's API.
+    """
+
+    def __init__(self, folder):
+        self.port = free_port()
+        uri = f"http://127.0.0.1:{self.port}"
+        self.environment = {
+            **os.environ,
+            "ROS_IP": "127.0.0.1",
+            "ROS_MASTER_URI": uri,
+            "ROS_HOME": str(folder / "ros"),
+            "ROS_LOG_DIR": str(folder / "logs"),
+        }
+        self._output = folder / "said.txt"
+        self._log = self._output.open("ab")
+        self._running = []
+        self.master = rosgraph.Master("/test", uri)
+
+    def start(self, *words, beside=None):
+        """Begin a process; `beside` holds variables for its environment alone."""
+        process = subprocess.Popen(
+            words,
+            stdout=self._log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            env={**self.environment, **(beside or {})},
+        )
+        self._running.append(process)
+        return process
+
+    def start_master(self):
+        process = self.start("roscore", "-p", str(self.port))
+        wait_until(self.is_there, "a master")
+        return process
+
+    def launch(self, name, beside=None, **arguments):
+        words = [f"{key}:={value}" for key, value in arguments.items()]
+        file = str(ROOT / "launch" / f"{name}.launch")
+        return self.start("roslaunch", "--wait", file, *words, beside=beside)
+
+    def said(self):
+        """All that was printed by what was started here."""
+        return self._output.read_text(encoding="utf-8", errors="replace")
+
+    def is_there(self):
+        return bool(self._asked(self.master.getPid))
+
+    def is_found(self, service):
+        return bool(self._asked(self.master.lookupService, service))
+
+    def wait_for_nodes(self):
+        """Wait until the first node of a launch is there; all parameters are set by then."""
+        wait_until(lambda: self.nodes() - CORE, "the first node")
+
+    def nodes(self):
+        """Names of the nodes that the master knows."""
+        state = self._asked(self.master.getSystemState) or ()
+        return {node for part in state for _, nodes in part for node in nodes}
+
+    def _asked(self, question, *words):
+        try:
+            return question(*words)
+        except (OSError, rosgraph.MasterException):
+            return None
+
+    def close(self):
+        """End all that was started here, the newest first."""
+        for process in reversed(self._running):
+            end_group(process, END)
+        self._log.close()
