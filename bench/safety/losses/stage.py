@@ -17,10 +17,11 @@ import rospy
 from bench.safety.losses import judge
 from bench.safety.losses.client import ActionClient, Room
 from bench.safety.losses.judge import Loss, Rule, Trace
-from bench.safety.losses.parts import START_TIME, Part, Parts, wait_for
+from bench.safety.losses.parts import START_TIME, Part, Parts
 from bench.safety.losses.scene import FRESH, Lead, Watcher
 from rst_control.config import load_motion_config
 from rst_control.types import JOINTS
+from support.waiting import wait_until
 
 WATCHED = 0.8  # [s] after a loss, and after a stop
 FOUND = 10.0  # [s] for new clients to find the controller
@@ -80,7 +81,7 @@ def stage_for(victim: str, seed: int, log: Path) -> Iterator[Stage]:
             lead.client.start()
         part = lead.client or parts[victim]
         stage = Stage(victim, part, watcher, lead, rng)
-        wait_for(stage.is_back, "all parts speak", START_TIME)
+        wait_until(stage.is_back, "all parts speak", START_TIME)
         yield stage
 
 
@@ -139,8 +140,8 @@ class Stage:
         found: list[str] = []
         back = None
         try:
-            wait_for(self.is_back, "all parts speak again", START_TIME)
-            wait_for(self._lead.is_found, "new clients find the controller", FOUND)
+            wait_until(self.is_back, "all parts speak again", START_TIME)
+            wait_until(self._lead.is_found, "new clients find the controller", FOUND)
             time.sleep(RETURNED)
             until = time.monotonic()
             if self._victim != "recorder":  # it was awake again while the recorder was lost
@@ -199,7 +200,7 @@ class Stage:
         """When the part was truly lost [s]: a recogniser fails at its next look."""
         if self._victim == "recogniser" and self._lead.room is not None:
             self._lead.room.say(TALK)
-            wait_for(lambda: self._watcher.failed_at > lost, "the recogniser fails", 3.0)
+            wait_until(lambda: self._watcher.failed_at > lost, "the recogniser fails", 3.0)
             return self._watcher.failed_at
         return lost
 
@@ -207,7 +208,7 @@ class Stage:
         """Stop what moves."""
         if self._watcher.is_("moving", "stopping"):
             self._watcher.stop()
-            wait_for(lambda: not self._watcher.is_("moving", "stopping"), "at rest", 5.0)
+            wait_until(lambda: not self._watcher.is_("moving", "stopping"), "at rest", 5.0)
 
     def _watch(self, lost: float, goes_on: bool) -> tuple[float, float | None, str]:
         """Time to rest by itself; where that is not meant to be: by a stop, and which [s]."""

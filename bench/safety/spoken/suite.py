@@ -25,7 +25,7 @@ import rospy
 
 from bench.safety.losses import judge
 from bench.safety.losses.client import Room
-from bench.safety.losses.parts import START_TIME, Parts, wait_for
+from bench.safety.losses.parts import START_TIME, Parts
 from bench.safety.losses.scene import FRESH, Lead, Watcher
 from bench.safety.spoken import judge as spoken_judge
 from bench.safety.spoken.judge import Piece, SpokenStop
@@ -35,6 +35,7 @@ from bench.voice.stop import people
 from rst_control.msg import Event
 from rst_control.ros.common.wall_clock import wall_offset
 from support.figures import ROOT, Figure
+from support.waiting import wait_until
 from voice_assist.audio.wav_file import read_sound
 from voice_assist.msg import AudioChunk
 from voice_assist.types import Samples
@@ -126,7 +127,7 @@ class _Trials:
         sound = read_sound(ROOT / clip.path)
         self._room.play(sound)
         with suppress(RuntimeError):
-            wait_for(lambda: bool(self._since(begun)), "a stop", HEARD)
+            wait_until(lambda: bool(self._since(begun)), "a stop", HEARD)
         time.sleep(SETTLED)
         until = time.monotonic()
         joints, setpoints = self._watcher.joints(), self._watcher.setpoints()
@@ -134,7 +135,7 @@ class _Trials:
         came = self._since(begun)
         if not came:
             self._watcher.stop()
-        wait_for(lambda: not self._watcher.is_("moving", "stopping"), "at rest", LIMIT)
+        wait_until(lambda: not self._watcher.is_("moving", "stopping"), "at rest", LIMIT)
         speed = judge.speed(joints, came[0]) if came else 0.0
         return SpokenStop(
             who=who,
@@ -156,7 +157,7 @@ class _Trials:
                 reply = self._lead.say(words)
                 if reply.accepted:
                     with suppress(RuntimeError):
-                        wait_for(lambda: self._watcher.is_("moving"), words, 3.0)
+                        wait_until(lambda: self._watcher.is_("moving"), words, 3.0)
                         return PHASES[words]
                 refused = reply.message
         raise RuntimeError(f"nothing moves it: {refused}")
@@ -185,5 +186,5 @@ def _running() -> Iterator[_Trials]:
             beats = time.monotonic() - watcher.heartbeat_at < FRESH
             return watcher.hears_robot and watcher.now() is not None and watcher.can_stop and beats
 
-        wait_for(is_there, "all parts speak", START_TIME)
+        wait_until(is_there, "all parts speak", START_TIME)
         yield _Trials(room, watcher, Lead(watcher, np.random.default_rng(SEED)))
