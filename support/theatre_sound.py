@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-import io
-import subprocess
+from subprocess import CalledProcessError
 
 import numpy as np
-import soundfile
 import soxr
 from numpy.typing import NDArray
+
+from voice_assist.errors import ModelError
+from voice_assist.training.data.voices import espeak
 
 RATE = 16_000  # [Hz]
 LEVEL = 0.08  # RMS of speech, full scale 1
@@ -24,13 +25,11 @@ def speak(words: str, voice: str, words_per_minute: int) -> NDArray[np.float32]:
     Raises:
         RuntimeError: espeak-ng is missing or refuses the voice.
     """
-    command = ["espeak-ng", "-v", voice, "-s", str(words_per_minute), "--stdout", words]
     try:
-        wav = subprocess.run(command, check=True, capture_output=True).stdout
-    except (OSError, subprocess.CalledProcessError) as error:
+        sound, rate = espeak(words, voice, "-s", str(words_per_minute))
+    except (ModelError, CalledProcessError) as error:
         raise RuntimeError(f"espeak-ng could not say {words!r} as {voice!r}: {error}") from error
-    samples, rate = soundfile.read(io.BytesIO(wav), dtype="float32")
-    samples = soxr.resample(samples, rate, RATE)
+    samples = soxr.resample(sound.astype(np.float32) / np.float32(32768), rate, RATE)
     loud = samples[np.abs(samples) > 0.02]
     return (samples * (LEVEL / np.sqrt(np.mean(loud**2)))).astype(np.float32)
 

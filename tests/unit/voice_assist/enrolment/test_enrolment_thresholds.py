@@ -16,9 +16,8 @@ from voice_assist.enrolment.thresholds import (
     ConfidenceEvidence,
     choose_threshold,
     expected_errors,
-    rate_at_most,
-    share_at_most,
 )
+from voice_assist.evaluation.exact_bounds import rate_at_most, share_at_most
 from voice_assist.profile.thresholds import Setting, Settings, from_bytes, overlay, to_bytes
 
 COMMANDS = load_voice_config().commands
@@ -77,13 +76,6 @@ def test_no_file_makes_a_motion_easier_or_a_halt_harder(motion: float, halt: flo
     assert own.get("pull more").least_confidence == max(motion, MOTION.least_confidence)
     assert own.get("stop").least_confidence == min(halt, HALT.least_confidence)
     assert own.get("tense") == COMMANDS.get("tense")
-
-
-def test_bounds_are_those_of_clopper_pearson_and_garwood() -> None:
-    assert share_at_most(0, 3) == pytest.approx(1.0 - 0.05 ** (1.0 / 3.0))
-    assert share_at_most(3, 3) == 1.0
-    assert rate_at_most(0, 1.0) == pytest.approx(2.996, abs=0.001)
-    assert rate_at_most(1, 0.0) == float("inf")
 
 
 def test_misses_count_takes_that_were_not_heard_and_those_below() -> None:

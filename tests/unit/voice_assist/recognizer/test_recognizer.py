@@ -1,7 +1,6 @@
 """The recogniser: what the shipped checkpoint hears, and what it refuses to load."""
 
 import shutil
-import subprocess
 import zipfile
 
 import numpy as np
@@ -14,6 +13,7 @@ from voice_assist.config import load_voice_config
 from voice_assist.errors import ModelError
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH
+from voice_assist.training.data.voices import espeak
 from voice_assist.types import RATE
 
 COMMANDS = ("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate")
@@ -26,9 +26,8 @@ def embedded():
 
 def say(text, voice="en-us+john"):
     """Speech of a voice that training never heard, amid a little quiet."""
-    command = ["espeak-ng", "-v", voice, "-s", "160", "--stdout", text]
-    data = subprocess.run(command, check=True, capture_output=True).stdout[44:]
-    sound = soxr.resample(np.frombuffer(data, "<i2").astype(np.float32) / 32768, 22050, RATE)
+    samples, rate = espeak(text, voice, "-s", "160")
+    sound = soxr.resample(samples.astype(np.float32) / 32768, rate, RATE)
     quiet = np.zeros(RATE // 5, np.float32)
     return np.concatenate([quiet, sound.astype(np.float32), quiet])
 

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-import subprocess
 
 import numpy as np
 import pytest
-import soundfile
 import soxr
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
@@ -16,6 +14,7 @@ from voice_assist.spotter.features import STEP, Embedder
 from voice_assist.spotter.fusion import Belief, SecondWay
 from voice_assist.spotter.head import CONTEXT, read_head
 from voice_assist.spotter.spotter import Spotted, Spotter
+from voice_assist.training.data.voices import espeak
 from voice_assist.types import RATE, Call, Decision, Frame, Halt, Hypothesis, Match, frozen_samples
 
 CONFIG = load_voice_config(spotter__alone=0.5).spotter  # more sensitive than it is shipped
@@ -44,11 +43,9 @@ def listen(spotter):
     return run
 
 
-def spoken(words, folder, voice="en-us"):
-    path = folder / "said.wav"
-    subprocess.run(["espeak-ng", "-v", voice, "-w", str(path), words], check=True)
-    sound, rate = soundfile.read(path, dtype="float32")
-    sound = soxr.resample(sound, rate, RATE)
+def spoken(words, voice="en-us"):
+    samples, rate = espeak(words, voice)
+    sound = soxr.resample(samples.astype(np.float32) / 32768, rate, RATE)
     loud = 0.3 * sound / np.abs(sound).max()
     quiet = 2e-4 * np.random.default_rng(0).standard_normal(3 * RATE + len(loud))
     quiet[RATE : RATE + len(loud)] += loud
@@ -56,13 +53,13 @@ def spoken(words, folder, voice="en-us"):
 
 
 @pytest.mark.parametrize("voice", ["en-us", "en-gb"])
-def test_a_spoken_stop_fires_once(listen, tmp_path, voice):
-    assert len(listen(spoken("stop", tmp_path, voice))) == 1
+def test_a_spoken_stop_fires_once(listen, voice):
+    assert len(listen(spoken("stop", voice))) == 1
 
 
 @pytest.mark.parametrize("words", ["release", "pull more", "hello there", "good morning everyone"])
-def test_other_words_do_not_fire(listen, tmp_path, words):
-    assert listen(spoken(words, tmp_path)) == []
+def test_other_words_do_not_fire(listen, words):
+    assert listen(spoken(words)) == []
 
 
 @pytest.mark.parametrize("level", [0.0, 1e-4, 0.01, 0.3])
@@ -79,17 +76,17 @@ def test_tones_and_knocks_never_fire(listen):
     assert listen(beeps + knocks) == []
 
 
-def test_a_stop_right_after_a_gap_in_the_stream_is_heard(spotter, tmp_path):
+def test_a_stop_right_after_a_gap_in_the_stream_is_heard(spotter):
     spotter.reset()
-    sound = spoken("stop", tmp_path).astype(np.float32)
+    sound = spoken("stop").astype(np.float32)
     for frame in frames(sound[: RATE // 2]):
         assert spotter(frame) is None
     later = frames(sound[RATE - 1600 :], first_sample=100 * FRAME)
     assert len([s for frame in later if (s := spotter(frame))]) == 1
 
 
-def test_scores_do_not_depend_on_the_size_of_blocks(spotter, tmp_path):
-    sound = spoken("stop", tmp_path).astype(np.float32)
+def test_scores_do_not_depend_on_the_size_of_blocks(spotter):
+    sound = spoken("stop").astype(np.float32)
     found = []
     for size in (160, FRAME, 5000):
         spotter.reset()

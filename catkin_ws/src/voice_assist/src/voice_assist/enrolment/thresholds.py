@@ -6,12 +6,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from scipy.stats import beta, chi2
-
 from voice_assist.config.commands import NEVER_SURE, CommandConfig
+from voice_assist.evaluation.exact_bounds import rate_at_most, share_at_most
 from voice_assist.profile.thresholds import Setting
 
-SURE = 0.95  # of each bound
 _LOWEST_HALT = 0.5  # [0, 1] a halt is never taken from less
 _LOWEST_OTHER = 0.25  # [0, 1] nor what neither moves nor halts
 
@@ -33,9 +31,9 @@ class ExpectedErrors:
     min_confidence: float
     takes: int
     missed: int  # of them, below the threshold or not heard at all
-    miss_at_most: float  # upper bound of the share, SURE
+    miss_at_most: float  # 95 % upper bound of the share
     false: int  # commands in the talk, above the threshold
-    false_per_hour_at_most: float  # upper bound of the rate, SURE
+    false_per_hour_at_most: float  # 95 % upper bound of the rate
 
     def to_setting(self) -> Setting:
         """As it lies in the profile."""
@@ -89,13 +87,3 @@ def expected_errors(
     return ExpectedErrors(
         command.phrase, threshold, takes, missed, bound, false, rate_at_most(false, hours)
     )
-
-
-def share_at_most(count: int, trials: int) -> float:
-    """Upper bound on the share behind `count` of `trials` (Clopper and Pearson 1934)."""
-    return float(beta.ppf(SURE, count + 1, trials - count)) if count < trials else 1.0
-
-
-def rate_at_most(count: int, hours: float) -> float:
-    """Upper bound on the rate behind so many events in a time [1/h] (Garwood 1936)."""
-    return float(chi2.ppf(SURE, 2 * count + 2)) / (2.0 * hours) if hours > 0.0 else float("inf")

@@ -6,8 +6,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from scipy.stats import beta
-
+from voice_assist.evaluation.exact_bounds import share_interval
 from voice_assist.recognizer.checkpoint import find_checkpoint, read_checkpoint
 from voice_assist.recognizer.embedded import restore
 from voice_assist.training.data.corpus import Corpus
@@ -19,17 +18,9 @@ from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.transcribe import TranscriptTally, in_noise, tally, transcripts
 
 
-def interval(right: int, n: int, level: float = 0.95) -> tuple[float, float]:
-    """Exact confidence interval of a proportion (Clopper and Pearson 1934)."""
-    tail = (1 - level) / 2
-    low = float(beta.ppf(tail, right, n - right + 1)) if right else 0.0
-    high = float(beta.ppf(1 - tail, right + 1, n - right)) if right < n else 1.0
-    return low, high
-
-
 def row(name: str, found: TranscriptTally) -> str:
     """One line of the card's table."""
-    low, high = interval(found.right, found.n)
+    low, high = share_interval(found.right, found.n)
     share = f"{found.accuracy:.1%} ({low:.1%} to {high:.1%})"
     return f"| {name} | {found.n} | {share} | {found.taken} |"
 

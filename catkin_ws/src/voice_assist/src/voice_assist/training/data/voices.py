@@ -101,15 +101,29 @@ def _run(command: list[str], said: str = "") -> bytes:
         done = subprocess.run(command, check=True, capture_output=True, input=said.encode())
         return done.stdout
     except FileNotFoundError as error:
-        raise ModelError(f"training needs the program {command[0]!r}") from error
+        raise ModelError(f"speech synthesis needs the program {command[0]!r}") from error
+
+
+def espeak(text: str, voice: str, *options: str) -> tuple[Int16, int]:
+    """Sound of espeak-ng as it comes, and its rate [Hz].
+
+    Args:
+        text: Words, or phonemes in double square brackets.
+        voice: Of espeak-ng, such as "en-gb+f2".
+        options: Of its command line, such as "-s", "160" for words per minute.
+
+    Raises:
+        ModelError: espeak-ng is not installed.
+        subprocess.CalledProcessError: It refuses the voice.
+    """
+    data = _run(["espeak-ng", "-v", voice, *options, "--stdout", text])
+    rate = int.from_bytes(data[24:28], "little")  # an MBROLA voice has its own
+    return np.frombuffer(data[44 : 44 + (len(data) - 44) // 2 * 2], "<i2"), rate
 
 
 def _espeak(prompt: Prompt, text: str | None = None) -> Int16 | None:
-    speed = ["-s", str(round(165 * prompt.rate)), "-p", str(round(99 * prompt.pitch))]
-    said = prompt.text if text is None else text
-    data = _run(["espeak-ng", "-v", prompt.voice, *speed, "--stdout", said])
-    rate = int.from_bytes(data[24:28], "little")  # an MBROLA voice has its own
-    return _finish(np.frombuffer(data[44 : 44 + (len(data) - 44) // 2 * 2], "<i2"), rate)
+    style = ["-s", str(round(165 * prompt.rate)), "-p", str(round(99 * prompt.pitch))]
+    return _finish(*espeak(prompt.text if text is None else text, prompt.voice, *style))
 
 
 def phonemes(text: str, accent: str) -> str:

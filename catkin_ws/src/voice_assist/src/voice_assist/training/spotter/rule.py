@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from scipy.stats import beta
 
 from voice_assist.config import SpotterConfig
+from voice_assist.evaluation.exact_bounds import share_interval
 from voice_assist.spotter.fusion import Belief, SecondWay
 from voice_assist.training.spotter.trials import NEVER, SpotterTrial
 
@@ -34,11 +34,8 @@ class Count:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """95 %, two-sided (Clopper and Pearson 1934)."""
-        k, n = self.found, self.of
-        low = float(beta.ppf(0.025, k, n - k + 1)) if k else 0.0
-        high = float(beta.ppf(0.975, k + 1, n - k)) if k < n else 1.0
-        return low, high
+        """95 %, two-sided and exact."""
+        return share_interval(self.found, self.of)
 
     def __str__(self) -> str:
         low, high = self.interval
