@@ -69,12 +69,13 @@ class TorqueTensionNode:
         self._news.wait(wait)
         self._news.clear()
         trocar, found = self._trocar, None
-        for _ in range(len(self._readings) if trocar is not None else 0):
-            joints, taken = self._readings.popleft()
-            found = self._estimator.update(self._measurement(joints, taken), trocar)
         if trocar is None:
             self._say("the trocar is not known yet")
-        elif time.monotonic() - self._arrived > OLD:
+            return
+        for _ in range(len(self._readings)):
+            joints, taken = self._readings.popleft()
+            found = self._estimator.update(self._measurement(joints, taken), trocar)
+        if time.monotonic() - self._arrived > OLD:
             self._say("joint states are missing")
         elif found is not None:
             self._tell(joints, found)
@@ -85,14 +86,16 @@ class TorqueTensionNode:
         Raises:
             RstError: A joint is missing, or has no effort.
         """
-        rows = {}
+        rows: dict[str, Vector] = {}
         for row in ("position", "velocity", "effort"):
             values = dict(zip(joints.name, getattr(joints, row), strict=False))
             missing = [name for name in JOINTS if name not in values]
             if missing:
                 raise RstError(f"joint states without {row} of {', '.join(missing)}")
             rows[row] = np.array([values[name] for name in JOINTS])
-        return Measurement(**rows, stamp=taken, gripped=self._is_gripped)
+        return Measurement(
+            rows["position"], rows["velocity"], rows["effort"], taken, gripped=self._is_gripped
+        )
 
     def _tell(self, joints: JointState, found: TensionEstimate) -> None:
         message = WrenchStamped()

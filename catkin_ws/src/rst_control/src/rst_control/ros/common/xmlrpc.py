@@ -17,7 +17,7 @@ FAILURES: Final = (OSError, http.client.HTTPException, xmlrpc.client.Error, Valu
 
 
 class _Transport(xmlrpc.client.Transport):
-    def make_connection(self, host: str) -> http.client.HTTPConnection:
+    def make_connection(self, host: tuple[str, dict[str, str]] | str) -> http.client.HTTPConnection:
         """A connection that gives up in time."""
         connection = super().make_connection(host)
         connection.timeout = ANSWER_TIME

@@ -11,7 +11,7 @@ from contextlib import ExitStack
 import rospy
 
 from rst_control.admission.callers import Doorkeeper
-from rst_control.admission.command_queue import CommandDesk
+from rst_control.admission.command_queue import CommandDesk, Verify
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.config import MotionConfig
@@ -66,7 +66,7 @@ class ControllerNode:
         )
         watch = RecordingWatch(settings.recording, time.monotonic)
         self._recording = RecordingLink(watch, self._executor)
-        verify = RecordedOnly(self._context.verify, watch)
+        verify: Verify = RecordedOnly(self._context.verify, watch)
         if settings.first_motion == "confirmed":
             verify = ConfirmedFirst(verify, self._context).verify
         self._desk = CommandDesk(self._executor, verify, time.monotonic)

@@ -39,9 +39,10 @@ class SimulatorPictures:
         self._topic = rospy.Publisher(
             "robot/scene/compressed", CompressedImage, queue_size=2, latch=True
         )
-        self._window = self._start(window=True) if config.simulator.gui else None
-        if self._window is not None:
-            threading.Thread(target=self._show, name="window", daemon=True).start()
+        self._window: SceneWorker | None = None
+        if config.simulator.gui:
+            window = self._window = self._start(window=True)
+            threading.Thread(target=self._show, args=(window,), name="window", daemon=True).start()
         self._service = rospy.Service("robot/snapshot", Trigger, self._on_snapshot)
 
     def close(self) -> None:
@@ -74,12 +75,12 @@ class SimulatorPictures:
         self._topic.publish(message)
         return message.data
 
-    def _show(self) -> None:
+    def _show(self, window: SceneWorker) -> None:
         """Thread of the window; closing the window ends it, and the simulation goes on."""
         while not rospy.is_shutdown():
             with suppress(TimeoutError):
                 try:
-                    self._window.show(self._copy_state())
+                    window.show(self._copy_state())
                 except SceneLostError as error:
                     log.warning("%s", error)
                     return
