@@ -170,11 +170,11 @@ def motion_that_does_not_brake(patch):
 
 
 def a_lost_master_that_nobody_minds(patch):
-    patch.setattr(Watchdogs, "master", lambda self: "")
+    patch.setattr(Watchdogs, "master", lambda self: None)
 
 
 def a_lost_owner_whom_nobody_minds(patch):
-    patch.setattr(Watchdogs, "owner", lambda self, name: "")
+    patch.setattr(Watchdogs, "owner", lambda self, name: None)
 
 
 CONTROLLER_FAULTS = (

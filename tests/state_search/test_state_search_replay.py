@@ -53,7 +53,7 @@ def do(rig, step, expected):
         if given.is_fresh:
             rig.desk.take(Request(given.command.value), "test")
         else:
-            plan = rig.site.verify(Request("tense"), rig.home).plan
+            plan = rig.context.verify(Request("tense"), rig.home).plan
             rig.executor.post(Order(plan, rig.view.serial - 1, stale=lambda: None))
     if step.is_stopped:
         rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
