@@ -37,7 +37,7 @@ def test_the_command_prints_these_tables(capsys):
 
 def test_the_catalogue_shows_every_sound_once():
     assert [entry.earcon for entry in ENTRIES] == list(Earcon)
-    assert all(e.told.priority is PATTERNS[e.earcon].priority for e in ENTRIES)
+    assert all(e.example.priority is PATTERNS[e.earcon].priority for e in ENTRIES)
 
 
 def test_the_documentation_claims_no_conformity():
@@ -47,8 +47,8 @@ def test_the_documentation_claims_no_conformity():
 
 def test_kinds_and_priorities_differ_without_colour():
     assert len({SYMBOLS[kind] for kind in Kind}) == len(Kind)
-    lines = {headline(entry.told) for entry in ENTRIES}
-    alarms = [e for e in ENTRIES if e.told.kind is not Kind.NOTICE]
+    lines = {headline(entry.example) for entry in ENTRIES}
+    alarms = [e for e in ENTRIES if e.example.kind is not Kind.NOTICE]
     assert len(lines) >= len(alarms) + 1
 
 

@@ -87,6 +87,22 @@ class Mode(Enum):
     ACTIVE = "active"
 
 
+class HearingFault(Enum):
+    """Why a spoken stop may not be heard.
+
+    The value is the `reason_code` of the voice node's status in `/diagnostics`.
+    """
+
+    THREAD_ENDED = "thread_ended"
+    NO_SOUND = "no_sound"
+    NO_SOUND_YET = "no_sound_yet"
+    MUTED = "microphone_muted"
+    OVERLOADED = "microphone_overloaded"
+    SLOW = "recognition_slow"
+    HANGS = "recognition_hangs"
+    SPOTTER_FAILED = "spotter_failed"  # the recogniser still hears one
+
+
 @dataclass(frozen=True)
 class Match:
     """A command was recognised."""

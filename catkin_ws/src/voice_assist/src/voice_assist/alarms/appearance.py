@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from voice_assist.alarms.types import Kind, Priority, Told
+from voice_assist.alarms.types import Kind, Priority, AlarmText
 
 Rgba = tuple[float, float, float, float]  # each from 0 to 1
 
@@ -39,13 +39,13 @@ SYMBOLS: Final = {
 MARKS: Final = {Priority.HIGH: "!!!", Priority.MEDIUM: "!!", Priority.LOW: "!"}
 
 
-def headline(alarm: Told) -> str:
+def headline(alarm: AlarmText) -> str:
     """Symbol, kind and priority: "▲ FAULT !!! HIGH"."""
     words = [SYMBOLS[alarm.kind], alarm.kind.value.upper(), MARKS.get(alarm.priority, "")]
     return " ".join(word for word in (*words, LOOKS[alarm.priority].word) if word)
 
 
-def line(alarm: Told) -> str:
+def line(alarm: AlarmText) -> str:
     """All of an alarm in one line, the same for screen, log and recording."""
     return f"{headline(alarm)}: {alarm.cause} -> {alarm.next_step}"
 

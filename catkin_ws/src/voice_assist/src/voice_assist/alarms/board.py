@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from voice_assist.alarms.causes import SILENT
 from voice_assist.alarms.presenter import (
     HEY_ROBOT,
     event_alarm,
@@ -16,7 +17,7 @@ from voice_assist.alarms.presenter import (
     part_alarm,
     unheard_alarm,
 )
-from voice_assist.alarms.types import Alarm, DiaryEvent, Kind, PartHealth, RobotState, Utterance
+from voice_assist.alarms.types import Alarm, ControllerEvent, Kind, PartHealth, RobotState, UtteranceReport
 from voice_assist.config.alarms import BoardConfig
 
 _LATCH, _GIVE_UP, _REFUSAL, _NOTICE = "latch", "give-up", "refusal", "notice"
@@ -52,7 +53,7 @@ class Board:
         self._all: dict[str, Standing] = {}
         self._robot = RobotState(0.0, "")
         self._seen: dict[str, float] = {}  # [s] last word of the parts whose silence is a fault
-        self._errors: dict[str, str] = {}  # what the parts complain of
+        self._errors: dict[str, tuple[str, str]] = {}  # message and code of each part with an error
         self._begun: float | None = None  # [s] of the first thing taken in
 
     @property
@@ -69,13 +70,13 @@ class Board:
         if state.halt_reason:
             is_new = state.halt_reason != before.halt_reason
             is_loaded = state.is_loaded or (is_new and before.is_loaded)
-            self._raise(_LATCH, latch_alarm(state.halt_reason, is_loaded), now)
+            self._raise(_LATCH, latch_alarm(state.halt_reason, state.halt_reason_code, is_loaded), now)
         else:
             self._all.pop(_LATCH, None)
         self._look_at_parts(now)
 
-    def see_event(self, event: DiaryEvent, now: float) -> None:
-        """Take in an entry of the controller's diary."""
+    def see_event(self, event: ControllerEvent, now: float) -> None:
+        """Take in an entry of the controller's event log."""
         if event.command == HEY_ROBOT and event.kind in ("accepted", "refused"):
             self._acknowledge()
         if event.kind == "accepted":
@@ -90,7 +91,7 @@ class Board:
         else:
             self._flash(_REFUSAL if alarm.kind is Kind.REFUSAL else _NOTICE, alarm, now)
 
-    def see_utterance(self, utterance: Utterance, now: float) -> None:
+    def see_utterance(self, utterance: UtteranceReport, now: float) -> None:
         """Take in what the recogniser decided."""
         if utterance.command == HEY_ROBOT:
             self._acknowledge()
@@ -106,7 +107,7 @@ class Board:
         if part == "voice":
             self._seen[part] = now
         if health.is_error:
-            self._errors[part] = health.message
+            self._errors[part] = health.message, health.reason_code
         else:
             self._errors.pop(part, None)
         self._look_at_parts(now)
@@ -120,14 +121,14 @@ class Board:
 
     def _look_at_parts(self, now: float) -> None:
         """Raise or drop the alarms of the parts, in the situation of this moment."""
-        errors = self._complaints(now)
+        errors = self._part_errors(now)
         for key in [k for k in self._all if k.startswith("part ") and k[5:] not in errors]:
             del self._all[key]
-        for part, message in errors.items():
-            self._raise(f"part {part}", part_alarm(part, message, self._robot.is_loaded), now)
+        for part, (message, code) in errors.items():
+            self._raise(f"part {part}", part_alarm(part, message, code, self._robot.is_loaded), now)
 
-    def _complaints(self, now: float) -> dict[str, str]:
-        """What each part complains of, its silence included."""
+    def _part_errors(self, now: float) -> dict[str, tuple[str, str]]:
+        """Message and code of each part with an error; to be silent is one, too."""
         self._begun = now if self._begun is None else self._begun
         if now - self._begun < self._config.starting_for and not self._robot.is_active:
             return {}
@@ -137,9 +138,9 @@ class Board:
         for part, seen in self._seen.items():
             limit = limits[part]
             if now - seen > limit:
-                errors[part] = f"no word for more than {limit:.1f} s"
+                errors[part] = f"no word for more than {limit:.1f} s", SILENT
         if _LATCH in self._all or "controller" in errors:
-            errors.pop("motion", None)  # told already, by its consequence or its cause
+            errors.pop("motion", None)  # its consequence or its cause stands already
         return errors
 
     def _raise(self, key: str, alarm: Alarm, now: float) -> None:

@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from voice_assist.alarms.appearance import LOOKS, headline
-from voice_assist.alarms.causes import GIVE_UPS, LATCHES, PARTS, REFUSALS, UNHEARD, Cause
+from voice_assist.alarms.causes import GIVE_UPS, LATCHES, PARTS, REFUSALS, UNHEARD, Advice
 from voice_assist.alarms.earcons import PATTERNS
-from voice_assist.alarms.types import Earcon, Kind, Priority, Told
+from voice_assist.alarms.types import AlarmText, Earcon, Kind, Priority
 
 
 @dataclass(frozen=True)
@@ -18,12 +18,12 @@ class Entry:
     """One sound with what it means."""
 
     earcon: Earcon
-    told: Told  # an example of it
+    example: AlarmText
     meaning: str
 
 
 def _entry(earcon: Earcon, kind: Kind, meaning: str, cause: str, next_step: str) -> Entry:
-    return Entry(earcon, Told(kind, PATTERNS[earcon].priority, cause, next_step), meaning)
+    return Entry(earcon, AlarmText(kind, PATTERNS[earcon].priority, cause, next_step), meaning)
 
 
 ENTRIES: Final = (
@@ -102,8 +102,8 @@ def markdown() -> str:
     rows = [
         (
             f"`{e.earcon.value}`",
-            headline(e.told),
-            _colour(e.told.priority),
+            headline(e.example),
+            _colour(e.example.priority),
             sounds_of(e.earcon),
             e.meaning,
         )
@@ -121,9 +121,9 @@ def markdown() -> str:
     return "\n\n".join(parts)
 
 
-def _causes(causes: Iterable[Cause]) -> str:
-    rows = [(cause.name, cause.kind.value, cause.next_step) for cause in causes]
-    return _table(("cause", "kind", "what to do next"), rows)
+def _causes(causes: Mapping[str, Advice]) -> str:
+    rows = [(f"`{code}`", a.kind.value, a.next_step) for code, a in causes.items()]
+    return _table(("reason code", "kind", "what to do next"), rows)
 
 
 def _colour(priority: Priority) -> str:

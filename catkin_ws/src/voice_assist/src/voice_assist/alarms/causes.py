@@ -1,261 +1,162 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What each cause asks a person to do: tables of words, complete over all that is known.
+"""What each cause asks a person to do: one table for each way in which a cause shows itself.
 
-Causes arrive as the words that the controller, the recogniser or a health report chose for people.
-A pattern finds the entry; the first that fits counts. `UNKNOWN` is for words that nobody foresaw:
-test_alarm_causes.py shows that none of the controller's is among them.
+The keys are the reason codes of the messages: of `rst_control/ReasonCode.msg`, of `Utterance.msg`,
+and of the value `reason_code` in a status of `/diagnostics`.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from voice_assist.alarms.types import Kind
+from voice_assist.alarms.types import Kind, Priority
 
 
 @dataclass(frozen=True)
-class Cause:
-    """A cause that is known by its words."""
+class Advice:
+    """What to do about a cause, and how urgent it is."""
 
-    name: str  # of refusals by verification the value of the controller's `Reason`
-    pattern: str  # regular expression, searched in the words
     next_step: str  # short, in the imperative
     kind: Kind = Kind.FAULT
-
-    def fits(self, words: str) -> bool:
-        """Whether the words tell of this cause."""
-        return re.search(self.pattern, words) is not None
+    at_rest: Priority = Priority.MEDIUM  # of a fault at rest with nothing held
+    loaded: Priority = Priority.HIGH  # of a fault while tissue is held or the robot moves
 
 
-UNKNOWN: Final = Cause("unknown", "", 'Look at the robot; say "hey robot" once it is safe.')
-NO_REASON: Final = Cause("no reason", "", "Read the reason, then say it again.", Kind.REFUSAL)
-
-_ON: Final = 'then say "hey robot"'
-
-
-def _stop(name: str, pattern: str, next_step: str) -> Cause:
-    return Cause(name, pattern, next_step, Kind.STOP)
+def _mild(next_step: str) -> Advice:
+    """Of a fault that is no danger by itself."""
+    return Advice(next_step, at_rest=Priority.LOW, loaded=Priority.MEDIUM)
 
 
-def _refusal(name: str, pattern: str, next_step: str) -> Cause:
-    return Cause(name, pattern, next_step, Kind.REFUSAL)
+def _refusals(steps: Mapping[str, str]) -> dict[str, Advice]:
+    return {code: Advice(step, Kind.REFUSAL) for code, step in steps.items()}
 
 
-LATCHES: Final = (  # of ControllerState.halt_reason: what braked and latched
-    _stop("stop by topic", "^stop topic, from", 'Say "hey robot" when it is safe to go on.'),
-    _stop("stop by command", '^"stop" from', 'Say "hey robot" when it is safe to go on.'),
-    _stop(
-        "stop by cancel",
-        "^stop by cancelling ",
-        'Say "hey robot" when it is safe to go on.',
-    ),
-    _stop(
-        "shutdown",
-        "^the controller is being shut down",
-        "Start the controller again before the next command.",
-    ),
-    Cause("not recorded", "^not recorded", f"Start the recorder, {_ON}."),
-    Cause(
-        "not connected",
-        "^robot not connected",
-        f"Check the robot's power, cable and driver, {_ON}.",
-    ),
-    Cause("no master", "^the ROS master ", f"Start the ROS master again, {_ON}."),
-    Cause(
-        "node lost",
-        "during its motion$",
-        f"Start the node that is named again, {_ON}.",
-    ),
-    Cause("stale", "^joint states stale", f"Check the robot's driver and its network, {_ON}."),
-    Cause(
-        "set-points stopped",
-        "^robot fault: set-points stopped",
-        f"Check that the controller's machine keeps up, {_ON}.",
-    ),
-    Cause(
-        "set-point refused",
-        "^robot fault: .*(set-point|away from where it holds)",
-        f"Check the joint that is named, {_ON}.",
-    ),
-    Cause("sensor fault", "^sensor fault: ", f"Check the sensor that is named, {_ON}."),
-    Cause("tension sensor", "^robot fault: tension", f"Check the tension sensor, {_ON}."),
-    Cause(
-        "joint messages",
-        "^robot fault: (joint states|the last .* refused)",
-        f"Check the robot's driver, {_ON}.",
-    ),
-    Cause("robot fault", "^robot fault: ", f"Clear the fault at the robot, {_ON}."),
-    Cause(
-        "off its set-point",
-        "rad off its set-point",
-        f"Look what pushed or holds the arm and free it, {_ON}.",
-    ),
-    Cause(
-        "off the trocar",
-        "^shaft .* off the trocar",
-        f"Look at the trocar; set it anew if it moved, {_ON}.",
-    ),
-    Cause("over tension", "^tension .* N.*, allowed", 'Say "hey robot", then "release".'),
-    Cause("slipped", "^tissue slipped", 'Look at the tissue; say "hey robot", then "tense".'),
-    Cause(
-        "voice silent",
-        "^voice node silent",
-        "Check the microphone; give commands by hand meanwhile.",
-    ),
-    Cause("overtime", "^phase took", f"Look what holds the robot up, {_ON}."),
-    Cause(
-        "loop error",
-        "^error in the control loop",
-        "Free the tissue by hand; start the controller again.",
-    ),
+UNKNOWN: Final = Advice('Look at the robot; say "hey robot" once it is safe.')
+NO_REASON: Final = Advice("Read the reason, then say it again.", Kind.REFUSAL)
+
+_CLEAR: Final = "Clear the fault at the robot, then say it again."
+_ON: Final = 'then say "hey robot".'
+
+LATCHES: Final = {  # by ControllerState.halt_reason_code: what braked and latched
+    "stop_topic": Advice('Say "hey robot" when it is safe to go on.', Kind.STOP),
+    "stop_command": Advice('Say "hey robot" when it is safe to go on.', Kind.STOP),
+    "stop_cancel": Advice('Say "hey robot" when it is safe to go on.', Kind.STOP),
+    "shutdown": Advice("Start the controller again before the next command.", Kind.STOP),
+    "not_recorded": Advice(f"Start the recorder, {_ON}"),
+    "not_connected": Advice(f"Check the robot's power, cable and driver, {_ON}"),
+    "no_master": Advice(f"Start the ROS master again, {_ON}"),
+    "node_lost": Advice(f"Start the node that is named again, {_ON}"),
+    "joint_states_stale": Advice(f"Check the robot's driver and its network, {_ON}"),
+    "setpoints_stopped": Advice(f"Check that the controller's machine keeps up, {_ON}"),
+    "setpoint_refused": Advice(f"Check the joint that is named, {_ON}"),
+    "sensor_fault": Advice(f"Check the sensor that is named, {_ON}"),
+    "tension_sensor": Advice(f"Check the tension sensor, {_ON}"),
+    "joint_messages": Advice(f"Check the robot's driver, {_ON}"),
+    "robot_fault": Advice(f"Clear the fault at the robot, {_ON}"),
+    "off_setpoint": Advice(f"Look what pushed or holds the arm and free it, {_ON}"),
+    "off_trocar": Advice(f"Look at the trocar; set it anew if it moved, {_ON}"),
+    "over_tension": Advice('Say "hey robot", then "release".'),
+    "slipped": Advice('Look at the tissue; say "hey robot", then "tense".'),
+    "voice_silent": Advice("Check the microphone; give commands by hand meanwhile."),
+    "overtime": Advice(f"Look what holds the robot up, {_ON}"),
+    "loop_error": Advice("Free the tissue by hand; start the controller again."),
+}
+
+GIVE_UPS: Final = {  # by the code of an event at_rest: a motion that could not reach its end
+    "no_response_to_pull": _mild('Look at tissue and jaws; say "release", then "tense".'),
+    "closed_on_nothing": _mild('Bring tissue to the jaws; say "tense" again.'),
+    "caught_tissue": _mild('Say "release", then give it once more.'),
+    "tension_sensor": _mild('Say "pull more" to pull by distance, or "release".'),
+}
+ENDED_AS_ASKED: Final = ("terminated", "replaced")  # motions that end without an alarm
+
+REFUSALS: Final = _refusals(  # by the code of an event refused or trocar_refused
+    {
+        "unknown_command": "Say one of the known commands.",
+        "wrong_mode": 'Say "hey robot" first.',
+        "halted": 'Say "hey robot" when it is safe to go on.',
+        "busy": 'Wait until it rests, or say "stop".',
+        "not_at_rest": "Wait until it rests, then say it again.",
+        "by_hand_only": "Give this command by hand.",
+        "may_not_command": "Let somebody who may give it.",
+        "too_many_calls": "Wait a moment, then say it again.",
+        "bad_amount": "Give numbers from 0 up.",
+        "queue_full": "Wait for the answers, then repeat it.",
+        "situation_changing": "Wait a moment, then say it again.",
+        "check_failed": "Read the log; try another command.",
+        "withdrawn": 'Say "hey robot" when you want to go on.',
+        "not_recorded": "Start the recorder, then say it again.",
+        "not_connected": "Check the robot's power, cable and driver.",
+        "not_confirmed": "Look at the path that is shown, then confirm it.",
+        "no_master": "Start the ROS master again.",
+        "node_lost": "Start the node that is named.",
+        "voice_silent": "Check the microphone; give commands by hand meanwhile.",
+        "sensor_fault": "Check the sensor that is named.",
+        "robot_fault": _CLEAR,
+        "joint_states_stale": "Check the robot's driver and its network.",
+        "already_grasped": 'Say "release" first.',
+        "already_there": "Go on; nothing is left to do.",
+        "nothing_grasped": 'Say "tense" first.',
+        "not_inserted": 'Give "insert" by hand first.',
+        "tension_limit": 'Pull no further; say "pull less" or "release".',
+        "displacement_limit": 'Pull no further; "release" and regrasp.',
+        "no_grasp": "Move the grasp point, or the tissue.",
+        "collision": "Make room round the arm.",
+        "near_singular": "Bring the arm into another pose first.",
+        "workspace": "Choose a point nearer to the middle.",
+        "tilt_limit": "Look another way.",
+        "insertion_depth": 'Give "insert" by hand first.',
+        "joint_limit": "Bring the arm into another pose first.",
+        "rcm_tolerance": "Bring shaft and trocar together; set it anew.",
+        "not_the_trocar": "Bring the shaft into the trocar, then set it.",
+        "unreachable": "Choose a point that is easier to reach.",
+        "setpoints_stopped": _CLEAR,
+        "setpoint_refused": _CLEAR,
+        "tension_sensor": _CLEAR,
+        "joint_messages": _CLEAR,
+        "no_answer": "Stop by hand; start the controller again.",
+    }
 )
 
-GIVE_UPS: Final = (  # of the diary's at_rest: a motion that could not reach its end; no latch
-    Cause(
-        "no answer to pull",
-        "^tension rose by",
-        'Look at tissue and jaws; say "release", then "tense".',
-    ),
-    Cause("closed on nothing", "^nothing grasped", 'Bring tissue to the jaws; say "tense" again.'),
-    Cause(
-        "caught tissue", "^the closing jaws caught tissue", 'Say "release", then give it once more.'
-    ),
-)
-ENDED_AS_ASKED: Final = "terminated"  # the diary's at_rest after "terminate"
-
-REFUSALS: Final = (  # of the diary's refused and trocar_refused
-    _refusal("unknown command", "^unknown command", "Say one of the known commands."),
-    _refusal("wrong mode", "^in standby;", 'Say "hey robot" first.'),
-    _refusal(
-        "halted", r"^(halted \(|stopped meanwhile)", 'Say "hey robot" when it is safe to go on.'
-    ),
-    _refusal("busy", "^busy", 'Wait until it rests, or say "stop".'),
-    _refusal(
-        "not at rest",
-        "^(not at rest|still braking|braking|robot not at rest|moving;|stopping;)"
-        "|begin .* away from where the robot stands",
-        "Wait until it rests, then say it again.",
-    ),
-    _refusal("by hand only", "is given by hand, never by voice", "Give this command by hand."),
-    _refusal("may not command", "may not give commands", "Let somebody who may give it."),
-    _refusal("too many calls", "^too many calls from", "Wait a moment, then say it again."),
-    _refusal("bad amounts", "^tension and distance must be", "Give numbers from 0 up."),
-    _refusal("queue full", "commands are waiting already", "Wait for the answers, then repeat it."),
-    _refusal("changing", "^the situation keeps changing", "Wait a moment, then say it again."),
-    _refusal("check failed", "^error while checking", "Read the log; try another command."),
-    _refusal("withdrawn", "^(stopped|said again)$", 'Say "hey robot" when you want to go on.'),
-    _refusal("not recorded", "not recorded: ", "Start the recorder, then say it again."),
-    _refusal("not connected", "^robot not connected", "Check the robot's power, cable and driver."),
-    _refusal("not confirmed", "^dry run: ", "Look at the path that is shown, then confirm it."),
-    _refusal("no master", "^the ROS master ", "Start the ROS master again."),
-    _refusal("node lost", "^/.* (ended|was stopped|hung up)$", "Start the node that is named."),
-    _refusal(
-        "voice silent",
-        "^voice node (silent|without)",
-        "Check the microphone; give commands by hand meanwhile.",
-    ),
-    _refusal("sensor fault", "^sensor fault: ", "Check the sensor that is named."),
-    _refusal("faulted", "^robot fault: ", "Clear the fault at the robot, then say it again."),
-    _refusal("joint states stale", "^joint states", "Check the robot's driver and its network."),
-    _refusal("already grasped", "^tissue (already grasped|held|is held)", 'Say "release" first.'),
-    _refusal("already there", "^already (outside|inserted)", "Go on; nothing is left to do."),
-    _refusal("nothing grasped", "^nothing grasped", 'Say "tense" first.'),
-    _refusal("not inserted", "^tool not inserted", 'Give "insert" by hand first.'),
-    _refusal(
-        "tension limit",
-        "tension would be|tension is .* already|^asked for ",
-        'Pull no further; say "pull less" or "release".',
-    ),
-    _refusal(
-        "displacement limit", "^pulled .* mm, allowed", 'Pull no further; "release" and regrasp.'
-    ),
-    _refusal(
-        "no grasp", r"none of \d+ ways to take the tissue", "Move the grasp point, or the tissue."
-    ),
-    _refusal("collision", "mm from .*, allowed .* mm and more", "Make room round the arm."),
-    _refusal("near singular", "manipulability", "Bring the arm into another pose first."),
-    _refusal("workspace", "from the workspace centre", "Choose a point nearer to the middle."),
-    _refusal("tilt limit", "from the patient's inward normal", "Look another way."),
-    _refusal("insertion depth", "of shaft inserted", 'Give "insert" by hand first.'),
-    _refusal("joint limit", "at .* rad, allowed", "Bring the arm into another pose first."),
-    _refusal("rcm tolerance", "off the trocar", "Bring shaft and trocar together; set it anew."),
-    _refusal("not the trocar", "off it, allowed", "Bring the shaft into the trocar, then set it."),
-    _refusal(
-        "unreachable",
-        "^cannot |unreachable|out of|reach",
-        "Choose a point that is easier to reach.",
-    ),
+UNHEARD: Final = _refusals(  # by Utterance.reason_code: the words of a command were not taken
+    {
+        "unsure": "Say it again, clearly.",
+        "sounds_like_another": "Say it again, clearly.",
+        "halt_unsure": 'Say "stop" again, or stop by hand.',
+        "other_voice": "Let the enrolled person say it, or give it by hand.",
+        "damaged_sound": "Check the microphone and its cable.",
+        "tone": "Say it again, or give it by hand.",
+        "robot_speaking": "Wait until it has spoken, then repeat.",
+        "same_breath": "Pause, then say the command alone.",
+        "wrong_mode": 'Say "hey robot" first.',
+        "other_mode": "Wait for the other mode, then say it again.",
+    }
 )
 
-UNHEARD: Final = (  # of Utterance.reason: the words of a command were heard, and it was not taken
-    _refusal("unsure", "^confidence ", "Say it again, clearly."),
-    _refusal("sounds like another", "^it sounds more like", "Say it again, clearly."),
-    _refusal("halt unsure", "^the recogniser is not sure", 'Say "stop" again, or stop by hand.'),
-    _refusal(
-        "other voice",
-        "^not this voice|too short to tell the voice|^the speaker gate",
-        "Let the enrolled person say it, or give it by hand.",
-    ),
-    _refusal("damaged sound", "^damaged sound", "Check the microphone and its cable."),
-    _refusal("tone", "^a tone, no voice", "Say it again, or give it by hand."),
-    _refusal("robot speaking", "^the robot itself was", "Wait until it has spoken, then repeat."),
-    _refusal("same breath", "in the same breath", "Pause, then say the command alone."),
-    _refusal("wrong mode", "counts only in active mode", 'Say "hey robot" first.'),
-    _refusal("other mode", "counts only in", "Wait for the other mode, then say it again."),
-)
-
-PARTS: Final = (  # of a part's name and what it says: health reports with an error, and silence
-    Cause(
-        "voice spotter",
-        "voice: spotter",
+SILENT: Final = "silent"  # code of a part that has sent nothing for too long
+PARTS: Final = {  # by a part and the code of its status; by the part alone for all other codes
+    "voice: spotter_failed": Advice(
         "Speak clearly; start the voice node again at the next pause.",
+        at_rest=Priority.LOW,
+        loaded=Priority.LOW,
     ),
-    Cause(
-        "voice starting",
-        "voice: no sound has come yet",
-        "Stop by hand meanwhile; look at the microphone if it lasts.",
-    ),
-    Cause(
-        "voice slow",
-        "voice: recognition does not keep up",
-        "Stop by hand meanwhile; close other programs.",
-    ),
-    Cause(
-        "voice hangs",
-        "voice: recognition hangs",
-        "Stop by hand meanwhile; start the voice node again.",
-    ),
-    Cause(
-        "voice gone", "voice: no word for", "Stop by hand meanwhile; start the voice node again."
-    ),
-    Cause(
-        "voice muted",
-        "voice: the microphone gives one value",
-        "Stop by hand meanwhile; switch the microphone on.",
-    ),
-    Cause(
-        "voice overloaded",
-        "voice: the microphone is overloaded",
-        "Stop by hand meanwhile; turn noise or gain down.",
-    ),
-    Cause("voice deaf", "voice: ", "Stop by hand meanwhile; check the microphone."),
-    Cause(
-        "controller gone",
-        "controller: no word for",
-        "Free the tissue by hand; start the controller again.",
-    ),
-    Cause("recorder lost", "recording: ", "Start the recorder before the next motion."),
-    Cause(
-        "controller thread", "control loop: ", "Read the log; restart the controller at a pause."
-    ),
-    Cause("master gone", "motion: the ROS master", "Start the ROS master again."),
-    Cause("robot unwell", "motion: ", "Check the robot's power, cable and driver."),
-)
+    "voice: no_sound_yet": Advice("Stop by hand meanwhile; look at the microphone if it lasts."),
+    "voice: recognition_slow": Advice("Stop by hand meanwhile; close other programs."),
+    "voice: recognition_hangs": Advice("Stop by hand meanwhile; start the voice node again."),
+    "voice: silent": Advice("Stop by hand meanwhile; start the voice node again."),
+    "voice: microphone_muted": Advice("Stop by hand meanwhile; switch the microphone on."),
+    "voice: microphone_overloaded": Advice("Stop by hand meanwhile; turn noise or gain down."),
+    "voice": Advice("Stop by hand meanwhile; check the microphone."),
+    "controller: silent": Advice("Free the tissue by hand; start the controller again."),
+    "recording": _mild("Start the recorder before the next motion."),
+    "control loop": _mild("Read the log; restart the controller at a pause."),
+    "motion: no_master": Advice("Start the ROS master again."),
+    "motion": Advice("Check the robot's power, cable and driver.", at_rest=Priority.LOW),
+}
 
 
-def find(table: Iterable[Cause], words: str, otherwise: Cause) -> Cause:
-    """The first entry that fits the words; `otherwise` where none does."""
-    return next((cause for cause in table if cause.fits(words)), otherwise)
+def part_advice(part: str, code: str) -> Advice:
+    """What to do about a part that reports an error with a code, or has fallen silent."""
+    return PARTS.get(f"{part}: {code}") or PARTS.get(part, UNKNOWN)

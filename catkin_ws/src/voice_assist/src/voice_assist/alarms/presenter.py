@@ -11,18 +11,23 @@ from __future__ import annotations
 from typing import Final
 
 from voice_assist.alarms.causes import (
-    ENDED_AS_ASKED,
     GIVE_UPS,
     LATCHES,
     NO_REASON,
-    PARTS,
     REFUSALS,
     UNHEARD,
     UNKNOWN,
-    Cause,
-    find,
+    Advice,
+    part_advice,
 )
-from voice_assist.alarms.types import Alarm, DiaryEvent, Earcon, Kind, Priority, Utterance
+from voice_assist.alarms.types import (
+    Alarm,
+    ControllerEvent,
+    Earcon,
+    Kind,
+    Priority,
+    UtteranceReport,
+)
 
 HEY_ROBOT: Final = "hey robot"
 TERMINATE: Final = "terminate"
@@ -32,80 +37,58 @@ _FAULTS: Final = {
     Priority.MEDIUM: Earcon.FAULT_MEDIUM,
     Priority.LOW: Earcon.FAULT_LOW,
 }
-_PARTS: Final = {  # priority at rest with nothing held, and while tissue is held or in motion
-    "voice deaf": (Priority.MEDIUM, Priority.HIGH),
-    "voice slow": (Priority.MEDIUM, Priority.HIGH),
-    "voice gone": (Priority.MEDIUM, Priority.HIGH),
-    "voice spotter": (Priority.LOW, Priority.LOW),  # the recogniser still hears a stop
-    "controller gone": (Priority.MEDIUM, Priority.HIGH),
-    "controller thread": (Priority.LOW, Priority.MEDIUM),
-    "recorder lost": (Priority.LOW, Priority.MEDIUM),  # no danger by itself
-    "robot unwell": (Priority.LOW, Priority.HIGH),
-}
 
 
-def latch_alarm(reason: str, is_loaded: bool) -> Alarm:
+def latch_alarm(reason: str, code: str, is_loaded: bool) -> Alarm:
     """What braked the robot and latched.
 
     Args:
         reason: `ControllerState.halt_reason`.
+        code: `ControllerState.halt_reason_code`.
         is_loaded: Tissue is held, or the robot moved when it happened.
     """
-    cause = find(LATCHES, reason, UNKNOWN)
-    if cause.kind is Kind.STOP:
-        return Alarm(Kind.STOP, Priority.MEDIUM, reason, cause.next_step, Earcon.STOP)
-    return _fault(cause, Priority.HIGH if is_loaded else Priority.MEDIUM, reason)
+    advice = LATCHES.get(code, UNKNOWN)
+    if advice.kind is Kind.STOP:
+        return Alarm(Kind.STOP, Priority.MEDIUM, reason, advice.next_step, Earcon.STOP)
+    return _fault(advice, is_loaded, reason)
 
 
-def event_alarm(event: DiaryEvent, is_tissue_held: bool) -> Alarm | None:
-    """What an entry of the diary tells by itself; None: nothing, or the latch tells it."""
+def event_alarm(event: ControllerEvent, is_tissue_held: bool) -> Alarm | None:
+    """The alarm of an event by itself; None: none, or that of the latch."""
+    words = f"{event.command}: {event.message}" if event.command else event.message
     if event.kind in ("refused", "trocar_refused"):
-        cause = find(REFUSALS, event.message, NO_REASON)
-        return _refusal(
-            cause, f"{event.command}: {event.message}" if event.command else event.message
-        )
+        return _refusal(REFUSALS.get(event.reason_code, NO_REASON), words)
     if event.kind == "at_rest":
-        return _given_up(event, is_tissue_held)
+        advice = GIVE_UPS.get(event.reason_code)
+        return None if advice is None else _fault(advice, is_tissue_held, words)
     if event.kind == "accepted":
         return _accepted(event)
     return None
 
 
-def unheard_alarm(utterance: Utterance) -> Alarm | None:
+def unheard_alarm(utterance: UtteranceReport) -> Alarm | None:
     """The words of a command that was not taken; None: other talk, which is nobody's alarm."""
-    if utterance.command or not utterance.nearest or utterance.wer != 0.0:
+    if utterance.command or not utterance.nearest_command or utterance.wer != 0.0:
         return None
-    cause = next((cause for cause in UNHEARD if cause.fits(utterance.reason)), None)
-    if cause is None:  # it denies, or fits several: then nothing is what was wanted
+    advice = UNHEARD.get(utterance.reason_code)
+    if advice is None:  # it denies, or fits several: then nothing is what was wanted
         return None
-    return _refusal(cause, f"{utterance.nearest}: {utterance.reason}")
+    return _refusal(advice, f"{utterance.nearest_command}: {utterance.reason}")
 
 
-def part_alarm(part: str, message: str, is_loaded: bool) -> Alarm:
+def part_alarm(part: str, message: str, code: str, is_loaded: bool) -> Alarm:
     """A part that reports an error, or has fallen silent.
 
     Args:
         part: voice, controller, recording, control loop or motion.
         message: What it says, or how long it has said nothing.
+        code: Of its status, or SILENT.
         is_loaded: Tissue is held, or the robot moves.
     """
-    words = f"{part}: {message}"
-    cause = find(PARTS, words, UNKNOWN)
-    at_rest, loaded = _PARTS.get(cause.name, (Priority.MEDIUM, Priority.HIGH))
-    return _fault(cause, loaded if is_loaded else at_rest, words)
+    return _fault(part_advice(part, code), is_loaded, f"{part}: {message}")
 
 
-def _given_up(event: DiaryEvent, is_tissue_held: bool) -> Alarm | None:
-    if event.message == ENDED_AS_ASKED:
-        return None
-    cause = next((cause for cause in GIVE_UPS if cause.fits(event.message)), None)
-    if cause is None:  # it came to rest towards a latch, which has its own alarm
-        return None
-    words = f"{event.command}: {event.message}"
-    return _fault(cause, Priority.MEDIUM if is_tissue_held else Priority.LOW, words)
-
-
-def _accepted(event: DiaryEvent) -> Alarm:
+def _accepted(event: ControllerEvent) -> Alarm:
     step, earcon = 'Say "stop" to stop it.', Earcon.ACCEPTED
     if event.command == HEY_ROBOT:
         step, earcon = "Say a command.", Earcon.ARMED
@@ -115,9 +98,10 @@ def _accepted(event: DiaryEvent) -> Alarm:
     return Alarm(Kind.NOTICE, Priority.INFORMATION, words, step, earcon)
 
 
-def _fault(cause: Cause, priority: Priority, words: str) -> Alarm:
-    return Alarm(Kind.FAULT, priority, words, cause.next_step, _FAULTS[priority])
+def _fault(advice: Advice, is_loaded: bool, words: str) -> Alarm:
+    priority = advice.loaded if is_loaded else advice.at_rest
+    return Alarm(Kind.FAULT, priority, words, advice.next_step, _FAULTS[priority])
 
 
-def _refusal(cause: Cause, words: str) -> Alarm:
-    return Alarm(Kind.REFUSAL, Priority.LOW, words, cause.next_step, Earcon.REFUSAL)
+def _refusal(advice: Advice, words: str) -> Alarm:
+    return Alarm(Kind.REFUSAL, Priority.LOW, words, advice.next_step, Earcon.REFUSAL)

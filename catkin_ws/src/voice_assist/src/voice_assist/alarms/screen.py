@@ -11,7 +11,7 @@ from rich.console import Group
 from rich.text import Text
 
 from voice_assist.alarms.appearance import LOOKS, headline, is_lit, line
-from voice_assist.alarms.types import Told
+from voice_assist.alarms.types import AlarmText
 
 _ROWS = 10  # alarms of the past shown at once
 
@@ -25,12 +25,12 @@ class AlarmScreen:
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
-        self._alarm: Told | None = None
+        self._alarm: AlarmText | None = None
         self._is_acknowledged = False
         self._others: tuple[str, ...] = ()
         self._past: deque[str] = deque(maxlen=_ROWS)
 
-    def show(self, alarm: Told | None, is_acknowledged: bool, others: tuple[str, ...]) -> None:
+    def show(self, alarm: AlarmText | None, is_acknowledged: bool, others: tuple[str, ...]) -> None:
         """Take over what stands now.
 
         Args:

@@ -41,7 +41,7 @@ class Earcon(Enum):
 
 
 @dataclass(frozen=True)
-class Told:
+class AlarmText:
     """What a person reads."""
 
     kind: Kind
@@ -51,7 +51,7 @@ class Told:
 
 
 @dataclass(frozen=True)
-class Alarm(Told):
+class Alarm(AlarmText):
     """What a person reads and hears."""
 
     earcon: Earcon
@@ -64,6 +64,7 @@ class RobotState:
     stamp: float  # [s] of the controller's loop; it stands still where that does
     state: str  # standby, active, moving, stopping, halted or faulted
     halt_reason: str = ""  # why it is latched or brakes towards a latch; empty: it is not
+    halt_reason_code: str = ""
     is_active: bool = False
     is_tissue_held: bool = False
 
@@ -74,21 +75,23 @@ class RobotState:
 
 
 @dataclass(frozen=True)
-class DiaryEvent:
-    """An entry of the controller's diary."""
+class ControllerEvent:
+    """An entry of the controller's event log."""
 
     kind: str
     command: str
     message: str
+    reason_code: str = ""
 
 
 @dataclass(frozen=True)
-class Utterance:
+class UtteranceReport:
     """What the recogniser decided of an utterance."""
 
     command: str  # empty: none
     reason: str  # why none was taken
-    nearest: str  # command with the lowest WER
+    reason_code: str
+    nearest_command: str  # that with the lowest WER
     wer: float  # of that command
 
 
@@ -99,3 +102,4 @@ class PartHealth:
     name: str
     is_error: bool
     message: str
+    reason_code: str = ""  # of the error

@@ -15,7 +15,7 @@ import numpy as np
 
 from voice_assist.audio.microphone import Microphone
 from voice_assist.audio.source import Source, level_db
-from voice_assist.types import Frame, Samples
+from voice_assist.types import Frame, HearingFault, Samples
 
 FULL = 0.999  # of full scale; a sample at or above it was clipped, or nearly
 LOUDEST_DB = -6.0  # of full scale, RMS of a frame, from which it is of no use
@@ -44,6 +44,7 @@ class SoundWatch:
         self._useless = 0.0  # [s] since the last frame of use
         self._overloaded = 0.0  # [s] of these
         self._words = ""
+        self.fault = HearingFault.NO_SOUND  # what the words of the last frame tell
 
     def __call__(self, frame: Frame) -> str:
         """Why nobody would be heard, in words that stay the same until it is over; empty: fine."""
@@ -63,5 +64,7 @@ class SoundWatch:
     def _explained(self) -> str:
         span = f"for {self._useless:.1f} s, allowed below {self._patience:g} s"
         if 2.0 * self._overloaded > self._useless:
+            self.fault = HearingFault.OVERLOADED
             return f"the microphone is overloaded {span}: too loud here, or its gain is too high"
+        self.fault = HearingFault.MUTED
         return f"the microphone gives one value alone {span}: it is muted, or dead"

@@ -76,9 +76,9 @@ def _play(wanted: str, config: AlarmsConfig, console: Console) -> None:
 
 
 def _print(entry: Entry, console: Console) -> None:
-    look = LOOKS[entry.told.priority]
-    console.print(Text(f" {headline(entry.told)} ", style=look.style), f"({look.colour})")
+    look = LOOKS[entry.example.priority]
+    console.print(Text(f" {headline(entry.example)} ", style=look.style), f"({look.colour})")
     console.print(f"  name:  {entry.earcon.value}: {sounds_of(entry.earcon)}", highlight=False)
     console.print(f"  means: {entry.meaning}", highlight=False)
-    console.print(f"  why:   {entry.told.cause}", highlight=False)
-    console.print(f"  next:  {entry.told.next_step}", highlight=False)
+    console.print(f"  why:   {entry.example.cause}", highlight=False)
+    console.print(f"  next:  {entry.example.next_step}", highlight=False)

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper, Updater
 
+from voice_assist.types import HearingFault
+
 _SMOOTHING = 0.02  # per frame: what is smoothed follows within about 2 s
 CLIPPED = 0.01  # [share] of the sound at full scale from which it is worth a warning
 
@@ -21,6 +23,7 @@ class VoiceHealth:
     source: str
     capacity: int  # frames that fit the queue
     trouble: str = "starting"  # with the source of sound
+    trouble_fault: HearingFault = HearingFault.NO_SOUND
     failure: str = ""  # a thread ended by an error
     hang: str = ""  # recognition has been at one frame for too long
     slowest: float = 0.0  # [s] on one frame so far
@@ -76,7 +79,9 @@ class VoiceDiagnostics:
 
     def _fill(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         health, now = self._health, self._clock()
-        status.summary(*_summary(health, now, self._deaf_after))
+        level, message, fault = _summary(health, now, self._deaf_after)
+        status.summary(level, message)
+        status.add("reason_code", fault.value if fault else "")
         status.add("source", health.source)
         status.add("model", health.model)
         status.add("spotter", health.spotter)
@@ -95,24 +100,27 @@ class VoiceDiagnostics:
         return status
 
 
-def _summary(health: VoiceHealth, now: float, deaf_after: float) -> tuple[int, str]:
+def _summary(health: VoiceHealth, now: float, deaf_after: float) -> tuple[int, str, HearingFault | None]:
+    error, warning = DiagnosticStatus.ERROR, DiagnosticStatus.WARN
     if health.failure:
-        return DiagnosticStatus.ERROR, health.failure
+        return error, health.failure, HearingFault.THREAD_ENDED
     if health.trouble:
-        return DiagnosticStatus.ERROR, health.trouble
+        return error, health.trouble, health.trouble_fault
     if health.hang:
-        return DiagnosticStatus.ERROR, health.hang
+        return error, health.hang, HearingFault.HANGS
     if not health.has_heard:
-        return DiagnosticStatus.ERROR, "no sound has come yet: a spoken stop is not heard"
+        words = "no sound has come yet: a spoken stop is not heard"
+        return error, words, HearingFault.NO_SOUND_YET
     if not health.would_hear(now, deaf_after):
-        return DiagnosticStatus.ERROR, "recognition does not keep up: a spoken stop is not heard"
+        words = "recognition does not keep up: a spoken stop is not heard"
+        return error, words, HearingFault.SLOW
     if health.spotter_failure:
-        return DiagnosticStatus.ERROR, health.spotter_failure
+        return error, health.spotter_failure, HearingFault.SPOTTER_FAILED
     if health.controller:
-        return DiagnosticStatus.WARN, health.controller
+        return warning, health.controller, None
     if health.queued > health.capacity // 2:
-        return DiagnosticStatus.WARN, "recognition falls behind"
+        return warning, "recognition falls behind", None
     if health.clipped >= CLIPPED:
         share = f"{health.clipped:.0%} of the sound, allowed below {CLIPPED:.0%}"
-        return DiagnosticStatus.WARN, f"the microphone clips {share}: turn its gain down"
-    return DiagnosticStatus.OK, "listening"
+        return warning, f"the microphone clips {share}: turn its gain down", None
+    return DiagnosticStatus.OK, "listening", None

@@ -53,6 +53,7 @@ from voice_assist.types import (
     Decision,
     Frame,
     Halt,
+    HearingFault,
     Lost,
     Match,
     Partial,
@@ -153,7 +154,7 @@ class VoiceNode:
             for frame in source:
                 if self._over.is_set():
                     return
-                self._trouble(watch(frame))
+                self._trouble(watch(frame), watch.fault)
                 if self._spotter is not None:
                     self._spotter.feed(frame)
                     self._health.spotter_dropped = self._spotter.dropped
@@ -171,9 +172,10 @@ class VoiceNode:
             return TopicSource(self._config.audio.topic, self._trouble)
         return make_source(self._config.audio, _now, self._over.wait, self._trouble)
 
-    def _trouble(self, trouble: str) -> None:
+    def _trouble(self, trouble: str, fault: HearingFault = HearingFault.NO_SOUND) -> None:
         """Store the source's trouble, and log it once when it begins and ends."""
         before, self._health.trouble = self._health.trouble, trouble
+        self._health.trouble_fault = fault
         if trouble and trouble != before:
             rospy.logerr("%s", trouble)
         elif before and not trouble:

@@ -9,6 +9,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rst_control.execution.loop_statistics import LoopSummary
 from rst_control.execution.orders import View
 from rst_control.execution.state_machine import LATCHED
+from rst_control.ros.common.messages import code_of
 
 LATE_WARNING = 1.0  # [%] of ticks late, above which the loop is reported
 ERRORS_TOLD = 3  # of the newest errors in threads
@@ -60,6 +61,7 @@ class Diagnostics:
         if view.health is not None:
             level, message = DiagnosticStatus.ERROR, view.health.words
         values = {
+            "reason_code": code_of(view.health or (view.mode.cause if view.mode.is_latched else None)),
             "state": view.mode.state.value,
             "phase": view.phase,
             "rcm error [um]": f"{view.rcm_error * 1e6:.1f}",

@@ -14,8 +14,9 @@ from rst_control.admission.recording_gate import RecordingNews, RecordingWatch
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import View
 from rst_control.execution.state_machine import State
-from rst_control.ros.common.messages import caller_of
+from rst_control.ros.common.messages import caller_of, code_of
 from rst_control.ros.controller.diagnostics import make_status
+from rst_control.types import Reason
 
 LONGEST_PROBLEM = 200  # characters of what a recorder says is wrong with it
 MAX_RECORDERS = 16  # that are told apart
@@ -69,7 +70,11 @@ class RecordingLink:
         if problem and not (self._watch.is_ignored and not self._watch.was_heard):
             level = DiagnosticStatus.WARN if self._watch.is_ignored else DiagnosticStatus.ERROR
         words = f"not recorded: {problem}" if problem else "recorded"
-        return make_status("recording", level, words, {"on loss": self._watch.consequence})
+        values = {
+            "reason_code": code_of(Reason.NOT_RECORDED if problem else None),
+            "on loss": self._watch.consequence,
+        }
+        return make_status("recording", level, words, values)
 
     def _on_beat(self, message: String) -> None:
         sender = caller_of(message)

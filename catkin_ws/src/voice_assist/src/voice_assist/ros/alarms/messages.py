@@ -15,7 +15,13 @@ from visualization_msgs.msg import Marker
 from rst_control.msg import ControllerState, Event
 from voice_assist.alarms.appearance import LOOKS, line
 from voice_assist.alarms.board import Standing
-from voice_assist.alarms.types import DiaryEvent, PartHealth, RobotState, Told, Utterance
+from voice_assist.alarms.types import (
+    AlarmText,
+    ControllerEvent,
+    PartHealth,
+    RobotState,
+    UtteranceReport,
+)
 from voice_assist.config.alarms import LookConfig
 from voice_assist.msg import Alarm as AlarmMessage
 from voice_assist.msg import Utterance as UtteranceMessage
@@ -29,27 +35,30 @@ def robot_state(message: ControllerState) -> RobotState:
         stamp=message.header.stamp.to_sec(),
         state=message.state,
         halt_reason=message.halt_reason,
+        halt_reason_code=message.halt_reason_code,
         is_active=message.assistance_enabled,
         is_tissue_held=message.tissue_held,
     )
 
 
-def diary_event(message: Event) -> DiaryEvent:
-    """An entry of the controller's diary."""
-    return DiaryEvent(message.kind, message.command, message.message)
+def controller_event(message: Event) -> ControllerEvent:
+    """An entry of the controller's event log."""
+    return ControllerEvent(message.kind, message.command, message.message, message.reason_code)
 
 
-def utterance(message: UtteranceMessage) -> Utterance:
+def utterance(message: UtteranceMessage) -> UtteranceReport:
     """A decision of the recogniser."""
     wer = dict(zip(message.phrases, message.wer, strict=False))
-    nearest = message.nearest_command
-    return Utterance(message.command, message.reason, nearest, wer.get(nearest, math.inf))
+    nearest, code = message.nearest_command, message.reason_code
+    wer_to_nearest = wer.get(nearest, math.inf)
+    return UtteranceReport(message.command, message.reason, code, nearest, wer_to_nearest)
 
 
 def part_health(status: DiagnosticStatus) -> PartHealth:
     """One status of `/diagnostics`."""
     level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
-    return PartHealth(status.name, level >= 2, status.message)  # ERROR or STALE
+    code = next((pair.value for pair in status.values if pair.key == "reason_code"), "")
+    return PartHealth(status.name, level >= 2, status.message, code)  # ERROR or STALE
 
 
 def alarm_message(standing: Sequence[Standing], now: float) -> AlarmMessage:
@@ -72,7 +81,7 @@ def alarm_message(standing: Sequence[Standing], now: float) -> AlarmMessage:
     return message
 
 
-def alarm_marker(alarm: Told | None, is_lit: bool, config: LookConfig, now: float) -> Marker:
+def alarm_marker(alarm: AlarmText | None, is_lit: bool, config: LookConfig, now: float) -> Marker:
     """The line for rviz and Foxglove; dim in the dark half of its flashing.
 
     Args:

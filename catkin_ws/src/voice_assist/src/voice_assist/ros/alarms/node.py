@@ -139,7 +139,7 @@ class AlarmNode:
         self._hand_over(lambda board, now: board.see_state(state, now))
 
     def _on_event(self, message: Event) -> None:
-        event = messages.diary_event(message)
+        event = messages.controller_event(message)
         self._hand_over(lambda board, now: board.see_event(event, now))
 
     def _on_utterance(self, message: Utterance) -> None:

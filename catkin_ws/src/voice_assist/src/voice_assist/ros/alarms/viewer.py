@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.live import Live
 
 from voice_assist.alarms.screen import AlarmScreen
-from voice_assist.alarms.types import Kind, Priority, Told
+from voice_assist.alarms.types import Kind, Priority, AlarmText
 from voice_assist.msg import Alarm as AlarmMessage
 
 _REFRESH = 8  # [Hz], enough for flashing
@@ -29,8 +29,8 @@ def _take(screen: AlarmScreen, message: AlarmMessage) -> None:
     screen.show(_alarm(message), message.acknowledged, tuple(message.others))
 
 
-def _alarm(message: AlarmMessage) -> Told | None:
+def _alarm(message: AlarmMessage) -> AlarmText | None:
     if not message.kind:
         return None
     kind, priority = Kind(message.kind), Priority(message.priority)
-    return Told(kind, priority, message.cause, message.next_step)
+    return AlarmText(kind, priority, message.cause, message.next_step)
