@@ -13,19 +13,22 @@ from voice_assist.alarms.board import Board
 from voice_assist.alarms.earcons import PATTERNS
 from voice_assist.alarms.presenter import event_alarm, latch_alarm, part_alarm, unheard_alarm
 from voice_assist.alarms.types import (
-    DiaryEvent,
+    ControllerEvent,
     Earcon,
     Kind,
     PartHealth,
     Priority,
     RobotState,
-    Utterance,
+    UtteranceReport,
 )
 from voice_assist.config.alarms import load_alarms_config
 
 CONFIG = load_alarms_config()
 STOPPED = "stop topic, from /voice_assist"
 OVER = "tension 2.50 N, allowed 2.40 N"
+LOST = "robot not connected"
+OFF = "joint_4 0.060 rad off its set-point"
+CODES = {STOPPED: "stop_topic", OVER: "over_tension", LOST: "not_connected", OFF: "off_setpoint"}
 
 
 class Scene:
@@ -38,11 +41,13 @@ class Scene:
         self.heard = []  # of each sound the time, its name and whether it cut another off
 
     def be(self, **changes):
+        if "halt_reason" in changes:
+            changes["halt_reason_code"] = CODES.get(changes["halt_reason"], "")
         self.robot = replace(self.robot, **changes)
         return self.run(0.05)
 
-    def event(self, kind, command="", message=""):
-        self.board.see_event(DiaryEvent(kind, command, message), self.now)
+    def event(self, kind, command="", message="", code=""):
+        self.board.see_event(ControllerEvent(kind, command, message, code), self.now)
         return self.run(0.05)
 
     def health(self, name, message):
@@ -77,21 +82,21 @@ class Scene:
         (STOPPED, True, Kind.STOP, Priority.MEDIUM, Earcon.STOP),
         (STOPPED, False, Kind.STOP, Priority.MEDIUM, Earcon.STOP),
         (OVER, True, Kind.FAULT, Priority.HIGH, Earcon.FAULT_HIGH),
-        ("robot not connected", False, Kind.FAULT, Priority.MEDIUM, Earcon.FAULT_MEDIUM),
+        (LOST, False, Kind.FAULT, Priority.MEDIUM, Earcon.FAULT_MEDIUM),
         ("words of tomorrow", True, Kind.FAULT, Priority.HIGH, Earcon.FAULT_HIGH),
     ],
 )
 def test_a_latch_has_the_priority_of_its_cause_and_situation(
     reason, is_loaded, kind, priority, earcon
 ):
-    alarm = latch_alarm(reason, is_loaded)
+    alarm = latch_alarm(reason, CODES.get(reason, "code_of_tomorrow"), is_loaded)
     assert (alarm.kind, alarm.priority, alarm.earcon) == (kind, priority, earcon)
     assert alarm.cause == reason and "hey robot" in alarm.next_step
 
 
 def test_a_refusal_is_low_and_keeps_the_controllers_words():
     words = 'in standby; say "hey robot" first'
-    alarm = event_alarm(DiaryEvent("refused", "tense", words), False)
+    alarm = event_alarm(ControllerEvent("refused", "tense", words, "wrong_mode"), False)
     assert (alarm.kind, alarm.priority) == (Kind.REFUSAL, Priority.LOW)
     assert alarm.cause == f"tense: {words}" and alarm.next_step == 'Say "hey robot" first.'
 
@@ -105,7 +110,7 @@ def test_a_refusal_is_low_and_keeps_the_controllers_words():
     ],
 )
 def test_what_is_accepted_is_no_alarm(command, earcon):
-    alarm = event_alarm(DiaryEvent("accepted", command, "does it"), True)
+    alarm = event_alarm(ControllerEvent("accepted", command, "does it"), True)
     assert (alarm.kind, alarm.priority, alarm.earcon) == (
         Kind.NOTICE,
         Priority.INFORMATION,
@@ -116,13 +121,13 @@ def test_what_is_accepted_is_no_alarm(command, earcon):
 @pytest.mark.parametrize(
     "event",
     [
-        DiaryEvent("motion_started", "tense", "goes"),
-        DiaryEvent("motion_finished", "tense", "tension 1.00 N"),
-        DiaryEvent("at_rest", "tense", "terminated"),
-        DiaryEvent("at_rest", "tense", OVER),  # its latch tells it
-        DiaryEvent("halted", "tense", OVER),
-        DiaryEvent("stop_received", "stop", STOPPED),
-        DiaryEvent("trocar_set", "set_trocar", "somewhere"),
+        ControllerEvent("motion_started", "tense", "goes"),
+        ControllerEvent("motion_finished", "tense", "tension 1.00 N"),
+        ControllerEvent("at_rest", "tense", "terminated", "terminated"),
+        ControllerEvent("at_rest", "tense", OVER, "over_tension"),  # its latch tells it
+        ControllerEvent("halted", "tense", OVER, "over_tension"),
+        ControllerEvent("stop_received", "stop", STOPPED, "stop_topic"),
+        ControllerEvent("trocar_set", "set_trocar", "somewhere"),
     ],
 )
 def test_other_entries_of_the_diary_are_no_alarms_of_their_own(event):
@@ -130,7 +135,8 @@ def test_other_entries_of_the_diary_are_no_alarms_of_their_own(event):
 
 
 def test_a_motion_that_is_given_up_with_tissue_held_is_of_medium_priority():
-    event = DiaryEvent("at_rest", "tense", "tension rose by 0.01 N over 2.0 mm of pull, at least")
+    words = "tension rose by 0.01 N over 2.0 mm of pull, at least"
+    event = ControllerEvent("at_rest", "tense", words, "no_response_to_pull")
     assert event_alarm(event, True).priority is Priority.MEDIUM
     assert event_alarm(event, False).priority is Priority.LOW
 
@@ -138,12 +144,18 @@ def test_a_motion_that_is_given_up_with_tissue_held_is_of_medium_priority():
 @pytest.mark.parametrize(
     ("said", "is_told"),
     [
-        (Utterance("", "confidence 0.31, allowed: at least 0.50", "tense", 0.0), True),
-        (Utterance("", "'tense' counts only in active mode, and it is not", "tense", 0.0), True),
-        (Utterance("", "WER 0.67 to 'pull more', allowed below 0.50", "pull more", 0.67), False),
-        (Utterance("", "it denies; what is denied never moves", "pull more", 0.0), False),
-        (Utterance("", "nothing was said", "", float("inf")), False),
-        (Utterance("tense", "", "tense", 0.0), False),
+        (
+            UtteranceReport("", "confidence 0.31", "unsure", "tense", 0.0),
+            True,
+        ),
+        (
+            UtteranceReport("", "it counts only in active mode", "wrong_mode", "tense", 0.0),
+            True,
+        ),
+        (UtteranceReport("", "WER 0.67 to 'pull more'", "no_command", "pull more", 0.67), False),
+        (UtteranceReport("", "it denies", "no_command", "pull more", 0.0), False),
+        (UtteranceReport("", "nothing was said", "no_command", "", float("inf")), False),
+        (UtteranceReport("tense", "", "", "tense", 0.0), False),
     ],
 )
 def test_only_the_words_of_a_command_that_was_not_taken_are_told(said, is_told):
@@ -152,8 +164,8 @@ def test_only_the_words_of_a_command_that_was_not_taken_are_told(said, is_told):
 
 def test_a_deaf_microphone_is_worse_while_tissue_is_held():
     words = "default microphone: not found; microphones found: none"
-    assert part_alarm("voice", words, is_loaded=False).priority is Priority.MEDIUM
-    alarm = part_alarm("voice", words, is_loaded=True)
+    assert part_alarm("voice", words, "no_sound", is_loaded=False).priority is Priority.MEDIUM
+    alarm = part_alarm("voice", words, "no_sound", is_loaded=True)
     assert alarm.priority is Priority.HIGH and "microphone" in alarm.next_step
 
 
@@ -186,13 +198,13 @@ def test_a_fault_is_high_though_braking_was_too_short_to_be_seen():
 
 
 def test_a_fault_at_rest_with_nothing_held_is_of_medium_priority():
-    scene = Scene().be(state="faulted", halt_reason="joint_4 0.060 rad off its set-point")
+    scene = Scene().be(state="faulted", halt_reason=OFF)
     assert scene.first.priority is Priority.MEDIUM
 
 
 def test_a_fault_that_follows_a_stop_takes_its_place():
     scene = Scene().be(state="halted", halt_reason=STOPPED, is_tissue_held=True)
-    scene.be(state="faulted", halt_reason="robot not connected")
+    scene.be(state="faulted", halt_reason=LOST)
     assert (scene.first.kind, scene.first.priority) == (Kind.FAULT, Priority.HIGH)
 
 
@@ -266,19 +278,19 @@ def test_a_stop_repeats_more_slowly_and_ends_with_its_cause():
 
 def test_stop_said_again_is_heard_again():
     scene = Scene().be(state="halted", halt_reason=STOPPED).run(3.0)
-    scene.event("stop_received", "stop", STOPPED).run(1.0)
+    scene.event("stop_received", "stop", STOPPED, "stop_topic").run(1.0)
     assert scene.sounds() == [Earcon.STOP] * 2
 
 
 def test_the_entry_of_the_same_stop_is_not_heard_twice_at_once():
     scene = Scene().be(state="stopping", halt_reason=STOPPED)
-    scene.event("stop_received", "stop", STOPPED).run(0.5)
+    scene.event("stop_received", "stop", STOPPED, "stop_topic").run(0.5)
     assert scene.sounds() == [Earcon.STOP]
 
 
 def test_a_higher_priority_interrupts_a_lower_one():
     scene = Scene().be(state="halted", halt_reason=STOPPED)
-    scene.be(state="faulted", halt_reason="robot not connected", is_tissue_held=True)
+    scene.be(state="faulted", halt_reason=LOST, is_tissue_held=True)
     (first, stop), (second, fault) = scene.heard
     assert (stop, fault) == (Earcon.STOP, Earcon.FAULT_HIGH)
     assert second - first < PATTERNS[Earcon.STOP].duration
@@ -327,6 +339,6 @@ def test_notices_can_be_silenced_alone():
 
 def test_a_failed_pull_is_over_with_the_next_command():
     words = "nothing grasped: no tissue between the closed jaws"
-    scene = Scene().event("at_rest", "tense", words)
+    scene = Scene().event("at_rest", "tense", words, "closed_on_nothing")
     assert scene.first.kind is Kind.FAULT
     assert scene.event("accepted", "tense", "goes").first.kind is Kind.NOTICE

@@ -1,195 +1,143 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every reason that the controller knows has its own next step; checked against its code."""
+"""Every reason code that the controller, the recogniser or a status gives has its next step."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from rst_control.execution.motion import OffPath
-from rst_control.execution.phase_execution import _grip_failure
-from rst_control.host.processes import ENDED
-from rst_control.planning.patient_surface import TrocarPose
-from rst_control.planning.plan import PhaseKind
-from rst_control.supervision.presence import MASTER
-from rst_control.supervision.watchdogs import Watched
-from rst_control.tension.response_check import PullAnswer
-from rst_control.types import Measurement, Reason
-from tests.unit.rst_control.support.executor_rig import Rig
-from tests.unit.voice_assist.audio.test_input_check import DEAFENING, LONG, objections
-from tests.unit.voice_assist.support import alarm_words
+import rst_control.types
+from rst_control.execution.orders import Outcome, Reply
+from rst_control.types import ROBOT_FAULTS, Cause, Reason, robot_fault
+from tests.unit.voice_assist.audio.test_input_check import DEAFENING, LONG, watched
 from voice_assist.alarms.causes import (
+    ENDED_AS_ASKED,
     GIVE_UPS,
     LATCHES,
     NO_REASON,
     PARTS,
     REFUSALS,
+    SILENT,
     UNHEARD,
     UNKNOWN,
-    find,
+    part_advice,
 )
-from voice_assist.alarms.types import Kind
-from voice_assist.audio.corruption import damage
-from voice_assist.config import load_voice_config
-from voice_assist.intent.dialogue import Heard, State, step
-from voice_assist.types import Mode
+from voice_assist.alarms.presenter import event_alarm, latch_alarm
+from voice_assist.alarms.types import ControllerEvent, Kind
+from voice_assist.types import HearingFault, RejectionReason
 
+PACKAGE = Path(rst_control.types.__file__).parent
+MESSAGES = PACKAGE.parents[1] / "msg"
+SOURCES = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
 TABLES = (LATCHES, GIVE_UPS, REFUSALS, UNHEARD, PARTS)
-SAME_WORDS = {  # one text for two reasons with one next step, or a next step of its own
-    "faulted": {"halted"},
-    "not connected": {"no master"},
-}
-WRAPPED = ("cannot ", "measured: 0.5", "0.5;")  # round an error of planning, see below
-REJECTED = sorted(r for r in set(alarm_words.rejected()) if not r[1].startswith(WRAPPED))
-INSIDE = TrocarPose(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
-GOOD = Watched(
-    setpoint=np.zeros(10),
-    trocar_pose=INSIDE,
-    raises_tension=True,
-    needs_grip=False,
-    overtime=0.1,
-    heartbeat_age=None,
-)
+CODES = {reason.value for reason in Reason}
 
 
-def measured(**changes):
-    zeros = np.zeros(10)
-    return replace(Measurement(position=zeros, velocity=zeros, effort=zeros, stamp=0.0), **changes)
+def named(constructor):
+    """The reasons that the code gives to a `constructor(Reason.X, ...)`."""
+    pattern = re.compile(rf"\b{constructor}\(\s*Reason\.(\w+)")
+    return {Reason[name] for text in SOURCES.values() for name in pattern.findall(text)}
 
 
-def latch_words():
-    """What the real watchdogs say, of everything that they look at."""
-    dogs = Rig().executor._watchdogs
-    off = replace(GOOD, trocar_pose=replace(INSIDE, error=2e-3))
-    fault = "set-points stopped coming while moving, 31 ms ago"
-    return {
-        "not connected": dogs.motion(0.0, None, GOOD),
-        "stale": dogs.motion(0.5, measured(), GOOD),
-        "set-points stopped": dogs.motion(0.0, measured(fault=fault), GOOD),
-        "robot fault": dogs.motion(0.0, measured(fault="brakes on"), GOOD),
-        "tension sensor": dogs.motion(0.0, measured(fault="tension is not measured"), GOOD),
-        "joint messages": dogs.motion(0.0, measured(fault="joint states cut short"), GOOD),
-        "off its set-point": dogs.motion(0.0, measured(position=np.eye(10)[3] * 0.06), GOOD),
-        "off the trocar": dogs.motion(0.0, measured(), off),
-        "over tension": dogs.motion(0.0, measured(force=np.array([0.0, 0.0, -2.5])), GOOD),
-        "slipped": dogs.motion(0.0, measured(), replace(GOOD, needs_grip=True)),
-        "voice silent": dogs.motion(0.0, measured(), replace(GOOD, heartbeat_age=0.9)),
-        "overtime": dogs.motion(0.0, measured(), replace(GOOD, overtime=1e3)),
-        "node lost": lost("/panel", replace(GOOD, owner="/panel")),
-        "no master": lost(MASTER, GOOD),
+def test_the_message_lists_the_codes_of_the_enumeration():
+    text = (MESSAGES / "ReasonCode.msg").read_text(encoding="utf-8")
+    assert dict(re.findall(r"^string (\w+)=(\w+)$", text, re.MULTILINE)) == {
+        reason.name: reason.value for reason in Reason
     }
 
 
-def lost(who, watched):
-    """What the watchdogs say when somebody has ended."""
-    rig = Rig()
-    rig.presence.report({who: ENDED})
-    return rig.executor._watchdogs.motion(0.0, measured(), watched)
+@pytest.mark.parametrize("reason", Reason)
+def test_every_reason_has_a_next_step_or_ends_a_motion_as_asked(reason):
+    assert reason.value in {*LATCHES, *GIVE_UPS, *REFUSALS, *ENDED_AS_ASKED}
 
 
-def test_every_watchdog_and_every_stop_has_its_own_next_step():
-    for name, words in latch_words().items():
-        assert find(LATCHES, words, UNKNOWN).name == name, words
+def test_no_table_of_the_controllers_reasons_has_a_code_that_it_does_not_give():
+    assert {*LATCHES, *GIVE_UPS, *REFUSALS, *ENDED_AS_ASKED} <= CODES
 
 
-def test_every_stop_that_the_code_can_ask_for_is_known():
-    found = sorted(set(alarm_words.stops()))
-    assert len(found) >= 4, found
-    for words in found:
-        assert find(LATCHES, words, UNKNOWN).kind is Kind.STOP, words
+def test_every_reason_of_a_refusal_has_a_next_step_after_a_refusal():
+    refusals = named("Rejected")
+    assert {Reason.BUSY, Reason.HALTED, Reason.TENSION_LIMIT, Reason.NOT_INSERTED} <= refusals
+    assert {reason.value for reason in refusals} <= set(REFUSALS)
 
 
-def test_a_lost_recording_that_stops_is_a_fault_and_no_persons_stop():
-    cause = find(LATCHES, "not recorded: recorder silent for 1.2 s, allowed 1.0 s", UNKNOWN)
-    assert cause.kind is Kind.FAULT and "recorder" in cause.next_step
+def test_every_fault_of_the_robot_has_a_next_step_as_a_latch_and_as_a_refusal():
+    codes = {reason.value for reason in ROBOT_FAULTS}
+    assert codes <= set(LATCHES) and codes <= set(REFUSALS)
 
 
-def test_the_controllers_own_error_is_known():
-    rig = Rig().moving("reach")
-    rig.executor.crashed(ArithmeticError("not a number"))
-    assert find(LATCHES, rig.executor._mode.reason, UNKNOWN).name == "loop error"
+def test_every_reason_that_the_code_names_leads_somewhere():
+    given = named("Cause") | named("Rejected")
+    assert {Reason.STOP_TOPIC, Reason.LOOP_ERROR, Reason.CLOSED_ON_NOTHING} <= given
+    unused = set(Reason) - {r for r in Reason if f"Reason.{r.name}" in "".join(SOURCES.values())}
+    assert unused <= {Reason.NO_GRASP}
 
 
-def test_every_reason_of_verification_has_a_next_step():
-    assert {reason.value for reason in Reason} <= {cause.name for cause in REFUSALS}
+@pytest.mark.parametrize("reason", [None, Reason.BUSY])
+def test_a_reason_is_given_to_what_does_not_succeed_and_to_nothing_else(reason):
+    made = (lambda: Reply(reason is not None, "x", reason), lambda: Outcome("failed", "x", None))
+    for make in made[: 2 if reason is None else 1]:
+        with pytest.raises(ValueError, match="reason"):
+            make()
 
 
-@pytest.mark.parametrize(("reason", "words"), REJECTED)
-def test_the_words_of_each_refusal_lead_to_the_next_step_of_its_reason(reason, words):
-    wanted = Reason[reason].value
-    name = find(REFUSALS, words, NO_REASON).name
-    assert name == wanted or name in SAME_WORDS.get(wanted, ()) or name == "sensor fault", words
+@pytest.mark.parametrize("reason", ROBOT_FAULTS)
+def test_the_code_of_a_fault_comes_through_a_topic_of_strings(reason):
+    cause = Cause(reason, "joint_4: it is blocked")
+    assert robot_fault(cause.coded) == cause
 
 
-def test_the_search_for_refusals_finds_what_is_there():
-    found = {name for name, _ in REJECTED}
-    assert {"BUSY", "HALTED", "STALE", "WRONG_MODE", "TENSION_LIMIT", "NOT_INSERTED"} <= found
+@pytest.mark.parametrize("text", ["brakes on", "busy: homing", "stop_topic: x", ""])
+def test_words_without_a_code_of_a_robot_fault_are_a_robot_fault(text):
+    assert robot_fault(text) == Cause(Reason.FAULTED, text)
 
 
-@pytest.mark.parametrize("case", alarm_words.infeasible(), ids=lambda case: case[0].__name__)
-def test_the_words_of_each_error_of_planning_lead_to_its_reason(case):
-    kind, wanted, words = case
-    name = find(REFUSALS, words, NO_REASON).name
-    special = {"NoGrasp": "no grasp", "NoWay": "collision", "ToolBent": "unreachable"}
-    assert name == special.get(kind.__name__, wanted), words
+@pytest.mark.parametrize("reason", RejectionReason)
+def test_every_reason_of_the_recogniser_has_a_next_step_or_is_other_talk(reason):
+    assert (reason.value in UNHEARD) is (reason is not RejectionReason.NO_COMMAND)
 
 
-def test_every_refusal_at_the_desk_is_known():
-    found = sorted(set(alarm_words.desk_refusals()))
-    assert len(found) >= 5, found
-    for words in found:
-        assert find(REFUSALS, words, NO_REASON) is not NO_REASON, words
+def test_the_recognisers_table_has_no_other_codes():
+    assert set(UNHEARD) <= {reason.value for reason in RejectionReason}
 
 
-def test_a_motion_that_would_begin_elsewhere_is_known():
-    words = str(OffPath(PhaseKind.REACH, 0.1))
-    assert find(REFUSALS, words, NO_REASON).name == "not at rest"
+@pytest.mark.parametrize("fault", HearingFault)
+def test_every_fault_of_hearing_has_a_next_step(fault):
+    assert part_advice("voice", fault.value) is not UNKNOWN
 
 
-def give_ups():
-    answer = PullAnswer()
-    for s, tension in ((1e-3, 0.4), (2e-3, 0.4), (3e-3, 0.4)):
-        answer.look(s, tension)
-    return (
-        answer.objection,
-        _grip_failure(PhaseKind.CLOSE, False),
-        _grip_failure(PhaseKind.ALIGN, True),
-    )
+def test_the_table_of_parts_has_only_codes_that_are_given():
+    given = {fault.value for fault in HearingFault} | CODES | {SILENT}
+    assert {key.partition(": ")[2] for key in PARTS} - {""} <= given
 
 
-def test_every_way_to_give_a_motion_up_is_known():
-    assert [find(GIVE_UPS, words, UNKNOWN) for words in give_ups()] == list(GIVE_UPS)
-
-
-def test_commands_that_the_mode_forbids_are_known():
-    commands = load_voice_config().commands
-    why = step(State(Mode.STANDBY, "start"), Heard(commands.get("tense"))).rejection.words
-    assert find(UNHEARD, why, NO_REASON).name == "wrong mode"
+@pytest.mark.parametrize("part", ["voice", "recording", "control loop", "motion"])
+def test_a_part_with_an_unknown_code_has_the_next_step_of_the_part(part):
+    assert part_advice(part, "code_of_tomorrow") is PARTS[part]
 
 
 def test_every_next_step_is_a_short_sentence_that_asks_for_something():
-    for cause in (*(c for table in TABLES for c in table), UNKNOWN, NO_REASON):
-        step_words = cause.next_step
+    for advice in (*(a for table in TABLES for a in table.values()), UNKNOWN, NO_REASON):
+        step_words = advice.next_step
         assert 10 <= len(step_words) <= 80 and step_words[0].isupper(), step_words
         assert step_words.endswith("."), step_words
 
 
-@pytest.mark.parametrize("table", TABLES)
-def test_no_cause_stands_twice_and_none_hides_behind_another(table):
-    names = [cause.name for cause in table]
-    assert len(set(names)) == len(names)
+def test_a_lost_recording_that_stops_is_a_fault_and_no_persons_stop():
+    advice = LATCHES[Reason.NOT_RECORDED.value]
+    assert advice.kind is Kind.FAULT and "recorder" in advice.next_step
 
 
-def test_words_that_nobody_foresaw_get_the_general_next_step():
-    assert find(LATCHES, "the moon fell down", UNKNOWN) is UNKNOWN
-    assert find(REFUSALS, "because it is Tuesday", NO_REASON) is NO_REASON
+@pytest.mark.parametrize("code", ["", "code_of_tomorrow"])
+def test_a_code_that_nobody_foresaw_gets_the_general_next_step(code):
+    assert latch_alarm("the moon fell down", code, True).next_step == UNKNOWN.next_step
+    event = ControllerEvent("refused", "tense", "because it is Tuesday", code)
+    assert event_alarm(event, False).next_step == NO_REASON.next_step
 
 
-def test_bad_sound_is_told_with_what_to_do_about_it():
-    muted, deafened = (objections(s)[-1] for s in (np.zeros(LONG), DEAFENING))
-    assert find(PARTS, f"voice: {muted}", UNKNOWN).name == "voice muted"
-    assert find(PARTS, f"voice: {deafened}", UNKNOWN).name == "voice overloaded"
-    broken = damage(np.random.default_rng(1).uniform(-1.0, 1.0, 16_000).astype(np.float32))
-    assert find(UNHEARD, broken, NO_REASON).name == "damaged sound"
+def test_a_microphone_that_gives_nothing_of_use_says_which_kind_it_is():
+    assert watched(np.zeros(LONG)).fault is HearingFault.MUTED
+    assert watched(DEAFENING).fault is HearingFault.OVERLOADED

@@ -22,8 +22,8 @@ from voice_assist.config import CONFIG_DIR
 from voice_assist.config.alarms import alarms_config, load_alarms_config
 
 ROOT = Path(__file__).resolve().parents[4]
-STOP = latch_alarm("stop topic, from /voice_assist", is_loaded=False)
-FAULT = latch_alarm("tension 2.50 N, allowed 2.40 N", is_loaded=True)
+STOP = latch_alarm("stop topic, from /voice_assist", "stop_topic", is_loaded=False)
+FAULT = latch_alarm("tension 2.50 N, allowed 2.40 N", "over_tension", is_loaded=True)
 
 
 def test_the_documentation_holds_the_tables_of_the_code():

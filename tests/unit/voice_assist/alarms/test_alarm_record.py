@@ -17,7 +17,6 @@ import yaml
 from rst_control.execution.state_machine import LATCHED, State
 from rst_control.types import Cause, Reason
 from tests.unit.rst_control.support.executor_rig import Rig, with_watchdogs
-from voice_assist.alarms.causes import GIVE_UPS, LATCHES, UNKNOWN, find
 
 ROOT = Path(__file__).resolve().parents[4]
 RECORDER = ROOT / "catkin_ws/src/session_log/config/recorder.yaml"
@@ -60,7 +59,7 @@ def stop_by_word(rig):
 
 
 def cancel(rig):
-    rig.executor.stop('stop by cancelling the action "tense"')
+    rig.executor.stop(Cause(Reason.STOP_CANCEL, 'stop by cancelling the action "tense"'))
 
 
 def unrecorded(rig):
@@ -86,28 +85,28 @@ def silence(rig):
 
 
 IN_MOTION = {
-    freeze: "stale",
-    push: "sensor fault",
-    disconnect: "not connected",
-    fault: "robot fault",
-    stiffen: "over tension",
-    slip: "slipped",
-    stop: "stop by topic",
-    stop_by_word: "stop by command",
-    cancel: "stop by cancel",
-    unrecorded: "not recorded",
-    shut_down: "shutdown",
-    error: "loop error",
-    two_errors: "loop error",
-    silence: "voice silent",
+    freeze: Reason.STALE,
+    push: Reason.SENSOR_FAULT,
+    disconnect: Reason.NOT_CONNECTED,
+    fault: Reason.FAULTED,
+    stiffen: Reason.OVER_TENSION,
+    slip: Reason.SLIPPED,
+    stop: Reason.STOP_TOPIC,
+    stop_by_word: Reason.STOP_COMMAND,
+    cancel: Reason.STOP_CANCEL,
+    unrecorded: Reason.NOT_RECORDED,
+    shut_down: Reason.SHUTDOWN,
+    error: Reason.LOOP_ERROR,
+    two_errors: Reason.LOOP_ERROR,
+    silence: Reason.VOICE_SILENT,
 }
 AT_REST = {
-    push: "sensor fault",
-    disconnect: "not connected",
-    fault: "robot fault",
-    stop: "stop by topic",
-    shut_down: "shutdown",
-    error: "loop error",
+    push: Reason.SENSOR_FAULT,
+    disconnect: Reason.NOT_CONNECTED,
+    fault: Reason.FAULTED,
+    stop: Reason.STOP_TOPIC,
+    shut_down: Reason.SHUTDOWN,
+    error: Reason.LOOP_ERROR,
 }
 
 
@@ -121,7 +120,7 @@ def events(rig):
 
 
 def causes(messages):
-    return {find(LATCHES, m.message, UNKNOWN).name for m in messages if m.kind == "halted"}
+    return {m.reason for m in messages if m.kind == "halted"}
 
 
 @pytest.mark.parametrize("happening", IN_MOTION, ids=lambda h: h.__name__)
@@ -132,7 +131,7 @@ def test_what_stops_a_motion_is_in_the_diary_and_in_the_state_with_its_cause(hap
     rig.tick()
     assert causes(events(rig)) == {IN_MOTION[happening]}
     assert rig.view.mode.is_latched
-    assert find(LATCHES, rig.view.mode.reason, UNKNOWN).name == IN_MOTION[happening]
+    assert rig.view.mode.cause.reason is IN_MOTION[happening]
 
 
 @pytest.mark.parametrize("happening", AT_REST, ids=lambda h: h.__name__)
@@ -149,7 +148,7 @@ def test_a_fault_that_follows_a_stop_at_rest_is_in_the_diary_too():
     rig.until(lambda: latched(rig))
     fault(rig)
     rig.until(lambda: rig.state is State.FAULTED, limit=1.0)
-    assert causes(events(rig)) == {"stop by topic", "robot fault"}
+    assert causes(events(rig)) == {Reason.STOP_TOPIC, Reason.FAULTED}
 
 
 def test_a_loop_that_fails_again_and_again_still_tells_its_state():
@@ -166,14 +165,14 @@ def test_a_loop_that_fails_again_and_again_still_tells_its_state():
         rig.executor.crashed(raised.value)
     assert rig.view.mode.state is State.FAULTED and "not a number" in rig.view.mode.reason
     assert rig.view.stamp > before
-    assert causes(events(rig)) == {"loop error"}
+    assert causes(events(rig)) == {Reason.LOOP_ERROR}
 
 
 def test_a_phase_that_takes_too_long_is_in_the_diary():
     rig = Rig(config=with_watchdogs(phase_timeout=4.0)).moving("reach")
     rig.now += 5.5
     rig.until(lambda: latched(rig), limit=1.0)
-    assert causes(events(rig)) <= {"overtime", "stale"} and causes(events(rig))
+    assert causes(events(rig)) <= {Reason.OVERTIME, Reason.STALE} and causes(events(rig))
 
 
 def test_a_motion_that_is_given_up_says_why_when_it_has_come_to_rest():
@@ -182,15 +181,15 @@ def test_a_motion_that_is_given_up_says_why_when_it_has_come_to_rest():
     rig.say("tense")
     rig.until(lambda: rig.state is State.ACTIVE, limit=30.0)
     rest = [m for m in events(rig) if m.kind == "at_rest"]
-    assert [find(GIVE_UPS, m.message, UNKNOWN).name for m in rest] == ["closed on nothing"]
+    assert [m.reason for m in rest] == [Reason.CLOSED_ON_NOTHING]
 
 
 def test_who_terminates_a_motion_is_in_the_diary():
     rig = Rig().moving("pull")
     rig.say("terminate")
     rig.rest()
-    told = [(m.kind, m.message) for m in events(rig)]
-    assert ("at_rest", "terminated") in told
+    found = [(m.kind, m.message, m.reason) for m in events(rig)]
+    assert ("at_rest", "terminated", Reason.TERMINATED) in found
     assert "terminate" in [m.command for m in events(rig) if m.kind == "accepted"]
 
 

@@ -28,6 +28,14 @@ def microphone(device="USB headset"):
     return Microphone(config, None, time.time, lambda seconds: True, lambda words: None)
 
 
+def watched(sound):
+    """The watch after it was shown a sound."""
+    watch = SoundWatch(microphone(), PATIENCE)
+    for frame in Framer().push(sound, 0.0):
+        watch(frame)
+    return watch
+
+
 def objections(sound, source=None):
     """Of each frame."""
     watch = SoundWatch(source or microphone(), PATIENCE)

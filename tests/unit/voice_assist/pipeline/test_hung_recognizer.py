@@ -24,6 +24,7 @@ from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.spotter.fusion import SecondWay
 from voice_assist.spotter.spotter import Spotted
+from voice_assist.types import HearingFault
 
 for package in (rst_control, voice_assist):  # pytest's paths hide the generated messages
     package.__path__ = extend_path(package.__path__, package.__name__)
@@ -237,8 +238,8 @@ def test_diagnostics_name_the_hang_and_what_is_allowed(room, clock):
     clock.now += 10.0 * LIMIT
     room.reach("stop", 1)
     room.more("diagnostics", 1)
-    level, words = room.state()
-    assert level == DiagnosticStatus.ERROR
+    level, words, fault = room.state()
+    assert level == DiagnosticStatus.ERROR and fault is HearingFault.HANGS
     assert words == f"recognition hangs: {10 * LIMIT:.2f} s on one frame, allowed {LIMIT:g} s"
 
 
@@ -301,4 +302,8 @@ def test_a_recognizer_that_crashes_stops_the_robot_at_once_and_is_named(room):
     beats = room.count("heartbeat")
     room.more("diagnostics", 2)
     assert room.count("heartbeat") == beats
-    assert room.state() == (DiagnosticStatus.ERROR, "hear: no such number")
+    assert room.state() == (
+        DiagnosticStatus.ERROR,
+        "hear: no such number",
+        HearingFault.THREAD_ENDED,
+    )

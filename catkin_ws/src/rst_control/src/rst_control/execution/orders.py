@@ -36,6 +36,10 @@ class Reply:
     message: str
     reason: Reason | None = None  # None: accepted
 
+    def __post_init__(self) -> None:
+        if self.accepted is not (self.reason is None):
+            raise ValueError(f"accepted: {self.accepted}, with the reason {self.reason}")
+
     @classmethod
     def refused(cls, cause: Cause) -> Reply:
         """That the command is not carried out."""
@@ -51,6 +55,10 @@ class Outcome:
     reason: Reason | None = None  # None: it succeeded
     tension: float = 0.0  # [N] at the end
     max_rcm_error: float = 0.0  # [m] largest measured in motion
+
+    def __post_init__(self) -> None:
+        if (self.kind == "succeeded") is not (self.reason is None):
+            raise ValueError(f"outcome {self.kind} with the reason {self.reason}")
 
 
 @dataclass(frozen=True)
@@ -162,6 +170,11 @@ class View:
         return self.mode.state in IN_MOTION
 
     @property
+    def latch(self) -> Cause | None:
+        """Why nothing moves until "hey robot", or will not once braked; None: no latch."""
+        return self.mode.cause if self.mode.is_latched else None
+
+    @property
     def is_tissue_held(self) -> bool:
         """The jaws are closed on tissue."""
         return self.measurement is not None and self.measurement.gripped
@@ -184,7 +197,7 @@ class View:
             setpoint=self.setpoint,
             is_active=self.mode.is_active,
             is_moving=self.is_moving,
-            halt_reason=self.mode.reason if self.mode.is_latched else "",
+            halt_reason=self.latch.words if self.latch else "",
             grasp=self.grasp,
         )
 

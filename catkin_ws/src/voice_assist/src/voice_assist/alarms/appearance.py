@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from voice_assist.alarms.types import Kind, Priority, AlarmText
+from voice_assist.alarms.types import AlarmText, Kind, Priority
 
 Rgba = tuple[float, float, float, float]  # each from 0 to 1
 

@@ -17,7 +17,14 @@ from voice_assist.alarms.presenter import (
     part_alarm,
     unheard_alarm,
 )
-from voice_assist.alarms.types import Alarm, ControllerEvent, Kind, PartHealth, RobotState, UtteranceReport
+from voice_assist.alarms.types import (
+    Alarm,
+    ControllerEvent,
+    Kind,
+    PartHealth,
+    RobotState,
+    UtteranceReport,
+)
 from voice_assist.config.alarms import BoardConfig
 
 _LATCH, _GIVE_UP, _REFUSAL, _NOTICE = "latch", "give-up", "refusal", "notice"
@@ -70,7 +77,9 @@ class Board:
         if state.halt_reason:
             is_new = state.halt_reason != before.halt_reason
             is_loaded = state.is_loaded or (is_new and before.is_loaded)
-            self._raise(_LATCH, latch_alarm(state.halt_reason, state.halt_reason_code, is_loaded), now)
+            self._raise(
+                _LATCH, latch_alarm(state.halt_reason, state.halt_reason_code, is_loaded), now
+            )
         else:
             self._all.pop(_LATCH, None)
         self._look_at_parts(now)

@@ -100,7 +100,9 @@ class VoiceDiagnostics:
         return status
 
 
-def _summary(health: VoiceHealth, now: float, deaf_after: float) -> tuple[int, str, HearingFault | None]:
+def _summary(
+    health: VoiceHealth, now: float, deaf_after: float
+) -> tuple[int, str, HearingFault | None]:
     error, warning = DiagnosticStatus.ERROR, DiagnosticStatus.WARN
     if health.failure:
         return error, health.failure, HearingFault.THREAD_ENDED

@@ -37,8 +37,8 @@ class RosClock:
 
 def state_message(view: View, clock: RosClock) -> ControllerState:
     """The controller's state for `rst_control/state`."""
-    mode, motion, refused = view.mode, view.motion, view.last_refusal
-    halted = mode.cause if mode.is_latched else None
+    mode, motion = view.mode, view.motion
+    halted, refused = view.latch, view.last_refusal
     message = ControllerState(
         state=mode.state.value,
         phase=view.phase,

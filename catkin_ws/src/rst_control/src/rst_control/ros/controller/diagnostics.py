@@ -61,7 +61,7 @@ class Diagnostics:
         if view.health is not None:
             level, message = DiagnosticStatus.ERROR, view.health.words
         values = {
-            "reason_code": code_of(view.health or (view.mode.cause if view.mode.is_latched else None)),
+            "reason_code": code_of(view.health or view.latch),
             "state": view.mode.state.value,
             "phase": view.phase,
             "rcm error [um]": f"{view.rcm_error * 1e6:.1f}",

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.live import Live
 
 from voice_assist.alarms.screen import AlarmScreen
-from voice_assist.alarms.types import Kind, Priority, AlarmText
+from voice_assist.alarms.types import AlarmText, Kind, Priority
 from voice_assist.msg import Alarm as AlarmMessage
 
 _REFRESH = 8  # [Hz], enough for flashing
