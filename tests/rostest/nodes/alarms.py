@@ -10,7 +10,7 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from visualization_msgs.msg import Marker
 
-from rst_control.msg import ControllerState, Event
+from rst_control.msg import ControllerState, Event, ReasonCode
 from support.waiting import wait_until
 from voice_assist.msg import Alarm, Utterance
 
@@ -41,19 +41,20 @@ class Alarms(unittest.TestCase):
         cls.state.header.stamp = rospy.Time.now()
         cls.states.publish(cls.state)
 
-    def be(self, state, reason="", held=False):
-        self.state.state, self.state.halt_reason = state, reason
+    def be(self, state, reason="", code="", held=False):
+        self.state.state = state
+        self.state.halt_reason, self.state.halt_reason_code = reason, code
         self.state.tissue_held = held
 
     def test_1_a_stop_stands_and_says_what_to_do(self):
-        self.be("halted", STOP)
+        self.be("halted", STOP, ReasonCode.STOP_TOPIC)
         wait_until(lambda: self.alarm.kind == "stop")
         self.assertEqual((self.alarm.priority, self.alarm.cause), (Alarm.MEDIUM, STOP))
         self.assertIn("hey robot", self.alarm.next_step)
         wait_until(lambda: STOP in self.marker.text)
 
     def test_2_a_fault_comes_first_and_flashes(self):
-        self.be("faulted", OVER, held=True)
+        self.be("faulted", OVER, ReasonCode.OVER_TENSION, held=True)
         wait_until(lambda: self.alarm.kind == "fault")
         self.assertEqual(self.alarm.priority, Alarm.HIGH)
         wait_until(lambda: self.marker.color.a < 0.5)
@@ -61,7 +62,12 @@ class Alarms(unittest.TestCase):
 
     def test_3_hey_robot_acknowledges_and_its_refusal_is_told(self):
         self.events.publish(
-            Event(kind="refused", command="hey robot", message="robot not connected")
+            Event(
+                kind="refused",
+                command="hey robot",
+                message="robot not connected",
+                reason_code=ReasonCode.NOT_CONNECTED,
+            )
         )
         wait_until(lambda: self.alarm.acknowledged and len(self.alarm.others) == 1)
         self.assertIn("robot not connected", self.alarm.others[0])
@@ -74,13 +80,14 @@ class Alarms(unittest.TestCase):
     def test_5_words_of_a_command_that_was_not_taken_are_told(self):
         reason = "confidence 0.31, allowed: at least 0.50"
         said = Utterance(phrases=["tense"], wer=[0.0], nearest_command="tense", reason=reason)
+        said.reason_code = Utterance.UNSURE
         self.said.publish(said)
         wait_until(lambda: self.alarm.kind == "refusal")
         self.assertEqual(self.alarm.next_step, "Say it again, clearly.")
         wait_until(lambda: self.alarm.kind == "")
-        self.said.publish(
-            Utterance(phrases=["tense"], wer=[1.0], nearest_command="tense", reason="WER 1.0")
-        )
+        other = Utterance(phrases=["tense"], wer=[1.0], nearest_command="tense", reason="WER 1.0")
+        other.reason_code = Utterance.NO_COMMAND
+        self.said.publish(other)
         rospy.sleep(0.5)
         self.assertEqual(self.alarm.kind, "")
 
