@@ -130,12 +130,12 @@ class Ear:
             return ""
         command = self._commands.get(outcome.command)
         if command.is_halt:
-            return command.phrase if heard.confidence >= command.least_confidence else ""
+            return command.phrase if heard.confidence >= command.min_confidence else ""
         texts = self._commands.scored(command.phrase, normalize(heard.text))
         scores = self._recognizer.score(samples, tuple(texts.values()))
         best = max(texts, key=lambda phrase: scores[texts[phrase]])
         confidence = self._worth.scores(scores[texts[command.phrase]])
-        is_sure = best == command.phrase and confidence >= command.least_confidence
+        is_sure = best == command.phrase and confidence >= command.min_confidence
         return command.phrase if is_sure else ""
 
 

@@ -184,7 +184,7 @@ def _profiles(
     speakers: Sequence[Speaker], embed: _Memory, cohort: Cohort, digest: str
 ) -> list[Figure]:
     """What happens at each voiceprint's own threshold."""
-    config = load_voice_config(speaker__gate="on", speaker__least_enrolled=ENOUGH).speaker
+    config = load_voice_config(speaker__gate="on", speaker__min_enrolled=ENOUGH).speaker
     counts = {seconds: np.zeros(4, int) for seconds in LENGTHS[:2]}  # own, missed, other, let in
     known: dict[int, Voiceprint] = {}
     refused: Counter[str] = Counter()

@@ -79,7 +79,7 @@ def claims_of(records: Iterable[Record]) -> list[Claim]:
     """All claims of scenes; right where the scene says the command.
 
     Their evidence is found back from their confidence, so it ends where the curve in force is
-    level: to try a larger `most` than the configured one, measure with a larger one first.
+    level: to try a larger `max_evidence` than the configured one, measure with a larger one first.
     """
     worth = load_voice_config().recognizer.confidence
     halts = {c.phrase for c in load_voice_config().commands.commands if c.is_halt}
@@ -124,7 +124,7 @@ def fit(claims: Sequence[Claim]) -> Calibration:
     most = min(MOST, key=lambda one: tried[one].fun)
     slope, offset = tried[most].x
     slope = LEAST_SLOPE + float(np.exp(slope))
-    return Calibration(slope=round(slope, 3), offset=round(float(offset), 2), most=most)
+    return Calibration(slope=round(slope, 3), offset=round(float(offset), 2), max_evidence=most)
 
 
 def least(command: str) -> float:

@@ -80,7 +80,7 @@ def test_the_table_of_the_endoscope_is_that_of_its_commands():
         for phrases, calls in rows
         for phrase, call in zip(phrases.split(", "), calls.split(", "), strict=True)
     }
-    assert told == {c.phrase: c.call for c in commands.commands if c.is_motion}
+    assert told == {c.phrase: c.command for c in commands.commands if c.is_motion}
     assert set(told.values()) == {command.value for command in WAYS}
 
 

@@ -98,7 +98,7 @@ def test_a_new_command_is_taken_and_what_only_resembles_it_is_not(source):
         (command,) = yaml.safe_load(listed)
     shipped = yaml.safe_load(_commands_file())["commands"]
     settings = load_voice_config(commands__commands=[*shipped, command]).commands
-    assert settings.commands[-1].call == "release"
+    assert settings.commands[-1].command == "release"
     mapper = Mapper(settings)
     for words in ("let go", "Let it go!"):
         found = mapper(words)

@@ -147,7 +147,7 @@ def test_replies_are_told_in_words_that_may_be_said_aloud(session):
 
 def test_while_the_robot_itself_speaks_only_a_stop_counts(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("0.5 hey robot 1 stop"), 16_000)
-    settings = {"audio/wav/path": tmp_path / "sound.wav", "audio/talkback/longest": 60.0}
+    settings = {"audio/wav/path": tmp_path / "sound.wav", "audio/robot_speech/max_duration": 60.0}
     seen = watch(master, tmp_path, 6, ["robot=speaking"], **settings)
     assert firsts(seen, "call") == ["stop"]
     assert firsts(seen, "mode") == ["standby"]

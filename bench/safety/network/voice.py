@@ -36,7 +36,7 @@ def main() -> None:
     config = load_voice_config().commands
     publish = Publishers()
     caller = CommandClient(config.answer_within, _answered)
-    repeatable = {command.call for command in config.commands if not command.is_motion}
+    repeatable = {command.command for command in config.commands if not command.is_motion}
     threading.Thread(target=_beat, args=(publish, interval), daemon=True).start()
     _say("ready", "", time.monotonic())
     for line in sys.stdin:

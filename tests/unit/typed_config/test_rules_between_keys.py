@@ -92,7 +92,13 @@ RULES = [
 
 COMMANDS = [
     (STOP, "is_halt", False, "commands is [", "at least one with is_halt"),
-    (HEY, "then", "same", "commands is [", "at least one that counts in standby and leads to"),
+    (
+        HEY,
+        "mode_after",
+        "same",
+        "commands is [",
+        "at least one that counts in standby and leads to",
+    ),
     (HEY, "modes", ["active"], "commands is [", "such as hey robot"),
     (TENSE, "phrase", "Stop!", "commands[5].phrase is 'stop'", "'Stop!' belongs to 'Stop!'"),
     (TENSE, "phrase", "release", "commands[2].phrase is 'release'", "a name given once"),
@@ -113,16 +119,22 @@ COMMANDS = [
     (TENSE, "modes", [], "commands[1].modes is []", "standby, active or both"),
     (TENSE, "modes", ["standby", "active"], "commands[1].modes is", "[active], as it is a motion"),
     (STOP, "modes", ["active"], "commands[5].modes is ['active']", "[standby, active]: it halts"),
-    (TENSE, "then", "asleep", "commands[1].then is 'asleep'", "same, standby, active"),
-    (TENSE, "call", "dance", "commands[1].call is 'dance'", "look down right, stop, terminate"),
-    (TENSE, "call", "insert", "commands[1].call is 'insert'", "one of"),
-    (TENSE, "call", "", "commands[1].call is ''", "what moves"),
+    (TENSE, "mode_after", "asleep", "commands[1].mode_after is 'asleep'", "same, standby, active"),
+    (
+        TENSE,
+        "command",
+        "dance",
+        "commands[1].command is 'dance'",
+        "look down right, stop, terminate",
+    ),
+    (TENSE, "command", "insert", "commands[1].command is 'insert'", "one of"),
+    (TENSE, "command", "", "commands[1].command is ''", "what moves"),
     (TENSE, "is_motion", False, "commands[1].is_motion is False", "true, as it calls 'tense'"),
-    (STOP, "call", "release", "commands[5]", "true, as it calls 'release'"),
-    (STOP, "call", "hey robot", "commands[5].call is 'hey robot'", '"" or stop, as it halts'),
+    (STOP, "command", "release", "commands[5]", "true, as it calls 'release'"),
+    (STOP, "command", "hey robot", "commands[5].command is 'hey robot'", '"" or stop, as it halts'),
     (STOP, "is_motion", True, "commands[5]", "allowed"),
-    (STOP, "least_confidence", 1.0, "commands[5].least_confidence is 1.0", "up to 0.95"),
-    (TERMINATE, "call", "", "", ""),
+    (STOP, "min_confidence", 1.0, "commands[5].min_confidence is 1.0", "up to 0.95"),
+    (TERMINATE, "command", "", "", ""),
     (TENSE, "spellings", ["stretch it"], "", ""),
     (STOP, "spellings", ["do not go on", "no"], "", ""),
 ]
@@ -168,6 +180,6 @@ def test_a_body_has_one_shape_and_a_link_one_inertia():
 
 def test_the_calls_that_a_command_may_make_are_those_that_the_controller_takes_from_a_voice():
     from rst_control.types import BY_HAND, Command
-    from voice_assist.config.commands import CALLS
+    from voice_assist.config.commands import ROBOT_COMMANDS
 
-    assert set(CALLS) == {command.value for command in Command if command not in BY_HAND}
+    assert set(ROBOT_COMMANDS) == {command.value for command in Command if command not in BY_HAND}

@@ -11,7 +11,7 @@ from voice_assist.audio.pitch import glide
 from voice_assist.config import load_voice_config
 from voice_assist.types import RATE
 
-LEAST = load_voice_config().recognizer.motion_glide
+LEAST = load_voice_config().recognizer.motion_pitch_variation
 
 
 def notes(pitches, harmonics, length=0.16, gap=0.06):
@@ -77,7 +77,7 @@ def test_a_tone_moves_nothing_and_the_reason_says_so(command):
     (refusal,) = refusals(events)
     assert refusal.nearest_command == command
     assert refusal.rejection.words.startswith("a tone, no voice: its pitch moves by ")
-    assert commands(hear(command, recognizer__motion_glide=0.0)) == [command]
+    assert commands(hear(command, recognizer__motion_pitch_variation=0.0)) == [command]
 
 
 @pytest.mark.usefixtures("steady")

@@ -7,7 +7,7 @@ from voice_assist.audio.robot_speech import Spoke, Talkback
 from voice_assist.config import load_voice_config
 from voice_assist.types import Mode
 
-CONFIG = load_voice_config().audio.talkback
+CONFIG = load_voice_config().audio.robot_speech
 SILENCE = load_voice_config().recognizer.early.silence_added  # [s] behind what ends
 START = 100.0  # [s] stamp of the first frame
 REASON = "the robot itself was speaking; say it again"
@@ -44,8 +44,8 @@ def test_speech_that_began_while_it_spoke_does_not_count():
 
 
 def test_its_end_need_not_be_told():
-    assert commands(hear("tense", (-CONFIG.longest, True))) == ["tense"]
-    assert commands(hear("tense", (-CONFIG.longest + 1.0, True))) == []
+    assert commands(hear("tense", (-CONFIG.max_duration, True))) == ["tense"]
+    assert commands(hear("tense", (-CONFIG.max_duration + 1.0, True))) == []
 
 
 def test_an_end_without_a_beginning_refuses_nothing():
@@ -61,8 +61,8 @@ def test_a_beginning_told_again_lasts_longer():
     talkback = Talkback(CONFIG)
     talkback.tell(Spoke(True, 0.0))
     talkback.tell(Spoke(True, 10.0))
-    assert talkback.is_in(10.0 + CONFIG.longest)
-    assert not talkback.is_in(10.1 + CONFIG.longest)
+    assert talkback.is_in(10.0 + CONFIG.max_duration)
+    assert not talkback.is_in(10.1 + CONFIG.max_duration)
     talkback.reset()
     assert not talkback.is_in(0.0)
 

@@ -16,7 +16,7 @@ curve = st.builds(
     Calibration,
     slope=st.floats(0.001, 100.0),
     offset=st.floats(-50.0, 50.0),
-    most=st.floats(-1000.0, 1000.0),
+    max_evidence=st.floats(-1000.0, 1000.0),
 )
 
 
@@ -27,13 +27,15 @@ def test_more_evidence_is_never_less_probable(worth: Calibration, one: float, ot
 
 
 def test_no_evidence_is_worth_the_offset() -> None:
-    assert Calibration(slope=2.0, offset=0.0, most=9.0)(0.0) == 0.5
-    assert Calibration(slope=2.0, offset=math.log(9.0), most=9.0)(0.0) == pytest.approx(0.9)
+    assert Calibration(slope=2.0, offset=0.0, max_evidence=9.0)(0.0) == 0.5
+    assert Calibration(slope=2.0, offset=math.log(9.0), max_evidence=9.0)(0.0) == pytest.approx(0.9)
 
 
 @pytest.mark.parametrize(("evidence", "expected"), [(math.inf, 1.0), (-math.inf, 0.0)])
 def test_certainty_is_no_error(evidence: float, expected: float) -> None:
-    assert Calibration(slope=0.25, offset=3.0, most=1000.0)(evidence) == pytest.approx(expected)
+    assert Calibration(slope=0.25, offset=3.0, max_evidence=1000.0)(evidence) == pytest.approx(
+        expected
+    )
 
 
 @given(st.floats(1e-9, 1.0 - 1e-9))
@@ -47,5 +49,5 @@ def test_rounded_probabilities_have_finite_odds(probability: float) -> None:
 
 
 def test_beyond_the_most_evidence_tells_nothing_more() -> None:
-    worth = Calibration(slope=1.0, offset=0.5, most=2.0)
+    worth = Calibration(slope=1.0, offset=0.5, max_evidence=2.0)
     assert worth(1.9) < worth(2.0) == worth(30.0) == worth(math.inf) == logistic(2.5)

@@ -42,8 +42,7 @@ def test_a_halt_is_lowered_to_its_takes_and_never_raised() -> None:
         0.53
     )
     assert (
-        choose_threshold(HALT, ConfidenceEvidence((0.9,), 0, (0.99,)), 0.05)
-        == HALT.least_confidence
+        choose_threshold(HALT, ConfidenceEvidence((0.9,), 0, (0.99,)), 0.05) == HALT.min_confidence
     )
 
 
@@ -53,7 +52,7 @@ def test_what_arms_is_lowered_only_where_nothing_spoke_against() -> None:
     )
     assert (
         choose_threshold(WAKE, ConfidenceEvidence((0.3, 0.8), 0, (0.9,)), 0.05)
-        == WAKE.least_confidence
+        == WAKE.min_confidence
     )
 
 
@@ -62,8 +61,8 @@ def test_no_evidence_makes_a_motion_easier_or_a_halt_harder(
     own: tuple[float, ...], against: tuple[float, ...]
 ) -> None:
     evidence = ConfidenceEvidence(own, 0, against)
-    assert choose_threshold(MOTION, evidence, 0.05) >= MOTION.least_confidence
-    assert choose_threshold(HALT, evidence, 0.05) <= HALT.least_confidence
+    assert choose_threshold(MOTION, evidence, 0.05) >= MOTION.min_confidence
+    assert choose_threshold(HALT, evidence, 0.05) <= HALT.min_confidence
 
 
 @given(st.floats(0.0, 0.95), st.floats(0.0, 0.95))
@@ -73,8 +72,8 @@ def test_no_file_makes_a_motion_easier_or_a_halt_harder(motion: float, halt: flo
         Setting(phrase="stop", least_confidence=halt),
     )
     own = overlay(COMMANDS, from_bytes(to_bytes(Settings(commands=wanted))))
-    assert own.get("pull more").least_confidence == max(motion, MOTION.least_confidence)
-    assert own.get("stop").least_confidence == min(halt, HALT.least_confidence)
+    assert own.get("pull more").min_confidence == max(motion, MOTION.min_confidence)
+    assert own.get("stop").min_confidence == min(halt, HALT.min_confidence)
     assert own.get("tense") == COMMANDS.get("tense")
 
 

@@ -41,7 +41,7 @@ def test_a_profile_with_a_voiceprint_lets_its_own_throat_move_and_no_other(tmp_p
     profile = profile_of(tmp_path, 110.0)
     assert voiceprint_of(profile) is None and voiceprint_of(None) is None
     known = put_voiceprint(profile, CONFIG)
-    assert known.takes == 8 and known.missed <= CONFIG.most_missed
+    assert known.takes == 8 and known.missed <= CONFIG.max_missed
     gate = make_gate(CONFIG, voiceprint_of(profile))
     assert isinstance(gate, SpeakerGate)
     assert gate(voiced(110.0, 0.8, 50)) is None

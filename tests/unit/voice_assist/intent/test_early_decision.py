@@ -51,12 +51,12 @@ def test_unsure_readings_of_stop_do_not_count(judge):
     for time in (0.1, 0.2, 0.3):
         assert judge(heard("stop", 0.3), at(time)) is None
     refused = judge(heard("stop", 0.3), at(0.8, 0.4, is_complete=True))
-    least = CONFIG.commands.get("stop").least_confidence
+    least = CONFIG.commands.get("stop").min_confidence
     assert refused.rejection.words == f"confidence 0.30, allowed: at least {least:.2f}"
 
 
 def test_a_half_sure_stop_waits_for_the_pause(judge):
-    least = CONFIG.commands.get("stop").least_confidence
+    least = CONFIG.commands.get("stop").min_confidence
     for time in (0.1, 0.2, 0.3):
         assert judge(heard("stop", least + 0.01), at(time)) is None
     assert judge(heard("stop", least + 0.01), at(0.5, quiet=0.16)).command == "stop"

@@ -171,12 +171,12 @@ def test_a_phrase_that_can_grow_waits_for_the_end_of_the_utterance():
             "spellings": [],
             "threshold": 0.3,
             "modes": ["active"],
-            "then": "same",
-            "call": "pull more",
+            "mode_after": "same",
+            "command": "pull more",
             "is_motion": True,
             "is_halt": False,
-            "least_confidence": 0.5,
-            "fire_above": 1000.0,
+            "min_confidence": 0.5,
+            "halt_score_threshold": 1000.0,
         }
     ]
     grown += [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
@@ -231,7 +231,7 @@ def test_the_second_opinion_can_fire_a_stop():
     config = load_voice_config()
     entries = [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
     for entry in entries:
-        entry["fire_above"] = 0.5 if entry["is_halt"] else 1000.0
+        entry["halt_score_threshold"] = 0.5 if entry["is_halt"] else 1000.0
     recognizer = FakeRecognizer({"stop": 2.0})
     events = hear("mumble", recognizer=recognizer, commands__commands=entries)
     assert commands(events) == ["stop"]

@@ -41,7 +41,7 @@ def test_each_example_set_holds_together_and_no_two_commands_are_too_alike(file)
     assert "too alike" not in {p.verdict for p in pairs}, pairs[0].told
     assert any(c.is_halt and c.phrase == "stop" for c in commands.commands)  # also for the spotter
     replace(load_voice_config(), commands=commands)
-    calls = {c.call for c in commands.commands}
+    calls = {c.command for c in commands.commands}
     assert {"hey robot", "stop", "terminate"} < calls
     assert len([c for c in calls if c.startswith("look ")]) == (10 if "endoscope" in file else 0)
 

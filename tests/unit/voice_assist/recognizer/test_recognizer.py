@@ -116,7 +116,7 @@ def test_a_decoder_needs_the_ctc_head_to_believe_a_strange_word(
     config = load_voice_config()
     score = embedded.score(noise, ["tense", "release"])["tense"]
     worth = config.recognizer.confidence.scores(score)
-    assert (worth >= config.commands.get("tense").least_confidence) is is_believed
+    assert (worth >= config.commands.get("tense").min_confidence) is is_believed
 
 
 def test_the_whisper_library_loads_the_shipped_file():

@@ -2,7 +2,8 @@
 """What the live pipeline decided must be decided again from what was recorded of it."""
 
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
+from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import yaml
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
 from voice_assist.audio.robot_speech import Spoke
-from voice_assist.config import CONFIG_DIR, SECTIONS, load_voice_config
+from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, load_voice_config
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.replay import replayer as module
@@ -303,6 +304,23 @@ def test_settings_of_another_version_are_completed_and_said():
     config, warnings = restore_settings(given, None)
     assert config.spotter.patience == CONFIG.spotter.patience
     assert [w.split(" ")[1] for w in warnings] == ["audio.vad.louder", "spotter.patience"]
+
+
+def former_keys(kind, value):
+    """Settings as a version before the present names recorded them."""
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return [former_keys(get_args(kind)[0], entry) for entry in value]
+    if not is_dataclass(kind):
+        return value
+    former = {now: then for then, now in getattr(kind, "RENAMED", {}).items()}
+    hints = get_type_hints(kind)
+    return {former.get(key, key): former_keys(hints[key], value[key]) for key in value}
+
+
+def test_settings_recorded_under_their_former_names_are_restored():
+    given = former_keys(VoiceConfig, settings())
+    assert "talkback" in given["audio"] and "fire_above" in given["commands"]["commands"][0]
+    assert restore_settings(given, None) == (CONFIG, ())
 
 
 def test_without_recorded_settings_those_of_today_are_used_and_said():

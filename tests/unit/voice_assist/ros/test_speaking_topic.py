@@ -10,7 +10,7 @@ from voice_assist.config import load_voice_config
 from voice_assist.ros import robot_speech
 from voice_assist.ros.robot_speech import RobotSpeechTopic
 
-CONFIG = load_voice_config().audio.talkback
+CONFIG = load_voice_config().audio.robot_speech
 TOLD = st.lists(st.tuples(st.booleans(), st.floats(0.0, 0.03)), max_size=50)
 
 
@@ -54,5 +54,11 @@ def test_however_often_it_is_told_no_more_than_two_are_left_that_mean_the_same(t
     assert len(taken) <= 2
     for spoke in taken:
         left.tell(spoke)
-    for at in (0.0, 0.3, CONFIG.tail + topic.now, CONFIG.longest, CONFIG.longest + topic.now):
+    for at in (
+        0.0,
+        0.3,
+        CONFIG.tail + topic.now,
+        CONFIG.max_duration,
+        CONFIG.max_duration + topic.now,
+    ):
         assert left.is_in(at) == everything.is_in(at)

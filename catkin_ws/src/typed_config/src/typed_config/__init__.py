@@ -3,7 +3,7 @@
 
 from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
-from typed_config.loader import load_config
+from typed_config.loader import load_config, with_present_keys
 from typed_config.overlay import overlaid
 from typed_config.rules import require, require_rising, require_way
 from typed_config.strict_yaml import load_yaml
@@ -22,4 +22,5 @@ __all__ = [
     "require_rising",
     "require_way",
     "text",
+    "with_present_keys",
 ]

@@ -53,6 +53,33 @@ def load_config(kind: type[T], data: object, where: str = "") -> T:
         raise error.under(where) from error
 
 
+def with_present_keys(kind: type[Any], data: Mapping[str, Any]) -> dict[str, Any]:
+    """The same settings with each former key under its present name, in nested ones too.
+
+    For settings that were recorded by an older version; `load_config` refuses a former key.
+
+    Args:
+        kind: Dataclass of the settings.
+        data: Mapping as `load_config` takes it; what it does not know stays as it is.
+    """
+    fields, renamed = _fields(cast("Hashable", kind)), getattr(kind, "RENAMED", {})
+    found = {}
+    for former, value in data.items():
+        key = renamed.get(former, former)
+        hint = fields[key].hint if key in fields else None
+        found[key] = _with_present_keys(hint, value)
+    return found
+
+
+def _with_present_keys(hint: Any, value: Any) -> Any:
+    if dataclasses.is_dataclass(hint) and isinstance(value, Mapping):
+        return with_present_keys(cast("type[Any]", hint), value)
+    args = get_args(hint)
+    if get_origin(hint) is tuple and isinstance(value, (list, tuple)):
+        return [_with_present_keys(args[0], entry) for entry in value]
+    return value
+
+
 def _hint(kind: type[Any], key: str, fields: Mapping[str, _Field]) -> str:
     """What the user may have meant by an unknown key."""
     renamed: Mapping[str, str] = getattr(kind, "RENAMED", {})

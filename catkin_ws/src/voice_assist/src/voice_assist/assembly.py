@@ -128,7 +128,7 @@ def make_source(config: AudioConfig, clock: Clock, pause: Pause, report: Report)
             clock,
             pause,
             speed=config.wav.speed,
-            then_silence=config.wav.then == "silence",
+            then_silence=config.wav.after_end == "silence",
         ),
     }
     if config.source not in makers:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from voice_assist.config.voice import TalkbackConfig
+from voice_assist.config.voice import RobotSpeechConfig
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Spoke:
 class Talkback:
     """Follows what is told of the loudspeaker."""
 
-    def __init__(self, config: TalkbackConfig) -> None:
+    def __init__(self, config: RobotSpeechConfig) -> None:
         """Nobody speaks."""
         self._config = config
         self.reset()
@@ -34,9 +34,9 @@ class Talkback:
         self._until = float("-inf")  # [s] clock time up to which it may be heard
 
     def tell(self, spoke: Spoke) -> None:
-        """Follow; where its end is never told, it is taken for over after `longest`."""
+        """Follow; where its end is never told, it is taken for over after `max_duration`."""
         if spoke.is_speaking:
-            self._until = spoke.time + self._config.longest
+            self._until = spoke.time + self._config.max_duration
         else:
             self._until = min(self._until, spoke.time + self._config.tail)
 

@@ -39,7 +39,11 @@ def settings(options: argparse.Namespace) -> VoiceConfig:
         "profile__name": getattr(options, "profile", None),
     }
     if path := getattr(options, "wav", None):
-        wanted |= {"audio__wav__path": path, "audio__source": "wav", "audio__wav__then": "exit"}
+        wanted |= {
+            "audio__wav__path": path,
+            "audio__source": "wav",
+            "audio__wav__after_end": "exit",
+        }
     changes = {key: value for key, value in wanted.items() if value is not None}
     return load_voice_config(options.config, **changes)
 

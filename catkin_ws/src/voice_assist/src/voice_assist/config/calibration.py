@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from typed_config import number
 
@@ -19,17 +21,18 @@ class Calibration:
     that sound the same, the wrong one has as much evidence as the right one, however much that is.
     """
 
+    RENAMED: ClassVar[Mapping[str, str]] = {"most": "max_evidence"}
     slope: float = number(0.001, 1000.0, "1/nat")
     offset: float = number(-100.0, 100.0, "")
-    most: float = number(-1000.0, 1000.0, "nat")
+    max_evidence: float = number(-1000.0, 1000.0, "nat")
 
     def __call__(self, evidence: float) -> float:
-        """Probability of being right, [0, 1]; rises with the evidence up to `most`.
+        """Probability of being right, [0, 1]; rises with the evidence up to `max_evidence`.
 
         Args:
             evidence: For the claim rather than against it [nat]; may be infinite.
         """
-        return logistic(self.slope * min(evidence, self.most) + self.offset)
+        return logistic(self.slope * min(evidence, self.max_evidence) + self.offset)
 
 
 def logistic(x: float) -> float:

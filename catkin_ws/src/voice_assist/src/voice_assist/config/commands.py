@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from typed_config import choice, flag, items, number, text
 from voice_assist.errors import CommandsError
@@ -16,7 +17,12 @@ LOOKING = (  # of an endoscope, or of the tool as one, under the trocar
     *("look up left", "look up right", "look down left", "look down right"),
 )
 MOVING = ("tense", "release", "pull more", "pull less", *LOOKING)
-CALLS = ("hey robot", *MOVING, "stop", "terminate")  # what rst_control/command takes from a voice
+ROBOT_COMMANDS = (
+    "hey robot",
+    *MOVING,
+    "stop",
+    "terminate",
+)  # what rst_control/command takes from a voice
 NEVER_SURE = 0.95  # [0, 1] a recogniser is hardly ever surer of a word than this
 
 
@@ -24,17 +30,23 @@ NEVER_SURE = 0.95  # [0, 1] a recogniser is hardly ever surer of a word than thi
 class CommandConfig:
     """One spoken command."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {
+        "then": "mode_after",
+        "call": "command",
+        "least_confidence": "min_confidence",
+        "fire_above": "halt_score_threshold",
+    }
     phrase: str = text()
     spellings: tuple[str, ...] = text()
     learned: tuple[str, ...] = text(default=())  # what the recogniser writes for one person's takes
     threshold: float = number(0.01, 1.0, "WER")
     modes: tuple[str, ...] = choice("standby", "active")
-    then: str = choice("same", "standby", "active")
-    call: str = choice("", *CALLS)
+    mode_after: str = choice("same", "standby", "active")
+    command: str = choice("", *ROBOT_COMMANDS)
     is_motion: bool = flag()
     is_halt: bool = flag()
-    least_confidence: float = number(0.0, 1.0, "")
-    fire_above: float = number(-1000.0, 1000.0, "nat")
+    min_confidence: float = number(0.0, 1.0, "")
+    halt_score_threshold: float = number(-1000.0, 1000.0, "nat")
 
     def __post_init__(self) -> None:
         """Check what no key shows alone.
@@ -43,11 +55,13 @@ class CommandConfig:
             CommandsError: Two keys contradict each other.
         """
         _require(bool(self.modes), "modes", [], "standby, active or both")
-        if self.call in MOVING:
-            words = f"true, as it calls {self.call!r}, which moves the robot"
+        if self.command in MOVING:
+            words = f"true, as it calls {self.command!r}, which moves the robot"
             _require(self.is_motion, "is_motion", self.is_motion, words)
         if self.is_motion:
-            _require(bool(self.call), "call", self.call, "what moves, as is_motion is true")
+            _require(
+                bool(self.command), "command", self.command, "what moves, as is_motion is true"
+            )
             modes = list(self.modes)
             _require(self.modes == ("active",), "modes", modes, "[active], as it is a motion")
         if self.is_halt:
@@ -55,11 +69,11 @@ class CommandConfig:
 
     def _check_halt(self) -> None:
         _require(not self.is_motion, "is_motion", True, "false, as is_halt is true")
-        _require(self.call in ("", "stop"), "call", self.call, '"" or stop, as it halts')
+        _require(self.command in ("", "stop"), "command", self.command, '"" or stop, as it halts')
         both = {"standby", "active"}
         _require(set(self.modes) == both, "modes", list(self.modes), "[standby, active]: it halts")
-        least, allowed = self.least_confidence, f"up to {NEVER_SURE}, or it is never heard"
-        _require(least <= NEVER_SURE, "least_confidence", least, allowed)
+        least, allowed = self.min_confidence, f"up to {NEVER_SURE}, or it is never heard"
+        _require(least <= NEVER_SURE, "min_confidence", least, allowed)
 
     @property
     def all_spellings(self) -> Iterator[tuple[str, str]]:
@@ -97,7 +111,7 @@ class CommandsConfig:
         names = list(self.phrases)
         halts = any(c.is_halt for c in self.commands)
         _require(halts, "commands", names, "at least one with is_halt, such as stop")
-        wakes = any("standby" in c.modes and c.then == "active" for c in self.commands)
+        wakes = any("standby" in c.modes and c.mode_after == "active" for c in self.commands)
         allowed = "at least one that counts in standby and leads to active, such as hey robot"
         _require(wakes, "commands", names, allowed)
 

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from typed_config import choice, number
 
@@ -14,11 +16,16 @@ OFF, ON = "off", "on"
 class SpeakerConfig:
     """The speaker gate."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {
+        "most_missed": "max_missed",
+        "least_speech": "min_speech",
+        "least_enrolled": "min_enrolled",
+    }
     gate: str = choice(OFF, ON)
     false_accept: float = number(0.0005, 0.2, "")
-    most_missed: float = number(0.0, 0.5, "")
-    least_speech: float = number(0.1, 2.0, "s")
-    least_enrolled: float = number(2.0, 600.0, "s")
+    max_missed: float = number(0.0, 0.5, "")
+    min_speech: float = number(0.1, 2.0, "s")
+    min_enrolled: float = number(2.0, 600.0, "s")
 
     @property
     def is_on(self) -> bool:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from typed_config import choice, flag, integer, load_config, load_yaml, number, require, text
 from voice_assist.config.calibration import Calibration
@@ -27,9 +27,9 @@ __all__ = [
     "MicrophoneConfig",
     "ProfileConfig",
     "RecognizerConfig",
+    "RobotSpeechConfig",
     "SpeakerConfig",
     "SpotterConfig",
-    "TalkbackConfig",
     "TopicConfig",
     "VadConfig",
     "VoiceConfig",
@@ -51,10 +51,11 @@ SECTIONS = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class TalkbackConfig:
+class RobotSpeechConfig:
     """How long the robot's own speech is reckoned with."""
 
-    longest: float = number(0.1, 600.0, "s")
+    RENAMED: ClassVar[Mapping[str, str]] = {"longest": "max_duration"}
+    max_duration: float = number(0.1, 600.0, "s")
     tail: float = number(0.0, 10.0, "s")
     window: float = number(0.0, 2.0, "s")
     stop_confidence: float = number(0.0, 1.0, "")
@@ -74,9 +75,10 @@ class MicrophoneConfig:
 class WavConfig:
     """A recording in place of a microphone."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {"then": "after_end"}
     path: str = text(may_be_empty=True)
     speed: float = number(0.0, 1000.0, "times real time")
-    then: str = choice("silence", "exit")
+    after_end: str = choice("silence", "exit")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,6 +129,7 @@ class VadConfig:
 class AudioConfig:
     """Everything before recognition."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {"talkback": "robot_speech"}
     source: str = choice("microphone", "wav", "topic")
     queue: int = integer(4, 100_000, "frames")
     deaf_after: float = number(0.1, 30.0, "s")
@@ -135,7 +138,7 @@ class AudioConfig:
     topic: TopicConfig
     denoise: DenoiseConfig
     vad: VadConfig
-    talkback: TalkbackConfig
+    robot_speech: RobotSpeechConfig
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
@@ -147,12 +150,13 @@ class AudioConfig:
 class EarlyConfig:
     """When a decision may come before the end of the utterance is confirmed."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {"shortest_rest": "min_rest"}
     is_enabled: bool = flag()
     partial_interval: float = number(0.032, 5.0, "s")
     settle: float = number(0.0, 2.0, "s")
     pause: float = number(0.03, 2.0, "s")
     silence_added: float = number(0.0, 2.0, "s")
-    shortest_rest: float = number(0.0, 2.0, "s")
+    min_rest: float = number(0.0, 2.0, "s")
     unchanged_for: float = number(0.2, 10.0, "s")
     stop_agreement: int = integer(1, 10, "partials")
     vote_confidence: float = number(0.0, 1.0, "")
@@ -182,13 +186,14 @@ class ConfidenceConfig:
 class RecognizerConfig:
     """Recognition and the moment of decision."""
 
+    RENAMED: ClassVar[Mapping[str, str]] = {"motion_glide": "motion_pitch_variation"}
     model: str = text()
     device: str = text()
     threads: int = integer(1, 64, "threads")
     hung_after: float = number(0.1, 30.0, "s")
     second_opinion: bool = flag()
     motion_confidence: float = number(0.0, NEVER_SURE, "")
-    motion_glide: float = number(0.0, 20.0, "cent")
+    motion_pitch_variation: float = number(0.0, 20.0, "cent")
     motion_speech: float = number(0.0, 0.99, "")
     confidence: ConfidenceConfig
     early: EarlyConfig

@@ -190,7 +190,7 @@ class SelfCheck:
 
         def is_taken(claim: Claim) -> bool:
             command = allowed.get(claim.command)
-            is_enough = claim.confidence >= command.least_confidence
+            is_enough = claim.confidence >= command.min_confidence
             return claim.is_taken and (is_enough or not command.is_motion)
 
         taken = tuple(claim.command for claim in heard.claims if is_taken(claim))

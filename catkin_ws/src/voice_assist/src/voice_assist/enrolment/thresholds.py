@@ -52,7 +52,7 @@ def choose_threshold(command: CommandConfig, evidence: ConfidenceEvidence, margi
         evidence: Of the person.
         margin: Kept to the takes that set it.
     """
-    base = command.least_confidence
+    base = command.min_confidence
     lowest = min(evidence.own, default=1.0)
     highest = max(evidence.against, default=0.0)
     if command.is_motion:

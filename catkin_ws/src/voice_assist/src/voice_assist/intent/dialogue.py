@@ -57,9 +57,9 @@ def step(state: State, event: Heard | Answered) -> Step:
     if state.mode.value not in command.modes:
         return Step(state, (), _wrong_mode(command, state.mode))
     actions: list[Action] = [Halt()] if command.is_halt else []
-    if command.call:
-        actions.append(Call(command.call))
-    mode = state.mode if command.then == "same" else Mode(command.then)
+    if command.command:
+        actions.append(Call(command.command))
+    mode = state.mode if command.mode_after == "same" else Mode(command.mode_after)
     if mode is state.mode:
         return Step(state, tuple(actions))
     return Step(State(mode, command.phrase), (*actions, SetMode(mode, command.phrase)))

@@ -38,7 +38,7 @@ class Judge:
     ) -> None:
         """Start with a new utterance."""
         self._mapper, self._config, self._second = mapper, config, second
-        self._halts = {c.phrase: c.least_confidence for c in commands.commands if c.is_halt}
+        self._halts = {c.phrase: c.min_confidence for c in commands.commands if c.is_halt}
         self.reset()
 
     def reset(self) -> None:

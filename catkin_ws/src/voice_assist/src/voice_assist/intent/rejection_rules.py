@@ -42,7 +42,7 @@ class Objections:
             sound: That it was heard in, shape (n,).
             growth: The utterance that it was said in.
         """
-        wakes = command.then == "active"
+        wakes = command.mode_after == "active"
         if (command.is_motion or wakes) and self._talkback.is_in(growth.utterance.speech_start):
             words = "the robot itself was speaking; say it again"
             return Rejection(RejectionReason.ROBOT_SPEAKING, words)
@@ -56,7 +56,7 @@ class Objections:
             return too_unsure(heard.confidence, least, " of the transcript")
         if words := damage(sound):
             return Rejection(RejectionReason.DAMAGED_SOUND, words)
-        moved, least = glide(sound), self._config.motion_glide
+        moved, least = glide(sound), self._config.motion_pitch_variation
         if moved < least:
             words = f"a tone, no voice: its pitch moves by {moved:.2f} cent, a voice's by {least:g}"
             return Rejection(RejectionReason.TONE, words)

@@ -66,7 +66,7 @@ class Hearing:
     def restart(self, growth: Growth) -> None:
         """Go on with the rest of the utterance only."""
         self.reset()
-        self._ignored_until = growth.utterance.speech_end + self._config.shortest_rest
+        self._ignored_until = growth.utterance.speech_end + self._config.min_rest
 
     def __call__(self, growth: Growth, frame: Frame, time: float, part: float = 0.0) -> bool:
         """Follow the utterance by a frame.

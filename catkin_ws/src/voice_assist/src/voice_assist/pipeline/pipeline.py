@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 Event = Partial | Decision | Lost
 Clock = Callable[[], float]
 
-NEVER = 1000.0  # [nat] a `fire_above` that switches firing off
+NEVER = 1000.0  # [nat] a `halt_score_threshold` that switches firing off
 _PROGRESS = RATE  # samples between two notes of how far hearing has come
 _KEPT_OF_NOISE = 0.5  # [s] before a look that heard nothing, which may begin a word
 _KEPT_OF_PAUSE = 0.064  # [s] before a decision in a pause that may begin the next word
@@ -97,7 +97,7 @@ class Pipeline:
         self._judge = Judge(self._mapper, config.commands, early, self._second)
         self._halted = float("-inf")  # [s] clock time up to which sound has led to a halt
         self._state = AT_START
-        self._talkback = Talkback(config.audio.talkback)
+        self._talkback = Talkback(config.audio.robot_speech)
         self._object = Objections(config, self._talkback, gate)
         self._new_utterance()
 
@@ -162,7 +162,7 @@ class Pipeline:
             return events
         time = frame.first_sample / RATE + frame.duration
         own = self._talkback.is_in(frame.stamp)
-        if self._hear(growth, frame, time, self._config.audio.talkback.window if own else 0.0):
+        if self._hear(growth, frame, time, self._config.audio.robot_speech.window if own else 0.0):
             events += (*self._partial(frame), *self._decide(growth, frame, time))
             self._forget_noise(growth, time)
         if growth.utterance.is_complete:
@@ -218,7 +218,7 @@ class Pipeline:
         outcome = self._judge(heard, moment)
         decided_by, part = "recognizer", self._hear.part
         if part and (
-            over := self._judge.said_over(part, self._config.audio.talkback.stop_confidence)
+            over := self._judge.said_over(part, self._config.audio.robot_speech.stop_confidence)
         ):
             outcome, heard = over, part
         if not isinstance(outcome, Match) and (fired := self._fire(growth, heard, spotted)):
@@ -261,8 +261,8 @@ class Pipeline:
                 words = f"it sounds more like {best!r}"
                 other = Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, words)
                 return match.rejected(other), confidence
-        if confidence < command.least_confidence:
-            return match.rejected(too_unsure(confidence, command.least_confidence)), confidence
+        if confidence < command.min_confidence:
+            return match.rejected(too_unsure(confidence, command.min_confidence)), confidence
         if rejection := self._object(command, heard, self._hear.sound, growth):
             return match.rejected(rejection), confidence
         return match, confidence
@@ -276,14 +276,18 @@ class Pipeline:
             ratio = self._hear.scores(self._config.commands.phrases)[phrase]
             if self._second.overrules(spotted, ratio):
                 return Match(phrase, self._mapper(heard.text).wer)
-        halts = [c for c in self._config.commands.commands if c.is_halt and c.fire_above < NEVER]
+        halts = [
+            c
+            for c in self._config.commands.commands
+            if c.is_halt and c.halt_score_threshold < NEVER
+        ]
         if not (halts and self._hear.is_settled(growth) and self._config.recognizer.second_opinion):
             return None
         if self._judge.has_decided:
             return None
         scores = self._hear.scores(self._config.commands.phrases)
         for halt in halts:
-            if scores[halt.phrase] > halt.fire_above:
+            if scores[halt.phrase] > halt.halt_score_threshold:
                 return Match(halt.phrase, self._mapper(heard.text).wer)
         return None
 

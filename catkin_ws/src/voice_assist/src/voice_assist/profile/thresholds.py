@@ -65,9 +65,9 @@ def overlay(commands: CommandsConfig, settings: Settings) -> CommandsConfig:
 def _overlaid(command: CommandConfig, least: float | None) -> CommandConfig:
     if least is None:
         return command
-    base = command.least_confidence
+    base = command.min_confidence
     if command.is_motion:
         least = max(least, base)
     elif command.is_halt:
         least = min(least, base)
-    return replace(command, least_confidence=least)
+    return replace(command, min_confidence=least)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from typed_config import ConfigError, load_yaml
+from typed_config import ConfigError, load_yaml, with_present_keys
 from voice_assist.assembly import limit_torch, make_pipeline, make_spotter
 from voice_assist.audio.robot_speech import Spoke
 from voice_assist.audio.source import FRAME
@@ -196,6 +196,7 @@ def restore_settings(
     """
     today = {name: dict(load_yaml(CONFIG_DIR / f"{name}.yaml")) for name in SECTIONS}
     warnings = [] if recorded else ["no settings were recorded; today's are used"]
+    recorded = with_present_keys(VoiceConfig, recorded)
     absent = {name: off for name, off in SWITCHED_OFF.items() if recorded and name not in recorded}
     recorded = {**recorded, **{name: {**today[name], **off} for name, off in absent.items()}}
     data = _merge(today, recorded, "", warnings) if recorded else today

@@ -115,7 +115,7 @@ class VoiceNode:
         self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, witness)
         self._client = CommandClient(config.commands.answer_within, self._answers.put)
         self._robot_speech = RobotSpeechTopic(_now)
-        self._repeatable = {c.call for c in config.commands.commands if not c.is_motion}
+        self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
 
     def run(self) -> None:
         """Hear until ROS shuts down, or the recording ends where the settings say so."""

@@ -52,7 +52,7 @@ class SpeakerGate:
         self, voiceprint: Voiceprint, embed: Embed, cohort: Cohort, config: SpeakerConfig
     ) -> None:
         self._voiceprint, self._embed, self._cohort = voiceprint, embed, cohort
-        self._least = config.least_speech
+        self._least = config.min_speech
         self._last: tuple[Samples, Rejection | None] | None = None  # the sound judged last, and how
 
     def __call__(self, samples: Samples) -> Rejection | None:

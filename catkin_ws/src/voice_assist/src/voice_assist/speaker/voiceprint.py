@@ -82,8 +82,8 @@ def make_voiceprint(
     """
     pieces = [p for take in takes for p in piece_up(spoken(take), PIECE) if _is_enough(p, config)]
     seconds = sum(map(len, pieces)) / RATE
-    if len(pieces) < FEWEST or seconds < config.least_enrolled:
-        allowed = f"at least {FEWEST} takes and {config.least_enrolled:g} s"
+    if len(pieces) < FEWEST or seconds < config.min_enrolled:
+        allowed = f"at least {FEWEST} takes and {config.min_enrolled:g} s"
         raise VoiceprintError(f"{len(pieces)} takes with {seconds:.1f} s of speech: {allowed}")
     heard = np.stack([embed(piece) for piece in pieces])
     centre = unit(heard.mean(axis=0))
@@ -91,11 +91,11 @@ def make_voiceprint(
     rest = unit(heard.sum(axis=0) - heard)  # (n, WIDTH): the mean of all others
     own = np.array([cohort.score(h, c) for h, c in zip(heard, rest, strict=True)])
     missed = float((own < threshold).mean())
-    if missed > config.most_missed:
-        share = f"{missed:.0%} of its own takes, allowed: up to {config.most_missed:.0%}"
+    if missed > config.max_missed:
+        share = f"{missed:.0%} of its own takes, allowed: up to {config.max_missed:.0%}"
         raise VoiceprintError(f"this voiceprint would refuse {share}; record them again, nearer")
     return Voiceprint(centre, threshold, config.false_accept, missed, len(pieces), digest)
 
 
 def _is_enough(piece: Samples, config: SpeakerConfig) -> bool:
-    return len(piece) >= config.least_speech * RATE
+    return len(piece) >= config.min_speech * RATE
