@@ -12,8 +12,8 @@ from bench.common.rig import Rig, random_poses
 from rst_control.config import MotionConfig, SimulationConfig
 from rst_control.errors import Infeasible
 from rst_control.kinematics.configuration import planning_joints, robot_joints
+from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.trajectory.path import Path, speed_bounds
-from rst_control.trajectory.profile import Bounds, Profile
 from rst_control.types import PathState, Setpoint
 from support.figures import Figure
 
@@ -65,7 +65,7 @@ def _errors(rig: Rig, legs: int, speed: float, is_off: bool) -> list[Figure]:
     ]
 
 
-def _ways(rig: Rig, legs: int, speed: float) -> Iterator[tuple[Path, Bounds]]:
+def _ways(rig: Rig, legs: int, speed: float) -> Iterator[tuple[Path, MotionBounds]]:
     """Long random paths one after the other, with the hardest motion that the joints can follow."""
     planner, settings = rig.planner, rig.config.controller.speed
     count = 0
@@ -79,15 +79,15 @@ def _ways(rig: Rig, legs: int, speed: float) -> Iterator[tuple[Path, Bounds]]:
             continue
         samples = path.sample(planner.model.chain, planner.trocar)
         top, acceleration = speed_bounds(samples, planner.limits, speed, settings.acceleration)
-        yield path, Bounds(top, acceleration, settings.jerk)
+        yield path, MotionBounds(top, acceleration, settings.jerk)
         count += 1
         if count == legs:
             return
 
 
-def _follow(rig: Rig, path: Path, bounds: Bounds, look: Callable[[], None]) -> float:
+def _follow(rig: Rig, path: Path, bounds: MotionBounds, look: Callable[[], None]) -> float:
     """Lead the robot along a path, looking after each step of the physics; returns top speed."""
-    profile, still, top = Profile(PathState(0.0), bounds), REST, 0.0
+    profile, still, top = MotionProfile(PathState(0.0), bounds), REST, 0.0
     profile.go_to(path.length)
     while still > 0.0:
         state = profile.step(rig.period)

@@ -24,8 +24,8 @@ from rst_control.kinematics.rcm import rcm_error
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.plan import Phase, PhaseKind, Rejected, Request, Situation
 from rst_control.planning.planner import Planner
+from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.trajectory.path import Path
-from rst_control.trajectory.profile import Bounds, Profile
 from rst_control.types import Measurement, PathState
 from support.figures import Figure
 
@@ -182,9 +182,9 @@ class Judge:
             return "a joint too fast"
         return "a joint too hard" if (pull > limits.acceleration * (1.0 + ROUNDING)).any() else ""
 
-    def _profile(self, phase: Phase) -> Profile:
+    def _profile(self, phase: Phase) -> MotionProfile:
         jerk = self._planner.config.controller.speed.jerk
-        profile = Profile(PathState(0.0), Bounds(phase.speed, phase.acceleration, jerk))
+        profile = MotionProfile(PathState(0.0), MotionBounds(phase.speed, phase.acceleration, jerk))
         profile.go_to(phase.target)
         return profile
 

@@ -18,8 +18,8 @@ from rst_control.kinematics.rcm import rcm_error
 from rst_control.kinematics.robot_model import load_robot as load_model
 from rst_control.planning.planner import Planner
 from rst_control.simulation.physics import joint_indices, link_indices, load_robot
+from rst_control.trajectory.motion_profile import MotionProfile
 from rst_control.trajectory.path import Path
-from rst_control.trajectory.profile import Profile
 from rst_control.types import PathState
 from support.figures import Figure
 from support.kdl_chain import kdl_chain
@@ -80,7 +80,7 @@ def random_paths(planner: Planner, count: int) -> Iterator[Path]:
 def _sampled(planner: Planner, path: Path) -> tuple[Array, Array]:
     """Joints (n, 9) [rad] and RCM errors (n,) [m] at 10 kHz of the motion along a path."""
     bounds = planner.bounds(path, planner.config.controller.speed.tip_speed)
-    profile = Profile(PathState(0.0), bounds)
+    profile = MotionProfile(PathState(0.0), bounds)
     profile.go_to(path.length)
     per_knot = int(np.ceil(profile.remaining * RATE / (len(path.knots) - 1)))
     samples = path.sample(planner.model.chain, planner.trocar, per_knot)

@@ -16,7 +16,7 @@ import numpy as np
 
 from rst_control.config import ControllerConfig
 from rst_control.tension.control import TensionControl
-from rst_control.trajectory.profile import Bounds
+from rst_control.trajectory.motion_profile import MotionBounds
 from rst_control.types import PathState
 from support.figures import Figure
 
@@ -99,8 +99,8 @@ def _stiffer(stiffness: float, target: float, rng: np.random.Generator) -> Law:
 def pull(config: ControllerConfig, law: Law, target: float, rng: np.random.Generator) -> Outcome:
     """Pull from zero until it rests."""
     speed, dt = config.speed, 1.0 / config.rate
-    bounds = Bounds(speed.pull_speed, speed.acceleration, speed.jerk)
-    brakes = Bounds(speed.pull_speed, BRAKING, speed.braking_jerk)
+    bounds = MotionBounds(speed.pull_speed, speed.acceleration, speed.jerk)
+    brakes = MotionBounds(speed.pull_speed, BRAKING, speed.braking_jerk)
     control = TensionControl(config.tension, bounds, brakes, LENGTH, PathState(0.0), target)
     late = round(config.tension.delay / dt) + 1
     seen, forces, places = deque([0.0] * late), list[float](), list[float]()

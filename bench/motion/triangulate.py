@@ -30,8 +30,8 @@ from rst_control.tension.control import TensionControl
 from rst_control.tissue.grasp_candidates import turned
 from rst_control.tissue.sheet import rest_points, rim_nodes
 from rst_control.tissue.triangulation import pull_direction, triangulation
+from rst_control.trajectory.motion_profile import MotionBounds
 from rst_control.trajectory.path import Path
-from rst_control.trajectory.profile import Bounds
 from rst_control.types import Measurement, PathState
 from support.figures import Figure
 
@@ -193,8 +193,8 @@ def _pull(planner: Planner, sheet: Sheet, decision: Accepted) -> tuple[str, ...]
 def _pulled(planner: Planner, phase: Phase, path: Path, tissue: Tissue) -> tuple[float, Array]:
     """Pull until settled or at the furthest; returns tension [N] and place of the jaws (3,)."""
     settings = planner.config.controller
-    bounds = Bounds(phase.speed, phase.acceleration, settings.speed.jerk)
-    brakes = Bounds(phase.speed, phase.braking, settings.speed.braking_jerk)
+    bounds = MotionBounds(phase.speed, phase.acceleration, settings.speed.jerk)
+    brakes = MotionBounds(phase.speed, phase.braking, settings.speed.braking_jerk)
     control = TensionControl(
         settings.tension, bounds, brakes, phase.target, PathState(0.0), phase.tension or 0.0
     )

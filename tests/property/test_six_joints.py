@@ -20,7 +20,7 @@ from rst_control.kinematics.robot_model import parse_robot
 from rst_control.planning.plan import Request
 from rst_control.planning.planner import Planner
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.trajectory.profile import Profile
+from rst_control.trajectory.motion_profile import MotionProfile
 from rst_control.types import PathState
 from tests.property.six_joints import EXAMPLE, URDF, BulletShaft, KdlShaft, example
 from tests.support.fake_robot import FakeRobot, LinearSpring
@@ -135,7 +135,7 @@ def test_paths_keep_joint_limits_and_speeds(planner, paths):
             planner.limits.require(q)
         rates = np.abs(samples.q[:, 1]) * bounds.speed
         assert (rates <= planner.limits.velocity + 1e-9).all()
-        profile = Profile(PathState(0.0), bounds)
+        profile = MotionProfile(PathState(0.0), bounds)
         profile.go_to(path.length)
         assert 0.0 < profile.remaining < 60.0
 

@@ -15,8 +15,8 @@ from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.planner import Planner
 from rst_control.robot.setpoint_servo import ServoState
 from rst_control.simulation.pybullet_robot import PybulletRobot
+from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.trajectory.path import Path
-from rst_control.trajectory.profile import Bounds, Profile
 from rst_control.types import PathState, Setpoint
 
 MOTION = load_motion_config()
@@ -36,8 +36,10 @@ class Course:
 
     def drive(self, path: Path, speed: float, until: float = np.inf) -> None:
         """Send the path at up to `speed` [m/s]; stop sending after `until` [s]."""
-        bounds = Bounds(speed, MOTION.controller.speed.acceleration, MOTION.controller.speed.jerk)
-        profile = Profile(PathState(0.0), bounds)
+        bounds = MotionBounds(
+            speed, MOTION.controller.speed.acceleration, MOTION.controller.speed.jerk
+        )
+        profile = MotionProfile(PathState(0.0), bounds)
         profile.go_to(path.length)
         end = self.robot.now + until
         while not profile.is_done and self.robot.now < end:

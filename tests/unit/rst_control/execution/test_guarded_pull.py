@@ -11,13 +11,13 @@ import pytest
 from rst_control.config import load_motion_config
 from rst_control.execution.guarded_pull import GuardedRun
 from rst_control.planning.plan import Phase, PhaseKind
+from rst_control.trajectory.motion_profile import MotionBounds
 from rst_control.trajectory.path import Path
-from rst_control.trajectory.profile import Bounds
 from rst_control.types import Measurement, PathState
 
 PERIOD = 0.002  # [s]
 LENGTH = 0.03  # [m]
-BOUNDS = Bounds(0.02, 0.8, 80.0)
+BOUNDS = MotionBounds(0.02, 0.8, 80.0)
 TENSION = replace(
     load_motion_config().controller.tension,
     source="joint_torque",

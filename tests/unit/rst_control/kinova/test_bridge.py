@@ -12,7 +12,7 @@ from rst_control.kinematics.configuration import Configuration, planning_joints,
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinova.bridge import Lead
 from rst_control.kinova.tool import ToolState
-from rst_control.trajectory.profile import Profile
+from rst_control.trajectory.motion_profile import MotionProfile
 from rst_control.types import PathState
 from tests.unit.rst_control.kinova.fake_hardware import FakeHardware
 
@@ -25,7 +25,7 @@ class Way:
     def __init__(self, planner, home, begins):
         self.paths = planner.reach(home)
         self.path, self.begins = self.paths[0], begins
-        self.profile = Profile(PathState(0.0), planner.bounds(self.path, 0.020))
+        self.profile = MotionProfile(PathState(0.0), planner.bounds(self.path, 0.020))
         self.profile.go_to(self.path.length)
         self.last = begins
 

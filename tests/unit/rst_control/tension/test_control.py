@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rst_control.tension.control import TensionControl
-from rst_control.trajectory.profile import Bounds, stopping_distance
+from rst_control.trajectory.motion_profile import MotionBounds, stopping_distance
 from rst_control.types import PathState
 
 DT = 0.002
@@ -43,8 +43,8 @@ class Pull:
         self._rng = np.random.default_rng(int(stiffness))
         self._noise = lambda: noise * self._rng.normal()
         speed = config.speed
-        bounds = Bounds(speed.pull_speed, speed.acceleration, speed.jerk)
-        self.brakes = Bounds(speed.pull_speed, BRAKING, speed.braking_jerk)
+        bounds = MotionBounds(speed.pull_speed, speed.acceleration, speed.jerk)
+        self.brakes = MotionBounds(speed.pull_speed, BRAKING, speed.braking_jerk)
         state = PathState(s)
         self.control = TensionControl(config.tension, bounds, self.brakes, LENGTH, state, target)
         self._seen = [self.force] * delay

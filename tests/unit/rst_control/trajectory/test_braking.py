@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rst_control.execution.state_machine import State
 from rst_control.kinematics.joint_limits import active_layer
 from rst_control.planning.planner import Planner
-from rst_control.trajectory.profile import Bounds, Profile, stopping_speed
+from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile, stopping_speed
 from rst_control.types import Cause, PathState, Reason
 from tests.unit.rst_control.support.executor_rig import PERIOD, Rig
 
@@ -21,16 +21,16 @@ from tests.unit.rst_control.support.executor_rig import PERIOD, Rig
 @settings(deadline=None)
 @given(st.floats(0.02, 4.0), st.floats(20.0, 2000.0), st.floats(0.005, 0.5), st.floats(1e-4, 0.01))
 def test_from_the_stopping_speed_braking_keeps_time_and_distance(pull, jerk, time, distance):
-    bounds = Bounds(0.1, pull, jerk)
+    bounds = MotionBounds(0.1, pull, jerk)
     speed = stopping_speed(bounds, time, distance)
     assert speed > 0.0
-    brake = Profile(PathState(0.0, speed), bounds)
+    brake = MotionProfile.braking(PathState(0.0, speed), bounds)
     assert brake.remaining <= time + 1e-9
     assert brake.end <= distance + 1e-9
 
 
 def test_a_slow_enough_motion_is_not_slowed_further():
-    assert stopping_speed(Bounds(0.001, 1.0, 400.0), 0.045, 4.5e-4) == 0.001
+    assert stopping_speed(MotionBounds(0.001, 1.0, 400.0), 0.045, 4.5e-4) == 0.001
 
 
 @pytest.fixture(params=["hard", "driver_soft"])
@@ -59,7 +59,7 @@ def test_every_path_is_taken_so_slowly_that_it_stops_in_time(paced, speed):
     layer = active_layer(planner.config.limits)
     for path in paths:
         pace = planner.pace(path, speed)
-        brake = Profile(PathState(0.0, pace.moving.speed), pace.braking)
+        brake = MotionProfile.braking(PathState(0.0, pace.moving.speed), pace.braking)
         assert pace.moving.speed <= speed
         assert brake.remaining <= layer.stopping_time + 1e-9
         assert brake.end <= layer.stopping_distance + 1e-9

@@ -13,8 +13,8 @@ from rst_control.config import TensionConfig
 from rst_control.execution.phase_execution import TowardsTension, distrust_of
 from rst_control.planning.plan import Phase
 from rst_control.tension.response_check import RisingTension
+from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.trajectory.path import Path
-from rst_control.trajectory.profile import Bounds, Profile
 from rst_control.types import Measurement, PathState, Vector
 
 
@@ -40,14 +40,14 @@ class GuardedRun(TowardsTension):
         path: Path,
         state: PathState,
         opening: float,
-        bounds: Bounds,
-        brakes: Bounds,
+        bounds: MotionBounds,
+        brakes: MotionBounds,
         config: TensionConfig,
     ) -> None:
         super().__init__(phase, path, state, opening, brakes)
         rise = max(config.delay, 1e-3) * config.blind_stiffness  # [N s/m]
         speed = min(bounds.speed, config.tolerance / rise)
-        self._profile = Profile(state, replace(bounds, speed=speed))
+        self._profile = MotionProfile(state, replace(bounds, speed=speed))
         self._rising = RisingTension(config.delay)
 
     @property

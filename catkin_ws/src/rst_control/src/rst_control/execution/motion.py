@@ -15,8 +15,8 @@ from rst_control.execution.orders import Glimpse
 from rst_control.execution.phase_execution import JawRun, PathRun, PhaseRun, TensionRun
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.plan import Grasp, Phase, PhaseKind, Plan, Rejected
+from rst_control.trajectory.motion_profile import MotionBounds
 from rst_control.trajectory.path import Path
-from rst_control.trajectory.profile import Bounds
 from rst_control.types import Cause, Measurement, PathState, Reason, Vector
 
 START_TOLERANCE = 2e-3  # [rad] between a joint's set-point and where a phase begins
@@ -159,8 +159,8 @@ class MotionMaker:
         self._braking_jerk = config.speed.braking_jerk
         self._settle = config.jaws.settle_time
         jaws, scale = config.jaws, config.speed.scale
-        self._jaws = Bounds(jaws.speed * scale, jaws.acceleration, jaws.jerk)
-        self._jaw_brakes = Bounds(jaws.speed, jaws.braking, jaws.braking_jerk)
+        self._jaws = MotionBounds(jaws.speed * scale, jaws.acceleration, jaws.jerk)
+        self._jaw_brakes = MotionBounds(jaws.speed, jaws.braking, jaws.braking_jerk)
 
     def make(
         self,
@@ -196,10 +196,10 @@ class MotionMaker:
             state = place.state
         q, opening = planning_joints(held)
         _require_near(phase, q, path.evaluate(state.s).q)
-        bounds = Bounds(phase.speed, phase.acceleration, self._jerk)
+        bounds = MotionBounds(phase.speed, phase.acceleration, self._jerk)
         brakes = bounds
         if phase.braking > 0.0:
-            brakes = Bounds(phase.speed, phase.braking, self._braking_jerk)
+            brakes = MotionBounds(phase.speed, phase.braking, self._braking_jerk)
         if phase.tension is None:
             return PathRun(phase, path, state, opening, bounds, brakes)
         run = GuardedRun if self._tension.source == "joint_torque" else TensionRun

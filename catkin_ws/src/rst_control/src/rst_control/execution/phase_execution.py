@@ -15,8 +15,8 @@ from rst_control.config import TensionConfig
 from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.tension.control import TensionControl
+from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.trajectory.path import Path
-from rst_control.trajectory.profile import Bounds, Profile
 from rst_control.types import PLAN_COUNT, Cause, Measurement, PathState, Reason, Vector
 
 TINY = 1e-9  # [m] or [rad] of way, below which a phase has none to go
@@ -62,17 +62,26 @@ class Braking:
         brakes: Of a stop.
     """
 
-    def __init__(self, phase: Phase, path: Path, opening: float, brakes: Bounds) -> None:
+    def __init__(self, phase: Phase, path: Path, opening: float, brakes: MotionBounds) -> None:
         self.phase = phase
         self.is_done, self.is_pulling = False, False
         self.failure: Cause | None = None
         self._path, self._opening, self._brakes = path, opening, brakes
-        self._brake: Profile | None = None
+        self._brake: MotionProfile | None = None
+
+    @property
+    def state(self) -> PathState:
+        """Where on the path it is."""
+        raise NotImplementedError
+
+    def brake(self) -> None:
+        """Come to rest as soon as the limits allow."""
+        self._brake_from(self.state)
 
     def _brake_from(self, state: PathState) -> None:
         if self._brake is None:
             self.is_pulling = False
-            self._brake = Profile(_not_pushing(state), self._brakes)
+            self._brake = MotionProfile.braking(state, self._brakes)
 
     def _joints(self, state: PathState) -> tuple[Vector, Vector]:
         point = self._path.evaluate(state.s)
@@ -97,13 +106,13 @@ class PathRun(Braking):
         path: Path,
         state: PathState,
         opening: float,
-        bounds: Bounds,
-        brakes: Bounds,
+        bounds: MotionBounds,
+        brakes: MotionBounds,
     ) -> None:
         super().__init__(phase, path, opening, brakes)
         self.is_pulling = phase.target > state.s
         self._start = state.s
-        self._profile = Profile(state, bounds)
+        self._profile = MotionProfile(state, bounds)
         self._profile.go_to(phase.target)
 
     @property
@@ -117,10 +126,6 @@ class PathRun(Braking):
         state = profile.step(dt)
         self.is_done = profile.is_done
         return self._joints(state)
-
-    def brake(self) -> None:
-        """Come to rest as soon as the limits allow."""
-        self._brake_from(self.state)
 
     @property
     def progress(self) -> float:
@@ -140,22 +145,13 @@ class TowardsTension(Braking):
     """
 
     def __init__(
-        self, phase: Phase, path: Path, state: PathState, opening: float, brakes: Bounds
+        self, phase: Phase, path: Path, state: PathState, opening: float, brakes: MotionBounds
     ) -> None:
         super().__init__(phase, path, opening, brakes)
         self._goal = phase.tension or 0.0
         self._first: float | None = None  # [N] when it began
         self._now = 0.0
         self._started, self._furthest = state.s, max(phase.target, state.s)
-
-    @property
-    def state(self) -> PathState:
-        """Where on the path it is."""
-        raise NotImplementedError
-
-    def brake(self) -> None:
-        """Come to rest as soon as the limits allow."""
-        self._brake_from(self.state)
 
     @property
     def progress(self) -> float:
@@ -196,8 +192,8 @@ class TensionRun(TowardsTension):
         path: Path,
         state: PathState,
         opening: float,
-        bounds: Bounds,
-        brakes: Bounds,
+        bounds: MotionBounds,
+        brakes: MotionBounds,
         config: TensionConfig,
     ) -> None:
         super().__init__(phase, path, state, opening, brakes)
@@ -236,7 +232,12 @@ class JawRun:
     is_pulling = False
 
     def __init__(
-        self, phase: Phase, held: Vector, bounds: Bounds, brakes: Bounds, settle_time: float
+        self,
+        phase: Phase,
+        held: Vector,
+        bounds: MotionBounds,
+        brakes: MotionBounds,
+        settle_time: float,
     ) -> None:
         self.phase, self.is_done = phase, False
         self.failure: Cause | None = None
@@ -244,7 +245,7 @@ class JawRun:
         self._target = self._start if phase.opening is None else phase.opening
         self._brakes, self._left = brakes, settle_time
         self._is_braking = False
-        self._profile = Profile(PathState(self._start), bounds)
+        self._profile = MotionProfile(PathState(self._start), bounds)
         self._profile.go_to(self._target)
 
     @property
@@ -267,7 +268,7 @@ class JawRun:
         """Let the jaws come to rest where they are."""
         if not self._is_braking:
             self._is_braking = True
-            self._profile = Profile(_not_pushing(self._profile.state), self._brakes)
+            self._profile = MotionProfile.braking(self._profile.state, self._brakes)
 
     @property
     def progress(self) -> float:
@@ -289,13 +290,6 @@ def distrust_of(measured: Measurement) -> Cause | None:
     why = measured.distrust
     words = f"no trusted tension to pull to: {why}"
     return Cause(Reason.TENSION_SENSOR, words) if why else None
-
-
-def _not_pushing(state: PathState) -> PathState:
-    """The state without an acceleration that makes it faster."""
-    if state.speed * state.acceleration > 0.0:
-        return PathState(state.s, state.speed, 0.0)
-    return state
 
 
 def share_done(start: float, now: float, end: float) -> float:

@@ -27,8 +27,8 @@ from rst_control.planning.path_checks import PathChecks
 from rst_control.planning.patient_surface import Patient
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.tissue.grasp_candidates import GraspCandidate, grasp_candidates
+from rst_control.trajectory.motion_profile import MotionBounds, stopping_speed
 from rst_control.trajectory.path import Path, speed_bounds
-from rst_control.trajectory.profile import Bounds, stopping_speed
 from rst_control.types import Vector, frozen_array, unit_vector
 
 Array = NDArray[np.float64]
@@ -45,8 +45,8 @@ MAX_BRAKING: Final = 4.0  # [m/s^2] of s, also where the joints could brake hard
 class PathPace:
     """How a path may be taken."""
 
-    moving: Bounds
-    braking: Bounds  # as hard as the joints can
+    moving: MotionBounds
+    braking: MotionBounds  # as hard as the joints can
 
 
 class Planner:
@@ -200,12 +200,12 @@ class Planner:
         samples = path.sample(self.model.chain, self.trocar)
         for _ in range(2):  # slower, the path's own curvature leaves more for braking
             speed, hardest = speed_bounds(samples, self.limits, speed, MAX_BRAKING)
-            braking = Bounds(speed, hardest, settings.braking_jerk)
+            braking = MotionBounds(speed, hardest, settings.braking_jerk)
             speed = stopping_speed(braking, layer.stopping_time, layer.stopping_distance)
-        moving = Bounds(speed, min(hardest, settings.acceleration), settings.jerk)
+        moving = MotionBounds(speed, min(hardest, settings.acceleration), settings.jerk)
         return PathPace(moving, braking)
 
-    def bounds(self, path: Path, speed: float) -> Bounds:
+    def bounds(self, path: Path, speed: float) -> MotionBounds:
         """Speed, acceleration and jerk of motion along a path, up to `speed` [m/s]."""
         return self.pace(path, speed).moving
 

@@ -15,7 +15,7 @@ from dataclasses import replace
 from rst_control.config import TensionConfig
 from rst_control.tension.response_check import PullAnswer
 from rst_control.tension.stiffness import STIFFENING, StiffnessEstimate
-from rst_control.trajectory.profile import Bounds, Profile
+from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.types import Cause, PathState
 
 BRAKING_SHARE = 0.5  # of the acceleration that the approach to a target counts on
@@ -43,15 +43,15 @@ class TensionControl:
     def __init__(
         self,
         config: TensionConfig,
-        bounds: Bounds,
-        brakes: Bounds,
+        bounds: MotionBounds,
+        brakes: MotionBounds,
         length: float,
         state: PathState,
         target: float,
     ) -> None:
         self._config, self._bounds, self._brakes = config, bounds, brakes
         self._length = length
-        self._profile = Profile(state, bounds)
+        self._profile = MotionProfile(state, bounds)
         self._estimate = StiffnessEstimate(*config.stiffness_range, config.noise)
         self._answer = PullAnswer()
         self._past = deque([(0.0, state.s)])  # times and places, back to when the tension arose
@@ -153,7 +153,7 @@ class TensionControl:
         room = max(0.0, self._config.limit - self.tension)
         return self._stoppable(room / (STIFFENING * self._cautious), self._brakes)
 
-    def _stoppable(self, way: float, bounds: Bounds) -> float:
+    def _stoppable(self, way: float, bounds: MotionBounds) -> float:
         """Speed v from which it stops within a way [m], the delay of the tension included [m/s].
 
         The way is v * t + v^2 / (2 a), where t is the delay and half of the time in which the

@@ -13,7 +13,7 @@ from rst_control.types import PathState
 
 
 @dataclass(frozen=True)
-class Bounds:
+class MotionBounds:
     """What a profile keeps; metres on a path, radians for jaws."""
 
     speed: float  # [m/s]
@@ -21,29 +21,41 @@ class Bounds:
     jerk: float  # [m/s^3]
 
 
-class ProfileError(RstError):
+class MotionProfileError(RstError):
     """Ruckig found no profile; the numbers asked for make none possible."""
 
-    def __init__(self, state: PathState, bounds: Bounds, why: str) -> None:
+    def __init__(self, state: PathState, bounds: MotionBounds, why: str) -> None:
         super().__init__(f"no profile from {state} within {bounds}: {why}")
         self.state, self.bounds = state, bounds
 
 
-class Profile:
+class MotionProfile:
     """Motion of s; each change of target or mode goes on from the present speed and acceleration.
+
+    It has to be given a target, a speed or `brake` before it moves.
 
     Args:
         state: Where it starts.
         bounds: Speed, acceleration and jerk that it keeps.
     """
 
-    def __init__(self, state: PathState, bounds: Bounds) -> None:
+    def __init__(self, state: PathState, bounds: MotionBounds) -> None:
         self.bounds = bounds
         self._solver = ruckig.Ruckig(1)
-        self._trajectory = ruckig.Trajectory(1)
+        self._planned: ruckig.Trajectory | None = None
         self._state = state
         self._time = 0.0
-        self.brake()
+
+    @classmethod
+    def braking(cls, state: PathState, bounds: MotionBounds) -> MotionProfile:
+        """Come to rest from a state as soon as the bounds allow.
+
+        An acceleration that still makes it faster is cut at once, not faded out.
+        """
+        is_pushing = state.speed * state.acceleration > 0.0
+        profile = cls(PathState(state.s, state.speed) if is_pushing else state, bounds)
+        profile.brake()
+        return profile
 
     @property
     def state(self) -> PathState:
@@ -65,14 +77,14 @@ class Profile:
         """Where s will be once done [m]."""
         return float(self._trajectory.at_time(self._trajectory.duration)[0][0])
 
-    def go_to(self, target: float, bounds: Bounds | None = None) -> None:
+    def go_to(self, target: float, bounds: MotionBounds | None = None) -> None:
         """Head for a target and stop there, from the present motion; may change the bounds."""
         self.bounds = bounds or self.bounds
         request = self._request(self.bounds)
         request.target_position = [target]
         self._plan(request)
 
-    def go_at(self, speed: float, bounds: Bounds | None = None) -> None:
+    def go_at(self, speed: float, bounds: MotionBounds | None = None) -> None:
         """Change to a speed [m/s] as fast as the bounds allow; may change the bounds."""
         self.bounds = bounds or self.bounds
         request = self._request(self.bounds)
@@ -94,7 +106,7 @@ class Profile:
         self._state = PathState(s, speed, acceleration)
         return self._state
 
-    def _request(self, bounds: Bounds) -> ruckig.InputParameter:
+    def _request(self, bounds: MotionBounds) -> ruckig.InputParameter:
         request = ruckig.InputParameter(1)
         request.current_position = [self._state.s]
         request.current_velocity = [self._state.speed]
@@ -109,13 +121,19 @@ class Profile:
         try:
             outcome = self._solver.calculate(request, trajectory)
         except ruckig.RuckigError as error:
-            raise ProfileError(self._state, self.bounds, str(error)) from error
+            raise MotionProfileError(self._state, self.bounds, str(error)) from error
         if outcome not in (ruckig.Result.Working, ruckig.Result.Finished):
-            raise ProfileError(self._state, self.bounds, str(outcome))
-        self._trajectory, self._time = trajectory, 0.0
+            raise MotionProfileError(self._state, self.bounds, str(outcome))
+        self._planned, self._time = trajectory, 0.0
+
+    @property
+    def _trajectory(self) -> ruckig.Trajectory:
+        if self._planned is None:
+            raise MotionProfileError(self._state, self.bounds, "it has no target yet")
+        return self._planned
 
 
-def stopping_speed(bounds: Bounds, time: float, distance: float) -> float:
+def stopping_speed(bounds: MotionBounds, time: float, distance: float) -> float:
     """Highest speed from which braking keeps a time [s] and a distance [m]; at most `bounds.speed`.
 
     Braking takes v / a + a / j and half of v times that: the trapezoid of acceleration, which is
@@ -130,6 +148,8 @@ def stopping_speed(bounds: Bounds, time: float, distance: float) -> float:
     return min(bounds.speed, in_time, in_distance)
 
 
-def stopping_distance(state: PathState, bounds: Bounds) -> float:
+def stopping_distance(state: PathState, bounds: MotionBounds) -> float:
     """How far s still goes if it brakes now [m]."""
-    return Profile(state, bounds).end - state.s
+    profile = MotionProfile(state, bounds)
+    profile.brake()
+    return profile.end - state.s

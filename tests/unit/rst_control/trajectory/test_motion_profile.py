@@ -8,10 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rst_control.trajectory.profile import Bounds, Profile, ProfileError, stopping_distance
+from rst_control.trajectory.motion_profile import (
+    MotionBounds,
+    MotionProfile,
+    MotionProfileError,
+    stopping_distance,
+)
 from rst_control.types import PathState
 
-BOUNDS = Bounds(0.02, 0.6, 60.0)
+BOUNDS = MotionBounds(0.02, 0.6, 60.0)
 DT = 0.002
 
 
@@ -31,7 +36,7 @@ def assert_keeps(states, bounds):
 
 
 def test_it_goes_to_the_target_within_its_bounds_and_rests_there():
-    profile = Profile(PathState(0.0), BOUNDS)
+    profile = MotionProfile(PathState(0.0), BOUNDS)
     profile.go_to(0.03)
     states = run(profile)
     assert_keeps(states, BOUNDS)
@@ -41,7 +46,7 @@ def test_it_goes_to_the_target_within_its_bounds_and_rests_there():
 
 
 def test_a_new_target_on_the_way_is_taken_up_without_a_jolt():
-    profile = Profile(PathState(0.0), BOUNDS)
+    profile = MotionProfile(PathState(0.0), BOUNDS)
     profile.go_to(0.01)
     states = [profile.step(DT) for _ in range(100)]
     profile.go_to(0.025)
@@ -51,7 +56,7 @@ def test_a_new_target_on_the_way_is_taken_up_without_a_jolt():
 
 
 def test_a_target_behind_is_reached_by_turning_round():
-    profile = Profile(PathState(0.02), BOUNDS)
+    profile = MotionProfile(PathState(0.02), BOUNDS)
     profile.go_to(0.03)
     for _ in range(100):
         profile.step(DT)
@@ -62,7 +67,7 @@ def test_a_target_behind_is_reached_by_turning_round():
 
 
 def test_a_fresh_profile_brakes():
-    profile = Profile(PathState(0.01, 0.02, 0.0), BOUNDS)
+    profile = MotionProfile(PathState(0.01, 0.02, 0.0), BOUNDS)
     states = run(profile)
     assert_keeps(states, BOUNDS)
     assert states[-1].speed == 0.0
@@ -71,7 +76,7 @@ def test_a_fresh_profile_brakes():
 
 @given(st.floats(0.0, 1.4), st.floats(0.001, 0.03))
 def test_braking_at_any_moment_ends_before_the_target_and_as_soon_as_foretold(moment, target):
-    profile = Profile(PathState(0.0), BOUNDS)
+    profile = MotionProfile(PathState(0.0), BOUNDS)
     profile.go_to(target)
     state = profile.step(moment)
     distance = stopping_distance(state, BOUNDS)
@@ -83,13 +88,13 @@ def test_braking_at_any_moment_ends_before_the_target_and_as_soon_as_foretold(mo
 
 
 def test_braking_from_full_speed_takes_speed_over_acceleration_and_its_ramps():
-    profile = Profile(PathState(0.0, 0.02, 0.0), BOUNDS)
+    profile = MotionProfile(PathState(0.0, 0.02, 0.0), BOUNDS)
     ramps = BOUNDS.acceleration / BOUNDS.jerk
     assert profile.remaining == pytest.approx(0.02 / BOUNDS.acceleration + ramps)
 
 
 def test_a_speed_is_taken_up_and_kept():
-    profile = Profile(PathState(0.0), BOUNDS)
+    profile = MotionProfile(PathState(0.0), BOUNDS)
     profile.go_at(-0.01)
     states = [profile.step(DT) for _ in range(200)]
     assert_keeps(states, BOUNDS)
@@ -98,7 +103,7 @@ def test_a_speed_is_taken_up_and_kept():
 
 
 def test_one_long_step_equals_many_short_ones():
-    long, short = (Profile(PathState(0.0), BOUNDS) for _ in range(2))
+    long, short = (MotionProfile(PathState(0.0), BOUNDS) for _ in range(2))
     long.go_to(0.02)
     short.go_to(0.02)
     for _ in range(150):
@@ -107,5 +112,5 @@ def test_one_long_step_equals_many_short_ones():
 
 
 def test_impossible_bounds_are_refused_in_words():
-    with pytest.raises(ProfileError, match="no profile"):
-        Profile(PathState(0.0, 0.1), Bounds(0.0, 0.0, 0.0)).go_to(math.nan)
+    with pytest.raises(MotionProfileError, match="no profile"):
+        MotionProfile(PathState(0.0, 0.1), MotionBounds(0.0, 0.0, 0.0)).go_to(math.nan)
