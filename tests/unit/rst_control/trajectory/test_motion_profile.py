@@ -66,12 +66,24 @@ def test_a_target_behind_is_reached_by_turning_round():
     assert max(state.s for state in states) < 0.03
 
 
-def test_a_fresh_profile_brakes():
-    profile = MotionProfile(PathState(0.01, 0.02, 0.0), BOUNDS)
+def test_a_braking_profile_comes_to_rest():
+    profile = MotionProfile.braking(PathState(0.01, 0.02, 0.0), BOUNDS)
     states = run(profile)
     assert_keeps(states, BOUNDS)
     assert states[-1].speed == 0.0
     assert states[-1].s == pytest.approx(profile.end)
+
+
+def test_braking_cuts_an_acceleration_that_still_pushes_on():
+    profile = MotionProfile.braking(PathState(0.01, 0.02, 0.1), BOUNDS)
+    assert profile.state == PathState(0.01, 0.02, 0.0)
+    easing = PathState(0.01, 0.02, -0.1)
+    assert MotionProfile.braking(easing, BOUNDS).state == easing
+
+
+def test_a_profile_without_a_target_does_not_move():
+    with pytest.raises(MotionProfileError, match="no target yet"):
+        MotionProfile(PathState(0.01, 0.02), BOUNDS).step(DT)
 
 
 @given(st.floats(0.0, 1.4), st.floats(0.001, 0.03))
@@ -88,7 +100,7 @@ def test_braking_at_any_moment_ends_before_the_target_and_as_soon_as_foretold(mo
 
 
 def test_braking_from_full_speed_takes_speed_over_acceleration_and_its_ramps():
-    profile = MotionProfile(PathState(0.0, 0.02, 0.0), BOUNDS)
+    profile = MotionProfile.braking(PathState(0.0, 0.02, 0.0), BOUNDS)
     ramps = BOUNDS.acceleration / BOUNDS.jerk
     assert profile.remaining == pytest.approx(0.02 / BOUNDS.acceleration + ramps)
 
