@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The examples run as their user starts them, and print what they are meant to show."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+LONGEST = 40  # lines
+
+
+def run(name):
+    command = [sys.executable, EXAMPLES / name]
+    return subprocess.run(command, capture_output=True, text=True, timeout=200, check=True).stdout
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.name)
+def test_an_example_is_short(path):
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST
+
+
+def test_the_planned_way_through_the_trocar_keeps_the_shaft_in_it():
+    output = run("plan_through_trocar.py")
+    paths = re.findall(r"path \d: ([\d.]+) mm, RCM error ([\d.]+) um", output)
+    allowed = float(re.search(r"allowed ([\d.]+) um", output)[1])
+    assert len(paths) >= 3
+    assert all(float(length) > 10.0 for length, _ in paths)
+    assert all(float(error) < allowed for _, error in paths)
+
+
+def test_the_simulated_robot_grasps_pulls_and_lets_go():
+    output = run("move_simulated_robot.py")
+    ends = re.findall(
+        r'"([a-z ]+)": .*, (\w+)\n  tension ([\d.]+) N, RCM error ([\d.]+) um', output
+    )
+    assert [(words, end) for words, end, *_ in ends] == [
+        ("hey robot", "succeeded"),
+        ("tense", "succeeded"),
+        ("release", "succeeded"),
+    ]
+    tensions = [float(tension) for *_, tension, _ in ends]
+    assert tensions == pytest.approx([0.0, 1.0, 0.0], abs=0.05)
+    assert max(float(error) for *_, error in ends) < 50.0
