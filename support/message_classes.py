@@ -11,7 +11,7 @@ from typing import Any
 
 from genpy.dynamic import generate_dynamic
 
-from session_log.types import Source
+from session_log.types import TopicSource
 
 ROOT = Path(__file__).resolve().parents[1]
 SEPARATOR = "\n" + "=" * 80 + "\nMSG: "
@@ -39,10 +39,12 @@ def class_of(datatype: str) -> Any:
 
 def source_of(
     topic: str, datatype: str, publisher: str = "/test", is_latched: bool = False
-) -> Source:
+) -> TopicSource:
     """The source of a topic, as the recorder would describe it."""
     kind = class_of(datatype)
-    return Source(topic, datatype, kind._md5sum, definition_of(datatype), publisher, is_latched)
+    return TopicSource(
+        topic, datatype, kind._md5sum, definition_of(datatype), publisher, is_latched
+    )
 
 
 def serialise(message: Any) -> bytes:

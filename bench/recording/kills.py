@@ -18,10 +18,10 @@ from bench.recording import traffic
 from session_log.cli import CONFIG
 from session_log.config import RecorderConfig
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import survey
+from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
 from session_log.recording.recorder import Recorder
-from session_log.types import Source
+from session_log.types import TopicSource
 from support.figures import ROOT, Figure
 from typed_config import load_config, load_yaml
 
@@ -75,7 +75,7 @@ def _kill(path: Path, seed: int) -> Kill:
     lines = stdout.read().split(b"\n")[:-1]
     process.wait()
     acknowledged = max((int(line) for line in lines if line.strip()), default=0)
-    found = survey(SessionReader(path))
+    found = read_summary(SessionReader(path))
     last = max((topic.last for topic in found.topics.values()), default=None)
     late = None if last is None else max(killed - last, 0) * 1e-9
     holes = [d for d in found.condition.damage if "cut off" not in d.what]
@@ -89,14 +89,14 @@ def flood() -> list[Figure]:
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / "flood.mcap"
         recorder = Recorder(lambda: SessionWriter(path), config, time.time_ns)
-        tally = recorder.register(Source("/t", "std_msgs/String", "992c", "string data", "/p"))
+        tally = recorder.register(TopicSource("/t", "std_msgs/String", "992c", "string data", "/p"))
         recorder.start()
         began, data = time.monotonic(), bytes(traffic.SIZE)
         for _ in range(FLOOD):
             recorder.offer(tally, data)
         problem = recorder.close()
         took = time.monotonic() - began
-        found = survey(SessionReader(path))
+        found = read_summary(SessionReader(path))
     note = f"({traffic.SIZE} B, without ROS) {problem}".strip()
     return [
         Figure("written without loss", FLOOD / took, "messages/s", note=note),

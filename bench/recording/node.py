@@ -23,7 +23,7 @@ import rosgraph
 from bench.recording import traffic as sessions_traffic
 from session_log.cli import CONFIG
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import survey
+from session_log.mcap_file.summary import read_summary
 from support.figures import ROOT, Figure
 from typed_config import load_yaml
 
@@ -112,7 +112,9 @@ def node() -> list[Figure]:
         end(rosbag)  # the bursts are for the recorder alone
         said = [json.loads(line) for line in talker.communicate()[0].splitlines()]
         end(recorder)
-        found = {t: c.messages for t, c in survey(SessionReader(folder / "node")).topics.items()}
+        found = {
+            t: c.messages for t, c in read_summary(SessionReader(folder / "node")).topics.items()
+        }
     published = said[0]["published"]
     lost = sum(published - found.get(t, 0) for t in sessions_traffic.TOPICS)
     traffic = "3 topics at 500 Hz, and sound"

@@ -16,9 +16,10 @@ from typing import TypeVar
 from session_log.cli import CONFIG
 from session_log.config import ReportConfig
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import survey
+from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
-from session_log.report import folder, write_report
+from session_log.report.many_sessions import folder
+from session_log.report.one_session import write_report
 from session_log.types import Message
 from support.figures import Figure
 from support.story import Story
@@ -32,8 +33,8 @@ JOBS = 2
 READ = """
 import resource, sys
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import survey
-survey(SessionReader(sys.argv[1]))
+from session_log.mcap_file.summary import read_summary
+read_summary(SessionReader(sys.argv[1]))
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 
@@ -49,7 +50,7 @@ def reading() -> list[Figure]:
         short = Path(name) / "short.mcap"
         write_long(short, 1)
         grown = (_peak_of_reading(path) - _peak_of_reading(short)) / 1e6
-        read, found = _timed(lambda: survey(SessionReader(path)))
+        read, found = _timed(lambda: read_summary(SessionReader(path)))
         report, _ = _timed(lambda: write_report(SessionReader(path), Path(name) / "out", _config()))
     if found.condition.damage or found.condition.checksum != "good":
         raise RuntimeError(f"a recording of our own is read as damaged: {found.condition.damage}")
@@ -74,7 +75,7 @@ def many() -> list[Figure]:
         for k in range(1, SESSIONS):
             (sessions / str(k)).mkdir()
             shutil.copy(first, sessions / str(k) / "session.mcap")
-        hours = SESSIONS * survey(SessionReader(first)).duration / 3600.0
+        hours = SESSIONS * read_summary(SessionReader(first)).duration / 3600.0
         took = {
             jobs: _timed(
                 lambda jobs=jobs: folder(

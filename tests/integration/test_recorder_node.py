@@ -20,7 +20,7 @@ from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import survey
+from session_log.mcap_file.summary import read_summary
 from session_log.recording import metadata
 from support.waiting import PATIENCE, wait_until
 from tests.integration.programs import interrupted_recorder, recorder_talker
@@ -99,7 +99,7 @@ def session(ros, tmp_path_factory):
 
 def test_everything_published_while_connected_is_recorded(session):
     path, said = session
-    result = survey(SessionReader(path))
+    result = read_summary(SessionReader(path))
     assert (result.condition.is_closed, result.condition.checksum) == (True, "good")
     for topic in FAST:
         assert result.topics[topic].messages == said["published"] == 1500
@@ -112,7 +112,7 @@ def test_a_latched_message_from_before_the_recorder_is_there(session):
 
 
 def test_a_topic_that_appears_late_is_found(session):
-    result = survey(SessionReader(session[0]))
+    result = read_summary(SessionReader(session[0]))
     assert result.topics["/late"].messages >= 1
 
 
@@ -212,7 +212,7 @@ def test_sigkill_takes_nothing_that_was_acknowledged(ros, tmp_path):
         rest = talker.stdout.read().splitlines()[:-1]
         talker.wait(PATIENCE)
     acknowledged = max([acknowledged, *(json.loads(line)["acknowledged"] for line in rest)])
-    result = survey(SessionReader(tmp_path))
+    result = read_summary(SessionReader(tmp_path))
     assert not result.condition.is_closed
     assert result.topics["/joint_states"].messages >= acknowledged > 600
     assert result.missing == 0
@@ -246,14 +246,14 @@ def test_a_folder_that_cannot_be_written_is_an_error_until_it_can(ros, tmp_path)
         watcher.kill()
         watcher.wait(PATIENCE)
     assert "NOT RECORDING: cannot record to" in (tmp_path / "screen").read_text()
-    assert survey(SessionReader(obstacle)).topics["/rosout"].messages > 0
+    assert read_summary(SessionReader(obstacle)).topics["/rosout"].messages > 0
 
 
 def test_it_closes_the_file_whatever_it_does_when_it_is_interrupted(ros, tmp_path):
     with recorder(ros, tmp_path, script=interrupted_recorder.__file__) as process:
         assert process.wait(PATIENCE) == 0
     assert (tmp_path / interrupted_recorder.DONE).exists()
-    assert survey(SessionReader(tmp_path)).condition.is_closed
+    assert read_summary(SessionReader(tmp_path)).condition.is_closed
 
 
 def test_a_wrong_setting_is_named_and_ends_the_node(ros, tmp_path):

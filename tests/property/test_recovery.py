@@ -16,13 +16,15 @@ from mcap.reader import make_reader
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.recover import recover
 from session_log.mcap_file.writer import SessionWriter
-from session_log.types import Message, Source
+from session_log.types import Message, TopicSource
 
 NOW = 1_795_200_000_000_000_000  # [ns]
 SOURCES = [
-    Source("/joint_states", "a/Joints", "1" * 32, "Header header\nfloat64[] position", "/robot"),
-    Source("/event", "a/Event", "2" * 32, "string kind", "/controller", is_latched=True),
-    Source("/sound", "a/Sound", "3" * 32, "int16[] samples", "/voice"),
+    TopicSource(
+        "/joint_states", "a/Joints", "1" * 32, "Header header\nfloat64[] position", "/robot"
+    ),
+    TopicSource("/event", "a/Event", "2" * 32, "string kind", "/controller", is_latched=True),
+    TopicSource("/sound", "a/Sound", "3" * 32, "int16[] samples", "/voice"),
 ]
 COUNT = 90
 EXAMPLES = 150
@@ -163,8 +165,8 @@ def test_after_damage_in_place_only_what_was_recorded_is_read(
 ):
     """Flips and zeroed blocks take messages away; what is left is as it was, in its order.
 
-    A killed recording names its topics once, in its first commit, and its end has no seal. A closed
-    one has them twice, so that one place of damage is never the only one.
+    A killed recording names its topics once, in its first commit, and its end has no checksum. A
+    closed one has them twice, so that one place of damage is never the only one.
     """
     recording = recordings[name]
     content = bytearray(recording.content)

@@ -15,7 +15,7 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import survey
+from session_log.mcap_file.summary import read_summary
 from tests.support.robot_client import RobotClient
 from typed_config import load_yaml
 
@@ -109,7 +109,7 @@ class LostRecording(unittest.TestCase):
             self.assert_only_easing("recorder silent for")
             self.robot.say("stop")
             self.robot.wait_for_state("halted")
-            self.assertGreater(survey(SessionReader(Path(folder) / "first")).messages, 100)
+            self.assertGreater(read_summary(SessionReader(Path(folder) / "first")).messages, 100)
             recorder = Recorder(self, Path(folder) / "second")
             self.wait_for_status("rst_control: recording", IS_RECORDED)
             self.robot.start_fresh()
@@ -133,7 +133,7 @@ class LostRecording(unittest.TestCase):
             self.robot.say_and_finish("tense")
             self.robot.say_and_finish("release")
             recorder.end()
-            found = survey(SessionReader(folder))
+            found = read_summary(SessionReader(folder))
             self.assertEqual(
                 (found.missing, found.condition.damage, found.condition.checksum), (0, [], "good")
             )

@@ -85,7 +85,7 @@ RULES = [
     ("recorder.yaml", ("low_space",), 0, ""),
     ("report.yaml", ("topics", "tension"), "robot tension", "topics.tension is 'robot tension'"),
     ("replay.yaml", ("topics", "mode"), "mode/", "topics.mode is 'mode/'"),
-    ("replay.yaml", ("hearer",), "os", "hearer is 'os', allowed: module:function"),
+    ("replay.yaml", ("pipeline",), "os", "pipeline is 'os', allowed: module:function"),
     ("experiment.yaml", ("rate",), [1.2, 0.85], "rate is"),
     ("experiment.yaml", ("voices",), lambda old: [old[0], old[0]], "names that differ"),
 ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Seals: what they vouch for, what they cost, and files that have none."""
+"""Checksums: what they confirm, what they cost, and files that have none."""
 
 import re
 import tracemalloc
@@ -11,12 +11,12 @@ from mcap.stream_reader import StreamReader
 
 from session_log.mcap_file import checksums
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.records import HEAD, SEAL, SEAL_BODY
-from session_log.mcap_file.writer import SEALED_AT_ONCE, SessionWriter
-from session_log.types import Message, Source
+from session_log.mcap_file.records import CHECKSUM, CHECKSUM_BODY, HEAD
+from session_log.mcap_file.writer import CHECKSUM_WITHIN, SessionWriter
+from session_log.types import Message, TopicSource
 
 NOW = 1_795_200_000_000_000_000
-SOURCE = Source("/t", "std_msgs/String", "992c", "string data", "/p")
+SOURCE = TopicSource("/t", "std_msgs/String", "992c", "string data", "/p")
 
 
 def message(k, size=100):
@@ -33,22 +33,22 @@ def write(path, commits, per_commit=3, size=100):
     return path.read_bytes()
 
 
-def seals_of(content):
-    head = HEAD.pack(SEAL, SEAL_BODY.size)
+def checksums_of(content):
+    head = HEAD.pack(CHECKSUM, CHECKSUM_BODY.size)
     found = [m.start() for m in re.finditer(re.escape(head), content)]
-    return [(k, *SEAL_BODY.unpack_from(content, k + HEAD.size)) for k in found]
+    return [(k, *CHECKSUM_BODY.unpack_from(content, k + HEAD.size)) for k in found]
 
 
-def test_the_seals_cover_the_file_without_a_gap(tmp_path):
+def test_the_checksums_cover_the_file_without_a_gap(tmp_path):
     content = write(tmp_path / "s.mcap", 5)
     end = 0
-    for offset, length, _ in seals_of(content):
+    for offset, length, _ in checksums_of(content):
         assert offset - length == end
-        end = offset + HEAD.size + SEAL_BODY.size
+        end = offset + HEAD.size + CHECKSUM_BODY.size
     assert end == len(content)
 
 
-def test_a_commit_of_nothing_writes_no_seal(tmp_path):
+def test_a_commit_of_nothing_writes_no_checksum(tmp_path):
     writer = SessionWriter(tmp_path / "s.mcap")
     before = writer.committed
     writer.commit()
@@ -56,7 +56,7 @@ def test_a_commit_of_nothing_writes_no_seal(tmp_path):
     writer.abandon()
 
 
-def test_the_public_reader_skips_seals_and_its_checksum_includes_them(tmp_path):
+def test_the_public_reader_skips_checksums_and_its_checksum_includes_them(tmp_path):
     with SessionWriter(tmp_path / "s.mcap") as writer:
         for k in range(4):
             writer.add(message(k))
@@ -66,10 +66,10 @@ def test_the_public_reader_skips_seals_and_its_checksum_includes_them(tmp_path):
         file.seek(0)
         records = list(StreamReader(file, validate_crcs=True).records)
     assert sum(isinstance(r, McapMessage) for r in records) == 4
-    assert len(seals_of((tmp_path / "s.mcap").read_bytes())) == 5  # the header's, too
+    assert len(checksums_of((tmp_path / "s.mcap").read_bytes())) == 5  # the header's, too
 
 
-def test_a_commit_that_a_full_disk_refused_is_sealed_when_it_is_written(tmp_path):
+def test_a_commit_that_a_full_disk_refused_has_its_checksum_when_it_is_written(tmp_path):
     import errno
     import os
 
@@ -92,9 +92,9 @@ def test_a_commit_that_a_full_disk_refused_is_sealed_when_it_is_written(tmp_path
 
 
 @pytest.mark.parametrize("place", ["length", "checksum"])
-def test_a_damaged_seal_costs_its_own_commit(tmp_path, place):
+def test_a_damaged_checksum_costs_its_own_commit(tmp_path, place):
     content = bytearray(write(tmp_path / "s.mcap", 5))
-    offset, *_ = seals_of(content)[3]  # the header's is the first
+    offset, *_ = checksums_of(content)[3]  # the header's is the first
     content[offset + HEAD.size + (0 if place == "length" else 8)] ^= 1
     (tmp_path / "s.mcap").write_bytes(content)
     reader = SessionReader(tmp_path / "s.mcap")
@@ -102,30 +102,30 @@ def test_a_damaged_seal_costs_its_own_commit(tmp_path, place):
     assert "3 records left out" in reader.condition.damage[0].what
 
 
-def test_a_file_without_seals_is_read_as_it_is(tmp_path):
+def test_a_file_without_checksums_is_read_as_it_is(tmp_path):
     content = write(tmp_path / "s.mcap", 5)
-    for offset, *_ in reversed(seals_of(content)):
-        content = content[:offset] + content[offset + HEAD.size + SEAL_BODY.size :]
+    for offset, *_ in reversed(checksums_of(content)):
+        content = content[:offset] + content[offset + HEAD.size + CHECKSUM_BODY.size :]
     (tmp_path / "s.mcap").write_bytes(content)
     reader = SessionReader(tmp_path / "s.mcap")
     assert list(reader.messages()) == [message(k) for k in range(15)]
     assert reader.condition.damage == []
 
 
-def test_a_long_commit_is_sealed_on_the_way_and_read_in_little_memory(tmp_path):
+def test_a_long_commit_has_its_checksum_on_the_way_and_read_in_little_memory(tmp_path):
     write(tmp_path / "s.mcap", 1, per_commit=400, size=100_000)  # 40 MB at once
     tracemalloc.start()
     count = sum(1 for _ in SessionReader(tmp_path / "s.mcap").messages())
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert count == 400
-    assert most < 4 * SEALED_AT_ONCE + 4_000_000
+    assert most < 4 * CHECKSUM_WITHIN + 4_000_000
 
 
-def test_without_seals_too_little_is_held_back(tmp_path):
+def test_without_checksums_too_little_is_held_back(tmp_path):
     content = write(tmp_path / "s.mcap", 1, per_commit=400, size=100_000)
-    for offset, *_ in reversed(seals_of(content)):
-        content = content[:offset] + content[offset + HEAD.size + SEAL_BODY.size :]
+    for offset, *_ in reversed(checksums_of(content)):
+        content = content[:offset] + content[offset + HEAD.size + CHECKSUM_BODY.size :]
     (tmp_path / "s.mcap").write_bytes(content)
     tracemalloc.start()
     count = sum(1 for _ in SessionReader(tmp_path / "s.mcap").messages())

@@ -10,15 +10,15 @@ from hypothesis import strategies as st
 
 from session_log.errors import NotASession, SessionMissing
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.records import HEAD, SEAL_BODY
-from session_log.mcap_file.summary import survey
+from session_log.mcap_file.records import CHECKSUM_BODY, HEAD
+from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
-from session_log.types import Message, Source
+from session_log.types import Message, TopicSource
 
 NOW = 1_795_200_000_000_000_000
-SOURCES = [Source(f"/t{i}", "std_msgs/String", "992c", "string data", "/p") for i in range(3)]
+SOURCES = [TopicSource(f"/t{i}", "std_msgs/String", "992c", "string data", "/p") for i in range(3)]
 COUNT = 60
-SEAL = HEAD.size + SEAL_BODY.size  # [B]
+CHECKSUM = HEAD.size + CHECKSUM_BODY.size  # [B]
 
 
 def message(k):
@@ -73,7 +73,7 @@ def test_a_file_cut_anywhere_gives_every_message_before_the_cut(sound, tmp_path_
     path = tmp_path_factory.mktemp("cut") / "session.mcap"
     path.write_bytes(content[:cut])
     reader = SessionReader(path)
-    ends = [end - SEAL for end in ends]  # of the messages, before the seals of their commits
+    ends = [end - CHECKSUM for end in ends]  # of the messages, before the checksums
     whole = sum(end <= min(cut, len(content)) for end in ends)
     assert list(reader.messages()) == [message(k) for k in range(whole)]
     if cut < ends[-1]:
@@ -111,7 +111,7 @@ def test_a_hole_is_told_with_its_place_and_the_messages_that_are_missing(sound, 
     content, ends = sound
     start, end = ends[20], ends[23]
     (tmp_path / "session.mcap").write_bytes(content[:start] + bytes(end - start) + content[end:])
-    result = survey(SessionReader(tmp_path))
+    result = read_summary(SessionReader(tmp_path))
     (damage,) = result.condition.damage
     assert (damage.offset, damage.length) == (start, end - start)
     assert (result.messages, result.missing) == (COUNT - 3, 3)
@@ -170,7 +170,7 @@ def test_a_damaged_chunk_costs_only_itself(tmp_path):
     content = bytearray(path.read_bytes())
     content[3_000_000] ^= 0xFF
     path.write_bytes(content)
-    result = survey(SessionReader(path))
+    result = read_summary(SessionReader(path))
     assert [d.what for d in result.condition.damage] == ["damaged chunk"]
     assert (result.messages, result.missing) == (2, 1)
 

@@ -12,7 +12,7 @@ from session_log.export.export import export
 from session_log.mcap_file.decoder import RENAMED_FIELDS, Decoder, MissingField
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
-from session_log.report.extract import extract
+from session_log.report.session.extract import extract
 from support.message_classes import SEPARATOR, definition_of, serialise
 from support.story import Story
 

@@ -69,9 +69,9 @@ def test_two_publishers_of_a_topic_are_told_apart_and_share_a_schema(tmp_path):
 
 
 def test_a_type_that_nobody_here_knows_is_kept_byte_for_byte(tmp_path):
-    from session_log.types import Source
+    from session_log.types import TopicSource
 
-    source = Source("/odd", "strange_msgs/Odd", "0" * 32, "this is no definition", "/x")
+    source = TopicSource("/odd", "strange_msgs/Odd", "0" * 32, "this is no definition", "/x")
     with SessionWriter(tmp_path / "s.mcap") as writer:
         writer.add(Message(source, b"\0\xff raw", NOW, 1))
     with (tmp_path / "s.mcap").open("rb") as file:

@@ -10,16 +10,16 @@ import pytest
 
 from session_log.errors import RecordingFailed
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import survey
+from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
 from session_log.recording.recorder import Recorder
-from session_log.types import Source
+from session_log.types import TopicSource
 from support.message_classes import class_of, serialise, source_of
 from support.waiting import PATIENCE, wait_until
 
 
 def text(topic="/t", publisher="/p"):
-    return Source(topic, "std_msgs/String", "992c", "string data", publisher)
+    return TopicSource(topic, "std_msgs/String", "992c", "string data", publisher)
 
 
 def full():
@@ -41,7 +41,7 @@ def test_many_threads_lose_nothing(tmp_path, recorder_config):
     for thread in threads:
         thread.join()
     assert recorder.close() == ""
-    result = survey(SessionReader(tmp_path / "s.mcap"))
+    result = read_summary(SessionReader(tmp_path / "s.mcap"))
     assert {t.messages for t in result.topics.values()} == {500}
     assert (result.messages, result.missing, result.condition.is_closed) == (4000, 0, True)
 
@@ -124,7 +124,7 @@ def test_a_disk_that_fills_and_empties_again_costs_nothing(tmp_path, recorder_co
     room[0] = 10**9
     wait_until(lambda: recorder.status().is_recording)
     assert recorder.close() == ""
-    result = survey(SessionReader(tmp_path / "s.mcap"))
+    result = read_summary(SessionReader(tmp_path / "s.mcap"))
     assert (result.messages, result.missing, result.condition.damage) == (300, 0, [])
     assert recorder.status().written == 300
 

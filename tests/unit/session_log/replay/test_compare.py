@@ -6,7 +6,7 @@ import pytest
 from session_log.replay.command import REPLAY_CONFIG
 from session_log.replay.compare import compare
 from session_log.replay.config import ReplayConfig
-from tests.unit.session_log.support.fake_hearer import utterance
+from tests.unit.session_log.support.fake_pipeline import utterance
 from typed_config import load_config, load_yaml
 
 CONFIG = load_config(ReplayConfig, load_yaml(REPLAY_CONFIG), "replay.yaml")

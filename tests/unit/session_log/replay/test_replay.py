@@ -9,8 +9,8 @@ from session_log.cli import main
 from session_log.mcap_file.writer import SessionWriter
 from session_log.replay.command import REPLAY_CONFIG
 from support.story import START, Story, numbered
-from tests.unit.session_log.support import fake_hearer
-from tests.unit.session_log.support.fake_hearer import MADE, PLANS, utterance
+from tests.unit.session_log.support import fake_pipeline
+from tests.unit.session_log.support.fake_pipeline import MADE, PLANS, utterance
 from typed_config import load_yaml
 
 BLOCK = 512
@@ -28,9 +28,9 @@ def nothing_left():
 
 @pytest.fixture
 def config(tmp_path):
-    """The settings with a hearer that does what the test says."""
+    """The settings with a pipeline that does what the test says."""
     path = tmp_path / "replay.yaml"
-    data = {**load_yaml(REPLAY_CONFIG), "hearer": f"{fake_hearer.__name__}:make"}
+    data = {**load_yaml(REPLAY_CONFIG), "pipeline": f"{fake_pipeline.__name__}:make"}
     path.write_text(yaml.safe_dump(data))
     return path
 
@@ -64,7 +64,7 @@ def say(story, end, **changes):
 
 
 def hears(end, **changes):
-    """What the hearer decides now about speech that ended at a time of the session [s]."""
+    """What the pipeline decides now about speech that ended at a time of the session [s]."""
     return utterance(ZERO + end, **changes)
 
 
@@ -118,9 +118,9 @@ def test_the_same_decisions_give_zero_and_one_line(tmp_path, replayed):
     assert (code, err) == (0, "")
     assert out.count("\n") == 1 and "2 utterances in 10.0 s of sound, 2 now: the same" in out
     assert result["sessions"][0]["is_same"] and result["sessions"][0]["differences"] == []
-    (hearer,) = MADE
-    assert hearer.heard == list(range(0, 160_000, BLOCK))
-    assert hearer.settings == SETTINGS and hearer.modes == []
+    (pipeline,) = MADE
+    assert pipeline.heard == list(range(0, 160_000, BLOCK))
+    assert pipeline.settings == SETTINGS and pipeline.modes == []
 
 
 def test_a_difference_is_shown_with_number_time_and_both_sides(tmp_path, replayed):
@@ -171,19 +171,28 @@ def test_sound_that_the_pipeline_cannot_take_is_an_error(tmp_path, replayed):
 
 
 @pytest.mark.parametrize(
-    ("hearer", "words"),
+    ("pipeline", "words"),
     [
         ("no_such_package.here:make", "cannot be imported"),
         ("json:no_such_function", "has no function 'no_such_function'"),
         ("json", "is no module and function"),
     ],
 )
-def test_a_hearer_that_is_not_there_is_a_clear_error(tmp_path, config, capsys, hearer, words):
-    config.write_text(yaml.safe_dump({**load_yaml(config), "hearer": hearer}))
+def test_a_pipeline_that_is_not_there_is_a_clear_error(tmp_path, config, capsys, pipeline, words):
+    config.write_text(yaml.safe_dump({**load_yaml(config), "pipeline": pipeline}))
     with pytest.raises(SystemExit) as end:
         main(["replay", str(ordinary(tmp_path / "session.mcap")), "--config", str(config)])
     assert end.value.code == 2
     assert words in capsys.readouterr().err
+
+
+def test_the_former_key_of_the_pipeline_is_refused_with_its_present_name(tmp_path, config, capsys):
+    settings = dict(load_yaml(config))
+    config.write_text(yaml.safe_dump({**settings, "hearer": settings.pop("pipeline")}))
+    with pytest.raises(SystemExit) as end:
+        main(["replay", str(ordinary(tmp_path / "session.mcap")), "--config", str(config)])
+    assert end.value.code == 2
+    assert "its name is now pipeline" in capsys.readouterr().err
 
 
 # --- models

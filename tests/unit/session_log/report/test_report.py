@@ -11,8 +11,8 @@ from PIL import Image
 from session_log.errors import OutputFailed
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
-from session_log.report import write_report
-from session_log.report.text_table import length
+from session_log.report.one_session import write_report
+from session_log.report.tables.text_table import length
 from support.story import Story, write_session
 
 FIGURES = {"timeline", "latency", "rcm_error", "tension", "scene", "joints", "loop_timing"}

@@ -11,9 +11,9 @@ import pytest
 
 from session_log.errors import OutputFailed, SessionMissing
 from session_log.mcap_file.writer import SessionWriter
-from session_log.report import folder, many_sessions, one_session
-from session_log.report.many_sessions import NothingReadable, recordings
-from session_log.report.parallel import EngineMissing, EngineUnreachable, spread
+from session_log.report import many_sessions, one_session
+from session_log.report.many_sessions import NothingReadable, folder, recordings
+from session_log.report.pool.parallel import EngineMissing, EngineUnreachable, run_parallel
 from support.story import write_session
 from tests.unit.session_log.report.test_report import Page
 
@@ -171,26 +171,26 @@ def test_names_of_sessions_in_different_folders_do_not_collide(source):
 
 def test_spreading_in_one_process_needs_no_engine(monkeypatch):
     monkeypatch.setattr(
-        "session_log.report.parallel.importlib.import_module", lambda name: pytest.fail(name)
+        "session_log.report.pool.parallel.importlib.import_module", lambda name: pytest.fail(name)
     )
-    assert list(spread(abs, iter([-1, 2, -3]))) == [1, 2, 3]
+    assert list(run_parallel(abs, iter([-1, 2, -3]))) == [1, 2, 3]
 
 
 def test_more_jobs_without_dask_say_what_to_install(monkeypatch):
     def missing(name):
         raise ImportError(name)
 
-    monkeypatch.setattr("session_log.report.parallel.importlib.import_module", missing)
+    monkeypatch.setattr("session_log.report.pool.parallel.importlib.import_module", missing)
     with pytest.raises(EngineMissing, match=r"requirements-bench\.txt"):
-        list(spread(abs, [1], jobs=2))
+        list(run_parallel(abs, [1], jobs=2))
 
 
 @pytest.mark.parametrize("address", ["127.0.0.1:1", "nonsense://x"])
 def test_a_cluster_that_is_not_there_is_named(monkeypatch, address):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("session_log.report.parallel.CONNECT_TIME", "1s")
+    monkeypatch.setattr("session_log.report.pool.parallel.CONNECT_TIME", "1s")
     with pytest.raises(EngineUnreachable, match=address):
-        list(spread(abs, [1], cluster=address))
+        list(run_parallel(abs, [1], cluster=address))
 
 
 def test_two_processes_and_a_cluster_find_what_one_process_finds(sessions, tmp_path, report_config):

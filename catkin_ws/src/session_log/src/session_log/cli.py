@@ -14,7 +14,7 @@ from pathlib import Path
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed, SessionLogError
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import Survey, survey
+from session_log.mcap_file.summary import RecordingSummary, read_summary
 from session_log.replay.command import add_replay_options
 from session_log.report.command import add_options
 from typed_config import ConfigError, load_config, load_yaml
@@ -36,11 +36,11 @@ def main(words: Sequence[str] | None = None) -> None:
 
 
 def _info(arguments: argparse.Namespace) -> int:
-    result = survey(SessionReader(arguments.session))
+    result = read_summary(SessionReader(arguments.session))
     if arguments.json:
         print(json.dumps(_as_json(result), indent=2))
     else:
-        _print_survey(result, arguments.session)
+        _print_summary(result, arguments.session)
     return 0
 
 
@@ -99,7 +99,7 @@ def _is_written(topic: str, rows: dict[Path, int]) -> bool:
     return any(path.stem == topic.strip("/").replace("/", "_") for path in rows)
 
 
-def _print_survey(result: Survey, path: Path) -> None:
+def _print_summary(result: RecordingSummary, path: Path) -> None:
     began = datetime.fromtimestamp(result.start * 1e-9).astimezone() if result.start else None
     print(f"{path}: {result.messages} messages, {result.duration:.1f} s")
     if began:
@@ -123,7 +123,7 @@ def _first_line(value: str) -> str:
     return value if len(lines) < 2 else f"{lines[0]} (and {len(lines) - 1} more lines)"
 
 
-def _losses(result: Survey) -> list[str]:
+def _losses(result: RecordingSummary) -> list[str]:
     """Say in words what is wrong with a recording; sound ones say so too."""
     condition = result.condition
     lines = []
@@ -138,7 +138,7 @@ def _losses(result: Survey) -> list[str]:
     return lines or ["complete" + (", checksum good" if condition.checksum == "good" else "")]
 
 
-def _as_json(result: Survey) -> dict[str, object]:
+def _as_json(result: RecordingSummary) -> dict[str, object]:
     topics = {
         name: {**asdict(topic), "publishers": sorted(topic.publishers), "rate": topic.rate}
         for name, topic in result.topics.items()

@@ -83,7 +83,7 @@ class ShaftLinks:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PaperLatency:
+class PaperLatencyConfig:
     """One row of the paper's table 1."""
 
     command: str = text()
@@ -91,13 +91,13 @@ class PaperLatency:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Paper:
+class PaperConfig:
     """What the paper reports, and where it stands."""
 
     source: str = text()
     hardware: str = text()
     repetitions: int = integer(0, 100_000)
-    latency: tuple[PaperLatency, ...] = items(0, 100)
+    latency: tuple[PaperLatencyConfig, ...] = items(0, 100)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +114,7 @@ class ReportConfig:
     sample_period: float = number(0.001, 10.0, "s")
     late_factor: float = number(1.0, 100.0, "")
     pictures: int = integer(0, 64)
-    paper: Paper
+    paper: PaperConfig
     resolution: int = integer(50, 600, "dpi")
     vector: bool = flag()
 

@@ -80,7 +80,7 @@ class Decoder:
         except AttributeError as error:
             if error.obj is not content:
                 raise
-            raise MissingField(message, error.name) from error
+            raise MissingField(message, str(error.name)) from error
 
     def _learn(self, datatype: str, definition: str) -> Callable[[bytes], Any]:
         schema = Schema(

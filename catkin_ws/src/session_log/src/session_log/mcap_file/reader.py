@@ -20,9 +20,9 @@ from zstandard import ZstdError
 
 from session_log.errors import NotASession, SessionMissing
 from session_log.mcap_file import checksums, records
-from session_log.mcap_file.records import MAGIC, Record, RecordWalker
+from session_log.mcap_file.records import MAGIC, McapRecord, RecordWalker
 from session_log.mcap_file.session_folder import FILE_NAME
-from session_log.types import Damage, Message, Source
+from session_log.types import Damage, Message, TopicSource
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _FOOTER_SIZE = records.HEAD.size + 20
@@ -41,7 +41,7 @@ _LATEST = 4_102_444_800_000_000_000  # [ns] the year 2100
 
 
 @dataclass
-class Condition:
+class FileCondition:
     """What one pass through a file found out about it; complete when the pass is."""
 
     size: int = 0  # [B]
@@ -70,7 +70,7 @@ class SessionReader:
 
     def __init__(self, path: Path | str, *, tolerant: bool = False) -> None:
         self.path = _find(Path(path))
-        self.condition = Condition()
+        self.condition = FileCondition()
         with _open(self.path) as file:
             begin = file.read(len(MAGIC))
         if begin != MAGIC and not tolerant:
@@ -82,30 +82,30 @@ class SessionReader:
         with _open(self.path) as file:
             yield from _Pass(file, self._start, self._new_condition()).messages(topics)
 
-    def check(self) -> Condition:
+    def check(self) -> FileCondition:
         """Read through the whole file and tell its condition."""
         for _ in self.messages(()):
             pass
         return self.condition
 
-    def _new_condition(self) -> Condition:
-        self.condition = Condition(size=self.path.stat().st_size)
+    def _new_condition(self) -> FileCondition:
+        self.condition = FileCondition(size=self.path.stat().st_size)
         return self.condition
 
 
 class _Pass:
     """One pass through an open file."""
 
-    def __init__(self, file: BinaryIO, start: int, condition: Condition) -> None:
+    def __init__(self, file: BinaryIO, start: int, condition: FileCondition) -> None:
         self._file, self._start, self._condition = file, start, condition
         self._schemas: dict[int, Schema] = {}
-        self._channels: dict[int, Source] = {}
+        self._channels: dict[int, TopicSource] = {}
         self._checksum = zlib.crc32(MAGIC)
         self._is_data_over = False
-        self._from_ending: dict[int, Source] = {}
+        self._from_ending: dict[int, TopicSource] = {}
         self._named_at = -1  # [B] of the last record that named a topic
         self._walker = RecordWalker(file, self._accepts)
-        self._held = checksums.Held(file)
+        self._held = checksums.RecordBuffer(file)
 
     def messages(self, topics: Collection[str] | None) -> Iterator[Message]:
         if self._condition.size >= self._start + _FOOTER_SIZE + len(MAGIC):
@@ -117,10 +117,10 @@ class _Pass:
                 yield from self._take(item, topics)
         yield from self._given(self._held.release(), topics)
 
-    def _take(self, record: Record, topics: Collection[str] | None) -> Iterator[Message]:
+    def _take(self, record: McapRecord, topics: Collection[str] | None) -> Iterator[Message]:
         if record.opcode in (records.MESSAGE, records.METADATA):
             yield from self._given(self._held.hold(record), topics)
-        elif record.opcode == records.SEAL:
+        elif record.opcode == records.CHECKSUM:
             yield from self._given(self._held.open(record), topics)
             self._note_broken()
         elif record.opcode == records.DATA_END:
@@ -137,7 +137,7 @@ class _Pass:
             self._checksum = zlib.crc32(record.body, zlib.crc32(head, self._checksum))
 
     def _given(
-        self, released: Iterator[Record], topics: Collection[str] | None
+        self, released: Iterator[McapRecord], topics: Collection[str] | None
     ) -> Iterator[Message]:
         for record in released:
             if record.opcode == records.METADATA:
@@ -159,7 +159,7 @@ class _Pass:
         damage.append(broken)
         self._channels.update(self._from_ending)  # those of the broken stretch may be wrong
 
-    def _note(self, record: Record) -> None:
+    def _note(self, record: McapRecord) -> None:
         try:
             if record.opcode == records.SCHEMA:
                 self._add_schema(Schema.read(_stream(record.body)))
@@ -188,7 +188,7 @@ class _Pass:
 
     def _add_channel(self, channel: Channel) -> None:
         schema = self._schemas.get(channel.schema_id)
-        self._channels[channel.id] = Source(
+        self._channels[channel.id] = TopicSource(
             topic=channel.topic,
             datatype=schema.name if schema else "",
             md5sum=channel.metadata.get("md5sum", ""),
@@ -204,7 +204,7 @@ class _Pass:
             return None
         return Message(source, body[_MESSAGE.size :], log_time, sequence)
 
-    def _chunk(self, record: Record, topics: Collection[str] | None) -> Iterator[Message]:
+    def _chunk(self, record: McapRecord, topics: Collection[str] | None) -> Iterator[Message]:
         try:
             chunk = Chunk.read(_stream(record.body))
             if chunk.uncompressed_size > records.LONGEST:
@@ -223,13 +223,13 @@ class _Pass:
                 if source and (topics is None or source.topic in topics):
                     yield Message(source, entry.data, entry.log_time, entry.sequence)
 
-    def _lose(self, record: Record, what: str) -> None:
+    def _lose(self, record: McapRecord, what: str) -> None:
         length = records.HEAD.size + len(record.body)
         self._condition.damage.append(Damage(record.offset, length, what))
 
     def _accepts(self, opcode: int, begin: bytes) -> bool:
         if opcode != records.MESSAGE:
-            return records.HEADER <= opcode <= records.DATA_END or opcode == records.SEAL
+            return records.HEADER <= opcode <= records.DATA_END or opcode == records.CHECKSUM
         channel, _, log_time, _ = _MESSAGE.unpack_from(begin)
         return channel in self._channels and _EARLIEST < log_time < _LATEST
 
@@ -245,7 +245,7 @@ class _Pass:
         if checksum and checksums.checksum(self._file, summary, covered) != checksum:
             return
         for item in self._walker.walk(summary):
-            if isinstance(item, Record) and item.opcode in (records.SCHEMA, records.CHANNEL):
+            if isinstance(item, McapRecord) and item.opcode in (records.SCHEMA, records.CHANNEL):
                 self._note(item)
         self._from_ending = dict(self._channels)
 

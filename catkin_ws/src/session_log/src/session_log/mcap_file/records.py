@@ -18,15 +18,15 @@ WINDOW = 1 << 20  # [B] searched at once for the next record
 
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06
 METADATA, DATA_END = 0x0C, 0x0F
-SEAL = 0x80  # ours: MCAP leaves opcodes from 0x80 on to applications, and readers skip them
-SEAL_BODY = struct.Struct("<QI")  # how many bytes before this record it covers, their CRC-32
+CHECKSUM = 0x80  # ours: MCAP leaves opcodes from 0x80 on to applications, and readers skip them
+CHECKSUM_BODY = struct.Struct("<QI")  # how many bytes before this record it covers, their CRC-32
 _SHORTEST = {HEADER: 8, FOOTER: 20, SCHEMA: 14, CHANNEL: 16, MESSAGE: 22, CHUNK: 40, DATA_END: 4}
-_SHORTEST[SEAL] = SEAL_BODY.size
+_SHORTEST[CHECKSUM] = CHECKSUM_BODY.size
 _CANDIDATE = re.compile(rb"(?=[\x01-\x0f\x80][\s\S]{4}\x00{4})")  # opcode, length below 4 GiB
 
 
 @dataclass(frozen=True)
-class Record:
+class McapRecord:
     """One record as it stands in the file."""
 
     offset: int  # [B]
@@ -47,7 +47,7 @@ class RecordWalker:
         self._size = file.seek(0, 2)
         self._known = (-1, 0, 0)  # position, opcode and length of the sound record found last
 
-    def walk(self, start: int) -> Iterator[Record | Damage]:
+    def walk(self, start: int) -> Iterator[McapRecord | Damage]:
         """Yield every record from `start` on, and a `Damage` for each stretch that is none.
 
         Ends after a footer or at the end of the file.
@@ -67,14 +67,14 @@ class RecordWalker:
                 yield _damage(position, found, self._size)
                 position = found
 
-    def _read(self, position: int) -> Record | None:
+    def _read(self, position: int) -> McapRecord | None:
         length = self._length(position)
         if length is None:
             return None
         self._file.seek(position + HEAD.size)
         opcode = self._opcode
         body = self._file.read(length)
-        return Record(position, opcode, body)
+        return McapRecord(position, opcode, body)
 
     def _length(self, position: int) -> int | None:
         """Length of the body of the record at a position; None if there is no sound record."""
@@ -89,7 +89,7 @@ class RecordWalker:
         fits = length <= LONGEST and position + HEAD.size + length <= self._size
         if not fits or length < _SHORTEST.get(self._opcode, 0):
             return None
-        if self._opcode == SEAL and length != SEAL_BODY.size:
+        if self._opcode == CHECKSUM and length != CHECKSUM_BODY.size:
             return None
         if not self._accepts(self._opcode, head[HEAD.size :]):
             return None

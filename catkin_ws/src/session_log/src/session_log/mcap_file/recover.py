@@ -7,13 +7,13 @@ from pathlib import Path
 
 from session_log.errors import OutputFailed, RecordingFailed
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import Counter, Survey
+from session_log.mcap_file.summary import MessageCounter, RecordingSummary
 from session_log.mcap_file.writer import SessionWriter
 
 DAMAGE_TOLD = 100  # places of damage that the copy names
 
 
-def recover(reader: SessionReader, target: Path) -> Survey:
+def recover(reader: SessionReader, target: Path) -> RecordingSummary:
     """Write every readable message, and all metadata, to a new file.
 
     Args:
@@ -23,13 +23,13 @@ def recover(reader: SessionReader, target: Path) -> Survey:
     Raises:
         OutputFailed: The file exists already or cannot be written.
     """
-    counter = Counter()
+    counter = MessageCounter()
     try:
         with SessionWriter(target, chunked=True) as writer:
             for message in counter.counting(reader.messages()):
                 writer.add(message)
                 writer.commit()
-            result = counter.survey(reader.condition)
+            result = counter.summary(reader.condition)
             for name, values in reader.condition.metadata:
                 writer.add_metadata(name, values)
             writer.add_metadata("recovered", _account(reader, result))
@@ -38,7 +38,7 @@ def recover(reader: SessionReader, target: Path) -> Survey:
     return result
 
 
-def _account(reader: SessionReader, result: Survey) -> dict[str, str]:
+def _account(reader: SessionReader, result: RecordingSummary) -> dict[str, str]:
     condition = result.condition
     return {
         "from": reader.path.name,

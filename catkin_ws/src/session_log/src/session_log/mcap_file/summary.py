@@ -6,16 +6,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from session_log.mcap_file.reader import Condition, SessionReader
+from session_log.mcap_file.reader import FileCondition, SessionReader
 from session_log.mcap_file.writer import LIBRARY
-from session_log.types import Message, Source, TopicCount
+from session_log.types import Message, TopicCount, TopicSource
 
 
 @dataclass
-class Survey:
+class RecordingSummary:
     """What a recording holds."""
 
-    condition: Condition
+    condition: FileCondition
     topics: dict[str, TopicCount] = field(default_factory=dict)
 
     @property
@@ -40,12 +40,12 @@ class Survey:
         return (last - self.start) * 1e-9
 
 
-class Counter:
+class MessageCounter:
     """Counts messages as they pass."""
 
     def __init__(self) -> None:
         self.topics: dict[str, TopicCount] = {}
-        self._sequences: dict[Source, int] = {}
+        self._sequences: dict[TopicSource, int] = {}
 
     def add(self, message: Message) -> None:
         """Count one message."""
@@ -62,12 +62,12 @@ class Counter:
         count.missing += max(message.sequence - previous - 1, 0)
         self._sequences[source] = message.sequence
 
-    def survey(self, condition: Condition) -> Survey:
+    def summary(self, condition: FileCondition) -> RecordingSummary:
         """Tell what was counted; gaps mean loss only in files that our recorder numbered."""
         if condition.library != LIBRARY:
             for count in self.topics.values():
                 count.missing = 0
-        return Survey(condition, self.topics)
+        return RecordingSummary(condition, self.topics)
 
     def counting(self, messages: Iterator[Message]) -> Iterator[Message]:
         """Pass messages on and count them."""
@@ -76,9 +76,9 @@ class Counter:
             yield message
 
 
-def survey(reader: SessionReader) -> Survey:
+def read_summary(reader: SessionReader) -> RecordingSummary:
     """Read through a recording and count."""
-    counter = Counter()
+    counter = MessageCounter()
     for _ in counter.counting(reader.messages()):
         pass
-    return counter.survey(reader.condition)
+    return counter.summary(reader.condition)

@@ -2,7 +2,7 @@
 """Writes one MCAP file: profile ros1, schemas ros1msg, raw message bytes, no chunks.
 
 Without chunks every commit leaves a file that can be read up to its last record. Each commit ends
-with a seal, a checksum over its bytes, so that damage shows even in a file that was never closed.
+with a checksum over its bytes, so that damage shows even in a file that was never closed.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from mcap.writer import CompressionType, IndexType
 from mcap.writer import Writer as McapWriter
 
 from session_log.mcap_file.durable_stream import DurableStream
-from session_log.mcap_file.records import SEAL, SEAL_BODY
-from session_log.types import Message, Source
+from session_log.mcap_file.records import CHECKSUM, CHECKSUM_BODY
+from session_log.types import Message, TopicSource
 
 LIBRARY = "session_log"
-SEALED_AT_ONCE = 1 << 20  # [B] after which a seal is due, commit or not; bounds a reader's memory
+CHECKSUM_WITHIN = 1 << 20  # [B] after which one is due, commit or not: a reader's memory
 
 
 class _Mcap(McapWriter):
@@ -50,7 +50,7 @@ class SessionWriter:
     def __init__(self, path: Path, *, chunked: bool = False) -> None:
         self.path = path
         self._stream = DurableStream(path)
-        self._sealed = None if chunked else 0  # [B] up to where seals reach; chunks have their own
+        self._covered = None if chunked else 0  # [B] up to where checksums reach; chunks have one
         self._mcap = _Mcap(
             cast("IO[Any]", self._stream),
             use_chunking=chunked,
@@ -58,7 +58,7 @@ class SessionWriter:
             index_types=IndexType.ALL,
             enable_data_crcs=True,
         )
-        self._channels: dict[Source, int] = {}
+        self._channels: dict[TopicSource, int] = {}
         self._schemas: dict[tuple[str, str], int] = {}
         self._mcap.start(profile="ros1", library=LIBRARY)
         self.commit()
@@ -72,8 +72,8 @@ class SessionWriter:
             sequence=message.sequence & 0xFFFFFFFF,
             data=message.data,
         )
-        if self._sealed is not None and self._stream.tell() - self._sealed > SEALED_AT_ONCE:
-            self._seal()
+        if self._covered is not None and self._stream.tell() - self._covered > CHECKSUM_WITHIN:
+            self._write_checksum()
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Take named facts about the session for the next commit."""
@@ -89,7 +89,7 @@ class SessionWriter:
         Raises:
             RecordingFailed: It was not written and is kept for the next commit.
         """
-        self._seal()
+        self._write_checksum()
         self._stream.flush()
 
     def sync(self) -> None:
@@ -112,7 +112,7 @@ class SessionWriter:
             RecordingFailed: The ending could not be written; the messages before it are readable.
         """
         try:
-            self._seal()
+            self._write_checksum()
             self._mcap.finish()
             self._stream.flush()
             self._stream.sync()
@@ -134,15 +134,15 @@ class SessionWriter:
     ) -> None:
         self.close()
 
-    def _seal(self) -> None:
+    def _write_checksum(self) -> None:
         end = self._stream.tell()
-        if self._sealed is None or self._sealed == end:
+        if self._covered is None or self._covered == end:
             return
-        checksum = self._stream.checksum(self._sealed)
-        self._mcap.add_record(SEAL, SEAL_BODY.pack(end - self._sealed, checksum))
-        self._sealed = self._stream.tell()
+        checksum = self._stream.checksum(self._covered)
+        self._mcap.add_record(CHECKSUM, CHECKSUM_BODY.pack(end - self._covered, checksum))
+        self._covered = self._stream.tell()
 
-    def _channel(self, source: Source) -> int:
+    def _channel(self, source: TopicSource) -> int:
         channel = self._channels.get(source)
         if channel is None:
             channel = self._mcap.register_channel(
@@ -158,7 +158,7 @@ class SessionWriter:
             self._channels[source] = channel
         return channel
 
-    def _schema(self, source: Source) -> int:
+    def _schema(self, source: TopicSource) -> int:
         key = (source.datatype, source.definition)
         if key not in self._schemas:
             self._schemas[key] = self._mcap.register_schema(

@@ -13,16 +13,16 @@ from session_log.config import RecorderConfig
 from session_log.errors import RecordingFailed
 from session_log.mcap_file.headers import read_header, starts_with_header
 from session_log.mcap_file.writer import SessionWriter
-from session_log.types import Message, Source
+from session_log.types import Message, TopicSource
 
 BATCH = 5000  # entries written between two commits; bounds the memory of one commit
 
 
 @dataclass
-class Tally:
+class TopicTally:
     """What one source has sent; changed only under the recorder's lock."""
 
-    source: Source
+    source: TopicSource
     has_header: bool
     received: int = 0
     dropped: int = 0  # because too much was waiting for the disk
@@ -81,7 +81,7 @@ class Recorder:
         self._lock = threading.Lock()
         self._queue: deque[Message | Metadata] = deque()
         self._waiting_bytes = 0
-        self._tallies: list[Tally] = []
+        self._tallies: list[TopicTally] = []
         self._writer: SessionWriter | None = None
         self._error = ""
         self._fault = ""  # an unexpected error; stays until the end
@@ -99,14 +99,14 @@ class Recorder:
         self._progress = self._steady()
         self._thread.start()
 
-    def register(self, source: Source) -> Tally:
+    def register(self, source: TopicSource) -> TopicTally:
         """Announce a source; its messages are then offered with the returned tally."""
-        tally = Tally(source, starts_with_header(source.definition))
+        tally = TopicTally(source, starts_with_header(source.definition))
         with self._lock:
             self._tallies.append(tally)
         return tally
 
-    def offer(self, tally: Tally, data: bytes) -> bool:
+    def offer(self, tally: TopicTally, data: bytes) -> bool:
         """Take one message as received now, never waiting for the disk; False if it was dropped."""
         with self._lock:
             tally.received += 1
@@ -141,7 +141,7 @@ class Recorder:
                 topics=len({t.source.topic for t in self._tallies}),
             )
 
-    def tallies(self) -> list[Tally]:
+    def tallies(self) -> list[TopicTally]:
         """List every source that was registered."""
         with self._lock:
             return list(self._tallies)
@@ -167,7 +167,7 @@ class Recorder:
         return too_many or self._waiting_bytes + size > self._config.queue_size
 
     @staticmethod
-    def _note_gap(tally: Tally, data: bytes) -> None:
+    def _note_gap(tally: TopicTally, data: bytes) -> None:
         header = read_header(data)
         if header is None:
             return

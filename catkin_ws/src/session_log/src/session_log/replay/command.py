@@ -16,7 +16,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.session_folder import FILE_NAME
 from session_log.replay.compare import Difference
 from session_log.replay.config import ReplayConfig
-from session_log.replay.pipeline_plugin import Decided, find_hearer
+from session_log.replay.pipeline_plugin import Decided, find_plugin
 from session_log.replay.replay import Replay, replay
 from typed_config import ConfigError, load_config, load_yaml
 
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Replay; gives 0 if all is the same, 1 if anything differs, 2 if anything failed."""
     try:
         config = load_config(ReplayConfig, load_yaml(arguments.config), arguments.config.name)
-        make = find_hearer(config.hearer)
+        make = find_plugin(config.pipeline)
         paths = recordings(arguments.session)
     except (SessionLogError, ConfigError) as error:
         print(f"session_log: {error}", file=sys.stderr)
@@ -169,5 +169,5 @@ def add_replay_options(parser: argparse.ArgumentParser) -> None:
     """Declare the options beside the session."""
     parser.add_argument("--model", help="recogniser to hear with; default: the recorded one")
     parser.add_argument("--json", type=Path, help="file to write all differences to")
-    help_ = "settings of the replay: who hears, and what counts as the same"
+    help_ = "settings of the replay: the pipeline, and what counts as the same"
     parser.add_argument("--config", type=Path, default=REPLAY_CONFIG, help=help_)

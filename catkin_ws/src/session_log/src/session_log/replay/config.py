@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from session_log.config import require_topics
 from typed_config import number, require, text
@@ -25,9 +27,11 @@ class ReplayTopics:
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayConfig:
-    """Who hears again, and what counts as the same."""
+    """Which pipeline hears again, and what counts as the same."""
 
-    hearer: str = text()
+    RENAMED: ClassVar[Mapping[str, str]] = {"hearer": "pipeline"}
+
+    pipeline: str = text()
     topics: ReplayTopics
     settings: str = text()
     facts: str = text()
@@ -40,7 +44,7 @@ class ReplayConfig:
 
     def __post_init__(self) -> None:
         """Check what no key's range can show."""
-        module, _, function = self.hearer.partition(":")
+        module, _, function = self.pipeline.partition(":")
         is_path = all(word.isidentifier() for word in (*module.split("."), function))
         words = "module:function; this is no module and function"
-        require(is_path, "hearer", self.hearer, words)
+        require(is_path, "pipeline", self.pipeline, words)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a replay asks of whoever hears the recorded sound again, and how that one is found.
+"""What a replay needs of the pipeline that hears recorded sound again, and how it is found.
 
 This package does not know the voice part: a setting names `module:function`, which is imported when
-it is needed. The function is a `MakeHearer`.
+it is needed. The function is a `MakePipeline`.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from numpy.typing import NDArray
 from session_log.errors import SessionLogError
 
 
-class NoHearer(SessionLogError):
-    """Nobody is there to hear the sound again."""
+class PluginMissing(SessionLogError):
+    """There is no pipeline to hear the sound again."""
 
     def __init__(self, name: str, why: str) -> None:
-        super().__init__(f"hearer {name!r} of replay.yaml: {why}; allowed: module:function")
+        super().__init__(f"pipeline {name!r} of replay.yaml: {why}; allowed: module:function")
         self.name, self.why = name, why
 
 
 @dataclass(frozen=True, eq=False)
-class Sound:
+class RecordedSound:
     """One recorded block of sound."""
 
     samples: NDArray[np.int16]  # (n,), mono
@@ -70,7 +70,7 @@ class Decided(Protocol):
     def decision(self) -> float: ...  # noqa: D102
 
 
-class Hearer(Protocol):
+class ReplayPipeline(Protocol):
     """The live pipeline in lock-step: its clock shows the recorded stamps, never the time."""
 
     model: str  # as asked for
@@ -78,7 +78,7 @@ class Hearer(Protocol):
     spotter_hash: str  # empty: no spotter
     warnings: tuple[str, ...]  # what of the recorded settings could not be restored
 
-    def hear(self, sound: Sound) -> Sequence[Decided]:
+    def hear(self, sound: RecordedSound) -> Sequence[Decided]:
         """Take the next block of sound; gives what was decided with it, oldest first.
 
         Raises:
@@ -95,12 +95,12 @@ class Hearer(Protocol):
         """Whether the live pipeline, too, lacked the sound in front of a sample."""
 
 
-class MakeHearer(Protocol):
+class MakePipeline(Protocol):
     """Builds the pipeline of one run of the voice node."""
 
     def __call__(
         self, settings: Mapping[str, Any], notes: Sequence[str], model: str | None
-    ) -> Hearer:
+    ) -> ReplayPipeline:
         """Start a pipeline as the node started.
 
         Args:
@@ -113,20 +113,20 @@ class MakeHearer(Protocol):
         """
 
 
-def find_hearer(name: str) -> MakeHearer:
+def find_plugin(name: str) -> MakePipeline:
     """Import `module:function`.
 
     Raises:
-        NoHearer: The package is not there, or has no such function.
+        PluginMissing: The package is not there, or has no such function.
     """
     module, _, function = name.partition(":")
     if not (module and function):
-        raise NoHearer(name, "is no module and function")
+        raise PluginMissing(name, "is no module and function")
     try:
         made = getattr(import_module(module), function, None)
     except ImportError as error:
-        raise NoHearer(name, f"cannot be imported ({error})") from error
+        raise PluginMissing(name, f"cannot be imported ({error})") from error
     if not callable(made):
-        raise NoHearer(name, f"{module} has no function {function!r}")
-    found: MakeHearer = made
+        raise PluginMissing(name, f"{module} has no function {function!r}")
+    found: MakePipeline = made
     return found

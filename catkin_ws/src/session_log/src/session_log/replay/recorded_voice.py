@@ -16,8 +16,8 @@ from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import LIBRARY
 from session_log.replay.config import ReplayConfig
-from session_log.replay.pipeline_plugin import Sound
-from session_log.types import Message, Source
+from session_log.replay.pipeline_plugin import RecordedSound
+from session_log.types import Message, TopicSource
 
 RATE = 16_000  # [Hz] of all recorded sound
 PARAMETERS = "parameters"  # metadata record with the parameter server, one YAML text per key
@@ -52,7 +52,7 @@ class ModeChange:
 
 
 @dataclass
-class Run:
+class VoiceRun:
     """One run of the voice node: its sound begins at sample 0."""
 
     settings: Mapping[str, Any] = field(default_factory=dict)  # empty: none were recorded
@@ -65,7 +65,7 @@ class RecordedVoice:
     """All that a replay needs but the sound itself."""
 
     start: float = 0.0  # [s] of the clock, first message of the session
-    runs: list[Run] = field(default_factory=list)
+    runs: list[VoiceRun] = field(default_factory=list)
     utterances: list[RecordedDecision] = field(default_factory=list)
     modes: list[ModeChange] = field(default_factory=list)
     has_notes: bool = False  # the node was one that says what hearing depended on
@@ -98,7 +98,7 @@ class SequenceWatch:
 
     def __init__(self, reader: SessionReader) -> None:
         self._reader = reader
-        self._previous: dict[Source, int] = {}
+        self._previous: dict[TopicSource, int] = {}
 
     def __call__(self, message: Message) -> int:
         """How many of its source are missing right before a message."""
@@ -151,7 +151,7 @@ class _VoiceReader:
         is_new, _lost = self._stream(content.first_sample, len(content.samples))
         if is_new:
             self._end_run()
-            self._voice.runs.append(Run(notes=self._early_notes))
+            self._voice.runs.append(VoiceRun(notes=self._early_notes))
             self._early_notes = []
 
     def _utterance(self, m: Any, missing: int) -> None:
@@ -190,10 +190,10 @@ class _VoiceReader:
             run.facts = condition.latest(self._config.facts)
 
 
-def sound_of(content: Any) -> Sound:
+def sound_of(content: Any) -> RecordedSound:
     """The recorded block of a decoded voice_assist/AudioChunk."""
     samples = np.asarray(content.samples, np.int16)
-    return Sound(samples, content.rate, content.first_sample, seconds(content.header.stamp))
+    return RecordedSound(samples, content.rate, content.first_sample, seconds(content.header.stamp))
 
 
 def seconds(stamp: Any) -> float:

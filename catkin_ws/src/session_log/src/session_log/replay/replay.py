@@ -12,14 +12,14 @@ from session_log.mcap_file.decoder import Decoder, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.replay.compare import EXTRA, Difference, compare
 from session_log.replay.config import ReplayConfig
-from session_log.replay.pipeline_plugin import Decided, Hearer, MakeHearer, Sound
+from session_log.replay.pipeline_plugin import Decided, MakePipeline, RecordedSound, ReplayPipeline
 from session_log.replay.recorded_voice import (
     RATE,
     RecordedDecision,
     RecordedVoice,
-    Run,
     SequenceWatch,
     StreamWatch,
+    VoiceRun,
     read_voice,
     sound_of,
 )
@@ -33,7 +33,7 @@ class NoSound(SessionLogError):
         self.path, self.topic = path, topic
 
 
-class NotHeard(SessionLogError):
+class ReplayFailed(SessionLogError):
     """The recorded sound, settings or model cannot be used to hear it again."""
 
     def __init__(self, path: Path, cause: Exception) -> None:
@@ -42,7 +42,7 @@ class NotHeard(SessionLogError):
 
 
 @dataclass(frozen=True)
-class Loss:
+class SoundLoss:
     """A stretch of which the recording lacks the sound; what was decided about it is not known."""
 
     start: float  # [s] of the clock; -inf: since the voice node started
@@ -79,7 +79,7 @@ class Replay:
 
 
 def replay(
-    reader: SessionReader, config: ReplayConfig, make: MakeHearer, model: str | None = None
+    reader: SessionReader, config: ReplayConfig, make: MakePipeline, model: str | None = None
 ) -> Replay:
     """Hear a recording again and compare.
 
@@ -96,15 +96,15 @@ def replay(
     voice = read_voice(reader, config)
     if not voice.runs:
         raise NoSound(reader.path, config.topics.audio)
-    return _Rehearsal(reader, config, make, model, voice).run()
+    return _Replayer(reader, config, make, model, voice).run()
 
 
-class _Rehearsal:
+class _Replayer:
     def __init__(
         self,
         reader: SessionReader,
         config: ReplayConfig,
-        make: MakeHearer,
+        make: MakePipeline,
         model: str | None,
         voice: RecordedVoice,
     ) -> None:
@@ -114,10 +114,10 @@ class _Rehearsal:
         self._result = Replay(reader.path, voice.start, recorded=len(voice.utterances))
         self._decoder = Decoder()
         self._missing, self._stream = SequenceWatch(reader), StreamWatch()
-        self._hearer: Hearer | None = None
+        self._pipeline: ReplayPipeline | None = None
         self._now: list[Decided] = []
         self._unsure: list[int] = []  # of those, by identity: the node may have ended before
-        self._losses: list[Loss] = []
+        self._losses: list[SoundLoss] = []
         self._end = float("-inf")  # [s] of the clock, end of the newest sound
 
     def run(self) -> Replay:
@@ -130,48 +130,50 @@ class _Rehearsal:
                     continue
                 self._hear(sound, missing)
         except (ValueError, OSError) as error:
-            raise NotHeard(self._reader.path, error) from error
+            raise ReplayFailed(self._reader.path, error) from error
         return self._conclude()
 
-    def _hear(self, sound: Sound, missing: int) -> None:
+    def _hear(self, sound: RecordedSound, missing: int) -> None:
         is_new, lost = self._stream(sound.first_sample, len(sound.samples))
-        if is_new or self._hearer is None:
-            self._hearer = self._begin(next(self._runs))
+        if is_new or self._pipeline is None:
+            self._pipeline = self._begin(next(self._runs))
         if lost:
-            self._lose(self._hearer, sound, lost, is_new, missing)
-        decided = self._hearer.hear(sound)
-        if not self._hearer.heard_live(sound.first_sample):
+            self._lose(self._pipeline, sound, lost, is_new, missing)
+        decided = self._pipeline.hear(sound)
+        if not self._pipeline.heard_live(sound.first_sample):
             self._unsure += map(id, decided)
         self._now += decided
         self._end = sound.stamp + len(sound.samples) / sound.rate
         self._result.sound += len(sound.samples) / sound.rate
 
-    def _begin(self, run: Run) -> Hearer:
-        hearer = self._make(run.settings, run.notes, self._model)
+    def _begin(self, run: VoiceRun) -> ReplayPipeline:
+        pipeline = self._make(run.settings, run.notes, self._model)
         result, facts = self._result, run.facts
-        result.model, result.model_hash = hearer.model, hearer.model_hash
+        result.model, result.model_hash = pipeline.model, pipeline.model_hash
         result.recorded_model = facts.get("model", "")
         result.recorded_hash = facts.get("model_sha256", "")
-        found = [*hearer.warnings]
+        found = [*pipeline.warnings]
         if self._model is None:
-            found += _other(f"model {hearer.model!r}", result.recorded_hash, hearer.model_hash)
+            found += _other(f"model {pipeline.model!r}", result.recorded_hash, pipeline.model_hash)
         spotter = facts.get("spotter_sha256", "")
-        if hearer.spotter_hash:
-            found += _other("the spotter's model", spotter, hearer.spotter_hash)
+        if pipeline.spotter_hash:
+            found += _other("the spotter's model", spotter, pipeline.spotter_hash)
         result.warnings += [entry for entry in found if entry not in result.warnings]
-        return hearer
+        return pipeline
 
-    def _lose(self, hearer: Hearer, sound: Sound, lost: int, is_new: bool, missing: int) -> None:
+    def _lose(
+        self, pipeline: ReplayPipeline, sound: RecordedSound, lost: int, is_new: bool, missing: int
+    ) -> None:
         """Sound is missing; unless it was already for the live pipeline, what follows is unsure."""
-        has_known = hearer.lost_live(sound.first_sample)
+        has_known = pipeline.lost_live(sound.first_sample)
         if has_known or not (is_new or missing or self._voice.has_notes):
             return
         where = "before the first" if is_new else "in front of sample"
         words = f"{lost / RATE:.2f} s of sound {where} {sound.first_sample}"
         start = float("-inf") if is_new else self._end
-        self._losses.append(Loss(start, sound.stamp, words))
+        self._losses.append(SoundLoss(start, sound.stamp, words))
         if change := self._voice.mode_at(sound.stamp):
-            hearer.set_mode(change.mode, change.reason)
+            pipeline.set_mode(change.mode, change.reason)
 
     def _conclude(self) -> Replay:
         result, voice = self._result, self._voice

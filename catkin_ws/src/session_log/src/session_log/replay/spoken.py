@@ -17,7 +17,7 @@ from session_log.mcap_file.decoder import Decoder, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.replay.command import REPLAY_CONFIG
 from session_log.replay.config import ReplayConfig
-from session_log.replay.pipeline_plugin import Sound
+from session_log.replay.pipeline_plugin import RecordedSound
 from session_log.replay.recorded_voice import RATE, RecordedDecision, read_voice, sound_of
 from typed_config import load_config, load_yaml
 
@@ -80,7 +80,7 @@ class _Window:
         self.samples = np.zeros(max(round(length * RATE), 0), np.int16)
         self.has_sound = False
 
-    def take(self, sound: Sound) -> None:
+    def take(self, sound: RecordedSound) -> None:
         """Keep what of a block lies in it."""
         first = round((sound.stamp - self._start) * RATE)
         if first >= len(self.samples) or first + len(sound.samples) <= 0:

@@ -7,12 +7,13 @@ import math
 from datetime import datetime
 from pathlib import Path
 
-from session_log.report import page, pool_tables
+from session_log.report import page
 from session_log.report.figures import POOL_FIGURES
-from session_log.report.folder_tables import sessions_table, unread_table
 from session_log.report.one_session import latency_source
-from session_log.report.pool import Pool
-from session_log.report.text_table import duration_words, length, newtons, percent, seconds
+from session_log.report.pool.pool import Pool
+from session_log.report.tables import pool_tables
+from session_log.report.tables.folder_tables import sessions_table, unread_table
+from session_log.report.tables.text_table import duration_words, length, newtons, percent, seconds
 
 SESSIONS_NOTE = (
     "Right: phrases taken as they were meant. Action: median time from the end of speech. RCM: "

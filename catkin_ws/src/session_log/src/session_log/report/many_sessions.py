@@ -12,14 +12,14 @@ from pathlib import Path
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed, SessionLogError, SessionMissing
 from session_log.mcap_file.session_folder import FILE_NAME
-from session_log.report.drawing import draw
 from session_log.report.figures import POOL_FIGURES
+from session_log.report.figures.drawing import draw
 from session_log.report.folder_page import folder_page
-from session_log.report.latex import write_latex
 from session_log.report.one_session import PAGE_NAME, Report, reduce_session
-from session_log.report.parallel import spread
-from session_log.report.pool import Pool, Unread
-from session_log.report.summary import SessionSummary
+from session_log.report.pool.parallel import run_parallel
+from session_log.report.pool.pool import Pool, UnreadSession
+from session_log.report.session.summary import SessionSummary
+from session_log.report.tables.latex import write_latex
 
 PAGES_FOLDER = "sessions"  # below the output, where that is not beside the recordings
 RECOVERED = "_recovered"
@@ -38,13 +38,13 @@ class FolderReport(Report):
     """What was written over many sessions."""
 
     sessions: int = 0
-    unread: tuple[Unread, ...] = ()
+    unread: tuple[UnreadSession, ...] = ()
 
 
 class NothingReadable(SessionLogError):
     """None of the recordings that were named can be read."""
 
-    def __init__(self, unread: Sequence[Unread]) -> None:
+    def __init__(self, unread: Sequence[UnreadSession]) -> None:
         reasons = "; ".join(u.reason for u in unread[:3])
         more = f"; and {len(unread) - 3} more" if len(unread) > 3 else ""
         super().__init__(f"none of {len(unread)} recordings can be read: {reasons}{more}")
@@ -78,13 +78,13 @@ def folder(
     Raises:
         SessionMissing: Something named is not there, or holds no recording.
         NothingReadable: There are recordings, but none can be read.
-        EngineMissing, EngineUnreachable: See `spread`.
+        EngineMissing, EngineUnreachable: See `run_parallel`.
         OutputFailed: The output cannot be written.
     """
     tasks = _tasks(recordings(inputs), None if beside else out / PAGES_FOLDER)
     pool = Pool(config)
     work = partial(_reduce, config=config, with_page=with_pages)
-    for task, found in spread(work, tasks, jobs, cluster):
+    for task, found in run_parallel(work, tasks, jobs, cluster):
         if isinstance(found, SessionSummary):
             page = task.folder / PAGE_NAME
             pool.add(task.path, page if with_pages or page.exists() else None, found)
@@ -138,14 +138,14 @@ def _page_name(path: Path) -> str:
 
 def _reduce(
     task: Task, config: ReportConfig, with_page: bool
-) -> tuple[Task, SessionSummary | Unread]:
+) -> tuple[Task, SessionSummary | UnreadSession]:
     """Reduce one session; whatever is wrong with it must not end the report over the others."""
     try:
         return task, reduce_session(task.path, task.folder, config, with_page=with_page)
     except SessionLogError as error:
-        return task, Unread(task.path, str(error))
+        return task, UnreadSession(task.path, str(error))
     except Exception as error:  # top of a worker
-        return task, Unread(task.path, f"{type(error).__name__}: {error}")
+        return task, UnreadSession(task.path, f"{type(error).__name__}: {error}")
 
 
 def _write(pool: Pool, out: Path, latex: bool) -> FolderReport:

@@ -11,17 +11,19 @@ from pathlib import Path
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed
 from session_log.mcap_file.reader import SessionReader
-from session_log.report import cache, page, pool_tables, tables
-from session_log.report.analysis import command_rows
-from session_log.report.drawing import draw
-from session_log.report.extract import extract
-from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, Material, ReportFigure
-from session_log.report.latex import write_latex
-from session_log.report.pool import Pool
-from session_log.report.shaft import rcm_from_joints
-from session_log.report.stops import stops, stops_table
-from session_log.report.summary import SessionSummary, summarise
-from session_log.report.text_table import length, newtons, percent, seconds, size_words
+from session_log.report import page
+from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, ReportFigure, SessionMaterial
+from session_log.report.figures.drawing import draw
+from session_log.report.pool import cache
+from session_log.report.pool.pool import Pool
+from session_log.report.session.analysis import command_rows
+from session_log.report.session.extract import extract
+from session_log.report.session.shaft import rcm_from_joints
+from session_log.report.session.stops import stops, stops_table
+from session_log.report.session.summary import SessionSummary, summarise
+from session_log.report.tables import pool_tables, session_tables
+from session_log.report.tables.latex import write_latex
+from session_log.report.tables.text_table import length, newtons, percent, seconds, size_words
 
 PAGE_NAME = "report.html"
 COMMANDS_NOTE = "Decision and action: time after the end of speech."
@@ -36,7 +38,7 @@ ORDER = (
     "joints",
     "loop_timing",
 )
-FIGURES: dict[str, ReportFigure[Material] | ReportFigure[Pool]] = {
+FIGURES: dict[str, ReportFigure[SessionMaterial] | ReportFigure[Pool]] = {
     **{figure.name: figure for figure in SESSION_FIGURES},
     **{figure.name: figure for figure in POOL_FIGURES},
 }
@@ -56,7 +58,7 @@ class _Session:
     """A session, read and reduced."""
 
     name: str
-    material: Material
+    material: SessionMaterial
     summary: SessionSummary
     pool: Pool  # of this session alone
 
@@ -119,7 +121,7 @@ def _read(reader: SessionReader, config: ReportConfig) -> _Session:
     summary = summarise(name, data, rows, rcm, config)
     pool = Pool(config)
     pool.add(reader.path, None, summary)
-    return _Session(name, Material(data, rows, config, rcm, summary.trials), summary, pool)
+    return _Session(name, SessionMaterial(data, rows, config, rcm, summary.trials), summary, pool)
 
 
 def _write(session: _Session, folder: Path, config: ReportConfig, latex: bool) -> Report:
@@ -144,16 +146,16 @@ def _page(session: _Session, images: dict[str, page.Image]) -> str:
             parts.append(page.paragraph(FIGURES[name].lacking, "quiet"))
         parts += _tables_below(name, material, pool)
     parts += [page.heading("Health"), _health(material)]
-    parts += [page.heading("Recording"), page.table(tables.topics_table(material))]
+    parts += [page.heading("Recording"), page.table(session_tables.topics_table(material))]
     parts += [page.heading("Origin"), *_origin(material)]
     return page.page(f"Session {session.name}", parts)
 
 
-def _tables_below(name: str, material: Material, pool: Pool) -> list[str]:
+def _tables_below(name: str, material: SessionMaterial, pool: Pool) -> list[str]:
     if name == "timeline":
         refused = page.paragraph("Nothing was refused.", "quiet")
         if pool.refusals:
-            refused = page.table(tables.refused_table(material))
+            refused = page.table(session_tables.refused_table(material))
         found = stops(material.data.events, material.data.states)
         stopped = page.paragraph("Nothing stopped the robot.", "quiet")
         if found:
@@ -161,7 +163,7 @@ def _tables_below(name: str, material: Material, pool: Pool) -> list[str]:
         return [
             page.heading("Commands"),
             page.paragraph(COMMANDS_NOTE, "quiet"),
-            page.table(tables.commands_table(material)),
+            page.table(session_tables.commands_table(material)),
             page.heading("What stopped the robot, and why"),
             stopped,
             page.heading("What was refused, and why"),
@@ -194,17 +196,17 @@ def _name(reader: SessionReader) -> str:
 
 
 def _title(session: _Session) -> str:
-    survey = session.material.data.survey
-    began = datetime.fromtimestamp(survey.start * 1e-9).astimezone() if survey.start else None
+    recording = session.material.data.recording
+    began = datetime.fromtimestamp(recording.start * 1e-9).astimezone() if recording.start else None
     words = began.strftime("%d %B %Y, %H:%M:%S %Z") if began else "no messages"
-    extent = f"{survey.duration:.1f} s, {survey.messages} messages"
-    size = size_words(survey.condition.size)
+    extent = f"{recording.duration:.1f} s, {recording.messages} messages"
+    size = size_words(recording.condition.size)
     return page.title_block(f"Session {session.name}", f"{words} · {extent} · {size}")
 
 
-def _warnings(material: Material) -> list[str]:
-    survey, words = material.data.survey, []
-    condition = survey.condition
+def _warnings(material: SessionMaterial) -> list[str]:
+    recording, words = material.data.recording, []
+    condition = recording.condition
     if not condition.is_closed:
         words.append("The recorder did not close this file: it was killed, or is still running.")
     if condition.checksum == "wrong":
@@ -212,8 +214,8 @@ def _warnings(material: Material) -> list[str]:
     if condition.damage:
         lost = sum(damage.length for damage in condition.damage)
         words.append(f"{lost} bytes in {len(condition.damage)} places cannot be read.")
-    if survey.missing:
-        words.append(f"{survey.missing} messages were received but are not in the file.")
+    if recording.missing:
+        words.append(f"{recording.missing} messages were received but are not in the file.")
     for name, loss in condition.latest("losses").items():
         words.append(f"Lost on {name}: {loss}.")
     for topic, count in material.data.undecodable.items():
@@ -242,14 +244,14 @@ def _facts(session: _Session) -> dict[str, str]:
     return facts
 
 
-def _health(material: Material) -> str:
+def _health(material: SessionMaterial) -> str:
     if not material.data.health:
         return page.paragraph("The recording holds no diagnostics.", "quiet")
-    return page.table(tables.health_table(material))
+    return page.table(session_tables.health_table(material))
 
 
-def _origin(material: Material) -> list[str]:
-    latest = dict(material.data.survey.condition.metadata)
+def _origin(material: SessionMaterial) -> list[str]:
+    latest = dict(material.data.recording.condition.metadata)
     if not latest:
         return [page.paragraph("The recording holds no metadata.", "quiet")]
     return [page.details(name, values) for name, values in sorted(latest.items())]

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from html import escape
 
-from session_log.report.text_table import NONE, TextTable
+from session_log.report.tables.text_table import NONE, TextTable
 
 STYLE = """
 :root { --ink: #1f2933; --quiet: #616e7c; --line: #e4e7eb; --blue: #0072b2; --red: #b3470a; }

@@ -11,8 +11,8 @@ from functools import partial
 import rosgraph
 import rospy
 
-from session_log.recording.recorder import Recorder, Tally
-from session_log.types import Source
+from session_log.recording.recorder import Recorder, TopicTally
+from session_log.types import TopicSource
 
 RECEIVE_BUFFER = 1 << 20  # [B] taken from a socket at once
 
@@ -24,7 +24,7 @@ class TopicSubscriber:
         self._recorder = recorder
         self._exclude = [re.compile(pattern) for pattern in exclude]
         self._subscribers: dict[str, rospy.Subscriber] = {}
-        self._tallies: dict[int, tuple[object, Tally]] = {}
+        self._tallies: dict[int, tuple[object, TopicTally]] = {}
         self._lock = threading.Lock()
 
     def subscribe(self, topic: str) -> None:
@@ -57,8 +57,8 @@ class TopicSubscriber:
             entry = self._register(topic, header)
         self._recorder.offer(entry[1], message._buff)
 
-    def _register(self, topic: str, header: dict[str, str]) -> tuple[object, Tally]:
-        source = Source(
+    def _register(self, topic: str, header: dict[str, str]) -> tuple[object, TopicTally]:
+        source = TopicSource(
             topic=topic,
             datatype=header["type"],
             md5sum=header.get("md5sum", ""),

@@ -21,7 +21,7 @@ from session_log.recording import metadata
 from session_log.recording.recorder import Recorder
 from session_log.ros.diagnostics import RecorderDiagnostics
 from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
-from session_log.types import Source
+from session_log.types import TopicSource
 from typed_config import ConfigError, load_config
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
@@ -77,7 +77,7 @@ class ParameterWatcher:
         self._recorder = recorder
         self._master = rosgraph.Master(rospy.get_name())
         self._hashes: dict[str, str] = {}
-        source = Source(URDF_TOPIC, String._type, String._md5sum, String._full_text, "", True)
+        source = TopicSource(URDF_TOPIC, String._type, String._md5sum, String._full_text, "", True)
         self._urdf = recorder.register(source)
 
     def look(self) -> None:

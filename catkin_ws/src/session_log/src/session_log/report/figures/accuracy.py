@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 
 from session_log.report.bounds import Bounded
 from session_log.report.figures.figure import PoolFigure
-from session_log.report.pool import Pool
-from session_log.report.style import BLUE, INK, PALE, QUIET, SOUND, Layout, new_figure
-from session_log.report.text_table import percent
-from session_log.report.trials import NO_COMMAND
+from session_log.report.figures.style import BLUE, INK, PALE, QUIET, SOUND, Layout, new_figure
+from session_log.report.pool.pool import Pool
+from session_log.report.session.trials import NO_COMMAND
+from session_log.report.tables.text_table import percent
 
 LACKING = (
     "Nobody recorded what was meant to be said, so accuracy is unknown. Whoever plays or prompts "
@@ -19,7 +19,7 @@ LACKING = (
 )
 
 
-class Accuracy(PoolFigure):
+class AccuracyFigure(PoolFigure):
     """One bar per command with its confidence interval."""
 
     name = "accuracy"

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from session_log.report.figures.figure import PoolFigure
-from session_log.report.pool import Pool
-from session_log.report.pool_tables import confusion_counts
-from session_log.report.style import BLUE, INK, QUIET, RED, Layout, new_figure
-from session_log.report.trials import Trial
+from session_log.report.figures.style import BLUE, INK, QUIET, RED, Layout, new_figure
+from session_log.report.pool.pool import Pool
+from session_log.report.session.trials import PhraseTrial
+from session_log.report.tables.pool_tables import confusion_counts
 
 SHADES = {
     True: LinearSegmentedColormap.from_list("right", ("#ffffff", BLUE)),
@@ -20,7 +20,7 @@ SHADES = {
 }
 
 
-class Confusion(PoolFigure):
+class ConfusionFigure(PoolFigure):
     """One square per pair, shaded by its share of the row."""
 
     name = "confusion"
@@ -70,4 +70,4 @@ class Confusion(PoolFigure):
 
 
 def _is_right(meant: str, taken: str) -> bool:
-    return Trial(0.0, meant, taken, "").is_correct
+    return PhraseTrial(0.0, meant, taken, "").is_correct

@@ -10,28 +10,28 @@ from typing import Generic, TypeVar
 from matplotlib.figure import Figure
 
 from session_log.config import ReportConfig
-from session_log.report.analysis import CommandRow
-from session_log.report.pool import Pool
-from session_log.report.session_data import SessionData
-from session_log.report.shaft import JointRcm
-from session_log.report.style import Layout
-from session_log.report.trials import Trial
+from session_log.report.figures.style import Layout
+from session_log.report.pool.pool import Pool
+from session_log.report.session.analysis import CommandRow
+from session_log.report.session.session_data import SessionData
+from session_log.report.session.shaft import JointRcm
+from session_log.report.session.trials import PhraseTrial
 
 
 @dataclass(frozen=True)
-class Material:
+class SessionMaterial:
     """What figures and tables of one session are made from."""
 
     data: SessionData
     rows: list[CommandRow]
     config: ReportConfig
     rcm: JointRcm
-    trials: tuple[Trial, ...]
+    trials: tuple[PhraseTrial, ...]
 
     @property
     def duration(self) -> float:
         """Length of the session [s]."""
-        return self.data.survey.duration
+        return self.data.recording.duration
 
 
 M = TypeVar("M")
@@ -57,7 +57,7 @@ class ReportFigure(ABC, Generic[M]):
         """Draw it for a layout."""
 
 
-class SessionFigure(ReportFigure[Material]):
+class SessionFigure(ReportFigure[SessionMaterial]):
     """One figure of one session."""
 
 

@@ -8,27 +8,27 @@ import math
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from session_log.report.figures.figure import Material, SessionFigure
-from session_log.report.joint_margins import joint_limits, joint_margins
-from session_log.report.session_data import Track
-from session_log.report.style import BLUE, INK, PALE, QUIET, RED, Layout, new_figure
+from session_log.report.figures.figure import SessionFigure, SessionMaterial
+from session_log.report.figures.style import BLUE, INK, PALE, QUIET, RED, Layout, new_figure
+from session_log.report.session.joint_margins import joint_limits, joint_margins
+from session_log.report.session.session_data import Track
 
 CLOSE = math.radians(5.0)  # a margin below this is drawn as a warning
 
 
-class Joints(SessionFigure):
+class JointsFigure(SessionFigure):
     """Range of every joint within its limits."""
 
     name = "joints"
     title = "Joint ranges and margins"
     lacking = "The recording holds no joint states."
 
-    def can_draw(self, material: Material) -> bool:
+    def can_draw(self, material: SessionMaterial) -> bool:
         """Tell whether joint states were recorded."""
         joints = material.data.joints
         return joints is not None and len(joints) > 0
 
-    def caption(self, material: Material) -> str:
+    def caption(self, material: SessionMaterial) -> str:
         """Name the joint that came closest to a limit."""
         margins = joint_margins(material.data)
         words = "Bar: positions visited; pale: allowed by the URDF; ring: position at the end."
@@ -37,7 +37,7 @@ class Joints(SessionFigure):
         name = min(margins, key=lambda n: margins[n])
         return f"{words} Smallest margin: {math.degrees(margins[name]):.1f}° ({name})."
 
-    def draw(self, material: Material, layout: Layout) -> Figure:
+    def draw(self, material: SessionMaterial, layout: Layout) -> Figure:
         """Draw one line per joint, in degrees."""
         joints, limits = material.data.joints, joint_limits(material.data.urdf)
         if joints is None:

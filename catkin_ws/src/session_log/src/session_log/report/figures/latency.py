@@ -11,15 +11,15 @@ from matplotlib.figure import Figure
 
 from session_log.report.bounds import quantile
 from session_log.report.figures.figure import PoolFigure
-from session_log.report.pool import Pool
-from session_log.report.style import BLUE, INK, ORANGE, PALE, RED, Layout, new_figure
+from session_log.report.figures.style import BLUE, INK, ORANGE, PALE, RED, Layout, new_figure
+from session_log.report.pool.pool import Pool
 
 FEW = 8  # so many points of a command stand on its line; more are strewn about it
 STREWN = 0.26  # of a line's height, to either side
 MOST_POINTS = 500  # drawn of a command; more are thinned evenly by rank
 
 
-class Latency(PoolFigure):
+class LatencyFigure(PoolFigure):
     """Every command as a point, their median, and the paper's mean."""
 
     name = "latency"

@@ -6,23 +6,23 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from session_log.report.analysis import loop_timing
-from session_log.report.figures.figure import Material, SessionFigure
-from session_log.report.style import BLUE, ORANGE, Layout, new_figure
+from session_log.report.figures.figure import SessionFigure, SessionMaterial
+from session_log.report.figures.style import BLUE, ORANGE, Layout, new_figure
+from session_log.report.session.analysis import loop_timing
 
 
-class Loops(SessionFigure):
+class LoopsFigure(SessionFigure):
     """Distribution of the time between consecutive stamps of the fast topics."""
 
     name = "loop_timing"
     title = "Loop timing"
     lacking = "The recording holds no joint states or set-points."
 
-    def can_draw(self, material: Material) -> bool:
+    def can_draw(self, material: SessionMaterial) -> bool:
         """Tell whether a fast topic was recorded."""
         return bool(material.data.loops)
 
-    def caption(self, material: Material) -> str:
+    def caption(self, material: SessionMaterial) -> str:
         """Name the late cycles of each topic."""
         parts = []
         for loop in material.data.loops:
@@ -39,7 +39,7 @@ class Loops(SessionFigure):
             + f" (late: longer than {factor:g} medians)."
         )
 
-    def draw(self, material: Material, layout: Layout) -> Figure:
+    def draw(self, material: SessionMaterial, layout: Layout) -> Figure:
         """Draw histograms with a logarithmic count, in milliseconds."""
         figure = new_figure(layout, 2.2)
         ax = figure.subplots()

@@ -11,30 +11,30 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from session_log.report.figures.figure import Material, SessionFigure
-from session_log.report.session_data import Picture
-from session_log.report.style import Layout, new_figure
+from session_log.report.figures.figure import SessionFigure, SessionMaterial
+from session_log.report.figures.style import Layout, new_figure
+from session_log.report.session.session_data import RecordedPicture
 
 
-class Pictures(SessionFigure):
+class PicturesFigure(SessionFigure):
     """A sheet of pictures, each with its time."""
 
     name = "scene"
     title = "The scene"
     lacking = "The recording holds no pictures of the scene."
 
-    def can_draw(self, material: Material) -> bool:
+    def can_draw(self, material: SessionMaterial) -> bool:
         """Tell whether a readable picture was recorded."""
         return any(_image(picture) is not None for picture in material.data.pictures)
 
-    def caption(self, material: Material) -> str:
+    def caption(self, material: SessionMaterial) -> str:
         """Say where they come from."""
         topic = material.config.topics.picture
         return f"Pictures from {topic}, with the time since the session began."
 
-    def draw(self, material: Material, layout: Layout) -> Figure:
+    def draw(self, material: SessionMaterial, layout: Layout) -> Figure:
         """Draw the pictures in rows."""
-        shown = _spread(material)
+        shown = _evenly_chosen(material)
         columns = min(layout.columns, len(shown))
         rows = math.ceil(len(shown) / columns)
         height, width = shown[0][1].shape[:2]
@@ -49,14 +49,14 @@ class Pictures(SessionFigure):
         return figure
 
 
-def _spread(material: Material) -> list[tuple[float, NDArray[np.generic]]]:
+def _evenly_chosen(material: SessionMaterial) -> list[tuple[float, NDArray[np.generic]]]:
     read = [(p.time, _image(p)) for p in material.data.pictures]
     good = [(time, image) for time, image in read if image is not None]
     count = min(max(material.config.pictures, 1), len(good))
     return [good[int(i)] for i in np.linspace(0, len(good) - 1, count).round()]
 
 
-def _image(picture: Picture) -> NDArray[np.generic] | None:
+def _image(picture: RecordedPicture) -> NDArray[np.generic] | None:
     kind = "jpeg" if "jp" in picture.format else "png"
     try:
         return np.asarray(matplotlib.image.imread(io.BytesIO(picture.data), format=kind))

@@ -7,10 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from session_log.report.analysis import rcm_while_moving, statistics
-from session_log.report.figures.figure import Material, SessionFigure
-from session_log.report.session_data import Track
-from session_log.report.style import (
+from session_log.report.figures.figure import SessionFigure, SessionMaterial
+from session_log.report.figures.style import (
     BLUE,
     ORANGE,
     RED,
@@ -20,26 +18,28 @@ from session_log.report.style import (
     thin,
     time_axis,
 )
-from session_log.report.text_table import length
+from session_log.report.session.analysis import rcm_while_moving, statistics
+from session_log.report.session.session_data import Track
+from session_log.report.tables.text_table import length
 
 SMALL = 20.0  # an error this many times below the limit is drawn on a logarithmic scale
 LEAST = 1e-6  # [µm] where that scale begins at the latest
 WHAT = "Distance of the measured shaft line from the trocar"
 
 
-class RcmError(SessionFigure):
+class RcmErrorFigure(SessionFigure):
     """Distance of the measured shaft line from the trocar."""
 
     name = "rcm_error"
     title = "RCM error"
     lacking = "The recording holds no moment with the tool inside the patient."
 
-    def can_draw(self, material: Material) -> bool:
+    def can_draw(self, material: SessionMaterial) -> bool:
         """Tell whether either error is known at some time."""
         stated = material.data.controller["rcm_error"]
         return bool(np.isfinite(stated).any() or np.isfinite(material.rcm.error).any())
 
-    def caption(self, material: Material) -> str:
+    def caption(self, material: SessionMaterial) -> str:
         """Name the errors while moving, by either way."""
         words = [f"{WHAT}; shaded while the robot moves."]
         stated = rcm_while_moving(material.data)
@@ -56,7 +56,7 @@ class RcmError(SessionFigure):
             words.append(f"Not computed from the joint states: {material.rcm.lacking}.")
         return " ".join(words)
 
-    def draw(self, material: Material, layout: Layout) -> Figure:
+    def draw(self, material: SessionMaterial, layout: Layout) -> Figure:
         """Draw errors and limit in length."""
         table, limit = material.data.controller, material.config.rcm_limit * 1e6
         figure = new_figure(layout, 2.3)
@@ -82,7 +82,7 @@ class RcmError(SessionFigure):
         return figure
 
 
-def _errors(error: Track, material: Material) -> str:
+def _errors(error: Track, material: SessionMaterial) -> str:
     limit, found = material.config.rcm_limit, statistics(error)
     above = int(np.count_nonzero(error > limit))
     return (

@@ -6,10 +6,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from session_log.report.analysis import tension_error, tension_statistics
-from session_log.report.figures.figure import Material, SessionFigure
-from session_log.report.session_data import Table
-from session_log.report.style import (
+from session_log.report.figures.figure import SessionFigure, SessionMaterial
+from session_log.report.figures.style import (
     BLUE,
     INK,
     Layout,
@@ -18,20 +16,22 @@ from session_log.report.style import (
     thin,
     time_axis,
 )
+from session_log.report.session.analysis import tension_error, tension_statistics
+from session_log.report.session.session_data import SampledTable
 
 
-class Tension(SessionFigure):
+class TensionFigure(SessionFigure):
     """Tension and the target that it was steered to."""
 
     name = "tension"
     title = "Tissue tension"
     lacking = "The recording holds no tension."
 
-    def can_draw(self, material: Material) -> bool:
+    def can_draw(self, material: SessionMaterial) -> bool:
         """Tell whether tension was recorded."""
         return len(material.data.tension) > 0 or len(material.data.controller) > 0
 
-    def caption(self, material: Material) -> str:
+    def caption(self, material: SessionMaterial) -> str:
         """Name the largest tension and its distance from the target."""
         pulled, error = tension_statistics(material.data), tension_error(material.data)
         words = "Force of the tissue on the jaws and its target; shaded while the robot moves."
@@ -44,13 +44,13 @@ class Tension(SessionFigure):
             )
         return words
 
-    def draw(self, material: Material, layout: Layout) -> Figure:
+    def draw(self, material: SessionMaterial, layout: Layout) -> Figure:
         """Draw tension and target in newtons."""
         data = material.data
         figure = new_figure(layout, 2.2)
         ax = figure.subplots()
         shade_motion(ax, data.states)
-        measured: Table = data.tension if len(data.tension) else data.controller
+        measured: SampledTable = data.tension if len(data.tension) else data.controller
         time, tension = thin(measured["time"], measured["tension"])
         ax.plot(time, tension, color=BLUE, lw=0.9, label="measured")
         top = float(tension.max())

@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from session_log.report.figures.figure import Material, SessionFigure
-from session_log.report.session_data import Span
-from session_log.report.style import (
+from session_log.report.figures.figure import SessionFigure, SessionMaterial
+from session_log.report.figures.style import (
     GREEN,
     INK,
     PURPLE,
@@ -26,7 +25,8 @@ from session_log.report.style import (
     new_figure,
     thin,
 )
-from session_log.report.trials import NOT_SAID, NOTHING, Trial
+from session_log.report.session.session_data import Span
+from session_log.report.session.trials import NOT_SAID, NOTHING, PhraseTrial
 
 MOST_ROWS = 6
 LANES = 4
@@ -43,7 +43,7 @@ MARKS = {  # of the controller's diary: shape, colour, words
 
 
 @dataclass(frozen=True)
-class Row:
+class TimelineRow:
     """The stretch of time that one row of the timeline shows."""
 
     start: float  # [s]
@@ -57,7 +57,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Label:
+class TimelineLabel:
     """What stands above the moment of a decision."""
 
     time: float  # [s]
@@ -66,19 +66,19 @@ class Label:
     style: str  # normal or italic
 
 
-class Timeline(SessionFigure):
+class TimelineFigure(SessionFigure):
     """Speech, decisions, voice mode, robot state and phase."""
 
     name = "timeline"
     title = "Timeline"
     lacking = "The recording holds no utterances, events or controller states."
 
-    def can_draw(self, material: Material) -> bool:
+    def can_draw(self, material: SessionMaterial) -> bool:
         """Tell whether anything happened."""
         data = material.data
         return bool(data.heard or data.events or data.states)
 
-    def caption(self, material: Material) -> str:
+    def caption(self, material: SessionMaterial) -> str:
         """Count what happened."""
         heard = material.data.heard
         matched = sum(1 for h in heard if h.command)
@@ -89,7 +89,7 @@ class Timeline(SessionFigure):
             "Grey: sound level." + _trocar_words(material)
         )
 
-    def draw(self, material: Material, layout: Layout) -> Figure:
+    def draw(self, material: SessionMaterial, layout: Layout) -> Figure:
         """Draw the session in rows of equal length."""
         rows = _rows(material.duration, layout)
         figure = new_figure(layout, 0.55 + 1.75 * len(rows))
@@ -107,7 +107,7 @@ class Timeline(SessionFigure):
         return figure
 
 
-def _trocar_words(material: Material) -> str:
+def _trocar_words(material: SessionMaterial) -> str:
     kinds = {"trocar_set": "Trocar set", "trocar_refused": "Trocar refused"}
     changes = [event for event in material.data.events if event.kind in kinds]
     words = (
@@ -117,14 +117,14 @@ def _trocar_words(material: Material) -> str:
     return "".join(words)
 
 
-def _rows(duration: float, layout: Layout) -> list[Row]:
+def _rows(duration: float, layout: Layout) -> list[TimelineRow]:
     count = min(max(math.ceil(duration / layout.seconds_per_row), 1), MOST_ROWS)
     length = max(duration, 1.0) / count
     letter = LETTER * length / (layout.width - 0.8)
-    return [Row(i * length, (i + 1) * length, letter) for i in range(count)]
+    return [TimelineRow(i * length, (i + 1) * length, letter) for i in range(count)]
 
 
-def _draw_speech(ax: Axes, material: Material, row: Row) -> None:
+def _draw_speech(ax: Axes, material: SessionMaterial, row: TimelineRow) -> None:
     sound = material.data.sound
     ax.set_ylim(-0.5, 1.0 + 0.8 * LANES)
     ax.set_yticks([0.15], ["speech"])
@@ -145,7 +145,7 @@ def _draw_speech(ax: Axes, material: Material, row: Row) -> None:
     _draw_labels(ax, labels, row)
 
 
-def _draw_labels(ax: Axes, labels: list[Label], row: Row) -> None:
+def _draw_labels(ax: Axes, labels: list[TimelineLabel], row: TimelineRow) -> None:
     free = [row.start] * LANES
     for label in labels:
         width = (len(label.words) + 2) * row.letter
@@ -168,20 +168,20 @@ def _draw_labels(ax: Axes, labels: list[Label], row: Row) -> None:
         )
 
 
-def _labels(material: Material) -> list[Label]:
+def _labels(material: SessionMaterial) -> list[TimelineLabel]:
     """Every command, every utterance that was none, every phrase taken wrongly; by time."""
     labels = [
-        Label(row.time, row.command, RED if row.outcome == "refused" else INK, "normal")
+        TimelineLabel(row.time, row.command, RED if row.outcome == "refused" else INK, "normal")
         for row in material.rows
     ]
     wrong = (trial for trial in material.trials if not trial.is_correct)
-    labels += [Label(t.time, _misheard(t), PURPLE, "normal") for t in wrong]
+    labels += [TimelineLabel(t.time, _misheard(t), PURPLE, "normal") for t in wrong]
     silent = (heard for heard in material.data.heard if not heard.command)
-    labels += [Label(h.decision, _quoted(h.transcript), QUIET, "italic") for h in silent]
+    labels += [TimelineLabel(h.decision, _quoted(h.transcript), QUIET, "italic") for h in silent]
     return sorted(labels, key=lambda label: label.time)
 
 
-def _misheard(trial: Trial) -> str:
+def _misheard(trial: PhraseTrial) -> str:
     meant = trial.intended if trial.intended == NOT_SAID else f"meant: {trial.intended}"
     return f"{meant} ({trial.taken})" if trial.taken == NOTHING else meant
 
@@ -190,7 +190,7 @@ def _quoted(words: str) -> str:
     return f"“{words}”" if len(words) <= LONGEST_LABEL else f"“{words[: LONGEST_LABEL - 1]}…”"
 
 
-def _draw_bands(ax: Axes, material: Material, row: Row) -> None:
+def _draw_bands(ax: Axes, material: SessionMaterial, row: TimelineRow) -> None:
     data = material.data
     modes = {"active": SKY, "standby": STATE_COLORS["standby"]}
     _draw_band(ax, 2.0, data.modes, modes)
@@ -225,7 +225,7 @@ def _phase_colors(phases: list[Span]) -> dict[str, str]:
     return {word: shades[i % 2] for i, word in enumerate(words)}
 
 
-def _legend(material: Material) -> list[Patch | Line2D]:
+def _legend(material: SessionMaterial) -> list[Patch | Line2D]:
     data = material.data
     shown = {span.word for span in data.states}
     handles: list[Patch | Line2D] = []

@@ -10,7 +10,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from session_log.config import ReportConfig
-from session_log.report.summary import SessionSummary, from_json
+from session_log.report.session.summary import SessionSummary, from_json
 
 FILE_NAME = "report_summary.json"
 VERSION = 1  # of what a summary holds and of how it is computed; raise it when either changes

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from session_log.config import ReportConfig
-from session_log.report.kinematics import ModelUnfit, poses
-from session_log.report.session_data import SessionData, Span, Track
+from session_log.report.session.kinematics import ModelUnfit, poses
+from session_log.report.session.session_data import SessionData, Span, Track
 
 MOVING = ("moving", "stopping")
 NO_TRACK: Track = np.empty(0)

@@ -3,14 +3,14 @@
 
 import pytest
 
-from session_log.mcap_file.summary import Survey
-from session_log.report.session_data import Intended, RecordedUtterance, SessionData
-from session_log.report.trials import (
+from session_log.mcap_file.summary import RecordingSummary
+from session_log.report.session.session_data import IntendedPhrase, RecordedUtterance, SessionData
+from session_log.report.session.trials import (
     NO_COMMAND,
     NOT_SAID,
     NOTHING,
     OTHER,
-    Trial,
+    PhraseTrial,
     trials,
 )
 
@@ -25,8 +25,8 @@ def heard(start, transcript, command=""):
 
 
 def judge(config, intended, said):
-    data = SessionData(Survey(None), said, phrases=COMMANDS)
-    data.intended = [Intended(time, phrase) for time, phrase in intended]
+    data = SessionData(RecordingSummary(None), said, phrases=COMMANDS)
+    data.intended = [IntendedPhrase(time, phrase) for time, phrase in intended]
     return [(t.intended, t.taken) for t in trials(data, config)]
 
 
@@ -62,7 +62,7 @@ def test_one_phrase_is_judged(report_config, phrase, said, expected):
     ],
 )
 def test_right_is_the_command_meant_and_none_where_none_was(meant, taken, right):
-    assert Trial(0.0, meant, taken, "").is_correct is right
+    assert PhraseTrial(0.0, meant, taken, "").is_correct is right
 
 
 def test_speech_belongs_to_the_phrase_that_last_began(report_config):

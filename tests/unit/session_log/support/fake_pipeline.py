@@ -30,7 +30,7 @@ def utterance(end=1.0, **changes):
 
 
 @dataclass
-class FakeHearer:
+class FakePipeline:
     """One run of the pipeline."""
 
     settings: dict
@@ -60,14 +60,14 @@ class FakeHearer:
         return f"lost {first_sample}" in self.notes
 
 
-MADE: list[FakeHearer] = []
+MADE: list[FakePipeline] = []
 PLANS: list[dict] = []  # of the runs to come
 
 
 def make(settings, notes, model):
-    """A MakeHearer."""
-    hearer = FakeHearer(settings, list(notes), PLANS.pop(0) if PLANS else {})
+    """A MakePipeline."""
+    pipeline = FakePipeline(settings, list(notes), PLANS.pop(0) if PLANS else {})
     if model is not None:
-        hearer.model, hearer.model_hash = model, "cd" * 32
-    MADE.append(hearer)
-    return hearer
+        pipeline.model, pipeline.model_hash = model, "cd" * 32
+    MADE.append(pipeline)
+    return pipeline

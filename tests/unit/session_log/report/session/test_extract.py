@@ -6,7 +6,7 @@ import pytest
 
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
-from session_log.report.extract import extract
+from session_log.report.session.extract import extract
 from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, write_session
 
 
@@ -43,11 +43,11 @@ def test_the_rcm_error_is_unknown_while_the_tool_is_outside(data):
 
 
 def test_fast_topics_are_sampled_and_every_interval_is_kept(data, report_config):
-    duration = data.survey.duration
+    duration = data.recording.duration
     assert len(data.tension) == pytest.approx(duration * 50, rel=0.02)
     assert len(data.joints) == pytest.approx(duration * 50, rel=0.02)
     (joints, _) = data.loops
-    assert len(joints.length) == data.survey.topics["/joint_states"].messages - 1
+    assert len(joints.length) == data.recording.topics["/joint_states"].messages - 1
 
 
 def test_a_lost_message_makes_no_late_cycle(tmp_path, report_config):
@@ -106,4 +106,4 @@ def test_the_worst_of_diagnostics_is_kept_with_its_time(data):
 def test_an_empty_recording_has_nothing(tmp_path, report_config):
     write_session(tmp_path / "s.mcap", duration=-1.0)
     data = extract(SessionReader(tmp_path / "s.mcap"), report_config)
-    assert data.heard == [] and data.joints is None and data.survey.messages == 0
+    assert data.heard == [] and data.joints is None and data.recording.messages == 0

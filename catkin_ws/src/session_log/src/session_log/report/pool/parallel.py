@@ -34,7 +34,7 @@ class EngineUnreachable(SessionLogError):
         self.address = address
 
 
-def spread(
+def run_parallel(
     function: Callable[[T], R], items: Iterable[T], jobs: int = 1, cluster: str = ""
 ) -> Iterator[R]:
     """Yield the function's value for each item, in the order in which they are done.

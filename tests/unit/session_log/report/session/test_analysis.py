@@ -5,10 +5,16 @@ import numpy as np
 import pytest
 
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import Survey
-from session_log.report import analysis
-from session_log.report.extract import extract
-from session_log.report.session_data import Event, Intervals, RecordedUtterance, SessionData, Span
+from session_log.mcap_file.summary import RecordingSummary
+from session_log.report.session import analysis
+from session_log.report.session.extract import extract
+from session_log.report.session.session_data import (
+    Intervals,
+    RecordedEvent,
+    RecordedUtterance,
+    SessionData,
+    Span,
+)
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +30,7 @@ def heard(command, end, decision, transcript=None):
 
 
 def session(heard=(), events=(), states=()):
-    return SessionData(Survey(None), list(heard), list(events), states=list(states))
+    return SessionData(RecordingSummary(None), list(heard), list(events), states=list(states))
 
 
 def rows_of(config, *parts):
@@ -52,7 +58,10 @@ def test_the_story_is_told_in_order(data, report_config):
 
 
 def test_latency_runs_from_the_end_of_speech_to_the_start_of_motion(report_config):
-    events = [Event(10.31, "accepted", "tense", "ok"), Event(10.42, "motion_started", "tense", "")]
+    events = [
+        RecordedEvent(10.31, "accepted", "tense", "ok"),
+        RecordedEvent(10.42, "motion_started", "tense", ""),
+    ]
     (row,) = rows_of(report_config, [heard("tense", 10.0, 10.3)], events)
     assert row.decision_latency == pytest.approx(0.3)
     assert row.action_latency == pytest.approx(0.42)
@@ -60,16 +69,16 @@ def test_latency_runs_from_the_end_of_speech_to_the_start_of_motion(report_confi
 
 def test_a_stop_acts_when_it_is_received_and_counts_once_by_both_ways(report_config):
     events = [
-        Event(5.26, "stop_received", "", "by topic"),
-        Event(5.27, "stop_received", "stop", "by service"),
-        Event(5.6, "at_rest", "stop", ""),
+        RecordedEvent(5.26, "stop_received", "", "by topic"),
+        RecordedEvent(5.27, "stop_received", "stop", "by service"),
+        RecordedEvent(5.6, "at_rest", "stop", ""),
     ]
     (row,) = rows_of(report_config, [heard("stop", 5.0, 5.25)], events)
     assert (row.command, row.action) == ("stop", 5.26)
 
 
 def test_a_refusal_has_no_action(report_config):
-    events = [Event(1.1, "refused", "release", "nothing grasped")]
+    events = [RecordedEvent(1.1, "refused", "release", "nothing grasped")]
     (row,) = rows_of(report_config, [heard("release", 0.8, 1.0)], events)
     assert (row.outcome, row.message) == ("refused", "nothing grasped")
     assert math.isnan(row.action_latency)
@@ -81,7 +90,7 @@ def test_a_command_that_the_controller_never_answered_is_told(report_config):
 
 
 def test_an_answer_long_after_the_decision_belongs_to_someone_else(report_config):
-    events = [Event(9.0, "accepted", "tense", "")]
+    events = [RecordedEvent(9.0, "accepted", "tense", "")]
     rows = rows_of(report_config, [heard("tense", 0.8, 1.0)], events)
     assert [(r.heard is not None, r.outcome) for r in rows] == [
         (True, "no answer"),
@@ -90,14 +99,20 @@ def test_an_answer_long_after_the_decision_belongs_to_someone_else(report_config
 
 
 def test_commands_by_hand_are_rows_without_latency(report_config):
-    events = [Event(3.0, "accepted", "tense", "ok"), Event(3.2, "motion_started", "tense", "")]
+    events = [
+        RecordedEvent(3.0, "accepted", "tense", "ok"),
+        RecordedEvent(3.2, "motion_started", "tense", ""),
+    ]
     (row,) = rows_of(report_config, [], events)
     assert (row.command, row.heard, row.action) == ("tense", None, 3.2)
     assert math.isnan(row.action_latency)
 
 
 def test_two_commands_by_hand_at_once_are_two(report_config):
-    events = [Event(1.0, "refused", "tense", "halted"), Event(1.05, "accepted", "hey robot", "")]
+    events = [
+        RecordedEvent(1.0, "refused", "tense", "halted"),
+        RecordedEvent(1.05, "accepted", "hey robot", ""),
+    ]
     rows = rows_of(report_config, [], events)
     assert [(row.command, row.outcome) for row in rows] == [
         ("tense", "refused"),
@@ -108,10 +123,10 @@ def test_two_commands_by_hand_at_once_are_two(report_config):
 def test_each_of_two_equal_commands_gets_its_own_answer(report_config):
     said = [heard("pull more", 1.0, 1.2), heard("pull more", 2.0, 2.2)]
     events = [
-        Event(1.21, "accepted", "pull more", "first"),
-        Event(1.3, "motion_started", "pull more", ""),
-        Event(2.21, "accepted", "pull more", "second"),
-        Event(2.3, "motion_started", "pull more", ""),
+        RecordedEvent(1.21, "accepted", "pull more", "first"),
+        RecordedEvent(1.3, "motion_started", "pull more", ""),
+        RecordedEvent(2.21, "accepted", "pull more", "second"),
+        RecordedEvent(2.3, "motion_started", "pull more", ""),
     ]
     rows = rows_of(report_config, said, events)
     assert [(r.message, r.action) for r in rows] == [("first", 1.3), ("second", 2.3)]
@@ -120,9 +135,9 @@ def test_each_of_two_equal_commands_gets_its_own_answer(report_config):
 def test_a_command_into_a_running_motion_acts_when_it_is_accepted(report_config):
     said = [heard("pull more", 1.0, 1.2), heard("pull more", 1.5, 1.7)]
     events = [
-        Event(1.21, "accepted", "pull more", ""),
-        Event(1.3, "motion_started", "pull more", ""),
-        Event(1.71, "accepted", "pull more", ""),
+        RecordedEvent(1.21, "accepted", "pull more", ""),
+        RecordedEvent(1.3, "motion_started", "pull more", ""),
+        RecordedEvent(1.71, "accepted", "pull more", ""),
     ]
     rows = rows_of(report_config, said, events, [Span(1.3, 3.0, "moving")])
     assert rows[1].action == 1.71
@@ -130,10 +145,10 @@ def test_a_command_into_a_running_motion_acts_when_it_is_accepted(report_config)
 
 def test_a_motion_of_another_command_is_not_the_action(report_config):
     events = [
-        Event(1.21, "accepted", "tense", ""),
-        Event(1.5, "accepted", "release", ""),
-        Event(1.6, "motion_started", "release", ""),
-        Event(9.0, "motion_started", "tense", ""),
+        RecordedEvent(1.21, "accepted", "tense", ""),
+        RecordedEvent(1.5, "accepted", "release", ""),
+        RecordedEvent(1.6, "motion_started", "release", ""),
+        RecordedEvent(9.0, "motion_started", "tense", ""),
     ]
     rows = rows_of(report_config, [heard("tense", 1.0, 1.2)], events)
     assert rows[0].action is None

@@ -3,8 +3,8 @@ import math
 
 import pytest
 
-from session_log.report.session_data import Event, Span
-from session_log.report.stops import UNTOLD, stops, stops_table
+from session_log.report.session.session_data import RecordedEvent, Span
+from session_log.report.session.stops import UNTOLD, stops, stops_table
 
 TOPIC = "stop topic, from /voice_assist"
 OVER = "tension 2.50 N, allowed 2.40 N"
@@ -12,10 +12,10 @@ OVER = "tension 2.50 N, allowed 2.40 N"
 
 def test_a_stop_in_motion_is_one_row_with_its_cause_and_braking_time():
     events = [
-        Event(1.0, "motion_started", "tense", "goes"),
-        Event(2.0, "stop_received", "stop", TOPIC),
-        Event(2.1, "at_rest", "tense", TOPIC),
-        Event(2.1, "halted", "tense", TOPIC),
+        RecordedEvent(1.0, "motion_started", "tense", "goes"),
+        RecordedEvent(2.0, "stop_received", "stop", TOPIC),
+        RecordedEvent(2.1, "at_rest", "tense", TOPIC),
+        RecordedEvent(2.1, "halted", "tense", TOPIC),
     ]
     (stop,) = stops(events, [])
     assert (stop.time, stop.cause, stop.command, stop.is_latched) == (2.0, TOPIC, "tense", True)
@@ -23,29 +23,39 @@ def test_a_stop_in_motion_is_one_row_with_its_cause_and_braking_time():
 
 
 def test_a_watchdog_is_told_from_when_braking_began():
-    events = [Event(5.1, "at_rest", "tense", OVER), Event(5.1, "halted", "tense", OVER)]
-    states = [Span(1.0, 5.0, "moving"), Span(5.0, 5.09, "stopping"), Span(5.09, 9.0, "faulted")]
+    events = [
+        RecordedEvent(5.1, "at_rest", "tense", OVER),
+        RecordedEvent(5.1, "halted", "tense", OVER),
+    ]
+    states = [
+        Span(1.0, 5.0, "moving"),
+        Span(5.0, 5.09, "stopping"),
+        Span(5.09, 9.0, "faulted"),
+    ]
     (stop,) = stops(events, states)
     assert stop.time == 5.0 and stop.at_rest == pytest.approx(0.1) and stop.is_latched
 
 
 def test_a_stop_at_rest_moves_nothing_and_latches():
-    events = [Event(2.0, "stop_received", "stop", TOPIC), Event(2.0, "halted", "", TOPIC)]
+    events = [
+        RecordedEvent(2.0, "stop_received", "stop", TOPIC),
+        RecordedEvent(2.0, "halted", "", TOPIC),
+    ]
     (stop,) = stops(events, [])
     assert stop.is_latched and math.isnan(stop.at_rest)
 
 
 def test_what_ended_without_a_latch_says_so():
-    events = [Event(3.0, "at_rest", "tense", "terminated")]
+    events = [RecordedEvent(3.0, "at_rest", "tense", "terminated")]
     (stop,) = stops(events, [])
     assert (stop.cause, stop.is_latched) == ("terminated", False)
 
 
 def test_every_stop_that_was_said_is_a_row():
     events = [
-        Event(2.0, "stop_received", "stop", TOPIC),
-        Event(2.0, "halted", "", TOPIC),
-        Event(4.0, "stop_received", "stop", TOPIC),
+        RecordedEvent(2.0, "stop_received", "stop", TOPIC),
+        RecordedEvent(2.0, "halted", "", TOPIC),
+        RecordedEvent(4.0, "stop_received", "stop", TOPIC),
     ]
     assert [stop.time for stop in stops(events, [])] == [2.0, 4.0]
 
@@ -59,5 +69,8 @@ def test_a_latch_without_any_cause_is_shown_as_such():
 
 
 def test_a_session_without_stops_has_no_rows():
-    events = [Event(1.0, "accepted", "tense", "x"), Event(2.0, "refused", "tense", "busy")]
+    events = [
+        RecordedEvent(1.0, "accepted", "tense", "x"),
+        RecordedEvent(2.0, "refused", "tense", "busy"),
+    ]
     assert stops(events, [Span(0.0, 9.0, "active")]) == []

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from session_log.errors import SessionLogError
-from session_log.report.session_data import Track
+from session_log.report.session.session_data import Track
 
 Array = NDArray[np.float64]
 TURNING, SLIDING = ("revolute", "continuous"), ("prismatic",)

@@ -8,11 +8,16 @@ import pybullet
 import pytest
 
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import Survey
-from session_log.report.extract import extract
-from session_log.report.kinematics import ModelUnfit, poses
-from session_log.report.session_data import SessionData, Span, Table, Trocar
-from session_log.report.shaft import is_within, rcm_from_joints
+from session_log.mcap_file.summary import RecordingSummary
+from session_log.report.session.extract import extract
+from session_log.report.session.kinematics import ModelUnfit, poses
+from session_log.report.session.session_data import (
+    RecordedTrocar,
+    SampledTable,
+    SessionData,
+    Span,
+)
+from session_log.report.session.shaft import is_within, rcm_from_joints
 from support.story_script import TROCAR_CHANGE, URDF, joint_text
 
 ROOT = Path(__file__).resolve().parents[4]
@@ -96,11 +101,11 @@ def tilted(config, trocar, angle, **changes):
     text = joint_text("turn", "revolute", "base_link", "interface_link", 0.0)
     text = text.replace("xyz='0 0 1'", "xyz='1 0 0'")
     text += joint_text("tip", "fixed", "interface_link", "tool_tip", 0.3)
-    joints = Table(("time", "turn"))
+    joints = SampledTable(("time", "turn"))
     joints.append(0.0, angle)
     parts = {"urdf": f"<robot>{text}</robot>", "joints": joints}
-    parts["trocars"] = [Trocar(5.0, trocar, "base_link")]
-    return rcm_from_joints(SessionData(Survey(None), **{**parts, **changes}), config)
+    parts["trocars"] = [RecordedTrocar(5.0, trocar, "base_link")]
+    return rcm_from_joints(SessionData(RecordingSummary(None), **{**parts, **changes}), config)
 
 
 def test_a_leaning_shaft_is_off_by_the_sine_of_its_angle(report_config):
@@ -120,7 +125,10 @@ def test_there_is_no_error_while_the_tip_is_outside(report_config):
         ({"urdf": ""}, "no robot model"),
         ({"urdf": URDF}, "joint joint_1 is not among the recorded joints"),
         ({"trocars": []}, "no trocar"),
-        ({"trocars": [Trocar(0.0, (0.0, 0.0, 0.1), "camera")]}, "given in camera, not in base"),
+        (
+            {"trocars": [RecordedTrocar(0.0, (0.0, 0.0, 0.1), "camera")]},
+            "given in camera, not in base",
+        ),
     ],
 )
 def test_what_is_lacking_is_named(report_config, changes, why):
@@ -129,7 +137,11 @@ def test_what_is_lacking_is_named(report_config, changes, why):
 
 
 def test_times_are_found_within_spans_of_a_word():
-    spans = [Span(0.0, 1.0, "active"), Span(1.0, 2.0, "moving"), Span(2.0, 3.0, "stopping")]
+    spans = [
+        Span(0.0, 1.0, "active"),
+        Span(1.0, 2.0, "moving"),
+        Span(2.0, 3.0, "stopping"),
+    ]
     time = np.array([0.5, 1.0, 1.9, 2.0, 3.0])
     found = is_within(time, spans, ("moving", "stopping"))
     assert found.tolist() == [False, True, True, True, False]

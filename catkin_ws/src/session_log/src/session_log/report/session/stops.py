@@ -7,8 +7,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from session_log.report.session_data import Event, Span
-from session_log.report.text_table import NONE, TextTable, seconds
+from session_log.report.session.session_data import RecordedEvent, Span
+from session_log.report.tables.text_table import NONE, TextTable, seconds
 
 KINDS = ("stop_received", "at_rest", "halted")  # of the diary, that tell of a stop
 LATCHED = ("halted", "faulted")  # states of the controller
@@ -18,7 +18,7 @@ _SLACK = 0.2  # [s] between an entry of the diary and the state that belongs to 
 
 
 @dataclass(frozen=True)
-class Stop:
+class RecordedStop:
     """One thing that braked the robot, or latched it at rest."""
 
     time: float  # [s] when it began to brake, or when it was told
@@ -28,14 +28,14 @@ class Stop:
     is_latched: bool
 
 
-def stops(events: Sequence[Event], states: Sequence[Span]) -> list[Stop]:
+def stops(events: Sequence[RecordedEvent], states: Sequence[Span]) -> list[RecordedStop]:
     """Join the entries of each stop, in order of time.
 
     Args:
         events: The controller's diary.
         states: Of the controller, over time.
     """
-    found: list[Stop] = []
+    found: list[RecordedStop] = []
     for event in sorted((e for e in events if e.kind in KINDS), key=lambda e: e.time):
         last = found[-1] if found else None
         if last is not None and _belongs(last, event):
@@ -43,11 +43,11 @@ def stops(events: Sequence[Event], states: Sequence[Span]) -> list[Stop]:
         else:
             found.append(_first(event, states))
     told = [stop.time for stop in found]
-    found += [Stop(s.start, UNTOLD, "", math.nan, True) for s in _untold(states, told)]
+    found += [RecordedStop(s.start, UNTOLD, "", math.nan, True) for s in _untold(states, told)]
     return sorted(found, key=lambda stop: stop.time)
 
 
-def stops_table(found: Sequence[Stop]) -> TextTable:
+def stops_table(found: Sequence[RecordedStop]) -> TextTable:
     """A row for each stop."""
     rows = [
         (
@@ -63,7 +63,7 @@ def stops_table(found: Sequence[Stop]) -> TextTable:
     return TextTable(("time", "cause", "in execution", "at rest after", "latched"), rows, marks)
 
 
-def _belongs(last: Stop, event: Event) -> bool:
+def _belongs(last: RecordedStop, event: RecordedEvent) -> bool:
     """Whether an entry goes on with the stop before it: each is told once as it ends."""
     if event.message != last.cause:
         return False
@@ -72,15 +72,15 @@ def _belongs(last: Stop, event: Event) -> bool:
     return not last.is_latched
 
 
-def _first(event: Event, states: Sequence[Span]) -> Stop:
+def _first(event: RecordedEvent, states: Sequence[Span]) -> RecordedStop:
     is_rest, is_latch = event.kind == "at_rest", event.kind == "halted"
     begin = _braking_since(event.time, states) if is_rest else event.time
     at_rest = event.time - begin if is_rest else math.nan
     command = "" if event.kind == "stop_received" else event.command
-    return Stop(begin, event.message, command, at_rest, is_latch)
+    return RecordedStop(begin, event.message, command, at_rest, is_latch)
 
 
-def _joined(last: Stop, event: Event) -> Stop:
+def _joined(last: RecordedStop, event: RecordedEvent) -> RecordedStop:
     if event.kind == "at_rest":
         return replace(last, command=event.command, at_rest=event.time - last.time)
     return replace(last, command=last.command or event.command, is_latched=True)

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from session_log.report.session_data import Span, Track
+from session_log.report.session.session_data import Span, Track
 
 INK = "#1f2933"
 QUIET = "#7b8794"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree
 
-from session_log.report.session_data import SessionData
+from session_log.report.session.session_data import SessionData
 
 Limits = dict[str, tuple[float, float]]
 

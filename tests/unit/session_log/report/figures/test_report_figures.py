@@ -8,15 +8,15 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from session_log.mcap_file.reader import SessionReader
-from session_log.report.analysis import command_rows
-from session_log.report.extract import extract
-from session_log.report.figures import POOL_FIGURES, Material
-from session_log.report.figures.timeline import Timeline
-from session_log.report.pool import Pool
-from session_log.report.shaft import rcm_from_joints
-from session_log.report.style import NARROW, WIDE
-from session_log.report.summary import Given, summarise
-from session_log.report.trials import NOTHING, Trial, trials
+from session_log.report.figures import POOL_FIGURES, SessionMaterial
+from session_log.report.figures.style import NARROW, WIDE
+from session_log.report.figures.timeline import TimelineFigure
+from session_log.report.pool.pool import Pool
+from session_log.report.session.analysis import command_rows
+from session_log.report.session.extract import extract
+from session_log.report.session.shaft import rcm_from_joints
+from session_log.report.session.summary import GivenCommand, summarise
+from session_log.report.session.trials import NOTHING, PhraseTrial, trials
 
 POOLED = {figure.name: figure for figure in POOL_FIGURES}
 
@@ -26,7 +26,7 @@ def material(story, report_config):
     data = extract(SessionReader(story[0]), report_config)
     found = tuple(trials(data, report_config))
     rcm = rcm_from_joints(data, report_config)
-    return Material(data, command_rows(data, report_config), report_config, rcm, found)
+    return SessionMaterial(data, command_rows(data, report_config), report_config, rcm, found)
 
 
 def pool_of(material, **changes):
@@ -46,7 +46,7 @@ def words_of(figure):
 
 @pytest.mark.parametrize("layout", [WIDE, NARROW], ids=["wide", "narrow"])
 def test_the_timeline_marks_the_trocars_change_and_what_was_not_heard(material, layout):
-    words = words_of(Timeline().draw(material, layout))
+    words = words_of(TimelineFigure().draw(material, layout))
     assert "trocar set" in words and "refused" in words and "stop received" in words
     assert "meant: stop (nothing heard)" in words
     assert "tense" in words and "time since the session began [s]" in words
@@ -58,14 +58,14 @@ def test_a_crowded_timeline_still_names_what_went_wrong(material):
         replace(row, heard=replace(row.heard, decision=0.1 * k), command="x" * 9)
         for k in range(400)
     ]
-    wrong = (*material.trials, Trial(10.0, "release", NOTHING, ""))
+    wrong = (*material.trials, PhraseTrial(10.0, "release", NOTHING, ""))
     crowded = replace(material, rows=many, trials=wrong)
-    words = words_of(Timeline().draw(crowded, WIDE))
+    words = words_of(TimelineFigure().draw(crowded, WIDE))
     assert "x" * 9 not in words and "meant: release (nothing heard)" in words
 
 
 def test_a_session_without_intentions_marks_nothing_as_misheard(material):
-    words = words_of(Timeline().draw(replace(material, trials=()), WIDE))
+    words = words_of(TimelineFigure().draw(replace(material, trials=()), WIDE))
     assert not any(word.startswith("meant") for word in words)
 
 
@@ -81,7 +81,7 @@ def test_pooled_figures_name_every_command_and_the_unit(material, name, layout):
 
 def test_many_points_are_drawn_in_bounded_number(material):
     given = tuple(
-        Given("tense", True, 0.1, 0.001 * k, "accepted", "", False) for k in range(20_000)
+        GivenCommand("tense", True, 0.1, 0.001 * k, "accepted", "", False) for k in range(20_000)
     )
     figure = POOLED["latency"].draw(pool_of(material, given=given), WIDE)
     points = sum(len(line.get_xdata()) for line in figure.axes[0].lines)
@@ -94,7 +94,7 @@ def test_captions_count_what_was_wrong(material):
     assert "Wrong: 1 of 14, of which 0 were taken for a command" in POOLED["confusion"].caption(
         pool
     )
-    extra = (*material.trials, Trial(50.0, "tense", "release", "release"))
+    extra = (*material.trials, PhraseTrial(50.0, "tense", "release", "release"))
     assert "Wrong: 2 of 15, of which 1 were taken for a command" in POOLED["confusion"].caption(
         pool_of(material, trials=extra)
     )

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from session_log.mcap_file.summary import Survey
+from session_log.mcap_file.summary import RecordingSummary
 
 Track = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class RecordedUtterance:
 
 
 @dataclass(frozen=True)
-class Intended:
+class IntendedPhrase:
     """A phrase that began to sound, by the word of whoever played or prompted it."""
 
     time: float  # [s]
@@ -41,7 +41,7 @@ class Intended:
 
 
 @dataclass(frozen=True)
-class Trocar:
+class RecordedTrocar:
     """The remote centre of motion, from a moment on."""
 
     time: float  # [s]
@@ -50,7 +50,7 @@ class Trocar:
 
 
 @dataclass(frozen=True)
-class Event:
+class RecordedEvent:
     """One entry of the controller's diary."""
 
     time: float  # [s]
@@ -69,7 +69,7 @@ class Span:
 
 
 @dataclass(frozen=True)
-class Picture:
+class RecordedPicture:
     """One picture of the scene."""
 
     time: float  # [s]
@@ -78,7 +78,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Health:
+class NodeHealth:
     """What one diagnostic status said over the session."""
 
     name: str
@@ -90,7 +90,7 @@ class Health:
 
 
 @dataclass(eq=False)
-class Table:
+class SampledTable:
     """Numbers sampled over time: one row each `append`."""
 
     columns: tuple[str, ...]
@@ -121,24 +121,26 @@ class Intervals:
 class SessionData:
     """Everything the report draws from."""
 
-    survey: Survey
+    recording: RecordingSummary
     heard: list[RecordedUtterance] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
+    events: list[RecordedEvent] = field(default_factory=list)
     modes: list[Span] = field(default_factory=list)
     states: list[Span] = field(default_factory=list)
     phases: list[Span] = field(default_factory=list)
-    controller: Table = field(  # rcm_error is nan while the tool is outside the patient
-        default_factory=lambda: Table(("time", "rcm_error", "tension", "target", "speed", "moving"))
+    controller: SampledTable = field(  # rcm_error is nan while the tool is outside the patient
+        default_factory=lambda: SampledTable(
+            ("time", "rcm_error", "tension", "target", "speed", "moving")
+        )
     )
-    tension: Table = field(default_factory=lambda: Table(("time", "tension")))
-    joints: Table | None = None  # columns: time and the names of the joints, [rad]
-    sound: Table = field(default_factory=lambda: Table(("time", "level")))  # [dBFS]
+    tension: SampledTable = field(default_factory=lambda: SampledTable(("time", "tension")))
+    joints: SampledTable | None = None  # columns: time and the names of the joints, [rad]
+    sound: SampledTable = field(default_factory=lambda: SampledTable(("time", "level")))  # [dBFS]
     loops: list[Intervals] = field(default_factory=list)
-    health: list[Health] = field(default_factory=list)
-    pictures: list[Picture] = field(default_factory=list)
+    health: list[NodeHealth] = field(default_factory=list)
+    pictures: list[RecordedPicture] = field(default_factory=list)
     urdf: str = ""
     undecodable: dict[str, int] = field(default_factory=dict)
     missing_fields: set[str] = field(default_factory=set)  # what was recorded without which field
-    intended: list[Intended] = field(default_factory=list)
+    intended: list[IntendedPhrase] = field(default_factory=list)
     phrases: tuple[str, ...] = ()  # every command that the recogniser compared with
-    trocars: list[Trocar] = field(default_factory=list)
+    trocars: list[RecordedTrocar] = field(default_factory=list)

@@ -14,8 +14,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from session_log.config import ReportConfig
 from session_log.report.figures import ReportFigure
+from session_log.report.figures.style import NARROW, RC, WIDE, Layout
 from session_log.report.page import Image
-from session_log.report.style import NARROW, RC, WIDE, Layout
 
 M = TypeVar("M")
 

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
-from session_log.report import write_report
-from session_log.report.latex import escape, table_text
-from session_log.report.text_table import TextTable
+from session_log.report.one_session import write_report
+from session_log.report.tables.latex import escape, table_text
+from session_log.report.tables.text_table import TextTable
 
 SPECIAL = re.compile(r"(?<!\\)[&%$#_]")
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 
 import math
 
-from session_log.report.analysis import CommandRow
-from session_log.report.figures import Material
-from session_log.report.session_data import RecordedUtterance
-from session_log.report.text_table import NONE, TextTable, seconds, size_words
+from session_log.report.figures import SessionMaterial
+from session_log.report.session.analysis import CommandRow
+from session_log.report.session.session_data import RecordedUtterance
+from session_log.report.tables.text_table import NONE, TextTable, seconds, size_words
 
 LEVELS = {0: "ok", 1: "warning", 2: "error", 3: "stale"}
 
 
-def commands_table(material: Material) -> TextTable:
+def commands_table(material: SessionMaterial) -> TextTable:
     """List every utterance and every command in order of time."""
     columns = ("time", "heard", "command", "WER", "outcome", "decision", "action", "why")
     silent = [h for h in material.data.heard if not h.command]
@@ -23,7 +23,7 @@ def commands_table(material: Material) -> TextTable:
     return TextTable(columns, [e[1] for e in entries], tuple(e[2] for e in entries))
 
 
-def refused_table(material: Material) -> TextTable:
+def refused_table(material: SessionMaterial) -> TextTable:
     """List what was refused, by whom it was asked for, and the controller's words."""
     rows = [
         (
@@ -38,7 +38,7 @@ def refused_table(material: Material) -> TextTable:
     return TextTable(("time", "command", "asked for by", "why"), rows)
 
 
-def topics_table(material: Material) -> TextTable:
+def topics_table(material: SessionMaterial) -> TextTable:
     """List the recorded topics."""
     columns = ("topic", "type", "messages", "rate", "size", "missing")
     rows = [
@@ -50,12 +50,12 @@ def topics_table(material: Material) -> TextTable:
             size_words(topic.size),
             str(topic.missing),
         )
-        for name, topic in sorted(material.data.survey.topics.items())
+        for name, topic in sorted(material.data.recording.topics.items())
     ]
     return TextTable(columns, rows, tuple("bad" if r[-1] != "0" else "" for r in rows))
 
 
-def health_table(material: Material) -> TextTable:
+def health_table(material: SessionMaterial) -> TextTable:
     """List what the nodes said in diagnostics: the worst, and the last."""
     rows, marks = [], []
     for health in material.data.health:

@@ -8,9 +8,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from session_log.report import pool_tables
-from session_log.report.pool import Pool
-from session_log.report.text_table import TextTable
+from session_log.report.pool.pool import Pool
+from session_log.report.tables import pool_tables
+from session_log.report.tables.text_table import TextTable
 
 WIDE = 62  # [letters] a wider table spans both columns of a paper
 ALL_NAME = "tables.tex"

@@ -10,7 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from session_log.config import ReportConfig
-from session_log.report.session_data import Event, Intervals, RecordedUtterance, SessionData, Track
+from session_log.report.session.session_data import (
+    Intervals,
+    RecordedEvent,
+    RecordedUtterance,
+    SessionData,
+    Track,
+)
 
 STOP = "stop"
 ANSWERS = ("accepted", "refused", "stop_received")
@@ -124,20 +130,22 @@ def loop_timing(loop: Intervals, late_factor: float) -> LoopTiming:
     return LoopTiming(loop.topic, period, late, float(loop.time[int(length.argmax())]))
 
 
-def _answers_to(heard: RecordedUtterance, answers: list[Event], window: float) -> list[Event]:
+def _answers_to(
+    heard: RecordedUtterance, answers: list[RecordedEvent], window: float
+) -> list[RecordedEvent]:
     since, until = heard.decision - CLOCK_SLACK, heard.decision + window
     candidates = [a for a in answers if since <= a.time <= until]
     first = next((a for a in candidates if _command_of(a) == heard.command), None)
     return [a for a in candidates if first and (a is first or _belongs(first, a))]
 
 
-def _belongs(first: Event, other: Event) -> bool:
+def _belongs(first: RecordedEvent, other: RecordedEvent) -> bool:
     """Tell whether two answers are about the same stop: it may come by service and by topic."""
     is_stop = _command_of(first) == _command_of(other) == STOP
     return is_stop and abs(other.time - first.time) < 10 * CLOCK_SLACK
 
 
-def _command_of(event: Event) -> str:
+def _command_of(event: RecordedEvent) -> str:
     return event.command or (STOP if event.kind == "stop_received" else "")
 
 
@@ -146,7 +154,7 @@ def _row(
     config: ReportConfig,
     command: str,
     heard: RecordedUtterance | None,
-    answers: list[Event],
+    answers: list[RecordedEvent],
 ) -> CommandRow:
     if not answers:
         return CommandRow(command, heard, None, "no answer", "", None)

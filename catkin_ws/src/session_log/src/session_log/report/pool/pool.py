@@ -12,14 +12,14 @@ from statistics import median
 
 from session_log.config import ReportConfig
 from session_log.report.bounds import Bounded, proportion
-from session_log.report.summary import Given, Moments, SessionSummary
-from session_log.report.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER, Trial
+from session_log.report.session.summary import GivenCommand, MomentSummary, SessionSummary
+from session_log.report.session.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER, PhraseTrial
 
 _NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 @dataclass(frozen=True)
-class Member:
+class PooledSession:
     """One session of a pool, as one row of its table."""
 
     path: Path  # the recording
@@ -42,7 +42,7 @@ class Member:
 
 
 @dataclass(frozen=True)
-class Unread:
+class UnreadSession:
     """A recording that could not be read, and why."""
 
     path: Path
@@ -62,8 +62,8 @@ class Pool:
 
     def __init__(self, config: ReportConfig) -> None:
         self.config = config
-        self.members: list[Member] = []
-        self.unread: list[Unread] = []
+        self.members: list[PooledSession] = []
+        self.unread: list[UnreadSession] = []
         self.confusions: Counter[tuple[str, str]] = Counter()  # intended, taken
         self.refusals: Counter[tuple[str, str]] = Counter()  # command, reason
         self.outcomes: Counter[str] = Counter()
@@ -71,7 +71,7 @@ class Pool:
         self.early = self.ignored = self.rcm_above = self.rcm_joints_above = 0
         self.knows_intent = False  # whether any session knows what was meant to be said
         self.duration = 0.0  # [s]
-        self.rcm = self.rcm_joints = self.tension_error = Moments()
+        self.rcm = self.rcm_joints = self.tension_error = MomentSummary()
         self.tension = -math.inf  # [N]
         self._latencies: dict[str, Latencies] = {}
         self._phrases: dict[str, None] = {}
@@ -121,11 +121,11 @@ class Pool:
         total = sum(counts.values())
         return hits, total, proportion(hits, total)
 
-    def sorted_members(self) -> list[Member]:
+    def sorted_members(self) -> list[PooledSession]:
         """Members by the time of their recording."""
         return sorted(self.members, key=lambda m: (m.started, str(m.path)))
 
-    def _add_given(self, given: Given) -> None:
+    def _add_given(self, given: GivenCommand) -> None:
         self.outcomes[given.outcome] += 1
         if given.outcome == "refused":
             self.refusals[given.command, reason_of(given.message)] += 1
@@ -143,10 +143,10 @@ def reason_of(message: str) -> str:
     return _NUMBER.sub("…", words) or "no reason given"
 
 
-def _member(path: Path, page: Path | None, summary: SessionSummary) -> Member:
+def _member(path: Path, page: Path | None, summary: SessionSummary) -> PooledSession:
     actions = [g.action_latency for g in summary.given if math.isfinite(g.action_latency)]
     said = [trial for trial in summary.trials if trial.intended != NOT_SAID]
-    return Member(
+    return PooledSession(
         path=path,
         page=page,
         name=summary.name,
@@ -167,9 +167,9 @@ def _member(path: Path, page: Path | None, summary: SessionSummary) -> Member:
     )
 
 
-def _largest(values: Moments) -> float:
+def _largest(values: MomentSummary) -> float:
     return values.largest if values.count else math.nan
 
 
 def _is_right(meant: str, taken: str) -> bool:
-    return Trial(0.0, meant, taken, "").is_correct
+    return PhraseTrial(0.0, meant, taken, "").is_correct

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from session_log.config import ReportConfig
-from session_log.report.analysis import CommandRow, loop_timing
-from session_log.report.joint_margins import joint_margins
-from session_log.report.session_data import SessionData, Track
-from session_log.report.shaft import JointRcm
-from session_log.report.trials import Trial, trials
+from session_log.report.session.analysis import CommandRow, loop_timing
+from session_log.report.session.joint_margins import joint_margins
+from session_log.report.session.session_data import SessionData, Track
+from session_log.report.session.shaft import JointRcm
+from session_log.report.session.trials import PhraseTrial, trials
 
 
 @dataclass(frozen=True)
-class Moments:
+class MomentSummary:
     """Of a set of numbers, in their unit; those of two sets can be joined exactly."""
 
     count: int = 0
@@ -37,8 +37,8 @@ class Moments:
         """Root of the mean square; nan of none."""
         return math.sqrt(self.squares / self.count) if self.count else math.nan
 
-    def __add__(self, other: Moments) -> Moments:
-        return Moments(
+    def __add__(self, other: MomentSummary) -> MomentSummary:
+        return MomentSummary(
             self.count + other.count,
             self.total + other.total,
             self.squares + other.squares,
@@ -47,7 +47,7 @@ class Moments:
 
 
 @dataclass(frozen=True)
-class Given:
+class GivenCommand:
     """One command that was taken or given by hand."""
 
     command: str
@@ -60,7 +60,7 @@ class Given:
 
 
 @dataclass(frozen=True)
-class LoopSummary:
+class LoopTimes:
     """How evenly a fast topic was published."""
 
     topic: str
@@ -79,26 +79,26 @@ class SessionSummary:
     commit: str
     phrases: tuple[str, ...]
     knows_intent: bool  # whether it was recorded what was meant to be said
-    trials: tuple[Trial, ...]
-    given: tuple[Given, ...]
+    trials: tuple[PhraseTrial, ...]
+    given: tuple[GivenCommand, ...]
     ignored: int  # utterances that were no command
-    rcm: Moments  # [m] by the controller, while moving
-    rcm_joints: Moments  # [m] from joint states, while moving
+    rcm: MomentSummary  # [m] by the controller, while moving
+    rcm_joints: MomentSummary  # [m] from joint states, while moving
     rcm_above: int  # samples of `rcm` above the limit
     rcm_joints_above: int
     tension: float  # [N] largest with a target set; nan if there was none
-    tension_error: Moments  # [N] from the target at rest
+    tension_error: MomentSummary  # [N] from the target at rest
     margin: float  # [rad] smallest to a joint limit; nan if unknown
     margin_joint: str
-    loops: tuple[LoopSummary, ...]
+    loops: tuple[LoopTimes, ...]
 
 
 def summarise(
     name: str, data: SessionData, rows: Iterable[CommandRow], rcm: JointRcm, config: ReportConfig
 ) -> SessionSummary:
     """Reduce a session."""
-    survey, table = data.survey, data.controller
-    condition = survey.condition
+    recording, table = data.recording, data.controller
+    condition = recording.condition
     moving = table["rcm_error"][table["moving"] > 0]
     has_target = table["target"] > 0
     pulled = table["tension"][has_target]
@@ -107,9 +107,9 @@ def summarise(
     nearest = min(margins, key=lambda joint: margins[joint]) if margins else ""
     return SessionSummary(
         name=name,
-        started=survey.start * 1e-9,
-        duration=survey.duration,
-        is_complete=condition.is_closed and not condition.damage and not survey.missing,
+        started=recording.start * 1e-9,
+        duration=recording.duration,
+        is_complete=condition.is_closed and not condition.damage and not recording.missing,
         commit=condition.latest("code").get("commit", ""),
         phrases=data.phrases,
         knows_intent=bool(data.intended),
@@ -128,12 +128,12 @@ def summarise(
     )
 
 
-def moments(values: Track) -> Moments:
+def moments(values: Track) -> MomentSummary:
     """Count, sum, sum of squares and largest of the finite numbers, shape (n,)."""
     x = values[np.isfinite(values)]
     if not len(x):
-        return Moments()
-    return Moments(len(x), float(x.sum()), float(x @ x), float(x.max()))
+        return MomentSummary()
+    return MomentSummary(len(x), float(x.sum()), float(x @ x), float(x.max()))
 
 
 def from_json(values: dict[str, Any]) -> SessionSummary:
@@ -146,16 +146,16 @@ def from_json(values: dict[str, Any]) -> SessionSummary:
         **{
             **values,
             "phrases": tuple(values["phrases"]),
-            "trials": tuple(Trial(**trial) for trial in values["trials"]),
-            "given": tuple(Given(**given) for given in values["given"]),
-            "loops": tuple(LoopSummary(**loop) for loop in values["loops"]),
-            **{k: Moments(**values[k]) for k in ("rcm", "rcm_joints", "tension_error")},
+            "trials": tuple(PhraseTrial(**trial) for trial in values["trials"]),
+            "given": tuple(GivenCommand(**given) for given in values["given"]),
+            "loops": tuple(LoopTimes(**loop) for loop in values["loops"]),
+            **{k: MomentSummary(**values[k]) for k in ("rcm", "rcm_joints", "tension_error")},
         }
     )
 
 
-def _given(row: CommandRow) -> Given:
-    return Given(
+def _given(row: CommandRow) -> GivenCommand:
+    return GivenCommand(
         command=row.command,
         is_spoken=row.heard is not None,
         decision_latency=row.decision_latency,
@@ -166,9 +166,9 @@ def _given(row: CommandRow) -> Given:
     )
 
 
-def _loops(data: SessionData, config: ReportConfig) -> tuple[LoopSummary, ...]:
+def _loops(data: SessionData, config: ReportConfig) -> tuple[LoopTimes, ...]:
     found = []
     for loop in data.loops:
         timing = loop_timing(loop, config.late_factor)
-        found.append(LoopSummary(loop.topic, timing.period.count, timing.late))
+        found.append(LoopTimes(loop.topic, timing.period.count, timing.late))
     return tuple(found)

@@ -10,13 +10,19 @@ import numpy as np
 import pytest
 
 from session_log.mcap_file.reader import SessionReader
-from session_log.report import pool_tables
-from session_log.report.analysis import command_rows, rcm_while_moving
-from session_log.report.extract import extract
-from session_log.report.pool import Pool, reason_of
-from session_log.report.shaft import rcm_from_joints
-from session_log.report.summary import Given, Moments, from_json, moments, summarise
-from session_log.report.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER, Trial
+from session_log.report.pool.pool import Pool, reason_of
+from session_log.report.session.analysis import command_rows, rcm_while_moving
+from session_log.report.session.extract import extract
+from session_log.report.session.shaft import rcm_from_joints
+from session_log.report.session.summary import (
+    GivenCommand,
+    MomentSummary,
+    from_json,
+    moments,
+    summarise,
+)
+from session_log.report.session.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER, PhraseTrial
+from session_log.report.tables import pool_tables
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +44,7 @@ def pool_of(config, *summaries):
 
 
 def changed(summary, *pairs, **fields):
-    found = tuple(Trial(float(k), meant, taken, "") for k, (meant, taken) in enumerate(pairs))
+    found = tuple(PhraseTrial(float(k), meant, taken, "") for k, (meant, taken) in enumerate(pairs))
     return replace(summary, trials=found, **fields)
 
 
@@ -72,11 +78,11 @@ def test_joined_moments_are_those_of_all_numbers():
     rng = np.random.default_rng(5)
     parts = [rng.normal(size=n) for n in (1, 17, 200)]
     parts.append(np.array([math.nan]))
-    joined = sum(map(moments, parts), Moments())
+    joined = sum(map(moments, parts), MomentSummary())
     every = moments(np.concatenate(parts))
     assert (joined.count, joined.largest) == (every.count, every.largest) == (218, joined.largest)
     assert joined.mean == pytest.approx(every.mean) and joined.rms == pytest.approx(every.rms)
-    assert math.isnan(Moments().mean) and math.isnan(Moments().rms)
+    assert math.isnan(MomentSummary().mean) and math.isnan(MomentSummary().rms)
 
 
 def test_software_versions_are_counted(summary, report_config):
@@ -119,11 +125,11 @@ def test_accuracy_counts_commands_apart_from_words_that_are_none(summary, report
 
 def test_latency_stands_beside_the_paper_with_bounds_where_there_are_values(summary, report_config):
     def given(command, action):
-        return Given(command, True, 0.2, action, "accepted", "", False)
+        return GivenCommand(command, True, 0.2, action, "accepted", "", False)
 
     many = tuple(given("tense", 0.01 * k) for k in range(1, 101))
     few = (given("stop", 0.3), given("stop", 0.5), given("release", math.nan))
-    by_hand = (Given("tense", False, math.nan, math.nan, "accepted", "", False),)
+    by_hand = (GivenCommand("tense", False, math.nan, math.nan, "accepted", "", False),)
     pool = pool_of(report_config, replace(summary, given=(*many, *few, *by_hand)))
     rows = {row[0]: row[1:] for row in pool_tables.latency_table(pool).rows}
     assert rows["tense"][:3] == ("100", "0.20", "0.51")
@@ -134,7 +140,7 @@ def test_latency_stands_beside_the_paper_with_bounds_where_there_are_values(summ
 
 
 def test_a_command_unknown_to_the_paper_has_a_row_without_its_figure(summary, report_config):
-    extra = Given("wave", True, 0.1, 0.2, "accepted", "", False)
+    extra = GivenCommand("wave", True, 0.1, 0.2, "accepted", "", False)
     pool = pool_of(report_config, replace(summary, given=(extra,)))
     rows = {row[0]: row for row in pool_tables.latency_table(pool).rows}
     assert rows["wave"] == ("wave", "1", "0.10", "0.20", "0.20", "0.20", "–")
@@ -155,7 +161,7 @@ def test_refusals_are_counted_by_their_kind(message, reason):
 
 def test_refusals_of_many_sessions_are_counted_most_frequent_first(summary, report_config):
     def refused(command, message):
-        return Given(command, True, 0.1, math.nan, "refused", message, False)
+        return GivenCommand(command, True, 0.1, math.nan, "refused", message, False)
 
     given = [refused("tense", "halted; say"), refused("stop", "x"), refused("tense", "halted")]
     pool = pool_of(report_config, replace(summary, given=tuple(given)))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from session_log.config import ReportConfig
-from session_log.report.session_data import Intended, RecordedUtterance, SessionData
+from session_log.report.session.session_data import IntendedPhrase, RecordedUtterance, SessionData
 
 NO_COMMAND = "no command"  # meant: words that are none
 NOT_SAID = "not said"  # nothing was meant to be said, or what was said is accounted for
@@ -16,7 +16,7 @@ OTHER = "another phrase"  # taken: an utterance that was no command
 
 
 @dataclass(frozen=True)
-class Trial:
+class PhraseTrial:
     """One phrase that was played or prompted, and what became of it."""
 
     time: float  # [s] when it began to sound
@@ -37,7 +37,7 @@ class Trial:
         return self.taken in (NOTHING, OTHER)
 
 
-def trials(data: SessionData, config: ReportConfig) -> list[Trial]:
+def trials(data: SessionData, config: ReportConfig) -> list[PhraseTrial]:
     """Judge every intended phrase of a session; empty if it does not know what was meant.
 
     An utterance belongs to the phrase that last began to sound before it, within
@@ -56,14 +56,14 @@ def trials(data: SessionData, config: ReportConfig) -> list[Trial]:
         if owner is not None:
             mine[owner].append(heard)
         elif heard.command:
-            found.append(Trial(heard.speech_start, NOT_SAID, heard.command, heard.transcript))
+            found.append(PhraseTrial(heard.speech_start, NOT_SAID, heard.command, heard.transcript))
     for phrase, said in zip(intended, mine, strict=True):
         found += _judge(phrase, phrase.phrase if phrase.phrase in known else NO_COMMAND, said)
     return sorted(found, key=lambda trial: trial.time)
 
 
 def _owner(
-    heard: RecordedUtterance, intended: Sequence[Intended], config: ReportConfig
+    heard: RecordedUtterance, intended: Sequence[IntendedPhrase], config: ReportConfig
 ) -> int | None:
     began = [
         i for i, p in enumerate(intended) if p.time <= heard.speech_start + config.intended_slack
@@ -73,14 +73,16 @@ def _owner(
     return began[-1]
 
 
-def _judge(phrase: Intended, meant: str, said: Sequence[RecordedUtterance]) -> list[Trial]:
+def _judge(
+    phrase: IntendedPhrase, meant: str, said: Sequence[RecordedUtterance]
+) -> list[PhraseTrial]:
     words = " / ".join(h.transcript for h in said if h.transcript)
     taken = [h for h in said if h.command]
     if not taken:
-        return [Trial(phrase.time, meant, OTHER if words else NOTHING, words)]
+        return [PhraseTrial(phrase.time, meant, OTHER if words else NOTHING, words)]
     first = taken[0].command
     extra = [h for h in taken[1:] if h.command not in (first, meant)]
     return [
-        Trial(phrase.time, meant, first, words),
-        *(Trial(h.speech_start, NOT_SAID, h.command, h.transcript) for h in extra),
+        PhraseTrial(phrase.time, meant, first, words),
+        *(PhraseTrial(h.speech_start, NOT_SAID, h.command, h.transcript) for h in extra),
     ]

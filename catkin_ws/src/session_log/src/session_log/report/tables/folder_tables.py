@@ -9,8 +9,8 @@ from datetime import datetime
 from pathlib import Path
 from urllib.parse import quote
 
-from session_log.report.pool import Member, Pool
-from session_log.report.text_table import (
+from session_log.report.pool.pool import Pool, PooledSession
+from session_log.report.tables.text_table import (
     NONE,
     TextTable,
     duration_words,
@@ -53,7 +53,7 @@ def unread_table(pool: Pool) -> TextTable:
     return TextTable(("recording", "why"), rows, ("bad",) * len(rows))
 
 
-def _row(member: Member) -> tuple[str, ...]:
+def _row(member: PooledSession) -> tuple[str, ...]:
     began = f"{datetime.fromtimestamp(member.started):%Y-%m-%d %H:%M}" if member.started else NONE
     margin = f"{math.degrees(member.margin):.1f}°" if math.isfinite(member.margin) else NONE
     return (

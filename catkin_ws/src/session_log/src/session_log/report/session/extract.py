@@ -14,20 +14,20 @@ from session_log.config import ReportConfig
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.headers import read_header, starts_with_header
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import Counter, Survey
-from session_log.report.session_data import (
-    Event,
-    Health,
-    Intended,
+from session_log.mcap_file.summary import MessageCounter, RecordingSummary
+from session_log.report.session.session_data import (
+    IntendedPhrase,
     Intervals,
-    Picture,
+    NodeHealth,
+    RecordedEvent,
+    RecordedPicture,
+    RecordedTrocar,
     RecordedUtterance,
+    SampledTable,
     SessionData,
     Span,
-    Table,
-    Trocar,
 )
-from session_log.types import Message, Source
+from session_log.types import Message, TopicSource
 
 MOVING = ("moving", "stopping")
 URDF_TOPIC = "/robot_description"
@@ -37,12 +37,12 @@ QUIETEST = -90.0  # [dBFS] digital silence is drawn here
 
 def extract(reader: SessionReader, config: ReportConfig) -> SessionData:
     """Take the tables, events and pictures of a session in one pass."""
-    counter = Counter()
-    data = SessionData(Survey(reader.condition, counter.topics))
+    counter = MessageCounter()
+    data = SessionData(RecordingSummary(reader.condition, counter.topics))
     extractor = _Extractor(data, config)
     for message in counter.counting(reader.messages()):
         extractor.add(message)
-    data.survey = counter.survey(reader.condition)
+    data.recording = counter.summary(reader.condition)
     extractor.finish()
     return data
 
@@ -73,9 +73,9 @@ class _Extractor:
         self._origin: int | None = None  # [ns]
         self._now = 0.0  # [s] log time of the present message
         self._due: dict[str, float] = {}
-        self._has_header: dict[Source, bool] = {}
-        self._previous: dict[Source, tuple[int, float]] = {}
-        self._health: dict[str, Health] = {}
+        self._has_header: dict[TopicSource, bool] = {}
+        self._previous: dict[TopicSource, tuple[int, float]] = {}
+        self._health: dict[str, NodeHealth] = {}
         self._picture_step = self._picture_count = 0
         self._modes, self._states = _Words(data.modes), _Words(data.states)
         self._phases = _Words(data.phases)
@@ -178,17 +178,19 @@ class _Extractor:
         )
 
     def _intended(self, m: Any) -> None:
-        self._data.intended.append(Intended(self._now, m.data))
+        self._data.intended.append(IntendedPhrase(self._now, m.data))
 
     def _trocar(self, m: Any) -> None:
         position = (m.point.x, m.point.y, m.point.z)
-        self._data.trocars.append(Trocar(self._now, position, m.header.frame_id))
+        self._data.trocars.append(RecordedTrocar(self._now, position, m.header.frame_id))
 
     def _mode(self, m: Any) -> None:
         self._modes.say(max(self._time(m.header.stamp), 0.0), m.mode)
 
     def _event(self, m: Any) -> None:
-        self._data.events.append(Event(self._time(m.header.stamp), m.kind, m.command, m.message))
+        self._data.events.append(
+            RecordedEvent(self._time(m.header.stamp), m.kind, m.command, m.message)
+        )
 
     def _state(self, m: Any) -> None:
         time = self._time(m.header.stamp)
@@ -206,7 +208,7 @@ class _Extractor:
 
     def _joints(self, m: Any) -> None:
         if self._data.joints is None:
-            self._data.joints = Table(("time", *m.name))
+            self._data.joints = SampledTable(("time", *m.name))
         if ("time", *m.name) == self._data.joints.columns:
             self._data.joints.append(self._time(m.header.stamp), *m.position)
 
@@ -223,7 +225,7 @@ class _Extractor:
         kept = self._data.pictures
         step = 1 << self._picture_step
         if self._picture_count % step == 0:
-            kept.append(Picture(self._time(m.header.stamp), m.format, bytes(m.data)))
+            kept.append(RecordedPicture(self._time(m.header.stamp), m.format, bytes(m.data)))
         self._picture_count += 1
         if len(kept) > 2 * max(self._config.pictures, 1):
             kept[:] = kept[::2]
@@ -233,7 +235,7 @@ class _Extractor:
         for status in m.status:
             level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
             values = {v.key: v.value for v in status.values}
-            now = Health(status.name, level, status.message, self._now, status.message, values)
+            now = NodeHealth(status.name, level, status.message, self._now, status.message, values)
             known = self._health.get(status.name)
             if known is not None and known.worst >= level:
                 now = replace(known, last_message=status.message, values=values)

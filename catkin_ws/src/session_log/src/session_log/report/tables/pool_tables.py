@@ -6,8 +6,9 @@ from __future__ import annotations
 import math
 
 from session_log.report.bounds import quantile
-from session_log.report.pool import Pool
-from session_log.report.text_table import (
+from session_log.report.pool.pool import Pool
+from session_log.report.session.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER
+from session_log.report.tables.text_table import (
     NONE,
     TextTable,
     bounded,
@@ -16,7 +17,6 @@ from session_log.report.text_table import (
     percent,
     seconds,
 )
-from session_log.report.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER
 
 
 def accuracy_table(pool: Pool) -> TextTable:
