@@ -96,9 +96,9 @@ def test_a_folder_that_does_not_exist_is_named(tmp_path):
 WRITE_UNTIL_KILLED = """
 import sys
 from pathlib import Path
-from session_log.types import Message, Source
+from session_log.types import Message, TopicSource
 from session_log.mcap_file.writer import SessionWriter
-source = Source("/t", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data", "/w")
+source = TopicSource("/t", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data", "/w")
 writer = SessionWriter(Path(sys.argv[1]))
 for k in range(1, 10**9):
     text = (b"%d" % k) * 40

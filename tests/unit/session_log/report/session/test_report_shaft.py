@@ -20,7 +20,7 @@ from session_log.report.session.session_data import (
 from session_log.report.session.shaft import is_within, rcm_from_joints
 from support.story_script import TROCAR_CHANGE, URDF, joint_text
 
-ROOT = Path(__file__).resolve().parents[4]
+ROOT = Path(__file__).resolve().parents[5]
 REAL = ROOT / "urdf" / "gen3_openrst.urdf"
 MOVING = [f"joint_{i}" for i in range(1, 8)] + [
     "joint_pitch",
