@@ -98,7 +98,7 @@ import sys
 from pathlib import Path
 from session_log.types import Message, TopicSource
 from session_log.mcap_file.writer import SessionWriter
-source = TopicSource("/t", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data", "/w")
+source = TopicSource("/t", "std_msgs/String", "99" * 16, "string data", "/w")
 writer = SessionWriter(Path(sys.argv[1]))
 for k in range(1, 10**9):
     text = (b"%d" % k) * 40
