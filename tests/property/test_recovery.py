@@ -112,7 +112,7 @@ def damages(draw):
 
 
 def rescue(content, folder):
-    """Recover a file of such content; returns what it counted, its messages and the copy's metadata."""
+    """Recover a file; gives what was counted, the messages and the metadata of the copy."""
     (folder / "spoilt.mcap").write_bytes(content)
     result = recover(SessionReader(folder / "spoilt.mcap", tolerant=True), folder / "new.mcap")
     with (folder / "new.mcap").open("rb") as file:  # by the public library: the copy is sound
