@@ -48,8 +48,8 @@ class TorqueRig(KinovaRig):
             self.found = self._estimator.update(measured, self.planner.trocar)
             self._told = measured
         assert self.found is not None
-        force, distrust = self.found.force, self.found.distrust
-        return replace(measured, force=force, distrust=distrust)
+        force, invalid = self.found.force, self.found.tension_invalid_reason
+        return replace(measured, force=force, tension_invalid_reason=invalid)
 
 
 def measure_strict() -> list[Figure]:

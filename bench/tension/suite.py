@@ -153,7 +153,7 @@ class Bench:
                 effort = np.append(motors + noise, np.zeros(3))
                 reading = Measurement(joints, np.zeros(10), effort, now, gripped=stage == 1)
                 found = estimator.update(reading, self._trocar)
-        return found.tension - trial.force, found.sigma, found.distrust
+        return found.tension - trial.force, found.sigma, found.tension_invalid_reason
 
     def ignoring_the_trocar(self, trial: Trial) -> float:
         """Error [N] where a tared estimator takes all load for the pull's."""

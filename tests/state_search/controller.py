@@ -25,7 +25,7 @@ from rst_control.execution.state_machine import State
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import PhaseKind
-from rst_control.supervision.presence import Presence
+from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
 from rst_control.types import JOINT_COUNT, Cause, PathState, Reason
 from tests.state_search.inputs import (
@@ -68,7 +68,7 @@ class _Sensors:
     def objection(self):
         return "cannot be true" if _World.found == "sensor fault" else ""
 
-    def look(self, measured, setpoint, pulled):
+    def update(self, measured, setpoint, pulled):
         pass
 
 
@@ -97,7 +97,7 @@ class _Maker(MotionMaker):
     def __init__(self):
         self.period = 0.002
 
-    def make_run(self, phase, held, place):
+    def start_phase(self, phase, held, place):
         return _Run(phase, held)
 
 
@@ -129,8 +129,8 @@ class Controller:
     """A real executor that can be copied, and asked what it would do."""
 
     def __init__(self):
-        self.presence = Presence()  # set before each tick, so that copies may share it
-        watchdogs = Watchdogs(limits(), _Sensors(), self.presence)
+        self.liveness = NodeLiveness()  # set before each tick, so that copies may share it
+        watchdogs = Watchdogs(limits(), _Sensors(), self.liveness)
         self.executor = Executor(watchdogs, _place, Mover(_Maker()), _nothing, 0.002)
         self.now = 10.0
 
@@ -200,7 +200,7 @@ class Controller:
 
     def _tick(self, found):
         _World.found = found
-        self.presence.report({LOST[found]: "ended"} if found in LOST else {})
+        self.liveness.report({LOST[found]: "ended"} if found in LOST else {})
         self.now += LATE.get(found, 0.0)
         if found == "crash":
             self.executor.crashed(ArithmeticError("x"))

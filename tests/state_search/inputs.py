@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from rst_control.planning.plan import Grasp, Phase, PhaseKind, Plan
-from rst_control.supervision.presence import MASTER
+from rst_control.supervision.node_liveness import MASTER
 from rst_control.types import BY_HAND, JOINT_COUNT, LOOKS, Command, Measurement
 
 ZERO = np.zeros(JOINT_COUNT)

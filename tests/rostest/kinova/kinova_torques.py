@@ -24,10 +24,10 @@ class KinovaTorques(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.true, cls.most, cls.distrust, cls.gripped = 0.0, 0.0, None, False
+        cls.true, cls.most, cls.invalid, cls.gripped = 0.0, 0.0, None, False
         rospy.Subscriber("simulation/tension", WrenchStamped, cls.on_true)
         rospy.Subscriber("simulation/gripped", Bool, lambda m: setattr(cls, "gripped", m.data))
-        rospy.Subscriber("robot/tension_distrust", String, cls.on_distrust)
+        rospy.Subscriber("robot/tension_invalid", String, cls.on_invalid)
         cls.robot = RobotClient()
         cls.home_tool = rospy.ServiceProxy("robot/home_tool", Trigger)
         cls.home_tool.wait_for_service(START_LIMIT)
@@ -39,8 +39,8 @@ class KinovaTorques(unittest.TestCase):
         cls.most = max(cls.most, cls.true)
 
     @classmethod
-    def on_distrust(cls, message):
-        cls.distrust = message.data
+    def on_invalid(cls, message):
+        cls.invalid = message.data
 
     def grasp(self):
         """Say "tense", and after a halt begin anew, as its user would."""
@@ -69,14 +69,14 @@ class KinovaTorques(unittest.TestCase):
         return reply
 
     def test_1_before_the_jaws_were_open_at_rest_it_is_not_trusted(self):
-        self.robot.wait(lambda: self.distrust and self.distrust.startswith("no tare"), START_LIMIT)
+        self.robot.wait(lambda: self.invalid and self.invalid.startswith("no tare"), START_LIMIT)
         self.robot.wait(lambda: self.home_tool().success, START_LIMIT)
         self.robot.activate()
 
     def test_2_tense_pulls_to_about_the_tension_asked_for(self):
         self.grasp()
         self.assertTrue(self.gripped)
-        self.assertEqual(self.distrust, "")
+        self.assertEqual(self.invalid, "")
         self.assertAlmostEqual(self.true, 1.0, delta=ROUGH)
         self.assert_told()
 

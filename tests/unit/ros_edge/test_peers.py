@@ -8,7 +8,7 @@ import rospy
 from rst_control.host.processes import ENDED
 from rst_control.ros.common import peers
 from rst_control.ros.common.peers import SILENCES, SILENT, UNREACHABLE, Peers
-from rst_control.supervision.presence import MASTER
+from rst_control.supervision.node_liveness import MASTER
 
 MASTER_URI = "http://127.0.0.1:11311"
 

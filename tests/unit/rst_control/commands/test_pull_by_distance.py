@@ -97,7 +97,7 @@ def test_a_tension_that_nobody_trusts_is_not_looked_at(verify, joints):
 
 def test_a_sensor_that_is_not_trusted_is_told_with_the_reason(motion_config, robot, joints):
     verify = Verifier(Planner(robot, motion_config))
-    words = verify(Request("tense"), situation(joints, distrust=WHY)).plan.words
+    words = verify(Request("tense"), situation(joints, tension_invalid_reason=WHY)).plan.words
     assert WHY in words
     trusted = verify(Request("tense"), situation(joints)).plan
     assert trusted.phases[-1].tension == motion_config.controller.tension.initial
@@ -108,9 +108,11 @@ def test_torques_are_judged_once_the_tissue_is_held(motion_config, robot, joints
     tension = replace(motion_config.controller.tension, source="joint_torque")
     controller = replace(motion_config.controller, tension=tension)
     verify = Verifier(Planner(robot, replace(motion_config, controller=controller)))
-    plan = verify(Request("tense"), situation(joints, distrust="no tare")).plan
+    plan = verify(Request("tense"), situation(joints, tension_invalid_reason="no tare")).plan
     assert plan.phases[-1].tension == tension.initial
-    step = verify(Request("pull more"), held(plan, 0.002, distrust=WHY)).plan.phases[-1]
+    step = verify(Request("pull more"), held(plan, 0.002, tension_invalid_reason=WHY)).plan.phases[
+        -1
+    ]
     assert step.tension is None
     told = verify(Request("pull more"), held(plan, 0.002, tension=0.5)).plan.phases[-1]
     assert told.tension == pytest.approx(0.75)

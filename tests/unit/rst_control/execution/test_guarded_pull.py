@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rst_control.config import load_motion_config
-from rst_control.execution.guarded_pull import GuardedRun
+from rst_control.execution.guarded_pull import GuardedPull
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.trajectory.motion_profile import MotionBounds
 from rst_control.trajectory.path import Path
@@ -35,8 +35,8 @@ class Tissue:
         knots[:, 0] = np.linspace(0.0, LENGTH, 4)
         path = Path(knots, np.tile([1.0, *[0.0] * 8], (4, 1)), LENGTH)
         phase = Phase(PhaseKind.PULL, path, target=LENGTH, speed=0.02, tension=goal)
-        self.run = GuardedRun(phase, path, PathState(start), 0.0, BOUNDS, BOUNDS, TENSION)
-        self.stiffness, self.now, self.fastest, self.distrust = stiffness, 0.0, 0.0, ""
+        self.run = GuardedPull(phase, path, PathState(start), 0.0, BOUNDS, BOUNDS, TENSION)
+        self.stiffness, self.now, self.fastest, self.invalid = stiffness, 0.0, 0.0, ""
         self._past = [start] * round(TENSION.delay / PERIOD)
 
     @property
@@ -57,7 +57,7 @@ class Tissue:
         still = np.zeros(10)
         force = np.array([0.0, 0.0, -tension])
         return Measurement(
-            still, still, still, self.now, force, gripped=True, distrust=self.distrust
+            still, still, still, self.now, force, gripped=True, tension_invalid_reason=self.invalid
         )
 
 
@@ -99,7 +99,7 @@ def test_slack_tissue_ends_at_the_end_of_the_path() -> None:
 def test_a_tension_that_loses_trust_ends_the_pull_with_the_reason() -> None:
     tissue = Tissue(100.0, goal=1.0)
     tissue.pull(0.3)
-    tissue.distrust = "torques fit no pull"
+    tissue.invalid = "torques fit no pull"
     before = tissue.run.state.s
     tissue.pull()
     assert tissue.run.failure.words == "no trusted tension to pull to: torques fit no pull"

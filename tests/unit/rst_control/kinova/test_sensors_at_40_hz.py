@@ -10,7 +10,7 @@ import pytest
 
 from bench.kinova.rig import kinova_motion
 from rst_control.kinematics.configuration import planning_joints, robot_joints
-from rst_control.supervision.plausibility import SensorWatch, greatest_speed
+from rst_control.supervision.plausibility import SensorWatch, max_joint_speed
 from rst_control.types import Measurement
 
 CONFIG = kinova_motion()
@@ -47,9 +47,9 @@ def states(rate, seconds, spoil=lambda k, m: m, jaws=None, gripped=False):
 
 
 def objection(stream):
-    watch = SensorWatch(CONFIG.controller, greatest_speed(CONFIG.limits))
+    watch = SensorWatch(CONFIG.controller, max_joint_speed(CONFIG.limits))
     for measured, setpoint in stream:
-        watch.look(measured, setpoint, None)
+        watch.update(measured, setpoint, None)
         if watch.objection:
             return watch.objection
     return ""

@@ -37,7 +37,7 @@ def test_the_jaws_too(motion_config, home):
     times = []
     for scale in (1.0, 0.1):
         maker = MotionMaker(scaled(motion_config, scale).controller)
-        run = maker.make_run(Phase(PhaseKind.OPEN, opening=0.6), held, None)
+        run = maker.start_phase(Phase(PhaseKind.OPEN, opening=0.6), held, None)
         count = 0
         while not run.is_done:
             run.step(maker.period, measured)

@@ -99,7 +99,7 @@ def test_joints_that_set_off_late_are_not_frozen():
     for (measured, _), (_, setpoint) in zip(
         measurements(late, 1.0), measurements(ramp(0.5), 1.0), strict=True
     ):
-        sensors.look(measured, setpoint, None)
+        sensors.update(measured, setpoint, None)
         assert sensors.objection == ""
 
 
@@ -108,13 +108,13 @@ def test_a_frozen_joint_is_forgiven_once_its_reading_changes_and_not_before():
     for k, (measured, setpoint) in enumerate(measurements(ramp(0.05), 1.0)):
         kept = measured if k <= 100 else kept
         stuck = replace(kept, stamp=measured.stamp, sent=measured.sent, velocity=np.zeros(10))
-        sensors.look(stuck if k > 100 else measured, setpoint, None)
+        sensors.update(stuck if k > 100 else measured, setpoint, None)
     assert "frozen" in sensors.objection
     for n in range(1, 120):  # whatever is commanded, or nothing
-        sensors.look(replace(kept, stamp=200 + n * 0.002, sent=None), None, None)
+        sensors.update(replace(kept, stamp=200 + n * 0.002, sent=None), None, None)
         assert "frozen" in sensors.objection
     other = replace(kept, position=kept.position + 1e-6, stamp=200.5, velocity=np.zeros(10))
-    sensors.look(other, None, None)
+    sensors.update(other, None, None)
     assert sensors.objection == ""
 
 
@@ -125,7 +125,7 @@ def test_a_robot_with_a_fault_of_its_own_stands_and_is_not_frozen():
         stands = replace(kept, stamp=measured.stamp, sent=measured.sent, velocity=np.zeros(10))
         if k > 100:
             measured = replace(stands, fault="set-points stopped coming while moving, 31 ms ago")
-        sensors.look(measured, setpoint, None)
+        sensors.update(measured, setpoint, None)
         assert sensors.objection == ""
 
 
@@ -143,7 +143,7 @@ def test_one_wrong_sample_is_named_and_forgotten_after_a_while_of_good_ones():
     sensors, objections = watch(), []
     spoil = from_sample(100, moved(0.02), last=100)
     for k, (measured, setpoint) in enumerate(measurements(STILL, 1.0)):
-        sensors.look(spoil(k, measured), setpoint, None)
+        sensors.update(spoil(k, measured), setpoint, None)
         objections.append(sensors.objection)
     bad = [k for k, words in enumerate(objections) if words]
     assert bad[0] == 100 and "+0.0200" in objections[100]
@@ -171,7 +171,7 @@ def test_messages_that_were_passed_over_are_no_jump():
     sensors = watch()
     for k, (measured, setpoint) in enumerate(measurements(ramp(1.1), 0.5)):
         if k % 7 == 0:
-            sensors.look(measured, setpoint, None)
+            sensors.update(measured, setpoint, None)
             assert sensors.objection == ""
 
 
@@ -251,7 +251,7 @@ def test_a_robot_that_was_lost_may_come_back_anywhere():
     pairs = list(measurements(STILL, 0.1))
     for k, (measured, setpoint) in enumerate(pairs):
         lost = replace(measured, connected=False) if 20 <= k < 30 else measured
-        sensors.look(moved(0.5)(lost) if k >= 20 else lost, setpoint if k < 20 else None, None)
+        sensors.update(moved(0.5)(lost) if k >= 20 else lost, setpoint if k < 20 else None, None)
         assert sensors.objection == ""
 
 
@@ -272,7 +272,7 @@ def test_a_tension_that_stays_the_same_while_nothing_is_pulled_is_not_stuck():
     sensors = watch()
     for measured, setpoint in measurements(STILL, 1.0):
         held = replace(measured, force=np.array([0.5, 0.0, 0.0]), gripped=True)
-        sensors.look(held, setpoint, None)
+        sensors.update(held, setpoint, None)
         assert sensors.objection == ""
 
 
@@ -291,7 +291,7 @@ def test_a_tension_that_drops_as_the_jaws_let_go_is_no_jump():
     sensors = watch()
     for k, (measured, setpoint) in enumerate(measurements(STILL, 0.2)):
         force = np.array([0.0, 0.0, -2.0 if k < 50 else 0.0])
-        sensors.look(replace(measured, force=force, gripped=k < 50), setpoint, 0.004)
+        sensors.update(replace(measured, force=force, gripped=k < 50), setpoint, 0.004)
         assert sensors.objection == "" or "stuck" in sensors.objection
 
 

@@ -6,8 +6,8 @@ import pytest
 
 from rst_control.execution.state_machine import State
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
-from rst_control.supervision.plausibility import SensorWatch, greatest_speed
-from rst_control.supervision.presence import Presence
+from rst_control.supervision.node_liveness import NodeLiveness
+from rst_control.supervision.plausibility import SensorWatch, max_joint_speed
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs, Watched
 from rst_control.types import Cause, Measurement, Reason
 from tests.unit.rst_control.support.executor_rig import Rig, shared, with_watchdogs
@@ -15,8 +15,8 @@ from tests.unit.rst_control.support.executor_rig import Rig, shared, with_watchd
 SETTINGS = shared()[0].controller
 WATCHDOGS = Watchdogs(
     WatchdogLimits(SETTINGS.watchdogs, rcm_error=1e-3, tension=2.4),
-    SensorWatch(SETTINGS, greatest_speed(shared()[0].limits)),
-    Presence(),
+    SensorWatch(SETTINGS, max_joint_speed(shared()[0].limits)),
+    NodeLiveness(),
 )
 INSIDE = TrocarPose(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
 FAR = TrocarPose(error=0.2, insertion=-0.3, wrist=-0.3, height=0.3, is_outside=True)

@@ -16,7 +16,7 @@ from rst_control.kinematics.configuration import Configuration, planning_joints,
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.plan import Request
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.supervision.presence import Presence
+from rst_control.supervision.node_liveness import NodeLiveness
 from tests.support.fake_robot import FakeRobot, LinearSpring
 
 PERIOD = 0.002
@@ -45,16 +45,16 @@ class Rig:
         self.robot = FakeRobot(begin, lambda: self.now, tissue=LinearSpring(tip_of, stiffness))
         self.context = ActiveTrocarContext(context)
         self.rcm = lambda joints: self.context.trocar_pose(joints).error
-        self.presence = Presence()  # of other nodes
+        self.liveness = NodeLiveness()  # of other nodes
         self.executor = make_executor(
-            self.config, self.context, self.robot.clear_fault, self.presence
+            self.config, self.context, self.robot.clear_fault, self.liveness
         )
         self.desk = CommandDesk(self.executor, self.context.verify, lambda: self.now)
         self.sent = []  # every set-point, None where nothing was sent
 
     def believing(self):
         """Any measurement is believed, so that what it leads to besides can be seen."""
-        self.executor._watchdogs.look = lambda *_: None
+        self.executor._watchdogs.update = lambda *_: None
         return self
 
     def tick(self):

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rst_control.config import load_motion_config
-from rst_control.supervision.plausibility import SensorWatch, greatest_speed
+from rst_control.supervision.plausibility import SensorWatch, max_joint_speed
 from rst_control.types import Measurement
 
 CONFIG = load_motion_config()
@@ -21,7 +21,7 @@ STEPS = np.repeat([1e-5, TOOL_STEP], [7, 3])
 
 
 def watch():
-    return SensorWatch(SETTINGS, greatest_speed(CONFIG.limits))
+    return SensorWatch(SETTINGS, max_joint_speed(CONFIG.limits))
 
 
 def swing(rate, start=0.0):
@@ -64,7 +64,7 @@ def first_objection(motion, seconds=2.0, spoil=lambda k, m: m, is_led=True):
     """First objection and the time at which it came [s]; ("", inf) where none came."""
     sensors = watch()
     for k, (measured, setpoint) in enumerate(measurements(motion, seconds)):
-        sensors.look(spoil(k, measured), setpoint if is_led else None, None)
+        sensors.update(spoil(k, measured), setpoint if is_led else None, None)
         if sensors.objection:
             return sensors.objection, k * PERIOD
     return "", np.inf
@@ -87,7 +87,7 @@ def pull(force_at, seconds=1.0, speed=0.01, **changes):
     for k, (measured, setpoint) in enumerate(measurements(ramp(0.0), seconds)):
         s = speed * k * PERIOD
         spoilt = replace(measured, force=np.array([0.0, 0.0, -force_at(s)]), gripped=True)
-        sensors.look(replace(spoilt, **changes), setpoint, s)
+        sensors.update(replace(spoilt, **changes), setpoint, s)
         if sensors.objection:
             return sensors.objection, s
     return "", np.inf

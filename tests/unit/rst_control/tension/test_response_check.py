@@ -6,15 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rst_control.tension.response_check import PullAnswer
+from rst_control.tension.response_check import ResponseCheck
 
 WAY = np.linspace(0.0, 0.03, 1501)
 
 
 def objection(tension_at, way=WAY):
-    answer = PullAnswer()
+    answer = ResponseCheck()
     for s in way:
-        answer.look(s, tension_at(s))
+        answer.update(s, tension_at(s))
         if answer.objection:
             return s, answer.objection.words
     return None

@@ -80,7 +80,7 @@ def test_a_pull_is_told_to_its_size(arm: Arm) -> None:
     found = arm.feel((1.2, 0.0, 0.0))
     assert found.tension == pytest.approx(1.2, abs=1e-3)
     np.testing.assert_allclose(found.force, -1.2 * PULL, atol=1e-3)
-    assert found.distrust == ""
+    assert found.tension_invalid_reason == ""
 
 
 def test_a_shaft_that_leans_on_its_trocar_is_no_tension(arm: Arm) -> None:
@@ -99,7 +99,7 @@ def test_without_a_tare_it_says_so_and_what_it_is_worth() -> None:
     arm = Arm()
     arm.bias = np.array(CONFIG.error.offset)
     found = arm.feel((1.0, 0.0, 0.0))
-    assert found.distrust.startswith("no tare")
+    assert found.tension_invalid_reason.startswith("no tare")
     assert found.sigma > 2.0 * abs(found.tension - 1.0) / 3.0  # as unsure as it is wrong
 
 
@@ -114,46 +114,48 @@ def test_jaws_that_hold_something_give_no_tare() -> None:
 def test_far_from_where_it_was_tared_it_is_not_trusted(arm: Arm) -> None:
     arm.q = HOME + np.array([0.0, 0.4, 0, 0, 0, 0, 0, 0, 0])
     found = arm.feel((1.0, 0.0, 0.0))
-    assert "joint_2 is 0.40 rad from where it was taken, allowed 0.35" in found.distrust
+    assert (
+        "joint_2 is 0.40 rad from where it was taken, allowed 0.35" in found.tension_invalid_reason
+    )
 
 
 def test_an_old_tare_is_not_trusted(arm: Arm) -> None:
     arm.now += CONFIG.tare.holds_for + 1.0
-    assert "s old, allowed 600" in arm.feel((1.0, 0.0, 0.0)).distrust
+    assert "s old, allowed 600" in arm.feel((1.0, 0.0, 0.0)).tension_invalid_reason
 
 
 def test_in_fast_motion_it_is_not_trusted(arm: Arm) -> None:
     arm.speed = np.array([0, 0, 0, 0.5, 0, 0, 0, 0, 0, 0])
-    assert "joint_4 at 0.50 rad/s" in arm.feel((1.0, 0.0, 0.0)).distrust
+    assert "joint_4 at 0.50 rad/s" in arm.feel((1.0, 0.0, 0.0)).tension_invalid_reason
 
 
 def test_an_elbow_that_is_pushed_is_not_taken_for_tension(arm: Arm) -> None:
     arm.pushed = np.array([0.0, 0.0, 6.0, 0.0, 0.0, 0.0, 0.0])
-    assert "misfit" in arm.feel((1.0, 0.0, 0.0)).distrust
+    assert "misfit" in arm.feel((1.0, 0.0, 0.0)).tension_invalid_reason
 
 
 def test_noisy_torques_are_not_trusted() -> None:
     noisy = replace(CONFIG.error, noise=tuple(10.0 * n for n in CONFIG.error.noise))  # type: ignore[arg-type]
     arm = Arm(replace(CONFIG, error=noisy))
     arm.rest()
-    assert "allowed 0.25 N" in arm.feel((1.0, 0.0, 0.0)).distrust
+    assert "allowed 0.25 N" in arm.feel((1.0, 0.0, 0.0)).tension_invalid_reason
 
 
 def test_after_a_gap_it_begins_anew(arm: Arm) -> None:
     arm.feel((1.0, 0.0, 0.0))
     arm.now += 2.0 * CONFIG.gap
-    assert "torque readings so far" in arm.feel((0.0, 0.0, 0.0), PERIOD).distrust
+    assert "torque readings so far" in arm.feel((0.0, 0.0, 0.0), PERIOD).tension_invalid_reason
     assert arm.feel((0.0, 0.0, 0.0)).tension == pytest.approx(0.0, abs=1e-3)
 
 
 def test_efforts_of_the_other_sign_are_found_and_can_be_turned() -> None:
     arm = Arm()
     arm.sign = -1.0
-    assert "change effort_sign" in arm.rest().distrust
+    assert "change effort_sign" in arm.rest().tension_invalid_reason
     turned = Arm(replace(CONFIG, effort_sign=-1))
     turned.sign = -1.0
     turned.rest()
-    assert turned.feel((1.0, 0.0, 0.0)).distrust == ""
+    assert turned.feel((1.0, 0.0, 0.0)).tension_invalid_reason == ""
 
 
 def test_a_rising_pull_is_told_late_by_the_delay_it_states(arm: Arm) -> None:

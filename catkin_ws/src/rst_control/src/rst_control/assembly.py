@@ -11,8 +11,8 @@ from rst_control.execution.motion import MotionMaker
 from rst_control.execution.setpoint import Mover
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
-from rst_control.supervision.plausibility import SensorWatch, greatest_speed
-from rst_control.supervision.presence import Presence
+from rst_control.supervision.node_liveness import NodeLiveness
+from rst_control.supervision.plausibility import SensorWatch, max_joint_speed
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
 
 
@@ -20,7 +20,7 @@ def make_executor(
     config: MotionConfig,
     context: ActiveTrocarContext,
     clear_fault: Callable[[], None],
-    presence: Presence | None = None,
+    liveness: NodeLiveness | None = None,
 ) -> Executor:
     """Make the executor for a robot.
 
@@ -28,7 +28,7 @@ def make_executor(
         config: Settings.
         context: Measures the shaft's distance from the trocar.
         clear_fault: Asks the robot to take set-points again.
-        presence: What became of the other nodes; None: nobody watches them.
+        liveness: What became of the other nodes; None: nobody watches them.
     """
     settings = config.controller
     limits = WatchdogLimits(
@@ -38,8 +38,8 @@ def make_executor(
         settings.tension.delay,
     )
     period, mover = 1.0 / settings.rate, Mover(MotionMaker(settings))
-    sensors = SensorWatch(settings, greatest_speed(config.limits))
-    watchdogs = Watchdogs(limits, sensors, presence or Presence())
+    sensors = SensorWatch(settings, max_joint_speed(config.limits))
+    watchdogs = Watchdogs(limits, sensors, liveness or NodeLiveness())
     return Executor(watchdogs, context.trocar_pose, mover, clear_fault, period)
 
 

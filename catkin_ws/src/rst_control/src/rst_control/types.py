@@ -53,7 +53,7 @@ class Measurement:
     gripped: bool = False  # tissue lies between the closed jaws
     connected: bool = True
     fault: str = ""  # as `robot_fault` reads it; empty: healthy
-    distrust: str = ""  # why the force must not be relied on; empty: it may
+    tension_invalid_reason: str = ""  # why the force must not be relied on; empty: it may
     sent: float | None = None  # [s] sender's clock, which may be set at any time; None: not told
     sent_to: Vector | None = None  # (10,), [rad], where it holds while nobody leads; None: not told
 

@@ -40,7 +40,7 @@ class BlindPulls:
             return "tension.source is none"
         if self._config.source == "joint_torque" and not measured.gripped:
             return ""
-        return measured.distrust
+        return measured.tension_invalid_reason
 
     def words(self, why: str) -> str:
         """What a blind pull says beside its distance."""

@@ -123,7 +123,7 @@ class Executor:
         """
         periods = max(1, min(MAX_PERIODS, round((now - self._now) / self._period)))
         self._now = now
-        self._look(measured)
+        self._take_measurement(measured)
         self._take_stops()
         self._take_change()
         self._take_orders()
@@ -147,10 +147,10 @@ class Executor:
             self._end_order("failed", cause)
         self.view = self._seen()  # the tick did not come to it
 
-    def _look(self, measured: Measurement | None) -> None:
+    def _take_measurement(self, measured: Measurement | None) -> None:
         if measured is not None and measured is not self._measured:
             self._measured = measured
-            self._watchdogs.look(measured, self._mover.held, self._mover.pulled)
+            self._watchdogs.update(measured, self._mover.held, self._mover.pulled)
             self._trocar_pose = self._locate(measured.position)
             if self._mover.motion is not None:
                 self._max_rcm_error = max(self._max_rcm_error, self._trocar_pose.rcm_error)

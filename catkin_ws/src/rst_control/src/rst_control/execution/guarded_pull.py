@@ -10,15 +10,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rst_control.config import TensionConfig
-from rst_control.execution.phase_execution import TowardsTension, distrust_of
+from rst_control.execution.phase_execution import TowardsTension, tension_invalid
 from rst_control.planning.plan import Phase
-from rst_control.tension.response_check import RisingTension
+from rst_control.tension.delay_bound import DelayBound
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.trajectory.path import Path
 from rst_control.types import Measurement, PathState, Vector
 
 
-class GuardedRun(TowardsTension):
+class GuardedPull(TowardsTension):
     """Goes along a path until the tension is that of the phase, or to the furthest s.
 
     It is as slow as lets the stiffest tissue expected rise by no more than the tolerance within
@@ -48,7 +48,7 @@ class GuardedRun(TowardsTension):
         rise = max(config.delay, 1e-3) * config.blind_stiffness  # [N s/m]
         speed = min(bounds.speed, config.tolerance / rise)
         self._profile = MotionProfile(state, replace(bounds, speed=speed))
-        self._rising = RisingTension(config.delay)
+        self._delay_bound = DelayBound(config.delay)
 
     @property
     def state(self) -> PathState:
@@ -56,15 +56,15 @@ class GuardedRun(TowardsTension):
         return (self._brake or self._profile).state
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
-        """Move on by a time [s]; see `PhaseRun`."""
-        self._rising.look(measured.stamp, measured.tension)
+        """Move on by a time [s]; see `PhaseExecution`."""
+        self._delay_bound.update(measured.stamp, measured.tension)
         if self._feel(measured.tension):
             self._profile.go_to(self._furthest if self.is_pulling else 0.0)
         profile = self._brake or self._profile
         state = profile.step(dt)
         self.is_done = profile.is_done
         if self._brake is None:
-            self.failure = distrust_of(measured)
+            self.failure = tension_invalid(measured)
             if self.failure or self._is_reached:
                 self._brake_from(state)
         return self._joints(state)
@@ -72,5 +72,5 @@ class GuardedRun(TowardsTension):
     @property
     def _is_reached(self) -> bool:
         if self.is_pulling:
-            return self._now + self._rising.ahead >= self._goal
+            return self._now + self._delay_bound.ahead >= self._goal
         return self._now <= self._goal

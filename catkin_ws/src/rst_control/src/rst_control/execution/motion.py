@@ -10,9 +10,9 @@ import numpy as np
 
 from rst_control.config import ControllerConfig
 from rst_control.errors import RstError
-from rst_control.execution.guarded_pull import GuardedRun
+from rst_control.execution.guarded_pull import GuardedPull
 from rst_control.execution.orders import Glimpse
-from rst_control.execution.phase_execution import JawRun, PathRun, PhaseRun, TensionRun
+from rst_control.execution.phase_execution import JawPhase, PathPhase, PhaseExecution, TensionPhase
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.plan import Grasp, Phase, PhaseKind, Plan, Rejected
 from rst_control.trajectory.motion_profile import MotionBounds
@@ -60,7 +60,7 @@ class Motion:
         self._maker, self._held, self._place = maker, held, place
         self._waiting = deque(plan.phases)
         self._is_braking = False
-        self._run = self._next_run(now)
+        self._run = self._start_next_phase(now)
 
     def advance(self, periods: int, measured: Measurement, now: float) -> tuple[Vector, Vector]:
         """Move on.
@@ -77,7 +77,7 @@ class Motion:
             OffPath: The next phase would begin elsewhere.
         """
         if self._run.is_done and self._waiting and not self._is_braking:
-            self._run = self._next_run(now)
+            self._run = self._start_next_phase(now)
         self._held, velocity = self._run.step(periods * self._maker.period, measured)
         if self._run.phase.path is not None:
             self._place = PathPosition(self._run.phase.path, self._run.state)
@@ -140,10 +140,10 @@ class Motion:
         tension = None if self._is_braking else grasp.tension
         return replace(grasp, s=self._place.state.s, tension=tension)
 
-    def _next_run(self, now: float) -> PhaseRun:
+    def _start_next_phase(self, now: float) -> PhaseExecution:
         phase = self._waiting.popleft()
         self.phase_start = now
-        return self._maker.make_run(phase, self._held, self._place)
+        return self._maker.start_phase(phase, self._held, self._place)
 
 
 class MotionMaker:
@@ -181,7 +181,7 @@ class MotionMaker:
         except OffPath as error:
             return Rejected(Reason.NOT_AT_REST, str(error))
 
-    def make_run(self, phase: Phase, held: Vector, place: PathPosition | None) -> PhaseRun:
+    def start_phase(self, phase: Phase, held: Vector, place: PathPosition | None) -> PhaseExecution:
         """Start one phase.
 
         Raises:
@@ -190,7 +190,7 @@ class MotionMaker:
         path = phase.path
         if path is None:
             settle = 0.0 if phase.kind is PhaseKind.OPEN else self._settle
-            return JawRun(phase, held, self._jaws, self._jaw_brakes, settle)
+            return JawPhase(phase, held, self._jaws, self._jaw_brakes, settle)
         state = PathState(phase.start)
         if place is not None and place.path is path:
             state = place.state
@@ -201,8 +201,8 @@ class MotionMaker:
         if phase.braking > 0.0:
             brakes = MotionBounds(phase.speed, phase.braking, self._braking_jerk)
         if phase.tension is None:
-            return PathRun(phase, path, state, opening, bounds, brakes)
-        run = GuardedRun if self._tension.source == "joint_torque" else TensionRun
+            return PathPhase(phase, path, state, opening, bounds, brakes)
+        run = GuardedPull if self._tension.source == "joint_torque" else TensionPhase
         return run(phase, path, state, opening, bounds, brakes, self._tension)
 
 

@@ -22,7 +22,7 @@ from rst_control.types import PLAN_COUNT, Cause, Measurement, PathState, Reason,
 TINY = 1e-9  # [m] or [rad] of way, below which a phase has none to go
 
 
-class PhaseRun(Protocol):
+class PhaseExecution(Protocol):
     """One phase under way."""
 
     phase: Phase
@@ -88,7 +88,7 @@ class Braking:
         return robot_joints(point.q, self._opening), robot_joints(point.dq * state.speed, 0.0)
 
 
-class PathRun(Braking):
+class PathPhase(Braking):
     """Goes along a path to the target of the phase.
 
     Args:
@@ -121,7 +121,7 @@ class PathRun(Braking):
         return (self._brake or self._profile).state
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
-        """Move on by a time [s]; see `PhaseRun`."""
+        """Move on by a time [s]; see `PhaseExecution`."""
         profile = self._brake or self._profile
         state = profile.step(dt)
         self.is_done = profile.is_done
@@ -171,7 +171,7 @@ class TowardsTension(Braking):
         return is_first
 
 
-class TensionRun(TowardsTension):
+class TensionPhase(TowardsTension):
     """Pulls or eases along a path to the tension of the phase, or to the furthest s.
 
     It fails where the tension does not rise with the pull.
@@ -205,20 +205,20 @@ class TensionRun(TowardsTension):
         return self._brake.state if self._brake else self._control.state
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
-        """Move on by a time [s]; see `PhaseRun`."""
+        """Move on by a time [s]; see `PhaseExecution`."""
         self._feel(measured.tension)
         if self._brake is not None:
             state = self._brake.step(dt)
             self.is_done = self._brake.is_done
             return self._joints(state)
         state = self._control.step(self._now, dt)
-        self.failure = distrust_of(measured) or self._control.objection
+        self.failure = tension_invalid(measured) or self._control.objection
         if self.failure or self._control.is_settled or self._control.is_at_limit:
             self._brake_from(state)
         return self._joints(state)
 
 
-class JawRun:
+class JawPhase:
     """Moves the jaws while the tip stands still, and waits until they have settled.
 
     Args:
@@ -254,7 +254,7 @@ class JawRun:
         return PathState(0.0)
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
-        """Move on by a time [s]; see `PhaseRun`."""
+        """Move on by a time [s]; see `PhaseExecution`."""
         opening = self._profile.step(dt)
         if self._profile.is_done:
             self._left -= dt
@@ -285,9 +285,9 @@ def _grip_failure(kind: PhaseKind, is_gripped: bool) -> Cause | None:
     return None
 
 
-def distrust_of(measured: Measurement) -> Cause | None:
+def tension_invalid(measured: Measurement) -> Cause | None:
     """Why a pull to a tension cannot go on; None: it can."""
-    why = measured.distrust
+    why = measured.tension_invalid_reason
     words = f"no trusted tension to pull to: {why}"
     return Cause(Reason.TENSION_SENSOR, words) if why else None
 

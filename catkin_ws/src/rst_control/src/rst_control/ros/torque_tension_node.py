@@ -49,7 +49,8 @@ class TorqueTensionNode:
         self._is_gripped = False
         self._said: str | None = None
         self._tension = rospy.Publisher("robot/tension", WrenchStamped, queue_size=1)
-        self._distrust = rospy.Publisher("robot/tension_distrust", String, queue_size=1, latch=True)
+        invalid = "robot/tension_invalid_reason"
+        self._invalid_reason = rospy.Publisher(invalid, String, queue_size=1, latch=True)
         self._subscribers = [
             rospy.Subscriber("joint_states", JointState, self._on_joints, tcp_nodelay=True),
             rospy.Subscriber("robot/gripped", Bool, self._on_gripped),
@@ -102,19 +103,19 @@ class TorqueTensionNode:
         message.header.stamp, message.header.frame_id = joints.header.stamp, BASE
         force = message.wrench.force
         force.x, force.y, force.z = found.force
-        if found.distrust:
-            self._say(found.distrust)  # before the tension that is not to be relied on
+        if found.tension_invalid_reason:
+            self._say(found.tension_invalid_reason)  # before the invalid tension
         self._tension.publish(message)
-        self._say(found.distrust)
+        self._say(found.tension_invalid_reason)
 
     def refuse(self, why: str) -> None:
         """Say that the newest joint states cannot be used."""
         self._say(why)
 
-    def _say(self, distrust: str) -> None:
-        if distrust != self._said:
-            self._said = distrust
-            self._distrust.publish(String(distrust))
+    def _say(self, invalid: str) -> None:
+        if invalid != self._said:
+            self._said = invalid
+            self._invalid_reason.publish(String(invalid))
 
     def _on_joints(self, message: JointState) -> None:
         self._arrived = time.monotonic()

@@ -11,7 +11,7 @@ import numpy as np
 
 from rst_control.config import ControllerConfig, LimitsConfig
 from rst_control.kinematics.configuration import planning_joints, robot_joints
-from rst_control.supervision.tension_plausibility import TensionSensor
+from rst_control.supervision.tension_plausibility import TensionPlausibility
 from rst_control.types import JOINT_COUNT, JOINTS, Measurement, Vector
 
 GAP = 10.5  # periods without measurements, over which velocities no longer tell the way
@@ -36,7 +36,7 @@ class SensorWatch:
         self._gap = max(GAP / settings.rate, self._longest)  # real robots measure less often
         after = self._config.frozen_after + self._longest + settings.tension.delay
         self._joints = FrozenJoints(self._config.frozen_way, after)
-        self._tension = TensionSensor(self._config, after)
+        self._tension = TensionPlausibility(self._config, after)
         self._speed = np.array(speed, dtype=float)
         self._last: Measurement | None = None
         self._drift = np.zeros(JOINT_COUNT)  # [rad] of the positions away from their velocities
@@ -48,7 +48,7 @@ class SensorWatch:
         """Why the measurements are not believed; empty: they are."""
         return self._joints.objection or self._words
 
-    def look(self, measured: Measurement, setpoint: Vector | None, pulled: float | None) -> None:
+    def update(self, measured: Measurement, setpoint: Vector | None, pulled: float | None) -> None:
         """Take in a new measurement.
 
         Args:
@@ -70,10 +70,10 @@ class SensorWatch:
             setpoint = pulled = None
         is_gap = measured.stamp - last.stamp > self._gap  # over it, all may have changed
         words = self._motion(last, measured, is_gap)
-        words = words or self._tension.look(
-            last, measured, None if is_gap or measured.distrust else pulled
+        words = words or self._tension.update(
+            last, measured, None if is_gap or measured.tension_invalid_reason else pulled
         )
-        self._joints.look(last, measured, _kept_open(measured, setpoint))
+        self._joints.update(last, measured, _kept_open(measured, setpoint))
         if words:
             self._words = self._words or words
             self._until = measured.stamp + self._config.plausible_for
@@ -143,7 +143,7 @@ def _kept_open(measured: Measurement, setpoint: Vector | None) -> Vector | None:
     return robot_joints(q, max(sent, planning_joints(measured.position)[1]))
 
 
-def greatest_speed(config: LimitsConfig) -> Vector:
+def max_joint_speed(config: LimitsConfig) -> Vector:
     """What no joint can pass, whichever layer of limits is active [rad/s]. Shape (10,)."""
     layers = [[*layer.arm_velocity, *[layer.tool_velocity] * 3] for layer in config.layers]
     greatest: Vector = np.array(layers).max(axis=0)
@@ -169,7 +169,7 @@ class FrozenJoints:
         self._stuck: tuple[int, float] | None = None  # joint and reading [rad]
         self.objection = ""
 
-    def look(self, last: Measurement, measured: Measurement, setpoint: Vector | None) -> None:
+    def update(self, last: Measurement, measured: Measurement, setpoint: Vector | None) -> None:
         """Take in a new measurement, and where the joints are sent [rad], shape (10,)."""
         position = measured.position
         if self._stuck is not None and position[self._stuck[0]] != self._stuck[1]:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whether the tension measured while tissue is pulled can be true.
 
-`pull_answer.py` asks whether it rises as the tissue's stiffness lets expect; this asks whether the
-sensor measures at all. Tension is the length of a force, so a wrong sign changes nothing.
+`response_check.py` asks whether it rises as the tissue's stiffness lets expect. This asks whether
+the sensor measures at all. Tension is the length of a force, so a wrong sign changes nothing.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from rst_control.tension.response_check import MIN_TENSION
 from rst_control.types import Measurement
 
 
-class TensionSensor:
+class TensionPlausibility:
     """Looks at the tension from measurement to measurement.
 
     Args:
@@ -30,7 +30,7 @@ class TensionSensor:
         """Begin anew."""
         self._changed = None
 
-    def look(self, last: Measurement, measured: Measurement, pulled: float | None) -> str:
+    def update(self, last: Measurement, measured: Measurement, pulled: float | None) -> str:
         """What cannot be true; empty: nothing.
 
         Args:

@@ -9,9 +9,9 @@ import numpy as np
 
 from rst_control.config import WatchdogConfig
 from rst_control.planning.patient_surface import TrocarPose
+from rst_control.supervision.node_liveness import MASTER, NodeLiveness
 from rst_control.supervision.plausibility import SensorWatch
-from rst_control.supervision.presence import MASTER, Presence
-from rst_control.tension.response_check import RisingTension
+from rst_control.tension.delay_bound import DelayBound
 from rst_control.types import JOINTS, NOT_CONNECTED, Cause, Measurement, Reason, Vector, robot_fault
 
 
@@ -44,25 +44,27 @@ class Watchdogs:
     Args:
         limits: Settings.
         sensors: Whether measurements can be true.
-        presence: Whether those are there without whom nothing may move.
+        liveness: Whether those are there without whom nothing may move.
     """
 
-    def __init__(self, limits: WatchdogLimits, sensors: SensorWatch, presence: Presence) -> None:
-        self._limits, self._sensors, self._presence = limits, sensors, presence
+    def __init__(
+        self, limits: WatchdogLimits, sensors: SensorWatch, liveness: NodeLiveness
+    ) -> None:
+        self._limits, self._sensors, self._liveness = limits, sensors, liveness
         self._settings = limits.settings
-        self._rising = RisingTension(limits.tension_delay)
+        self._delay_bound = DelayBound(limits.tension_delay)
 
-    def look(self, measured: Measurement, setpoint: Vector | None, pulled: float | None) -> None:
-        """Take in a new measurement; see `SensorWatch.look`."""
-        self._sensors.look(measured, setpoint, pulled)
-        if measured.distrust:
-            self._rising.forget()
+    def update(self, measured: Measurement, setpoint: Vector | None, pulled: float | None) -> None:
+        """Take in a new measurement; see `SensorWatch.update`."""
+        self._sensors.update(measured, setpoint, pulled)
+        if measured.tension_invalid_reason:
+            self._delay_bound.forget()
         else:
-            self._rising.look(measured.stamp, measured.tension)
+            self._delay_bound.update(measured.stamp, measured.tension)
 
     def master(self) -> Cause | None:
         """Whether the ROS master is there; a robot at rest keeps its set-point without it."""
-        gone = self._presence.of(MASTER)
+        gone = self._liveness.of(MASTER)
         words = f"the ROS master {gone}: nobody new could stop the robot"
         return Cause(Reason.NO_MASTER, words) if gone else None
 
@@ -88,7 +90,7 @@ class Watchdogs:
 
     def owner(self, name: str) -> Cause | None:
         """Whether the node that asked for a motion is still there; it need not, without a name."""
-        gone = self._presence.of(name) if name else ""
+        gone = self._liveness.of(name) if name else ""
         return Cause(Reason.NODE_LOST, f"{name} {gone}") if gone else None
 
     def following(self, measured: Measurement, setpoint: Vector) -> Cause | None:
@@ -138,7 +140,7 @@ class Watchdogs:
         return Cause(Reason.OFF_TROCAR, words)
 
     def _tension(self, measured: Measurement, watched: Watched) -> Cause | None:
-        allowed, ahead = self._limits.tension, self._rising.ahead
+        allowed, ahead = self._limits.tension, self._delay_bound.ahead
         if not watched.raises_tension or measured.tension + ahead <= allowed:
             return None
         late = f" and {ahead:.2f} N more since it was measured" if ahead >= 0.01 else ""

@@ -13,7 +13,7 @@ from collections import deque
 from dataclasses import replace
 
 from rst_control.config import TensionConfig
-from rst_control.tension.response_check import PullAnswer
+from rst_control.tension.response_check import ResponseCheck
 from rst_control.tension.stiffness import STIFFENING, StiffnessEstimate
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.types import Cause, PathState
@@ -53,7 +53,7 @@ class TensionControl:
         self._length = length
         self._profile = MotionProfile(state, bounds)
         self._estimate = StiffnessEstimate(*config.stiffness_range, config.noise)
-        self._answer = PullAnswer()
+        self._response = ResponseCheck()
         self._past = deque([(0.0, state.s)])  # times and places, back to when the tension arose
         self._time = self._settled_for = 0.0
         self._is_braking_hard = False
@@ -74,7 +74,7 @@ class TensionControl:
     @property
     def objection(self) -> Cause | None:
         """Why it is no use to pull on; None: nothing speaks against it."""
-        return self._answer.objection
+        return self._response.objection
 
     @property
     def is_settled(self) -> bool:
@@ -95,7 +95,7 @@ class TensionControl:
 
     def step(self, force: float, dt: float) -> PathState:
         """Move on by dt [s] with the tension [N] measured now; returns the state of s then."""
-        self._look(force, dt)
+        self._update(force, dt)
         error = self._error()
         is_close = abs(error) <= self._config.tolerance
         self._settled_for = self._settled_for + dt if is_close else 0.0
@@ -104,7 +104,7 @@ class TensionControl:
         self._past.append((self._time, state.s))
         return state
 
-    def _look(self, force: float, dt: float) -> None:
+    def _update(self, force: float, dt: float) -> None:
         """Take in the measured tension, which arose where s was a while ago."""
         past, state, estimate = self._past, self.state, self._estimate
         self._time += dt
@@ -112,7 +112,7 @@ class TensionControl:
             past.popleft()
         seen = past[0][1]
         estimate.update(seen, force, abs(state.speed))
-        self._answer.look(seen, estimate.force)
+        self._response.update(seen, estimate.force)
         trusted = self._cautious * math.exp(-TRUST * dt)
         self._cautious = max(estimate.cautious, trusted)
         self.tension = max(0.0, estimate.force + estimate.value * (state.s - seen))

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from collections import deque
-
 from rst_control.types import Cause, Reason
 
 EXPECTED = 0.15  # [N] of rise after which it is looked whether it came
@@ -13,7 +11,7 @@ MIN_TENSION = 0.05  # [N] and
 MIN_WAY = 2e-4  # [m] of pull from the grasp, below which nothing is expected
 
 
-class PullAnswer:
+class ResponseCheck:
     """Compares the rise of the tension with what the pull so far lets expect.
 
     Tissue stiffens as it is pulled. So each further way should add at least the tension that the
@@ -24,7 +22,7 @@ class PullAnswer:
         self._s = self._tension = 0.0  # where it was looked last
         self.objection: Cause | None = None  # None: the tension follows the pull
 
-    def look(self, s: float, tension: float) -> None:
+    def update(self, s: float, tension: float) -> None:
         """Take in the pull from the grasp [m] and its tension [N]."""
         if s <= self._s or self._s < MIN_WAY or self._tension < MIN_TENSION:
             self._s, self._tension = s, tension
@@ -40,38 +38,3 @@ class PullAnswer:
             )
             self.objection = Cause(Reason.NO_RESPONSE_TO_PULL, words)
         self._s, self._tension = s, tension
-
-
-class RisingTension:
-    """Keeps the tension as far back as it is late.
-
-    A measurement that is late by a delay misses the rate times the delay. What it rose by within
-    the last delay is expected of the present one, too.
-
-    Args:
-        delay: By which the measured tension is late [s].
-    """
-
-    def __init__(self, delay: float) -> None:
-        self._delay = delay
-        self._past: deque[tuple[float, float]] = deque()
-
-    def look(self, stamp: float, tension: float) -> None:
-        """Take in a measured tension [N] at a time [s]; one that is no newer is passed over."""
-        if self._past and stamp <= self._past[-1][0]:
-            return
-        self._past.append((stamp, tension))
-        while len(self._past) > 1 and self._past[1][0] <= stamp - self._delay:
-            self._past.popleft()
-
-    def forget(self) -> None:
-        """Begin anew, as after a tension that was not trusted: from it to the next nothing rose."""
-        self._past.clear()
-
-    @property
-    def ahead(self) -> float:
-        """What has to be added to the newest tension [N]; where it falls, nothing."""
-        if self._delay <= 0.0 or len(self._past) < 2:
-            return 0.0
-        (since, first), (now, last) = self._past[0], self._past[-1]
-        return max(0.0, last - first) * min(1.0, self._delay / (now - since))

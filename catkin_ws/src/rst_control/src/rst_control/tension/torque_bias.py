@@ -40,7 +40,7 @@ class TareTaker:
         """Readings were missing: begin the average under way anew."""
         self._since = None
 
-    def look(
+    def update(
         self, measured: Measurement, opening: float, excess: Vector, noise_share: float
     ) -> None:
         """Take in one reading.

@@ -39,7 +39,7 @@ class TensionEstimate:
     sigma: float  # [N] standard deviation
     lateral: Vector  # (2,), [N] of the trocar on the shaft, along x and y of interface_link
     force: Vector  # (3,), [N] of the tissue on the jaws, base frame
-    distrust: str  # why it must not be relied on, with value and limit; empty: it may
+    tension_invalid_reason: str  # why it must not be relied on, with value and limit; empty: it may
 
 
 class TorqueTension:
@@ -87,7 +87,7 @@ class TorqueTension:
         if last is None or measured.stamp > last.stamp:
             self._last = measured
             self._filter(measured, last, q)
-            self._tares.look(measured, opening, self._excess, self._noise_share)
+            self._tares.update(measured, opening, self._excess, self._noise_share)
         A = load_matrix(self._dynamics.model, q, trocar, self._pull)
         return self._solve(A, measured, q)
 
@@ -120,11 +120,11 @@ class TorqueTension:
         along = self._errors.along_shaft(q, self._pull)
         sigma = sqrt(float(covariance[0, 0]) + along * along)
         tension = float(found[0])
-        distrust = self._distrust(measured, q, sigma, misfit, tare)
+        invalid = self._invalid_reason(measured, q, sigma, misfit, tare)
         lateral, force = frozen_array(found[1:], 2), frozen_array(-tension * self._pull, 3)
-        return TensionEstimate(tension, sigma, lateral, force, distrust)
+        return TensionEstimate(tension, sigma, lateral, force, invalid)
 
-    def _distrust(
+    def _invalid_reason(
         self, measured: Measurement, q: Vector, sigma: float, misfit: float, tare: Tare | None
     ) -> str:
         config, speed = self._config, np.abs(measured.velocity[:ARM])

@@ -96,7 +96,7 @@ class Course:
             return self._end, np.zeros_like(self._end)
         return self._spline(time), self._spline(time, 1)
 
-    def greatest_speed(self) -> Vector:
+    def max_joint_speed(self) -> Vector:
         """Of each joint [rad/s]; shape (7,)."""
         steps = np.diff(self._times)[:, None] * np.linspace(0.0, 1.0, SAMPLES, endpoint=False)
         times = (self._times[:-1, None] + steps).ravel()
@@ -137,7 +137,7 @@ def objections(start: Vector, waypoints: Sequence[Waypoint], limits: ArmLimits) 
                 f"actuator {joint + 1} would go from {lowest[joint]:.4f} to {highest[joint]:.4f} "
                 f"rad, allowed {low:.4f} to {high:.4f}"
             )
-    speed, acceleration = course.greatest_speed(), course.greatest_acceleration()
+    speed, acceleration = course.max_joint_speed(), course.greatest_acceleration()
     found += _above("rad/s", speed, limits.speed)
     return found + _above("rad/s^2", acceleration, limits.acceleration)
 

@@ -17,7 +17,7 @@ import rospy
 
 from rst_control.host.processes import ENDED, Process, process_of
 from rst_control.ros.common.xmlrpc import FAILURES, ask
-from rst_control.supervision.presence import MASTER
+from rst_control.supervision.node_liveness import MASTER
 
 LOOK_PERIOD: Final = 0.5  # [s] between looks for those who are not found, and at the master
 SILENCES: Final = 2  # in a row after which the master counts as hanging

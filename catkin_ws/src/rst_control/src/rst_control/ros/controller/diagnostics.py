@@ -60,6 +60,7 @@ class Diagnostics:
             message = f'{message}: {view.mode.reason}; say "hey robot" to go on'
         if view.health is not None:
             level, message = DiagnosticStatus.ERROR, view.health.words
+        measured = view.measurement
         values = {
             "reason_code": code_of(view.health or view.latch),
             "state": view.mode.state.value,
@@ -67,7 +68,7 @@ class Diagnostics:
             "rcm error [um]": f"{view.rcm_error * 1e6:.1f}",
             "trocar": trocar,
             "tension [N]": f"{view.tension:.3f}",
-            "tension not trusted": view.measurement.distrust if view.measurement else "",
+            "tension not trusted": measured.tension_invalid_reason if measured else "",
             "last command [s ago]": f"{command_age:.1f}",
             "last refusal": view.last_refusal.words if view.last_refusal else "",
             "messages of the robot": objection or "good",

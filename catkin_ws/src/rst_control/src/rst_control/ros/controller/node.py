@@ -29,15 +29,15 @@ from rst_control.ros.controller.command_service import CommandService
 from rst_control.ros.controller.control_loop import ControlLoop
 from rst_control.ros.controller.diagnostics import Diagnostics
 from rst_control.ros.controller.first_motion import ConfirmedFirst
+from rst_control.ros.controller.liveness_watch import LivenessWatch
 from rst_control.ros.controller.markers import ControllerMarkers
-from rst_control.ros.controller.presence_watch import PresenceWatch
 from rst_control.ros.controller.recording_link import RecordingLink
 from rst_control.ros.controller.robot_link import RobotLink
 from rst_control.ros.controller.trocar_service import TrocarService
 from rst_control.ros.controller.worker import Worker
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
-from rst_control.supervision.presence import Presence
+from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.types import Cause, Reason
 from typed_config import ConfigError, load_config
 
@@ -60,9 +60,9 @@ class ControllerNode:
         self._clock = RosClock()
         self._link = RobotLink(self._clock, settings.watchdogs, settings.tension.source)
         self._context = ActiveTrocarContext(make_trocar_context(config, model))
-        self._presence = Presence()
+        self._liveness = NodeLiveness()
         self._executor = make_executor(
-            config, self._context, self._link.clear_fault, self._presence
+            config, self._context, self._link.clear_fault, self._liveness
         )
         watch = RecordingWatch(settings.recording, time.monotonic)
         self._recording = RecordingLink(watch, self._executor)
@@ -94,8 +94,8 @@ class ControllerNode:
     def __enter__(self) -> ControllerNode:
         self._diagnostics.priority = ask_for_priority()
         links = (self._service.heartbeats, self._actions.start())
-        watch = PresenceWatch(
-            self._presence, self._executor, self._spoken_by, links, self._recording
+        watch = LivenessWatch(
+            self._liveness, self._executor, self._spoken_by, links, self._recording
         )
         for name, step in (
             ("planning", self._plan),
@@ -103,7 +103,7 @@ class ControllerNode:
             ("markers", self._markers.step),
             ("action", lambda: self._actions.take_news(timeout=0.2)),
             ("peers", watch.peers.step),
-            ("presence", watch.step),
+            ("liveness", watch.step),
         ):
             self._stack.enter_context(Worker(name, step, self._diagnostics.error))
         self._stack.enter_context(self._loop)
@@ -147,7 +147,7 @@ class ControllerNode:
     def _publish(self) -> None:
         time.sleep(self._state_period)
         view = self._executor.view
-        self._recording.look(view)
+        self._recording.check(view)
         self._state.publish(state_message(view, self._clock))
         while self._executor.diary:
             self._event.publish(event_message(self._executor.diary.popleft(), self._clock))

@@ -49,7 +49,7 @@ class RecordingLink:
         """Note what has become of one, before its silence tells."""
         self._watch.lost(recorder, words)
 
-    def look(self, view: View) -> None:
+    def check(self, view: View) -> None:
         """Stop what may not go on unrecorded, and tell what is new."""
         if view.mode.state is State.MOVING and (cause := self._watch.stop_cause(view.plan)):
             self._executor.stop(cause)

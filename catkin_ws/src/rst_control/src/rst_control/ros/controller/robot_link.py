@@ -19,9 +19,10 @@ from rst_control.robot.backend import RobotBackend
 from rst_control.ros.common.messages import RosClock
 from rst_control.ros.common.raw_messages import RawJointState, RawWrench, WrittenJointState
 from rst_control.ros.common.serialization import write_joint_state
-from rst_control.ros.controller.robot_messages import Reception
+from rst_control.ros.controller.measurement_assembler import MeasurementAssembler
 from rst_control.types import JOINTS, Measurement, Setpoint
 
+FORMER_TOPIC = "robot/tension_distrust"  # what is sent there makes the tension invalid
 LONGEST_FAULT = 200  # characters of what the robot says is wrong with it
 
 
@@ -36,7 +37,7 @@ class RobotLink(RobotBackend):
 
     def __init__(self, clock: RosClock, watchdogs: WatchdogConfig, tension: str) -> None:
         self._clock, self._has_tension = clock, tension != "none"
-        self._reception = Reception(watchdogs, time.monotonic, tension)
+        self._assembler = MeasurementAssembler(watchdogs, time.monotonic, tension)
         self._sent = 0
         self._servo = rospy.Publisher("robot/servo_jp", JointState, queue_size=1, tcp_nodelay=True)
         self._hold = rospy.Publisher("robot/hold", Empty, queue_size=1, tcp_nodelay=True)
@@ -45,7 +46,8 @@ class RobotLink(RobotBackend):
         self._subscribers = [
             rospy.Subscriber("joint_states", RawJointState, self._on_joints, **newest),
             rospy.Subscriber("robot/tension", RawWrench, self._on_wrench, **newest),
-            rospy.Subscriber("robot/tension_distrust", String, self._on_distrust),
+            rospy.Subscriber("robot/tension_invalid_reason", String, self._on_tension_invalid),
+            rospy.Subscriber(FORMER_TOPIC, String, self._on_former_topic),
             rospy.Subscriber("robot/setpoint_js", RawJointState, self._on_rest, **newest),
             rospy.Subscriber("robot/gripped", Bool, self._on_gripped, **newest),
             rospy.Subscriber("robot/fault", String, self._on_fault, **newest),
@@ -53,17 +55,17 @@ class RobotLink(RobotBackend):
 
     def measured_js(self) -> Measurement | None:
         """Newest joint states with the force on the jaws; None while the robot never spoke."""
-        return self._reception.measured()
+        return self._assembler.measured()
 
     @property
     def objection(self) -> str:
         """What is wrong with the robot's messages; empty: nothing."""
-        return self._reception.objection
+        return self._assembler.objection
 
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Send one set-point."""
         self._sent += 1
-        self._reception.led()
+        self._assembler.led()
         stamp = self._clock.stamp(setpoint.stamp)
         raw = write_joint_state(
             (self._sent, stamp.secs, stamp.nsecs), JOINTS, setpoint.position, setpoint.velocity
@@ -79,20 +81,24 @@ class RobotLink(RobotBackend):
         self._clear.publish(Empty())
 
     def _on_joints(self, message: RawJointState) -> None:
-        self._reception.joints = message
+        self._assembler.joints = message
 
     def _on_wrench(self, message: RawWrench) -> None:
-        self._reception.wrench = message
+        self._assembler.wrench = message
 
-    def _on_distrust(self, message: String) -> None:
+    def _on_tension_invalid(self, message: String) -> None:
         if self._has_tension:
-            self._reception.distrust = shown(message.data, LONGEST_FAULT)
+            self._assembler.tension_invalid_reason = shown(message.data, LONGEST_FAULT)
+
+    def _on_former_topic(self, _: String) -> None:
+        words = f"{FORMER_TOPIC} has another name: robot/tension_invalid_reason"
+        self._on_tension_invalid(String(words))
 
     def _on_rest(self, message: RawJointState) -> None:
-        self._reception.rest = message
+        self._assembler.rest = message
 
     def _on_gripped(self, message: Bool) -> None:
-        self._reception.gripped = message.data
+        self._assembler.gripped = message.data
 
     def _on_fault(self, message: String) -> None:
-        self._reception.fault = shown(message.data, LONGEST_FAULT)
+        self._assembler.fault = shown(message.data, LONGEST_FAULT)

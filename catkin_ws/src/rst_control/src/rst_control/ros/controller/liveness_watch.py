@@ -16,17 +16,17 @@ import rospy
 from rst_control.execution.executor import Executor
 from rst_control.ros.common.peers import Peers
 from rst_control.ros.controller.recording_link import RecordingLink
-from rst_control.supervision.presence import MASTER, Presence
+from rst_control.supervision.node_liveness import MASTER, NodeLiveness
 
 PERIOD: Final = 0.01  # [s] between looks; one takes some 0.1 ms
 HUNG_UP: Final = "hung up"
 
 
-class PresenceWatch:
+class LivenessWatch:
     """Reports who is lost. `step` and `peers.step` belong into threads of their own.
 
     Args:
-        presence: Takes the reports.
+        liveness: Takes the reports.
         executor: Says who asked for the present motion.
         spoken_by: Name of the voice node, which is always watched.
         links: Subscribers over which those who ask for motions are heard.
@@ -35,13 +35,13 @@ class PresenceWatch:
 
     def __init__(
         self,
-        presence: Presence,
+        liveness: NodeLiveness,
         executor: Executor,
         spoken_by: str,
         links: tuple[rospy.Subscriber, ...],
         recording: RecordingLink,
     ) -> None:
-        self._presence, self._executor = presence, executor
+        self._liveness, self._executor = liveness, executor
         self._spoken_by, self._links, self._recording = spoken_by, links, recording
         self.peers = Peers()
 
@@ -55,7 +55,7 @@ class PresenceWatch:
         found = {name: self.peers.state(name) for name in (MASTER, *names)}
         if owner and not found[owner] and not any(is_heard(link, owner) for link in self._links):
             found[owner] = HUNG_UP
-        self._presence.report({name: words for name, words in found.items() if words})
+        self._liveness.report({name: words for name, words in found.items() if words})
         for name in recorders:
             if words := self.peers.state(name):
                 self._recording.lost(name, words)

@@ -9,7 +9,7 @@ from typing import Final
 MASTER: Final = "ROS master"  # no node has this name, for names have no spaces
 
 
-class Presence:
+class NodeLiveness:
     """What one thread found of the others, as the control loop reads it.
 
     The ROS master has to be there for anything to move: without it nobody new could stop the robot.

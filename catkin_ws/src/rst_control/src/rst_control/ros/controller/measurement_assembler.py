@@ -26,7 +26,7 @@ from rst_control.types import JOINTS, Cause, Measurement, Reason, Vector, frozen
 
 LOST_AFTER = 0.25  # [s] without joint states: the robot counts as not connected
 NO_EFFORT, NO_FORCE = np.zeros(len(JOINTS)), np.zeros(3)
-UNTIL_TOLD = {  # why the tension is not trusted, by its source, until the robot's side says more
+INVALID_AT_START = {  # why the tension is not trusted, by its source, until the robot says more
     "sensor": "",
     "joint_torque": "nothing was heard yet of the estimate from joint torques",
     "none": "tension.source is none",
@@ -40,7 +40,7 @@ class Arrived(Protocol):
     arrived: float  # [s] steady clock
 
 
-class Reception:
+class MeasurementAssembler:
     """Makes measurements of messages. Callbacks set the newest; the loop's thread reads.
 
     Args:
@@ -57,7 +57,9 @@ class Reception:
         self.gripped: bool | None = None  # None: the robot has not told yet
         self.rest: Arrived | None = None  # where the robot holds the joints while nobody leads
         self.fault = ""
-        self.distrust = UNTIL_TOLD[tension]  # why the force must not be relied on
+        self.tension_invalid_reason = INVALID_AT_START[
+            tension
+        ]  # why the force must not be relied on
         self._has_tension = tension != "none"
         self.out_of_order = 0  # joint states refused for their stamps since the start
         self._joint_age, self._clock = watchdogs.joint_state_age, clock
@@ -119,7 +121,7 @@ class Reception:
             force=force,
             gripped=bool(self.gripped),
             fault=self._fault,
-            distrust=self.distrust,
+            tension_invalid_reason=self.tension_invalid_reason,
             sent=sample.stamp,
             sent_to=self._sent_to,
         )

@@ -7,25 +7,25 @@ import numpy as np
 import pytest
 
 from rst_control.planning.patient_surface import TrocarPose
-from rst_control.supervision.plausibility import SensorWatch, greatest_speed
-from rst_control.supervision.presence import Presence
+from rst_control.supervision.node_liveness import NodeLiveness
+from rst_control.supervision.plausibility import SensorWatch, max_joint_speed
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs, Watched
-from rst_control.tension.response_check import RisingTension
+from rst_control.tension.delay_bound import DelayBound
 from rst_control.types import Measurement
 from tests.unit.rst_control.support.executor_rig import shared
 
 
-def fed(delay: float, tensions: list[float], period: float = 0.002) -> RisingTension:
-    rising = RisingTension(delay)
+def fed(delay: float, tensions: list[float], period: float = 0.002) -> DelayBound:
+    bound = DelayBound(delay)
     for k, tension in enumerate(tensions):
-        rising.look(k * period, tension)
-    return rising
+        bound.update(k * period, tension)
+    return bound
 
 
 def test_a_steady_rise_is_expected_to_have_gone_on_for_the_delay() -> None:
     rate = 3.0  # [N/s]
-    rising = fed(0.05, [rate * 0.002 * k for k in range(100)])
-    assert rising.ahead == pytest.approx(rate * 0.05)
+    bound = fed(0.05, [rate * 0.002 * k for k in range(100)])
+    assert bound.ahead == pytest.approx(rate * 0.05)
 
 
 def test_a_tension_that_is_not_late_needs_nothing_added() -> None:
@@ -43,14 +43,14 @@ def test_an_old_rise_is_forgotten() -> None:
 
 def test_sparse_readings_do_not_count_for_more_than_the_delay() -> None:
     """At 40 Hz with a delay of 8 ms, a whole step lies in one reading; a third of it counts."""
-    rising = fed(0.008, [0.0, 0.3], period=0.025)
-    assert rising.ahead == pytest.approx(0.3 * 0.008 / 0.025)
+    bound = fed(0.008, [0.0, 0.3], period=0.025)
+    assert bound.ahead == pytest.approx(0.3 * 0.008 / 0.025)
 
 
 def test_readings_that_are_not_newer_are_passed_over() -> None:
-    rising = fed(0.05, [0.0, 0.1])
-    rising.look(0.002, 5.0)
-    assert rising.ahead == pytest.approx(0.1)
+    bound = fed(0.05, [0.0, 0.1])
+    bound.update(0.002, 5.0)
+    assert bound.ahead == pytest.approx(0.1)
 
 
 def judged(delay: float, distrusted_until: float = 0.0) -> str:
@@ -58,8 +58,8 @@ def judged(delay: float, distrusted_until: float = 0.0) -> str:
     settings = shared()[0].controller
     watchdogs = Watchdogs(
         WatchdogLimits(settings.watchdogs, 1e-3, 2.4, delay),
-        SensorWatch(settings, greatest_speed(shared()[0].limits)),
-        Presence(),
+        SensorWatch(settings, max_joint_speed(shared()[0].limits)),
+        NodeLiveness(),
     )
     still, now = np.zeros(10), 0.0
     place = TrocarPose(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
@@ -67,9 +67,11 @@ def judged(delay: float, distrusted_until: float = 0.0) -> str:
     for k in range(101):
         now = 0.002 * k
         force = np.array([0.0, 0.0, -10.0 * now])
-        distrust = "only 1 torque readings so far" if now < distrusted_until else ""
-        measured = Measurement(still, still, still, now, force, gripped=True, distrust=distrust)
-        watchdogs.look(measured, None, None)
+        invalid = "only 1 torque readings so far" if now < distrusted_until else ""
+        measured = Measurement(
+            still, still, still, now, force, gripped=True, tension_invalid_reason=invalid
+        )
+        watchdogs.update(measured, None, None)
     return watchdogs.motion(now, measured, watched)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from rst_control.execution.state_machine import State
 from rst_control.host.processes import ENDED, STOPPED
-from rst_control.supervision.presence import MASTER
+from rst_control.supervision.node_liveness import MASTER
 from tests.unit.rst_control.support.executor_rig import Rig
 
 PANEL = "/panel"
@@ -24,7 +24,7 @@ def moving(owner):
 @pytest.mark.parametrize("how", [ENDED, STOPPED])
 def test_who_asked_for_a_motion_and_is_lost_stops_it(how):
     rig = moving(PANEL)
-    rig.presence.report({PANEL: how})
+    rig.liveness.report({PANEL: how})
     rig.tick()
     assert rig.executor.view.mode.state is State.STOPPING
     rig.until(lambda: rig.executor.view.mode.state is State.FAULTED)
@@ -33,23 +33,23 @@ def test_who_asked_for_a_motion_and_is_lost_stops_it(how):
 
 def test_it_goes_on_when_somebody_else_is_lost():
     rig = moving(PANEL)
-    rig.presence.report({"/other": ENDED})
+    rig.liveness.report({"/other": ENDED})
     rig.run(0.1)
     assert rig.executor.view.mode.state is State.MOVING
 
 
 def test_a_motion_that_nobody_has_to_watch_goes_on():
     rig = moving("")
-    rig.presence.report({PANEL: ENDED, "": ENDED})
+    rig.liveness.report({PANEL: ENDED, "": ENDED})
     rig.run(0.1)
     assert rig.executor.view.mode.state is State.MOVING
 
 
 def test_nothing_goes_on_by_itself_when_it_is_back():
     rig = moving(PANEL)
-    rig.presence.report({PANEL: STOPPED})
+    rig.liveness.report({PANEL: STOPPED})
     rig.until(lambda: rig.executor.view.mode.state is State.FAULTED)
-    rig.presence.report({})
+    rig.liveness.report({})
     before = rig.executor.view.setpoint
     rig.run(1.0)
     assert rig.executor.view.mode.state is State.FAULTED
@@ -62,7 +62,7 @@ def test_who_is_lost_already_sets_nothing_off():
     rig = Rig()
     rig.run(0.3)
     rig.say("hey robot")
-    rig.presence.report({PANEL: ENDED})
+    rig.liveness.report({PANEL: ENDED})
     ticket = rig.give("tense", owner=PANEL)
     assert ticket.reply.result().message == "/panel ended"
     assert rig.executor.view.mode.state is State.ACTIVE
@@ -71,14 +71,14 @@ def test_who_is_lost_already_sets_nothing_off():
 
 def test_without_the_master_all_brakes_and_nothing_begins():
     rig = moving("")
-    rig.presence.report({MASTER: ENDED})
+    rig.liveness.report({MASTER: ENDED})
     rig.tick()
     assert rig.executor.view.mode.state is State.STOPPING
     rig.until(lambda: rig.executor.view.mode.state is State.FAULTED)
     assert rig.executor.view.mode.reason.startswith("the ROS master ended")
     for words in ("hey robot", "tense"):
         assert not rig.give(words).reply.result().accepted
-    rig.presence.report({})
+    rig.liveness.report({})
     rig.run(0.5)
     assert rig.executor.view.mode.state is State.FAULTED
     rig.say("hey robot")
@@ -89,10 +89,10 @@ def test_at_rest_without_the_master_the_grip_is_kept_by_the_same_set_point():
     rig.until(lambda: not rig.executor.view.is_moving)
     assert rig.executor.view.grasp is not None
     before = rig.executor.view.setpoint
-    rig.presence.report({MASTER: STOPPED})
+    rig.liveness.report({MASTER: STOPPED})
     rig.run(0.2)
     assert rig.executor.view.mode.state is State.FAULTED
-    rig.presence.report({})
+    rig.liveness.report({})
     rig.run(0.2)
     assert all((sent.position == before).all() for sent in rig.sent[-200:])
 
@@ -100,7 +100,7 @@ def test_at_rest_without_the_master_the_grip_is_kept_by_the_same_set_point():
 def test_a_stop_is_taken_without_the_master():
     rig = moving("")
     rig.say("stop")
-    rig.presence.report({MASTER: STOPPED})
+    rig.liveness.report({MASTER: STOPPED})
     rig.until(lambda: rig.executor.view.mode.is_latched and not rig.executor.view.is_moving)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from rst_control.config import load_motion_config
 from rst_control.ros.common.serialization import write_joint_state
-from rst_control.ros.controller.robot_messages import Reception
+from rst_control.ros.controller.measurement_assembler import MeasurementAssembler
 from rst_control.types import JOINTS
 
 WATCHDOGS = load_motion_config().controller.watchdogs
@@ -24,12 +24,12 @@ class Message:
 
 
 class Link:
-    """A reception on a steady clock of its own."""
+    """An assembler on a steady clock of its own."""
 
     def __init__(self):
         self.now = 50.0
-        self.reception = Reception(WATCHDOGS, lambda: self.now)
-        self.reception.gripped = False
+        self.assembler = MeasurementAssembler(WATCHDOGS, lambda: self.now)
+        self.assembler.gripped = False
 
     def joints(self, stamp, names=JOINTS, position=None, velocity=None):
         seconds, rest = divmod(stamp, 1.0)
@@ -37,11 +37,11 @@ class Link:
         velocity = np.zeros(len(names)) if velocity is None else velocity
         head = (1, int(seconds), round(rest * 1e9))
         raw = write_joint_state(head, names, position, velocity)
-        self.reception.joints = Message(raw, self.now)
+        self.assembler.joints = Message(raw, self.now)
 
     def tension(self, force=0.0):
         raw = struct.pack("<4I", 1, 2, 3, 0) + struct.pack("<6d", force, 0, 0, 0, 0, 0)
-        self.reception.wrench = Message(raw, self.now)
+        self.assembler.wrench = Message(raw, self.now)
 
     def run(self, seconds, stamp=lambda now: NOON + now, tension=0.0, **more):
         """Messages for a while; returns the last measurement."""
@@ -50,11 +50,11 @@ class Link:
             if tension is not None:
                 self.tension(tension)
             self.joints(stamp(self.now), **more)
-            measured = self.reception.measured()
+            measured = self.assembler.measured()
         return measured
 
     def age(self):
-        return self.now - self.reception.measured().stamp
+        return self.now - self.assembler.measured().stamp
 
 
 @pytest.fixture
@@ -64,11 +64,11 @@ def link():
 
 def test_until_the_robot_has_told_of_its_grip_nothing_is_measured(link):
     """Jaws that hold tissue would be sent to where it keeps them open, and so let it go."""
-    link.reception.gripped = None
+    link.assembler.gripped = None
     assert link.run(0.1) is None
-    assert "whether its jaws hold anything" in link.reception.objection
-    link.reception.gripped = True
-    assert link.run(0.01).gripped and link.reception.objection == ""
+    assert "whether its jaws hold anything" in link.assembler.objection
+    link.assembler.gripped = True
+    assert link.run(0.01).gripped and link.assembler.objection == ""
 
 
 def rest_at(position, now=1.0):
@@ -78,33 +78,33 @@ def rest_at(position, now=1.0):
 
 def test_where_the_robot_holds_its_joints_is_told_on_until_the_robot_is_lost(link):
     assert link.run(0.01).sent_to is None
-    link.reception.rest = rest_at(np.full(10, 0.25))
+    link.assembler.rest = rest_at(np.full(10, 0.25))
     for _ in range(2):
         np.testing.assert_array_equal(link.run(0.01).sent_to, np.full(10, 0.25))
     link.now += 0.3
-    assert not link.reception.measured().connected
+    assert not link.assembler.measured().connected
     assert link.run(0.01).sent_to is None
-    link.reception.rest = rest_at(np.full(10, 0.5))
+    link.assembler.rest = rest_at(np.full(10, 0.5))
     assert link.run(0.01).sent_to[0] == 0.5
 
 
 def test_where_the_robot_held_before_it_was_led_is_not_believed_afterwards(link):
-    link.reception.rest = rest_at(np.full(10, 0.25))
+    link.assembler.rest = rest_at(np.full(10, 0.25))
     assert link.run(0.01).sent_to is not None
-    link.reception.led()
+    link.assembler.led()
     assert link.run(0.01).sent_to is None
-    link.reception.rest = rest_at(np.full(10, 0.26))  # it was still on its way
-    link.reception.led()
+    link.assembler.rest = rest_at(np.full(10, 0.26))  # it was still on its way
+    link.assembler.led()
     assert link.run(0.01).sent_to is None
-    link.reception.rest = rest_at(np.full(10, 0.3))
+    link.assembler.rest = rest_at(np.full(10, 0.3))
     assert link.run(0.01).sent_to[0] == 0.3
 
 
 @pytest.mark.parametrize("position", [np.full(9, 0.1), np.full(10, np.nan)])
 def test_where_the_robot_holds_is_named_where_it_cannot_be_read(link, position):
-    link.reception.rest = rest_at(np.full(10, 0.25))
+    link.assembler.rest = rest_at(np.full(10, 0.25))
     link.run(0.01)
-    link.reception.rest = rest_at(position)
+    link.assembler.rest = rest_at(position)
     measured = link.run(PERIOD)
     assert measured.sent_to is None
     assert measured.fault.startswith("joint_messages: where the robot holds: ")
@@ -122,7 +122,7 @@ def test_one_message_overtaken_by_another_is_refused_and_counted_and_no_fault(li
     measured = link.run(PERIOD, stamp=lambda now: NOON + now - 0.01)
     assert measured.fault == "" and measured.connected
     assert link.age() == pytest.approx(PERIOD)
-    assert "1 refused so far, out of order" in link.reception.objection
+    assert "1 refused so far, out of order" in link.assembler.objection
     assert link.run(PERIOD).fault == ""
     assert link.age() == 0.0
 
@@ -144,7 +144,7 @@ def test_a_stamp_from_the_future_keeps_nothing_fresh(link):
     link.run(PERIOD, stamp=lambda now: NOON + now + 3600.0)
     for _ in range(20):
         link.now += PERIOD
-        link.reception.measured()
+        link.assembler.measured()
     assert link.age() == pytest.approx(0.04)
     link.run(0.02)  # stamped right again: before the last, so refused
     assert link.age() == pytest.approx(0.06)
@@ -155,7 +155,7 @@ def test_a_wall_clock_that_jumps_at_worst_loses_the_robot_for_a_moment(link, jum
     link.run(0.1)
     link.run(0.5, stamp=lambda now: NOON + now + jump)
     assert link.age() == 0.0
-    assert link.reception.measured().connected and link.reception.measured().fault == ""
+    assert link.assembler.measured().connected and link.assembler.measured().fault == ""
 
 
 def test_while_the_wall_clock_is_back_the_robot_counts_as_lost_before_it_is_believed(link):
@@ -205,7 +205,7 @@ def test_a_tension_that_stops_coming_is_a_fault_in_a_while_and_not_before(link):
 
 def test_a_grip_and_a_fault_of_the_robot_are_known_with_the_next_look(link):
     link.run(0.1)
-    link.reception.fault, link.reception.gripped = "brakes on", True
+    link.assembler.fault, link.assembler.gripped = "brakes on", True
     link.now += PERIOD
-    assert link.reception.measured().fault == "brakes on"
+    assert link.assembler.measured().fault == "brakes on"
     assert link.run(PERIOD).gripped
