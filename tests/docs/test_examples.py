@@ -10,12 +10,14 @@ from pathlib import Path
 
 import pytest
 
+from support.story import write_session
+
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 LONGEST = 40  # lines
 
 
-def run(name):
-    command = [sys.executable, EXAMPLES / name]
+def run(name, *words):
+    command = [sys.executable, EXAMPLES / name, *words]
     return subprocess.run(command, capture_output=True, text=True, timeout=200, check=True).stdout
 
 
@@ -46,3 +48,11 @@ def test_the_simulated_robot_grasps_pulls_and_lets_go():
     tensions = [float(tension) for *_, tension, _ in ends]
     assert tensions == pytest.approx([0.0, 1.0, 0.0], abs=0.05)
     assert max(float(error) for *_, error in ends) < 50.0
+
+
+def test_a_session_is_read_into_columns(tmp_path):
+    write_session(tmp_path / "session.mcap", rate=20)
+    output = run("session_to_data_frame.py", tmp_path)
+    assert "'tense' was taken for 'tense'" in output and "'stop' was taken for 'stop'" in output
+    error = float(re.search(r"RCM error inside the patient: ([\d.]+) um", output)[1])
+    assert 1.0 < error < 100.0

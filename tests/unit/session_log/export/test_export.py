@@ -3,7 +3,7 @@ import wave
 
 import pytest
 
-from session_log.export.export import ParquetMissing, export
+from session_log.export.export import ParquetMissing, export_topics
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
 from support.story import Story
@@ -23,7 +23,7 @@ def test_lost_sound_becomes_silence_of_the_same_length(tmp_path):
     with SessionWriter(tmp_path / "s.mcap") as writer:
         for message in story.messages:
             writer.add(message)
-    result = export(SessionReader(tmp_path / "s.mcap"), tmp_path / "out", [], "/a")
+    result = export_topics(SessionReader(tmp_path / "s.mcap"), tmp_path / "out", [], "/a")
     assert (result.samples, result.lost_samples) == (1536, 1024)
     with wave.open(str(result.sound)) as sound:
         content = sound.readframes(sound.getnframes())
@@ -37,5 +37,5 @@ def test_parquet_without_pyarrow_says_what_to_install_and_writes_nothing(monkeyp
         pass
     reader = SessionReader(tmp_path / "s.mcap")
     with pytest.raises(ParquetMissing, match=r"requirements-parquet\.txt.*--format csv"):
-        export(reader, tmp_path / "out", [], "/a", ("csv", "parquet"))
+        export_topics(reader, tmp_path / "out", [], "/a", ("csv", "parquet"))
     assert not (tmp_path / "out").exists()

@@ -9,7 +9,7 @@ import pytest
 
 from session_log.cli import main
 from session_log.export import parquet
-from session_log.export.export import export, flatten
+from session_log.export.export import export_topics, flatten
 from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
@@ -28,7 +28,7 @@ TOPICS = [
 @pytest.fixture(scope="module")
 def exported(story, tmp_path_factory):
     folder = tmp_path_factory.mktemp("both")
-    export(SessionReader(story[0]), folder, TOPICS, "/none", ("csv", "parquet"))
+    export_topics(SessionReader(story[0]), folder, TOPICS, "/none", ("csv", "parquet"))
     return folder
 
 
@@ -125,7 +125,7 @@ def test_the_extremes_of_every_number_survive(tmp_path):
     fields = {"first_sample": big.first_sample, "rate": big.rate, "samples": big.samples}
     story.say(0.0, "/a", "voice_assist/AudioChunk", **fields)
     reader = write(tmp_path / "s.mcap", story.messages)
-    export(reader, tmp_path, ["/a"], "/none", ("parquet",))
+    export_topics(reader, tmp_path, ["/a"], "/none", ("parquet",))
     (row,) = pq.read_table(tmp_path / "a.parquet").to_pylist()
     assert {name: row[name] for name in fields} == fields
 
@@ -136,7 +136,7 @@ def test_a_topic_that_changes_its_type_goes_on_in_a_second_file(tmp_path):
     del story.sources["/a"]
     story.say(1.0, "/a", "voice_assist/Mode", mode="active", reason="two")
     reader = write(tmp_path / "s.mcap", numbered(story.messages))
-    result = export(reader, tmp_path, ["/a"], "/none", ("csv", "parquet"))
+    result = export_topics(reader, tmp_path, ["/a"], "/none", ("csv", "parquet"))
     assert sorted(path.name for path in result.rows) == [
         "a.csv",
         "a.parquet",
@@ -152,7 +152,9 @@ def test_rows_are_written_in_groups(tmp_path, monkeypatch):
     story = Story()
     for k in range(250):
         story.say(k * 0.01, "/a", "std_msgs/String", data=f"{k}")
-    export(write(tmp_path / "s.mcap", story.messages), tmp_path, ["/a"], "/none", ("parquet",))
+    export_topics(
+        write(tmp_path / "s.mcap", story.messages), tmp_path, ["/a"], "/none", ("parquet",)
+    )
     file = pq.ParquetFile(tmp_path / "a.parquet")
     sizes = [file.metadata.row_group(k).num_rows for k in range(file.num_row_groups)]
     assert sizes == [100, 100, 50]
@@ -164,7 +166,9 @@ def test_large_messages_make_smaller_groups(tmp_path, monkeypatch):
     story = Story()
     for _ in range(5):
         story.say(0.0, "/a", "std_msgs/String", data="x" * 400)
-    export(write(tmp_path / "s.mcap", story.messages), tmp_path, ["/a"], "/none", ("parquet",))
+    export_topics(
+        write(tmp_path / "s.mcap", story.messages), tmp_path, ["/a"], "/none", ("parquet",)
+    )
     assert pq.ParquetFile(tmp_path / "a.parquet").num_row_groups == 2
 
 
@@ -180,7 +184,7 @@ def test_memory_does_not_grow_with_the_session(tmp_path, monkeypatch):
         del story
         before = pa.total_allocated_bytes()
         tracemalloc.start()
-        export(reader, tmp_path / f"{run}", ["/a"], "/none", ("csv", "parquet"))
+        export_topics(reader, tmp_path / f"{run}", ["/a"], "/none", ("csv", "parquet"))
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         return most + pa.total_allocated_bytes() - before

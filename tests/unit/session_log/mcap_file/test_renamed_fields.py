@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 from genpy.dynamic import generate_dynamic
 
-from session_log.export.export import export
+from session_log.export.export import export_topics
 from session_log.mcap_file.decoder import RENAMED_FIELDS, Decoder, MissingField
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
@@ -106,7 +106,7 @@ def test_a_former_field_is_read_and_exported_under_its_present_name(readers, tmp
     topic = {"voice_assist/Utterance": "/voice_assist/utterance"}.get(
         datatype, "/rst_control/state"
     )
-    export(readers[1], tmp_path, [topic], "/none", ("csv", "parquet"))
+    export_topics(readers[1], tmp_path, [topic], "/none", ("csv", "parquet"))
     with (tmp_path / f"{topic.strip('/').replace('/', '_')}.csv").open(encoding="utf-8") as file:
         columns = next(csv.reader(file))
     assert set(RENAMED_FIELDS[datatype].values()) <= set(columns)

@@ -59,7 +59,7 @@ def _recover(arguments: argparse.Namespace) -> int:
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    from session_log.export.export import FORMATS, Format, export
+    from session_log.export.export import FORMATS, Format, export_topics
 
     config = _config(arguments.config)
     topics = config.topics
@@ -67,7 +67,7 @@ def _export(arguments: argparse.Namespace) -> int:
     reader = SessionReader(arguments.session)
     folder = arguments.out or reader.path.parent / "export"
     formats: tuple[Format, ...] = FORMATS[arguments.format]
-    result = export(reader, folder, wanted, topics.audio, formats)
+    result = export_topics(reader, folder, wanted, topics.audio, formats)
     for path, rows in result.rows.items():
         print(f"{path}: {rows} rows")
     for topic in sorted(set(wanted) - {t for t in wanted if _is_written(t, result.rows)}):

@@ -50,7 +50,7 @@ class Export:
     undecodable: int = 0
 
 
-def export(
+def export_topics(
     reader: SessionReader,
     folder: Path,
     topics: Collection[str],
