@@ -97,8 +97,8 @@ report: setup ## SESSION=sessions/<time> or a folder of sessions: make the repor
 	@$(RUN) python -m session_log.cli report '$(SESSION)' $(if $(OUT),--out '$(OUT)') \
 	    $(if $(LATEX),--latex) $(if $(JOBS),--jobs '$(JOBS)')
 
-lint: .setup/dev ## style, types and the rule that only ros/ folders import ROS
-	@$(RUN) ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports
+lint: .setup/dev ## style, types, layers and the packages' manifests
+	@$(RUN) ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports && catkin_lint --quiet catkin_ws/src
 
 clean: ## remove what setup and the tests made; sessions stay
-	rm -rf .setup .venv catkin_ws/build catkin_ws/devel .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .setup .venv .cache/tests catkin_ws/build catkin_ws/devel .pytest_cache .mypy_cache .ruff_cache .hypothesis

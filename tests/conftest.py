@@ -23,6 +23,12 @@ hypothesis.settings.load_profile("explore" if os.environ.get("EXPLORE") else "fi
 
 
 def pytest_collection_modifyitems(items):
-    """Each test bears the name of its folder, as `-m property`."""
+    """Each test bears the name of its folder, as `-m property`, and `slow` where it is listed."""
+    slow = set((TESTS / "slow_tests.txt").read_text(encoding="utf-8").splitlines())
     for item in items:
-        item.add_marker(item.path.relative_to(TESTS).parts[0])
+        path = item.path.relative_to(TESTS)
+        item.add_marker(path.parts[0])
+        names = {str(parent) for parent in path.parents}
+        test = item.name.partition("[")[0]
+        if slow & {*names, str(path), f"{path}::{test}"}:
+            item.add_marker("slow")

@@ -60,3 +60,11 @@ def test_with_a_path_only_that_is_run(monkeypatch, arguments, are_all):
     monkeypatch.setattr(runner.subprocess, "call", lambda command: ran.append(command) or 0)
     assert runner.main(arguments) == 0
     assert (str(runner.ROOT / "tests") in ran[0]) == are_all
+
+
+def test_what_is_listed_as_slow_is_there():
+    tests = runner.ROOT / "tests"
+    lines = (tests / "slow_tests.txt").read_text(encoding="utf-8").splitlines()
+    for path, _, test in (line.partition("::") for line in lines if not line.startswith("#")):
+        assert (tests / path).exists(), path
+        assert f"def {test}" in ((tests / path).read_text("utf-8") if test else "def "), test
