@@ -12,7 +12,7 @@ RUN := unset PYTHONPATH PYTHONHOME; . catkin_ws/devel/setup.sh; export ROS_IP=12
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
 
-.PHONY: FORCE help setup demo check test bench fuzz evaluate train paper lint report clean
+.PHONY: FORCE help setup install demo check test bench fuzz evaluate train paper lint report clean
 
 help: ## list the verbs
 	@echo "Voice interface for surgical robot assistants. Say one of:"
@@ -39,6 +39,9 @@ help: ## list the verbs
 FORCE:
 
 setup: .setup/workspace ## install and build what the nodes, `make demo` and `make report` need; UNDERLAY=devel[:devel] builds upon other workspaces
+
+install: setup ## PREFIX=/opt/voice_assist: an install space that runs without this folder's sources; Python packages stay in .venv
+	@docker/setup.sh install '$(PREFIX)'
 
 demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you, ROBOT=kinova_strict leads it as Kinova's driver is led
 	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out '$(OUT)')
@@ -97,8 +100,10 @@ report: setup ## SESSION=sessions/<time> or a folder of sessions: make the repor
 	@$(RUN) python -m session_log.cli report '$(SESSION)' $(if $(OUT),--out '$(OUT)') \
 	    $(if $(LATEX),--latex) $(if $(JOBS),--jobs '$(JOBS)')
 
+# --offline: dependencies are checked against packages found, not against rosdep's database, which is fetched from elsewhere
 lint: .setup/dev ## style, types, layers and the packages' manifests
-	@$(RUN) ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports && catkin_lint --quiet catkin_ws/src
+	@$(RUN) ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports \
+	    && catkin_lint --quiet --offline --strict -W2 catkin_ws/src
 
 clean: ## remove what setup and the tests made; sessions stay
 	rm -rf .setup .venv .cache/tests catkin_ws/build catkin_ws/devel .pytest_cache .mypy_cache .ruff_cache .hypothesis

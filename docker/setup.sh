@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Sets the project up, one part per call: system FILE | python FILE | workspace. `make` and docker/Dockerfile call the same parts.
+# Sets the project up, one part per call: system FILE | python FILE | workspace | install PREFIX. `make` and docker/Dockerfile call the same parts.
 # FILE lists packages: of Debian (docker/apt-*.txt) or of Python (requirements*.txt).
 # Every part can be interrupted and run again; a part with nothing to do says so by saying nothing.
 set -eu
@@ -79,7 +79,8 @@ found_elsewhere() {
     printf '%s\n' "${found#;}" | tr ';' '\n' | awk '!seen[$0]++' | paste -s -d ';'
 }
 
-workspace() {
+# What catkin_make needs to know: the underlay, the stand-ins to build, whether the last build can be gone on with.
+prepare() {
     say "catkin workspace"
     mkdir -p .setup
     under=$(underlay)
@@ -100,23 +101,47 @@ workspace() {
     fi
     printf '%s\n' "$under" >.setup/underlay
     printf '%s\n' "$upon" >.setup/upon
+}
+
+# catkin_make on the workspace, with further arguments for it.
+build() {
     # Debian's ROS lives under /usr: only the underlay may be chained in, and cmake must find Debian's tools first
+    python=$(cd .venv/bin && pwd -P)/python # whose folder comes first on PATH of who sources the space
     (cd catkin_ws && env -u ROS_PACKAGE_PATH CMAKE_PREFIX_PATH="$under" PATH="/usr/bin:/bin:$PATH" \
-        catkin_make -DPYTHON_EXECUTABLE="$PWD/../.venv/bin/python" -DCATKIN_ENABLE_TESTING=OFF)
+        catkin_make -DPYTHON_EXECUTABLE="$python" -DCATKIN_ENABLE_TESTING=OFF "$@")
+}
+
+# compile_kinematics SPACE: with the packages of a devel or install space.
+compile_kinematics() (
     say "Compiling the kinematics (once)"
     set +u # of catkin's script
-    . catkin_ws/devel/setup.sh
+    . "$1/setup.sh"
     set -u
     .venv/bin/python -c 'from rst_control.config import load_motion_config
 from rst_control.assembly import make_trocar_context
 from rst_control.kinematics.robot_model import load_robot
 make_trocar_context(load_motion_config(), load_robot())'
+)
+
+workspace() {
+    prepare
+    build
+    compile_kinematics catkin_ws/devel
+}
+
+# install_space PREFIX: all packages with their files, runnable without the source; Python packages stay in .venv.
+install_space() {
+    case "${1:-}" in /*) ;; *) fail "The folder to install to must be an absolute path: PREFIX=/opt/voice_assist" ;; esac
+    prepare
+    build install -DCMAKE_INSTALL_PREFIX="$1"
+    compile_kinematics "$1"
 }
 
 case "${1:-}" in
 system) system_packages "${2:-docker/apt-packages.txt}" ;;
 python) python_packages "${2:-requirements.txt}" ;;
 workspace) workspace ;;
+install) install_space "${2:-}" ;;
 elsewhere) found_elsewhere ;;
-*) fail "usage: docker/setup.sh system [FILE] | python [FILE] | workspace | elsewhere" ;;
+*) fail "usage: docker/setup.sh system [FILE] | python [FILE] | workspace | install PREFIX | elsewhere" ;;
 esac

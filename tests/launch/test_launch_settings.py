@@ -28,7 +28,7 @@ def test_every_file_that_is_loaded_was_checked(name):
     checks = [e.get("command") for e in tree.iter("param") if "check_settings" in str(e.attrib)]
     assert len(checks) == 1
     command, *files = shlex.split(checks[0].replace("$(find ", "$(find:"))
-    assert command.endswith("/scripts/check_settings")
+    assert command == "$(find:typed_config)/check_settings"
     assert set(files) == {file.replace("$(find ", "$(find:") for file in loaded}
 
 

@@ -6,6 +6,7 @@ import wave
 import pytest
 
 from session_log.cli import main
+from typed_config import package_version
 
 
 def run(capsys, *words):
@@ -13,6 +14,10 @@ def run(capsys, *words):
         main([str(word) for word in words])
     shown = capsys.readouterr()
     return end.value.code, shown.out, shown.err
+
+
+def test_it_names_its_version(capsys):
+    assert run(capsys, "--version")[:2] == (0, f"session_log {package_version('session_log')}\n")
 
 
 def test_info_names_topics_rates_and_condition(story, capsys):

@@ -4,6 +4,7 @@ import pytest
 import soundfile
 from rich.console import Console
 
+from typed_config import package_version
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, make_detector, say
 from voice_assist.cli import listen as listen_module
 from voice_assist.cli.listen import Screen, row
@@ -26,6 +27,12 @@ def fails(arguments, capsys):
     with pytest.raises(SystemExit) as ended:
         main(arguments)
     return ended.value.code, capsys.readouterr().err
+
+
+def test_it_names_its_version(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main(["--version"])
+    assert capsys.readouterr().out == f"voice_assist {package_version('voice_assist')}\n"
 
 
 def test_phrases_prints_all_that_is_accepted(capsys):

@@ -17,9 +17,9 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import RecordingSummary, read_summary
 from session_log.replay.command import add_replay_options
 from session_log.report.command import add_options
-from typed_config import ConfigError, load_config, load_yaml
+from typed_config import ConfigError, load_config, load_yaml, package_folder, package_version
 
-CONFIG = Path(__file__).resolve().parents[2] / "config" / "report.yaml"
+CONFIG = package_folder("session_log") / "config" / "report.yaml"
 
 
 def main(words: Sequence[str] | None = None) -> None:
@@ -151,6 +151,8 @@ def _as_json(result: RecordingSummary) -> dict[str, object]:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="session_log", description=__doc__)
+    version = f"%(prog)s {package_version('session_log')}"
+    parser.add_argument("--version", action="version", version=version)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     info = _command(commands, "info", _info, "say what a recording holds and what it lost")
     info.add_argument("--json", action="store_true", help="as JSON")

@@ -16,7 +16,7 @@ LEAST_SPACE = 10_000_000  # [B] below it no recording goes on
 class RecorderConfig:
     """What to record, where to, and how much may wait in memory."""
 
-    folder: str = text()
+    folder: str = text(may_be_empty=True)
     name: str = text(may_be_empty=True)
     exclude: tuple[str, ...] = text()
     subscribe_early: tuple[str, ...] = text()

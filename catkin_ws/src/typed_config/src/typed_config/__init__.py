@@ -5,11 +5,19 @@ from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
 from typed_config.loader import load_config, with_present_keys
 from typed_config.overlay import overlaid
+from typed_config.resources import (
+    ResourceMissing,
+    package_file,
+    package_folder,
+    package_version,
+    repository,
+)
 from typed_config.rules import require, require_rising, require_way
 from typed_config.strict_yaml import load_yaml
 
 __all__ = [
     "ConfigError",
+    "ResourceMissing",
     "choice",
     "flag",
     "integer",
@@ -18,6 +26,10 @@ __all__ = [
     "load_yaml",
     "number",
     "overlaid",
+    "package_file",
+    "package_folder",
+    "package_version",
+    "repository",
     "require",
     "require_rising",
     "require_way",

@@ -22,6 +22,7 @@ from typed_config import (
     load_config,
     load_yaml,
     number,
+    package_folder,
     require,
     require_rising,
     text,
@@ -56,7 +57,7 @@ __all__ = [
     "load_simulation_config",
 ]
 
-PACKAGE = Path(__file__).resolve().parents[3]
+PACKAGE = package_folder("rst_control")
 CONFIG_FOLDER = PACKAGE / "config"
 URDF_FILE = PACKAGE / "urdf" / "gen3_openrst.urdf"
 

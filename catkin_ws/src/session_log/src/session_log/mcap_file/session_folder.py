@@ -8,8 +8,19 @@ from pathlib import Path
 
 from session_log.errors import RecordingFailed
 from session_log.mcap_file.writer import SessionWriter
+from typed_config import repository
 
 FILE_NAME = "session.mcap"
+
+
+def sessions_folder(named: str) -> Path:
+    """Folder of all sessions: the named one; empty: that of the repository, or of the home folder.
+
+    Packages in an install space belong to no repository.
+    """
+    if named:
+        return Path(named).expanduser().absolute()
+    return (repository("session_log") or Path.home()) / "sessions"
 
 
 def open_session(folder: Path, name: str, started: int) -> SessionWriter:

@@ -18,7 +18,7 @@ from session_log.replay.compare import Difference
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Decided, find_plugin
 from session_log.replay.replay import Replay, replay
-from typed_config import ConfigError, load_config, load_yaml
+from typed_config import ConfigError, load_config, load_yaml, package_folder
 
 SAME, DIFFERENT, FAILED = 0, 1, 2
 _FIELDS = (
@@ -162,7 +162,7 @@ def _plain(decided: Decided | None) -> dict[str, Any] | None:
     return {**{name: getattr(decided, name) for name in _FIELDS}, "wer": dict(decided.wer)}
 
 
-REPLAY_CONFIG = Path(__file__).resolve().parents[3] / "config" / "replay.yaml"
+REPLAY_CONFIG = package_folder("session_log") / "config" / "replay.yaml"
 
 
 def add_replay_options(parser: argparse.ArgumentParser) -> None:

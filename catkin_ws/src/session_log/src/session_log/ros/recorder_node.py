@@ -8,7 +8,6 @@ import sys
 import threading
 import time
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import rosgraph
@@ -16,13 +15,13 @@ import rospy
 from std_msgs.msg import String, Time
 
 from session_log.config import RecorderConfig
-from session_log.mcap_file.session_folder import open_session
+from session_log.mcap_file.session_folder import open_session, sessions_folder
 from session_log.recording import metadata
 from session_log.recording.recorder import Recorder
 from session_log.ros.diagnostics import RecorderDiagnostics
 from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
 from session_log.types import TopicSource
-from typed_config import ConfigError, load_config
+from typed_config import ConfigError, load_config, package_folder, package_version
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
 REPORT_PERIOD = 1.0  # [s] between two statuses in /diagnostics
@@ -115,7 +114,9 @@ class ParameterWatcher:
 def add_facts(recorder: Recorder, config: RecorderConfig, started: int) -> None:
     """Record what is known from the start."""
     recorder.add_metadata("session", metadata.session_facts(started, config.seed))
-    recorder.add_metadata("code", metadata.code_facts(Path(__file__).resolve().parent))
+    code = metadata.code_facts(package_folder("session_log"))
+    code["version"] = package_version("session_log")
+    recorder.add_metadata("code", code)
     recorder.add_metadata("machine", metadata.machine_facts())
     recorder.add_metadata("versions", metadata.version_facts())
 
@@ -126,7 +127,7 @@ class RecorderNode:
     def __init__(self, config: RecorderConfig) -> None:
         started = time.time_ns()
         self._config = config
-        folder = Path(config.folder).expanduser().absolute()
+        folder = sessions_folder(config.folder)
         opener = partial(open_session, folder, config.name, started)
         self._recorder = Recorder(opener, config, time.time_ns)
         self._topics = TopicSubscriber(self._recorder, config.exclude)

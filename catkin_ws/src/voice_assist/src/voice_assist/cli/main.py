@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from typed_config import ConfigError, load_config, load_yaml
+from typed_config import ConfigError, load_config, load_yaml, package_version
 from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
 from voice_assist.errors import VoiceError
 from voice_assist.intent.mapper import Mapper
@@ -136,6 +136,8 @@ def _evaluate(options: argparse.Namespace) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voice_assist", description="Hear spoken commands.")
+    version = f"%(prog)s {package_version('voice_assist')}"
+    parser.add_argument("--version", action="version", version=version)
     parser.add_argument("--config", type=Path, default=CONFIG_DIR, help="folder of the YAML files")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
     _add_listen(verbs)

@@ -8,7 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from typed_config import choice, flag, integer, load_config, load_yaml, number, require, text
+from typed_config import (
+    choice,
+    flag,
+    integer,
+    load_config,
+    load_yaml,
+    number,
+    package_folder,
+    require,
+    text,
+)
 from voice_assist.config.calibration import Calibration
 from voice_assist.config.commands import NEVER_SURE, CommandConfig, CommandsConfig
 from voice_assist.config.profile import ProfileConfig
@@ -38,7 +48,7 @@ __all__ = [
     "voice_config",
 ]
 
-CONFIG_DIR = Path(__file__).resolve().parents[3] / "config"
+CONFIG_DIR = package_folder("voice_assist") / "config"
 LOWEST_PITCH = 10.0  # [Hz] below it there is no sound to remove
 SECTIONS = (
     "audio",

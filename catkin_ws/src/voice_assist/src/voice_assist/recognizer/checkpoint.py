@@ -11,6 +11,7 @@ import whisper
 from torch import Tensor
 from whisper.model import ModelDimensions
 
+from typed_config import package_folder
 from voice_assist.errors import ModelError
 from voice_assist.recognizer.recognizer import LONGEST
 from voice_assist.recognizer.safe_weights import check_weights, read_weights
@@ -21,7 +22,7 @@ STATE, CTC = "model_state_dict", "ctc_state_dict"
 NEEDED = {"dims", STATE}
 FEWEST_POSITIONS = round(LONGEST * 50)  # of the encoder: one for 20 ms
 EMBEDDED = "embedded"
-EMBEDDED_PATH = Path(__file__).resolve().parents[3] / "models" / "embedded.pt"
+EMBEDDED_PATH = package_folder("voice_assist") / "models" / "embedded.pt"
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,10 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
+from typed_config import package_folder
 from voice_assist.errors import ModelError
 from voice_assist.speaker.network import WIDTH, Vector, unit
 
-PATH = Path(__file__).resolve().parents[3] / "models" / "speaker_cohort.npz"
+PATH = package_folder("voice_assist") / "models" / "speaker_cohort.npz"
 NEAREST = 100  # speakers by whose scores one is scaled: those most like it
 
 

@@ -9,11 +9,12 @@ from pathlib import Path
 import torch
 from torch import Tensor, nn
 
+from typed_config import package_folder
 from voice_assist.errors import ModelError
 from voice_assist.recognizer.safe_weights import check_weights, read_weights
 from voice_assist.spotter.features import WIDTH, Embeddings
 
-PATH = Path(__file__).resolve().parents[3] / "models" / "spotter.pt"
+PATH = package_folder("voice_assist") / "models" / "spotter.pt"
 CONTEXT = 10  # embeddings that one look sees: with the sound under the first of them 1.5 s
 MEMBERS = 3
 _NARROW, _HIDDEN = 32, 48

@@ -16,6 +16,7 @@ from pathlib import Path
 import torch
 from whisper.model import disable_sdpa
 
+from typed_config import package_folder, repository
 from voice_assist.recognizer.hybrid import HybridWhisper
 from voice_assist.training.data.align import align_clips
 from voice_assist.training.data.batches import Batch, Batches
@@ -29,8 +30,8 @@ from voice_assist.training.fit.objective import joint_loss
 from voice_assist.training.fit.start import start_anew, start_from
 from voice_assist.training.validation import ValidationFigures, measure
 
-PACKAGE = Path(__file__).resolve().parents[4]  # catkin_ws/src/voice_assist
-REPOSITORY = PACKAGE.parents[2]
+PACKAGE = package_folder("voice_assist")
+REPOSITORY = repository("voice_assist") or Path.cwd()
 TWINS = 8000  # clips of them, where the lesson asks for any
 LOG = logging.getLogger("fit")
 

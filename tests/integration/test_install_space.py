@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The installed packages run without their sources, and without what lies under ~/.local."""
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from support.launched_system import end_group, free_port
+from support.theatre_sound import RATE, speak
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDERS = ("catkin_ws", "docker", "launch", "urdf")
+BUILT = ("build", "devel", "install", "__pycache__", ".catkin_workspace")
+BROKEN = "raise ImportError('this em lies under ~/.local')\n"
+PATIENCE = 120.0  # [s] for the system to come up and take a command on a loaded machine
+REPEATS, PAUSE = 30, 3.0  # times that "hey robot" is said, and [s] of silence before each
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(400)]
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    """A home folder whose ~/.local has a broken package of the messages' generators."""
+    folder = tmp_path_factory.mktemp("home")
+    site = folder / ".local" / "lib" / "python3.11" / "site-packages"
+    site.mkdir(parents=True)
+    (site / "em.py").write_text(BROKEN, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def bare(home):
+    """The environment of a fresh login, on a master of its own."""
+    return {
+        "HOME": str(home),
+        "PATH": "/usr/bin:/bin",
+        "LANG": "C.UTF-8",
+        "ROS_IP": "127.0.0.1",
+        "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}",
+    }
+
+
+@pytest.fixture(scope="module")
+def prefix(tmp_path_factory, bare):
+    """An install space whose sources are gone."""
+    copy = tmp_path_factory.mktemp("copy")
+    prefix = tmp_path_factory.mktemp("prefix") / "space"
+    for name in FOLDERS:
+        leave_out = shutil.ignore_patterns(*BUILT)
+        shutil.copytree(ROOT / name, copy / name, symlinks=True, ignore=leave_out)
+    shutil.copy(ROOT / "LICENSE", copy)
+    (copy / ".venv").symlink_to((ROOT / ".venv").resolve())
+    built = subprocess.run(
+        [str(copy / "docker" / "setup.sh"), "install", str(prefix)],
+        env=bare,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert built.returncode == 0, built.stdout[-4000:] + built.stderr[-4000:]
+    shutil.rmtree(copy)
+    return prefix
+
+
+@pytest.fixture
+def run(prefix, bare):
+    """Runs a command in the shell of someone who sourced the install space."""
+
+    def run(*words):
+        line = ["/bin/sh", "-c", f'. {prefix}/setup.sh && exec "$@"', "sh", *words]
+        done = subprocess.run(line, env=bare, capture_output=True, text=True, check=False)
+        return done.stdout + done.stderr
+
+    return run
+
+
+@pytest.fixture
+def system(prefix, bare, tmp_path):
+    """The launched system, to whose voice node "hey robot" is said again and again."""
+    words = speak("hey robot", "en-us+f2", 150)
+    part = np.concatenate([np.zeros(round(PAUSE * RATE), np.float32), words])
+    soundfile.write(tmp_path / "said.wav", np.tile(part, REPEATS), RATE)
+    launch = "roslaunch voice_assist system.launch source:=wav alarm_sound:=false"
+    with (tmp_path / "log.txt").open("wb") as log:
+        process = subprocess.Popen(
+            ["/bin/bash", "-c", f". {prefix}/setup.bash; exec {launch} wav:={tmp_path}/said.wav"],
+            env=bare,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        yield process, tmp_path / "log.txt"
+        end_group(process)
+
+
+def test_files_are_installed_not_links_to_them(prefix):
+    assert (prefix / "share/voice_assist/launch/system.launch").is_file()
+    assert (prefix / "share/rst_control/urdf/gen3_openrst.urdf").is_file()
+    assert (prefix / "share/session_log/LICENSE").is_file()
+    assert not [path for path in prefix.rglob("*") if path.is_symlink()]
+
+
+def test_every_module_of_the_sources_is_installed(prefix):
+    installed = prefix / "lib" / "python3" / "dist-packages"
+    for sources in (ROOT / "catkin_ws" / "src").glob("*/src"):
+        for module in sources.rglob("*.py"):
+            assert (installed / module.relative_to(sources)).is_file()
+
+
+def test_the_installed_commands_name_their_version(run):
+    assert run("rosrun", "voice_assist", "voice_assist", "--version") == "voice_assist 0.1.0\n"
+    assert run("rosrun", "session_log", "session_log", "--version") == "session_log 0.1.0\n"
+
+
+def test_packages_under_local_are_not_seen(run, home, bare):
+    assert "3." in run("python3", "-c", "import em; print(em.__version__)")
+    open_to_all = ["python3", "-c", "import em"]
+    done = subprocess.run(open_to_all, env=bare, capture_output=True, text=True, check=False)
+    assert "under ~/.local" in done.stderr, "the broken one is where Python looks"
+
+
+def test_the_system_takes_a_command_without_its_sources(run, system, home):
+    process, log = system
+    end = time.monotonic() + PATIENCE
+    answer = ""
+    while "accepted: True" not in answer:  # refused until "hey robot" was heard
+        assert process.poll() is None and time.monotonic() < end, answer + log.read_text()
+        answer = run("rosservice", "call", "/rst_control/command", "command: 'tense'")
+    os.kill(process.pid, signal.SIGINT)
+    assert process.wait(60.0) == 0
+    shown = log.read_text(encoding="utf-8")
+    assert "Traceback" not in shown and "process has died" not in shown, shown
+    (session,) = (home / "sessions").glob("*/session.mcap")
+    assert "complete" in run("rosrun", "session_log", "session_log", "info", str(session))
