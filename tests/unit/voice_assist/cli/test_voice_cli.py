@@ -4,8 +4,8 @@ import pytest
 import soundfile
 from rich.console import Console
 
-from typed_config import package_version
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, make_detector, say
+from typed_config import package_version
 from voice_assist.cli import listen as listen_module
 from voice_assist.cli.listen import Screen, row
 from voice_assist.cli.main import main
