@@ -59,7 +59,7 @@ test: .setup/dev ## all tests; [ARGS="tests/unit/x.py -k y"] those alone
 bench: .setup/bench ## measure speed and accuracy of motion, voice and recording; writes bench/results/
 	@$(RUN) python -m bench $(ONLY)
 
-fuzz: .setup/bench ## [SECONDS=60 TARGET=desk] coverage-guided fuzzing of all that is read from others; keeps what breaks it as a test
+fuzz: .setup/bench ## [SECONDS=60 TARGET=queue] coverage-guided fuzzing of all that is read from others; keeps what breaks it as a test
 	@$(RUN) python -m tests.fuzz --seconds '$(or $(SECONDS),60)' $(TARGET)
 
 evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=active|standby] [JOBS=n] [MODEL=name]

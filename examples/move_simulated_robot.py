@@ -14,7 +14,7 @@ def main() -> None:
     trocar = rst.ActiveTrocarContext(rst.make_trocar_context(config, rst.load_robot()))
     with rst.PybulletRobot(rst.load_simulation_config(), start=10.0) as robot:
         executor = rst.make_executor(config, trocar, robot.clear_fault)
-        commands = rst.CommandDesk(executor, trocar.verify, lambda: robot.now)
+        commands = rst.CommandQueue(executor, trocar.verify, lambda: robot.now)
 
         def tick() -> None:
             if (setpoint := executor.tick(robot.now, robot.measured_js())) is not None:
@@ -23,13 +23,13 @@ def main() -> None:
 
         tick()
         for words in ("hey robot", "tense", "release"):
-            ticket = commands.take(rst.Request(words), "example")
-            if (waiting := commands.next(0.0)) is not None:
-                commands.check(waiting)
-            while not ticket.ended.done():
+            pending = commands.take(words, "example")
+            if (queued := commands.next(0.0)) is not None:
+                commands.check(queued)
+            while not pending.ended.done():
                 tick()
-            view, answer = executor.view, ticket.reply.result()
-            print(f'{robot.now:.1f} s "{words}": {answer.message}, {ticket.ended.result().kind}')
+            view, answer = executor.view, pending.reply.result()
+            print(f'{robot.now:.1f} s "{words}": {answer.message}, {pending.ended.result().kind}')
             print(f"  tension {view.tension:.2f} N, RCM error {view.rcm_error * 1e6:.1f} um")
 
 

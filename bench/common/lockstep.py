@@ -10,13 +10,12 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rst_control.admission.command_queue import CommandDesk, Ticket
+from rst_control.admission.command_queue import CommandQueue, PendingCommand
 from rst_control.execution.executor import Executor
-from rst_control.execution.state_machine import IN_MOTION
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, planning_joints
-from rst_control.planning.plan import Request
 from rst_control.planning.planner import Planner
+from rst_control.types import IN_MOTION
 
 Array = NDArray[np.float64]
 START = 10.0  # [s] time of the first state
@@ -32,7 +31,7 @@ class LockStep(ABC):
     """Time goes on only by `tick`; a context manager. Whoever derives from it makes the parts."""
 
     executor: Executor
-    desk: CommandDesk
+    queue: CommandQueue
     planner: Planner
     period: float  # [s] of the control loop
     robot: Any  # the simulation, with `reading` and `close`
@@ -59,15 +58,15 @@ class LockStep(ABC):
             self.tick(each)
         return False
 
-    def give(self, words: str, tension: float = 0.0, distance: float = 0.0) -> Ticket:
+    def give(self, words: str, tension: float = 0.0, distance: float = 0.0) -> PendingCommand:
         """Give a command and tick until it is answered."""
-        ticket = self.desk.take(Request(words, tension, distance), "bench")
-        while not ticket.reply.done():
-            waiting = None if words in AT_ONCE else self.desk.next(0.0)
+        pending = self.queue.take(words, "bench", tension=tension, distance=distance)
+        while not pending.reply.done():
+            waiting = None if words in AT_ONCE else self.queue.next(0.0)
             if waiting is not None:
-                self.desk.check(waiting)
+                self.queue.check(waiting)
             self.tick()
-        return ticket
+        return pending
 
     def finish(
         self,
@@ -77,12 +76,12 @@ class LockStep(ABC):
         each: Callable[[], None] = do_nothing,
     ) -> str:
         """Give a command and carry it out; returns what went wrong, or an empty string."""
-        ticket = self.give(words, tension, distance)
-        if not ticket.reply.result(0).accepted:
-            return f"refused: {ticket.reply.result(0).message}"
-        if not self.until(ticket.ended.done, each=each):
+        pending = self.give(words, tension, distance)
+        if not pending.reply.result(0).accepted:
+            return f"refused: {pending.reply.result(0).message}"
+        if not self.until(pending.ended.done, each=each):
             return "never ended"
-        outcome = ticket.ended.result(0)
+        outcome = pending.ended.result(0)
         return "" if outcome.kind == "succeeded" else f"{outcome.kind}: {outcome.message}"
 
     @property

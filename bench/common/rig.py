@@ -11,7 +11,7 @@ import numpy as np
 from bench.common.ideal_robot import LightRobot
 from bench.common.lockstep import START, Array, LockStep, do_nothing
 from bench.common.quiet import quiet
-from rst_control.admission.command_queue import CommandDesk
+from rst_control.admission.command_queue import CommandQueue
 from rst_control.assembly import make_executor
 from rst_control.config import MotionConfig, SimulationConfig, TissueConfig
 from rst_control.kinematics.configuration import planning_joints
@@ -46,7 +46,7 @@ class Rig(LockStep):
             self.robot: LightRobot | PybulletRobot = kind(settings, start=START)
         self.error = np.array([0.0] * 7 + list(settings.simulator.tool_joint_error))
         self.executor = make_executor(motion, context, self.robot.clear_fault)
-        self.desk = CommandDesk(self.executor, context.verify, lambda: self.robot.now)
+        self.queue = CommandQueue(self.executor, context.verify, lambda: self.robot.now)
         self._gauge = context.trocar_pose
 
     def tick(self, each: Callable[[], None] = do_nothing) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from bench.common.lockstep import START, Array, LockStep, do_nothing
 from bench.common.quiet import quiet
-from rst_control.admission.command_queue import CommandDesk
+from rst_control.admission.command_queue import CommandQueue
 from rst_control.assembly import make_executor
 from rst_control.config import CONFIG_FOLDER, MotionConfig, load_simulation_config
 from rst_control.kinematics.robot_model import load_robot
@@ -81,7 +81,7 @@ class KinovaRig(LockStep):
         context = ActiveTrocarContext(TrocarContext(motion, load_robot()))
         self.planner, self._gauge = context.current.planner, context.trocar_pose
         self.executor = make_executor(motion, context, lambda: self.bridge.clear_fault(self.now))
-        self.desk = CommandDesk(self.executor, context.verify, lambda: self.now)
+        self.queue = CommandQueue(self.executor, context.verify, lambda: self.now)
 
     # As the bridge's hardware.
 

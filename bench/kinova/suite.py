@@ -18,9 +18,8 @@ import numpy as np
 from bench.common.rig import Rig
 from bench.kinova.rig import KinovaRig, Loss, kinova_motion
 from rst_control.config import load_motion_config, load_simulation_config
-from rst_control.execution.state_machine import IN_MOTION
 from rst_control.planning.plan import PhaseKind
-from rst_control.types import Cause, Reason
+from rst_control.types import IN_MOTION, Cause, Reason
 from support.figures import Figure
 
 AnyRig = Rig | KinovaRig
@@ -145,12 +144,12 @@ def _carry_out(rig: AnyRig, words: str) -> Carried:
             errors.append(rig.rcm_error)
             tensions.append(float(np.linalg.norm(rig.robot.force)))
 
-    ticket = rig.give(words)
-    reply = ticket.reply.result(0)
+    pending = rig.give(words)
+    reply = pending.reply.result(0)
     if not reply.accepted:
         raise RuntimeError(f'"{words}" was refused: {reply.message}')
-    _until(rig, ticket.ended.done, each)
-    outcome, lasts = ticket.ended.result(0), rig.robot.now - begun
+    _until(rig, pending.ended.done, each)
+    outcome, lasts = pending.ended.result(0), rig.robot.now - begun
     if outcome.kind != "succeeded":
         raise RuntimeError(f'"{words}" {outcome.kind}: {outcome.message}')
     until = rig.robot.now + SETTLED

@@ -16,14 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.common.rig import Rig, random_poses, with_layer, with_speed
+from rst_control.commands.request import Plan
+from rst_control.commands.table import COMMANDS
 from rst_control.config import MotionConfig, SimulationConfig
 from rst_control.errors import Infeasible
 from rst_control.execution.orders import Order
 from rst_control.kinematics.robot_model import load_robot
-from rst_control.planning.plan import Phase, PhaseKind, Plan
+from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.planning.planner import Planner
 from rst_control.trajectory.path import Path
-from rst_control.types import Cause, Command, Reason
+from rst_control.types import Cause, Reason
 from support.figures import Figure
 
 FAST = 0.050  # [m/s]
@@ -139,7 +141,7 @@ def _stops(rig: Rig, count: int) -> list[Stop]:
         if path.length < LEAST_LENGTH:
             continue
         phase = rig.along(PhaseKind.REACH, path, rig.config.controller.speed.tip_speed)
-        rig.executor.post(Order(Plan(Command.TENSE, "moves", (phase,)), view.serial))
+        rig.executor.post(Order(Plan(COMMANDS["tense"], "moves", (phase,)), view.serial))
         rig.tick()
         duration = path.length / phase.speed
         rig.run(float(rng.uniform(0.05, 0.95)) * duration)

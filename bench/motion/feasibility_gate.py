@@ -12,9 +12,9 @@ import numpy as np
 from bench.common.rig import Rig
 from bench.motion.gate_cases import Case, Cases
 from bench.motion.gate_oracle import Judge
+from rst_control.commands.request import Accepted
 from rst_control.config import MotionConfig, SimulationConfig
-from rst_control.planning.plan import Accepted, Rejected
-from rst_control.types import Reason
+from rst_control.types import Reason, Rejected
 from support.figures import Figure
 
 GEOMETRIC = 0.17  # share of the cases that are scenes anywhere about the workspace
@@ -69,7 +69,7 @@ def measure(
 
 def _look(case: Case, judge: Judge, tally: Tally) -> None:
     begin = time.perf_counter()
-    decision = case.verify(case.request, case.situation)
+    decision = case.decide()
     tally.times.append(time.perf_counter() - begin)
     if isinstance(decision, Accepted):
         tally.accepted += 1

@@ -18,6 +18,8 @@ from bench.motion.near_cases import (
     with_manipulability,
     working_at,
 )
+from rst_control.commands.parser import read_request
+from rst_control.commands.request import Accepted, Situation
 from rst_control.commands.verifier import Verifier
 from rst_control.config import MotionConfig
 from rst_control.errors import Infeasible
@@ -26,15 +28,24 @@ from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.collision import CollisionModel
-from rst_control.planning.plan import Grasp, Request, Situation
+from rst_control.planning.plan import Grasp
 from rst_control.planning.planner import Planner
 from rst_control.tissue.grasp_candidates import turned
-from rst_control.types import Measurement, Reason
+from rst_control.types import Cause, ControllerMode, Measurement, Reason, Rejected, State
 
 Array = NDArray[np.float64]
 NOW = 100.0  # [s]
 MOTIONS = ("tense", "release", "pull more", "pull less")
 NONSENSE = ("pull", "tens", "stop it", "don't pull more", "", "release the beds", "hey", "more")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A command in words with its amounts."""
+
+    words: str
+    tension: float = 0.0  # [N]
+    distance: float = 0.0  # [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,10 +54,16 @@ class Case:
 
     verify: Verifier
     config: MotionConfig
-    request: Request
+    request: Asked
     situation: Situation
     expected: Reason | None  # why it must be refused; None: see `is_feasible`
     is_feasible: bool  # it must be accepted; False without `expected`: the oracle decides
+
+    def decide(self) -> Accepted | Rejected:
+        """What the gate makes of it."""
+        asked = self.request
+        request = read_request(asked.words, asked.tension, asked.distance)
+        return request if isinstance(request, Rejected) else self.verify(request, self.situation)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,11 +110,11 @@ class Cases:
         words = ("tense", "pull more", "pull less", "release")[self._rng.integers(4)]
         if words == "tense":
             target = float(self._rng.uniform(0.3, 2.0))
-            return self._case(scene, Request(words, target), self._free(), None, True)
+            return self._case(scene, Asked(words, target), self._free(), None, True)
         s, now = self._rng.uniform(0.005, 0.02), self._rng.uniform(0.6, 1.4)
         step = float(self._rng.uniform(0.05, 0.45))
         held = self._held(scene, float(s), float(now))
-        return self._case(scene, Request(words, step), held, None, True)
+        return self._case(scene, Asked(words, step), held, None, True)
 
     def infeasible(self) -> Case:
         """A command with one thing wrong."""
@@ -129,17 +146,19 @@ class Cases:
 
     def _unknown(self) -> Case:
         words = NONSENSE[self._rng.integers(len(NONSENSE))]
-        return self._usual(Request(words), Reason.UNKNOWN_COMMAND)
+        return self._usual(Asked(words), Reason.UNKNOWN_COMMAND)
 
     def _standby(self) -> Case:
-        return self._usual(self._motion(), Reason.WRONG_MODE, is_active=False)
+        return self._usual(self._motion(), Reason.WRONG_MODE, state=State.STANDBY)
 
     def _halted(self) -> Case:
-        return self._usual(self._motion(), Reason.HALTED, halt_reason="stopped by a person")
+        cause = Cause(Reason.STOP_COMMAND, "stopped by a person")
+        halted = {"state": State.HALTED, "cause": cause}
+        return self._usual(self._motion(), Reason.HALTED, **halted)
 
     def _busy(self) -> Case:
         words = ("tense", "release")[self._rng.integers(2)]
-        return self._usual(Request(words), Reason.BUSY, is_moving=True)
+        return self._usual(Asked(words), Reason.BUSY, state=State.MOVING)
 
     def _absent(self) -> Case:
         return self._usual(self._motion(), Reason.NOT_CONNECTED, connected=False)
@@ -154,16 +173,16 @@ class Cases:
     def _restless(self) -> Case:
         speed = np.zeros(10)
         speed[self._rng.integers(10)] = self._rng.choice([-1, 1]) * self._rng.uniform(0.011, 1.0)
-        return self._usual(Request("hey robot"), Reason.NOT_AT_REST, velocity=speed)
+        return self._usual(Asked("hey robot"), Reason.NOT_AT_REST, velocity=speed)
 
     def _empty(self) -> Case:
         words = MOTIONS[self._rng.integers(1, 4)]
-        return self._usual(Request(words), Reason.NOTHING_GRASPED)
+        return self._usual(Asked(words), Reason.NOTHING_GRASPED)
 
     def _grasped(self) -> Case:
         scene = self._scenes[self._rng.integers(len(self._scenes))]
         held = self._held(scene, 0.01, 1.0)
-        return self._case(scene, Request("tense"), held, Reason.ALREADY_GRASPED, False)
+        return self._case(scene, Asked("tense"), held, Reason.ALREADY_GRASPED, False)
 
     def _tension(self) -> Case:
         """A target over or under the band, by "tense" or by a step."""
@@ -171,24 +190,24 @@ class Cases:
         if rng.uniform() < 0.5:
             low, high = self._config.controller.tension.minimum, 2.0
             target = rng.uniform(0.01, low - 1e-3) if rng.uniform() < 0.5 else high + rng.uniform()
-            return self._usual(Request("tense", float(target + 1e-6)), Reason.TENSION_LIMIT)
+            return self._usual(Asked("tense", float(target + 1e-6)), Reason.TENSION_LIMIT)
         scene = self._scenes[rng.integers(len(self._scenes))]
         now = float(rng.uniform(0.3, 1.8))
         words = MOTIONS[rng.integers(2, 4)]
         room = 2.0 - now if words == "pull more" else now - 0.1
-        request = Request(words, room + float(rng.uniform(0.001, 0.5)))
+        request = Asked(words, room + float(rng.uniform(0.001, 0.5)))
         held = self._held(scene, 0.01, now)
         return self._case(scene, request, held, Reason.TENSION_LIMIT, False)
 
     def _distance(self) -> Case:
         rng, length = self._rng, self._config.scene.max_displacement
         if rng.uniform() < 0.3:
-            request = Request("tense", 1.0, length + float(rng.uniform(1e-4, 0.05)))
+            request = Asked("tense", 1.0, length + float(rng.uniform(1e-4, 0.05)))
             return self._usual(request, Reason.DISPLACEMENT_LIMIT)
         scene = self._scenes[rng.integers(len(self._scenes))]
         s, words = float(rng.uniform(0.003, 0.027)), MOTIONS[rng.integers(2, 4)]
         room = length - s if words == "pull more" else s
-        request = Request(words, 0.0, room + float(rng.uniform(1e-4, 0.02)))
+        request = Asked(words, 0.0, room + float(rng.uniform(1e-4, 0.02)))
         held = self._held(scene, s, 0.3)
         return self._case(scene, request, held, Reason.DISPLACEMENT_LIMIT, False)
 
@@ -201,7 +220,7 @@ class Cases:
             q[self._rng.integers(7)] += turn
             off = rcm_state(Configuration(self._model, q), self._trocar).error
         scene, situation = self._scenes[0], self._situation(robot_joints(q, 0.0))
-        return self._case(scene, Request("tense"), situation, Reason.RCM_TOLERANCE, False)
+        return self._case(scene, Asked("tense"), situation, Reason.RCM_TOLERANCE, False)
 
     def _too_near(self) -> Case:
         """Two bodies nearer to each other at the start than allowed."""
@@ -227,7 +246,7 @@ class Cases:
         """Tense from the home of a scene of its own."""
         verify = Verifier(Planner(self._model, config))
         free = self._situation(robot_joints(np.array(config.scene.home), 0.0))
-        return Case(verify, config, Request("tense", 1.0), free, expected, False)
+        return Case(verify, config, Asked("tense", 1.0), free, expected, False)
 
     def _moved(self, reach: float, tilt: float) -> MotionConfig:
         """Settings with the tissue elsewhere and turned.
@@ -268,8 +287,8 @@ class Cases:
     def _start(self) -> Array:
         return self._starts[self._rng.integers(len(self._starts))]
 
-    def _motion(self) -> Request:
-        return Request(MOTIONS[self._rng.integers(4)])
+    def _motion(self) -> Asked:
+        return Asked(MOTIONS[self._rng.integers(4)])
 
     def _free(self, **changes: object) -> Situation:
         return self._situation(robot_joints(np.array(self._config.scene.home), 0.0), **changes)
@@ -280,14 +299,14 @@ class Cases:
         force = np.array([0.0, 0.0, -tension])
         return replace(self._situation(joints, gripped=True, force=force), grasp=grasp)
 
-    def _usual(self, request: Request, expected: Reason, **changes: object) -> Case:
+    def _usual(self, request: Asked, expected: Reason, **changes: object) -> Case:
         situation = self._situation(robot_joints(self._start(), 0.0), **changes)
         return self._case(self._scenes[0], request, situation, expected, False)
 
     def _case(
         self,
         scene: Scene,
-        request: Request,
+        request: Asked,
         situation: Situation,
         expected: Reason | None,
         is_feasible: bool,
@@ -298,11 +317,11 @@ class Cases:
         of_mode = {k: changes.pop(k) for k in _MODE if k in changes}
         measured = {"position": joints, "velocity": np.zeros(10), "effort": np.zeros(10)}
         measurement = Measurement(**{**measured, "stamp": NOW - 0.002, **changes})  # type: ignore[arg-type]
-        settings = {"is_active": True, **of_mode}
-        return Situation(measurement, NOW, joints, **settings)  # type: ignore[arg-type]
+        mode = ControllerMode(State.ACTIVE, is_active=True)
+        return Situation(measurement, NOW, joints, replace(mode, **of_mode))  # type: ignore[arg-type]
 
 
-_MODE = ("is_active", "is_moving", "halt_reason")
+_MODE = ("state", "cause")
 
 
 def _reached(planner: Planner, count: int) -> list[Array]:

@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 from bench.motion.bullet_bodies import BulletBodies
 from bench.motion.gate_cases import Case
+from rst_control.commands.request import Plan
 from rst_control.config.collision import CollisionConfig
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.joint_limits import make_limits
 from rst_control.kinematics.robot_model import RobotModel, load_robot
 from rst_control.planning.collision_kernels import RESOLUTION
-from rst_control.planning.plan import Phase, Plan
+from rst_control.planning.plan import Phase
 from rst_control.tissue.grasp_candidates import grasp_candidates, turned
 from rst_control.types import Reason, unit_vector
 from support.kdl_chain import kdl_chain

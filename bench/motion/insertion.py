@@ -17,16 +17,18 @@ from numpy.typing import NDArray
 
 from bench.common.rig import Rig
 from bench.motion.bullet_witness import BulletWitness, Sight
+from rst_control.commands.request import Request, Situation
+from rst_control.commands.table import COMMANDS
 from rst_control.commands.verifier import Verifier
 from rst_control.config import MotionConfig, SimulationConfig
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.rcm import rcm_error
 from rst_control.kinematics.robot_model import load_robot
-from rst_control.planning.plan import Phase, PhaseKind, Rejected, Request, Situation
+from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.planning.planner import Planner
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.trajectory.path import Path
-from rst_control.types import Measurement, PathState
+from rst_control.types import ControllerMode, Measurement, PathState, Rejected, State
 from support.figures import Figure
 
 Array = NDArray[np.float64]
@@ -55,7 +57,7 @@ def measure(config: MotionConfig, simulation: SimulationConfig, count: int) -> l
         judge = Judge(planner, witness)
         for q in outside_starts(planner, count, seed=7):
             begin = time.perf_counter()
-            decision = verify(Request("insert"), situation(q))
+            decision = verify(Request(COMMANDS["insert"]), situation(q))
             times.append(time.perf_counter() - begin)
             if isinstance(decision, Rejected):
                 refusals[decision.reason.value] += 1
@@ -89,6 +91,9 @@ def measure(config: MotionConfig, simulation: SimulationConfig, count: int) -> l
     ]
 
 
+ACTIVE = ControllerMode(State.ACTIVE, is_active=True)
+
+
 def outside_starts(planner: Planner, count: int, seed: int) -> Iterator[Array]:
     """Random joints (9,) [rad] at which nothing touches and the robot is outside the patient."""
     rng, limits, outside = np.random.default_rng(seed), planner.limits, planner.patient.outside
@@ -105,7 +110,7 @@ def situation(q: Array, **more: bool) -> Situation:
     """An active controller on a robot at rest at q (9,) [rad], jaws closed."""
     joints, still = robot_joints(q, 0.0), np.zeros(10)
     measured = Measurement(joints, still, still, NOW, **more)
-    return Situation(measured, NOW, setpoint=joints, is_active=True)
+    return Situation(measured, NOW, setpoint=joints, mode=ACTIVE)
 
 
 class Judge:
@@ -206,15 +211,15 @@ class Run:
         """Carry out one command, unless an earlier one failed."""
         if self.failure:
             return
-        ticket = self._rig.give(words)
-        if not ticket.reply.result(0).accepted:
-            self.failure = f'"{words}" refused: {ticket.reply.result(0).message}'
+        pending = self._rig.give(words)
+        if not pending.reply.result(0).accepted:
+            self.failure = f'"{words}" refused: {pending.reply.result(0).message}'
             return
-        while not ticket.ended.done():
+        while not pending.ended.done():
             self._rig.tick(self._look)
             self.phases.add(self._rig.executor.view.phase)
-        if ticket.ended.result(0).kind != "succeeded":
-            self.failure = f'"{words}": {ticket.ended.result(0).message}'
+        if pending.ended.result(0).kind != "succeeded":
+            self.failure = f'"{words}": {pending.ended.result(0).message}'
 
     def _look(self) -> None:
         tip, trocar = self._rig.robot.tip, self._rig.planner.trocar

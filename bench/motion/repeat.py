@@ -67,11 +67,11 @@ def run(config: MotionConfig, simulation: SimulationConfig) -> Run:
         rig.wake()
         start, wall, process = rig.robot.now, time.perf_counter(), time.process_time()
         for words in SESSION:
-            ticket = rig.give(words)
-            while not ticket.ended.done():
+            pending = rig.give(words)
+            while not pending.ended.done():
                 rig.tick(look)
-            if ticket.ended.result(0).kind != "succeeded":
-                raise RuntimeError(f'"{words}" {ticket.ended.result(0)}')
+            if pending.ended.result(0).kind != "succeeded":
+                raise RuntimeError(f'"{words}" {pending.ended.result(0)}')
             digest.update(rig.robot.force.tobytes())
         return Run(
             digest.hexdigest(),

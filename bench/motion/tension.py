@@ -209,9 +209,9 @@ def _pull(rig: Rig, words: str, target: float, step: float) -> Pull:
     seen: list[tuple[float, float, float]] = []
     start = float(np.linalg.norm(rig.robot.force))
     began = rig.robot.now
-    ticket = rig.give(words, tension=step or target)
-    if not ticket.reply.result(0).accepted:
-        raise RuntimeError(f'"{words}" refused: {ticket.reply.result(0).message}')
+    pending = rig.give(words, tension=step or target)
+    if not pending.reply.result(0).accepted:
+        raise RuntimeError(f'"{words}" refused: {pending.reply.result(0).message}')
     if not step:
         rig.until(lambda: rig.executor.view.phase == PhaseKind.PULL.value)
         began = rig.robot.now
@@ -220,9 +220,9 @@ def _pull(rig: Rig, words: str, target: float, step: float) -> Pull:
         force = float(np.linalg.norm(rig.robot.force))
         seen.append((rig.robot.now - began, force, rig.executor.view.path_position))
 
-    while not ticket.ended.done():
+    while not pending.ended.done():
         rig.tick(look)
-    if (outcome := ticket.ended.result(0)).kind != "succeeded":
+    if (outcome := pending.ended.result(0)).kind != "succeeded":
         raise RuntimeError(f'"{words}" {outcome.kind}: {outcome.message}')
     done = len(seen)
     for _ in range(round(HOLD / rig.period)):

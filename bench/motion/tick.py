@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.common.rig import Rig, random_poses
+from rst_control.commands.request import Plan
+from rst_control.commands.table import COMMANDS
 from rst_control.config import MotionConfig, SimulationConfig
 from rst_control.errors import Infeasible
 from rst_control.execution.orders import Order
-from rst_control.planning.plan import PhaseKind, Plan
-from rst_control.types import Command, Measurement
+from rst_control.planning.plan import PhaseKind
+from rst_control.types import Measurement
 from support.figures import Figure
 
 Array = NDArray[np.float64]
@@ -77,7 +79,9 @@ def _set_off(rig: Rig, seed: int) -> None:
         except Infeasible:
             continue
         phase = rig.along(PhaseKind.REACH, path, rig.config.controller.speed.tip_speed)
-        rig.executor.post(Order(Plan(Command.TENSE, "moves", (phase,)), rig.executor.view.serial))
+        rig.executor.post(
+            Order(Plan(COMMANDS["tense"], "moves", (phase,)), rig.executor.view.serial)
+        )
         rig.tick()
         return
     raise RuntimeError("none of 50 random paths could be planned")

@@ -18,12 +18,14 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rst_control.commands.request import Accepted, Request, Situation
+from rst_control.commands.table import COMMANDS
 from rst_control.commands.verifier import Verifier
 from rst_control.config import MotionConfig, TissueConfig
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.kinematics.robot_model import load_robot
-from rst_control.planning.plan import Accepted, Phase, Request, Situation
+from rst_control.planning.plan import Phase
 from rst_control.planning.planner import Planner
 from rst_control.simulation.tissue import Tissue
 from rst_control.tension.control import TensionControl
@@ -32,7 +34,7 @@ from rst_control.tissue.sheet import rest_points, rim_nodes
 from rst_control.tissue.triangulation import pull_direction, triangulation
 from rst_control.trajectory.motion_profile import MotionBounds
 from rst_control.trajectory.path import Path
-from rst_control.types import Measurement, PathState
+from rst_control.types import ControllerMode, Measurement, PathState, State
 from support.figures import Figure
 
 Array = NDArray[np.float64]
@@ -167,7 +169,7 @@ def attempt(config: MotionConfig, seed: int) -> Attempt:
     planner = Planner(load_robot(), settings)
     verify, situation = Verifier(planner), _at_home(settings)
     begin = time.thread_time()
-    decision = verify(Request("tense", TENSION), situation)
+    decision = verify(Request(COMMANDS["tense"], TENSION), situation)
     took = time.thread_time() - begin
     if not isinstance(decision, Accepted):
         return Attempt((f"refused: {decision.reason.value}",), took)
@@ -216,4 +218,4 @@ def _pulled(planner: Planner, phase: Phase, path: Path, tissue: Tissue) -> tuple
 def _at_home(config: MotionConfig) -> Situation:
     joints = robot_joints(np.array(config.scene.home), 0.0)
     measurement = Measurement(joints, np.zeros(10), np.zeros(10), 10.0)
-    return Situation(measurement, 10.0, joints, is_active=True)
+    return Situation(measurement, 10.0, joints, ControllerMode(State.ACTIVE, is_active=True))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rst_control.commands.camera_step import WAYS
+from rst_control.commands.camera_step import STEPS
 from typed_config import load_config, load_yaml
 from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR, CommandsConfig
@@ -81,7 +81,7 @@ def test_the_table_of_the_endoscope_is_that_of_its_commands():
         for phrase, call in zip(phrases.split(", "), calls.split(", "), strict=True)
     }
     assert told == {c.phrase: c.command for c in commands.commands if c.is_motion}
-    assert set(told.values()) == {command.value for command in WAYS}
+    assert set(told.values()) == set(STEPS)
 
 
 def test_what_is_no_direction_of_the_endoscope_is_no_command():

@@ -7,7 +7,7 @@ NAMES = (
     "messages",
     "stream",
     "handshake",
-    "desk",
+    "queue",
     "mapper",
     "callers",
     "sound",

@@ -23,17 +23,18 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String, Time
 from std_srvs.srv import TriggerRequest
 
-from rst_control.admission.callers import LONGEST_NAME, MAX_CALLERS, Doorkeeper, caller_name
-from rst_control.admission.command_queue import LONGEST, CommandDesk, is_stop, read_command, unknown
+from rst_control.admission.callers import MAX_CALLERS, MAX_NAME, CallLimiter, caller_name
+from rst_control.admission.command_queue import CommandQueue
+from rst_control.commands.parser import MAX_LENGTH, is_stop, read_command, unknown
+from rst_control.commands.table import COMMANDS
 from rst_control.config.callers import CallersConfig
 from rst_control.msg import AssistActionGoal, ControllerState, Event
-from rst_control.planning.plan import Request
 from rst_control.ros.common.serialization import BadMessage, JointStateReader, read_force
 from rst_control.ros.controller.command_service import WordsCommand
 from rst_control.ros.rospy_patches.message_framing import has_whole_header, split_messages
 from rst_control.ros.rospy_patches.message_limits import _read_messages
 from rst_control.srv import CommandRequest, FitTrocarRequest, SetTrocarRequest
-from rst_control.types import JOINTS, Command
+from rst_control.types import JOINTS
 from tests.fuzz.names import NAMES
 from tests.support.null_executor import Nobody
 from voice_assist.audio.source import FRAME, Framer
@@ -51,9 +52,9 @@ MESSAGES = (
     *(JointState, AudioChunk, Event, ControllerState, AssistActionGoal, GoalID, String, Time),
     *(Empty, Bool, CommandRequest, SetTrocarRequest, FitTrocarRequest, TriggerRequest),
 )
-COMMANDS = load_voice_config().commands
-MAPPER = Mapper(COMMANDS)
-HALTS = {command.phrase for command in COMMANDS.commands if command.is_halt}
+SPOKEN = load_voice_config().commands
+MAPPER = Mapper(SPOKEN)
+HALTS = {command.phrase for command in SPOKEN.commands if command.is_halt}
 
 
 def fuzz_joint_states(data):
@@ -118,17 +119,17 @@ def fuzz_handshake(data):
             rosgraph.network.decode_ros_handshake_header(data)  # rospy hangs up at any of these
 
 
-def fuzz_desk(data):
-    """Only a command letter by letter goes further than the desk; a stop goes at once."""
+def fuzz_queue(data):
+    """Only a command letter by letter goes further than the queue; a stop goes at once."""
     words = _text(data)
     _text_is_safe(words)
     executor = Nobody()
-    desk = CommandDesk(executor, lambda *_: None, lambda: 0.0)
-    ticket = desk.take(Request(words), "fuzz")
-    waits, command = desk.next(0.0) is not None, read_command(words)
-    assert (len(executor.stops) == 1) is (command is Command.STOP)
-    assert (waits or bool(executor.orders)) is (command not in (None, Command.STOP))
-    assert ticket.reply.done() is not (waits or bool(executor.orders))
+    queue = CommandQueue(executor, lambda *_: None, lambda: 0.0)
+    pending = queue.take(words, "fuzz")
+    waits, command = queue.next(0.0) is not None, read_command(words)
+    assert (len(executor.stops) == 1) is (command is COMMANDS["stop"])
+    assert (waits or bool(executor.orders)) is (command not in (None, COMMANDS["stop"]))
+    assert pending.reply.done() is not (waits or bool(executor.orders))
 
 
 def fuzz_mapper(data):
@@ -136,22 +137,22 @@ def fuzz_mapper(data):
     text = _text(data)
     outcome = MAPPER(text)
     MAPPER.can_grow(text)
-    assert tuple(outcome.wer) == COMMANDS.phrases
+    assert tuple(outcome.wer) == SPOKEN.phrases
     if isinstance(outcome, Match) and outcome.command not in HALTS:
-        threshold = COMMANDS.get(outcome.command).threshold
+        threshold = SPOKEN.get(outcome.command).threshold
         assert outcome.wer[outcome.command] < threshold and not foreign(text)
     assert all(word.isalpha() for word in normalize(text))
 
 
 def fuzz_callers(data):
     """Any names in any order: bounded memory, and a stop is always let in."""
-    door = Doorkeeper(CallersConfig(allowed=("/a*",), rate=1.0, burst=2), lambda: 0.0)
+    limiter = CallLimiter(CallersConfig(allowed=("/a*",), rate=1.0, burst=2), lambda: 0.0)
     for line in data.split(b"\n"):
         name = caller_name(_text(line))
-        assert 0 < len(name) <= LONGEST_NAME and name.isprintable()
-        assert door.admit(name, is_stop=True).objection is None
-        assert door.admit(name).objection is None or door.admit(name).objection
-        assert door.counted <= MAX_CALLERS
+        assert 0 < len(name) <= MAX_NAME and name.isprintable()
+        assert limiter.admit(name, is_stop=True).refusal is None
+        assert limiter.admit(name).refusal is None or limiter.admit(name).refusal
+        assert limiter.counted <= MAX_CALLERS
 
 
 def fuzz_sound(data):
@@ -181,11 +182,11 @@ def _text_is_safe(words):
     command = read_command(words)
     refusal = unknown(words).words
     assert refusal.isprintable() and len(refusal) < 400
-    if command is Command.STOP:
+    if command is COMMANDS["stop"]:
         assert is_stop(words)
     elif command is not None:
-        assert words.isascii() and len(words) <= LONGEST
-        assert " ".join(words.split()).lower() == command.value
+        assert words.isascii() and len(words) <= MAX_LENGTH
+        assert " ".join(words.split()).lower() == command.phrase
 
 
 SILENT = Silent()

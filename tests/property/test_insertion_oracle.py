@@ -11,7 +11,9 @@ from bench.motion.bullet_witness import BulletWitness
 from bench.motion.insertion import Judge, outside_starts, situation
 from rst_control.commands.verifier import Verifier
 from rst_control.errors import Infeasible
-from rst_control.planning.plan import PhaseKind, Rejected, Request
+from rst_control.planning.plan import PhaseKind
+from rst_control.types import Rejected
+from tests.unit.rst_control.support.situations import request
 
 STARTS = 100
 LOOKS = 25  # places of each phase
@@ -33,7 +35,7 @@ def verify(planner):
 @pytest.fixture(scope="module")
 def decisions(planner, verify):
     starts = outside_starts(planner, STARTS, seed=21)
-    return [(q, verify(Request("insert"), situation(q))) for q in starts]
+    return [(q, verify(request("insert"), situation(q))) for q in starts]
 
 
 def test_insertion_from_anywhere_outside_is_planned_or_refused_with_a_reason(decisions):
@@ -67,7 +69,7 @@ def test_withdrawals_from_anywhere_inside_keep_them_as_well(planner, judge, veri
             q = planner.leg(q, pose).end
         except Infeasible:
             continue
-        decision = verify(Request("withdraw"), situation(q))
+        decision = verify(request("withdraw"), situation(q))
         assert not isinstance(decision, Rejected), decision.words
         assert judge.objection(q, decision.plan.phases, LOOKS) == ""
         judged += 1

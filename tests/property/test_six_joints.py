@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bench.common.rig import random_poses
-from rst_control.admission.command_queue import CommandDesk
+from rst_control.admission.command_queue import CommandQueue
 from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.description.facts import load_facts
 from rst_control.description.urdf_writer import urdf_text
@@ -17,7 +17,6 @@ from rst_control.errors import Infeasible, RobotModelError
 from rst_control.kinematics import forward, manipulability
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.robot_model import parse_robot
-from rst_control.planning.plan import Request
 from rst_control.planning.planner import Planner
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.trajectory.motion_profile import MotionProfile
@@ -152,7 +151,7 @@ def test_all_commands_are_carried_out_in_the_trocar(planner):
     robot = FakeRobot(begin, lambda: now[0], tissue=LinearSpring(tip_of, 200.0))
     context = ActiveTrocarContext(make_trocar_context(config, model))
     executor = make_executor(config, context, robot.clear_fault)
-    desk = CommandDesk(executor, context.verify, lambda: now[0])
+    queue = CommandQueue(executor, context.verify, lambda: now[0])
 
     def tick():
         now[0] += PERIOD
@@ -161,16 +160,16 @@ def test_all_commands_are_carried_out_in_the_trocar(planner):
             robot.servo_jp(setpoint)
 
     def carry_out(words):
-        ticket = desk.take(Request(words), "test")
+        pending = queue.take(words, "test")
         for _ in range(30_000):
-            if ticket.ended.done() or (words == "hey robot" and ticket.reply.done()):
+            if pending.ended.done() or (words == "hey robot" and pending.reply.done()):
                 break
-            if not ticket.reply.done() and (waiting := desk.next(0.0)) is not None:
-                desk.check(waiting)
+            if not pending.reply.done() and (waiting := queue.next(0.0)) is not None:
+                queue.check(waiting)
             tick()
-        assert ticket.reply.result(0).accepted, ticket.reply.result(0).message
+        assert pending.reply.result(0).accepted, pending.reply.result(0).message
         if words != "hey robot":
-            assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
+            assert pending.ended.result(0).kind == "succeeded", pending.ended.result(0)
 
     for _ in range(10):
         tick()

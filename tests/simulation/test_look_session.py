@@ -8,13 +8,12 @@ import pytest
 
 from bench.common.rig import Rig
 from bench.motion.insertion import Run
-from rst_control.commands.camera_step import WAYS
+from rst_control.commands.camera_step import STEPS
 from rst_control.config import load_motion_config, load_simulation_config
-from rst_control.execution.state_machine import State
-from rst_control.types import LOOKS
+from rst_control.types import State
 
 WORST = 20e-6  # [m] of the shaft from the trocar, after every step of the physics
-BACK = {c: next(d for d in LOOKS if not any(np.add(WAYS[c], WAYS[d]))) for c in LOOKS}
+OPPOSITE = {tuple(np.negative(step)): phrase for phrase, step in STEPS.items()}
 
 
 @pytest.fixture(scope="module")
@@ -27,9 +26,10 @@ def rig():
 
 def test_eight_directions_and_closer_and_back_with_the_shaft_in_the_trocar(rig):
     run, start = Run(rig), rig.executor.view.setpoint
-    for command in (*(c for c in LOOKS if not WAYS[c][2]), LOOKS[-2]):
-        run.finish(command.value)
-        run.finish(BACK[command].value)
+    for phrase, step in STEPS.items():
+        if phrase != "look wider":
+            run.finish(phrase)
+            run.finish(OPPOSITE[step])
     assert run.failure == "" and run.phases == {"look", "hold"}
     assert 0.0 < run.error < WORST
     print(f"largest RCM error: {run.error * 1e6:.2f} um")

@@ -15,19 +15,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from rst_control.admission.recording_gate import ADVANCING
+from rst_control.commands.spec import Load
 from rst_control.config import load_motion_config
 from rst_control.execution.executor import Executor
 from rst_control.execution.motion import MotionMaker
 from rst_control.execution.orders import DiaryEntry, Order
 from rst_control.execution.setpoint import Mover
-from rst_control.execution.state_machine import State
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import PhaseKind
 from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
-from rst_control.types import JOINT_COUNT, Cause, PathState, Reason
+from rst_control.types import JOINT_COUNT, Cause, PathState, Reason, State
 from tests.state_search.inputs import (
     FOUND,
     LATE,
@@ -170,7 +169,7 @@ class Controller:
             return (
                 *(is_spoken, motion.raises_tension, motion.needs_grip, motion.can_retarget),
                 *(len(motion._waiting), motion._run.is_done, bool(motion.failure)),
-                motion.plan.command in ADVANCING,
+                motion.plan.command.load is Load.LOADS,
             )
         is_watched = mode.mode_after is not State.FAULTED  # as Executor._watch has it
         return is_watched and is_spoken, is_watched and motion.raises_tension

@@ -12,24 +12,28 @@ from itertools import product
 
 import numpy as np
 
-from rst_control.planning.plan import Grasp, Phase, PhaseKind, Plan
+from rst_control.commands.camera_step import CAMERA_STEPS
+from rst_control.commands.request import Plan
+from rst_control.commands.spec import CommandSpec
+from rst_control.commands.table import COMMANDS
+from rst_control.planning.plan import Grasp, Phase, PhaseKind
 from rst_control.supervision.node_liveness import MASTER
-from rst_control.types import BY_HAND, JOINT_COUNT, LOOKS, Command, Measurement
+from rst_control.types import JOINT_COUNT, Measurement
 
 ZERO = np.zeros(JOINT_COUNT)
 WAY, PULL = object(), object()  # stand for paths
-AT_ONCE = (Command.HEY_ROBOT, Command.TERMINATE)
-# Of the ways to look one stands for all: they differ in their paths alone, which are left out here.
-COMMANDS = tuple(c for c in Command if c not in LOOKS[1:])
-MOTIONS = tuple(c for c in COMMANDS if c not in (*AT_ONCE, Command.STOP))
+AT_ONCE = (COMMANDS["hey robot"], COMMANDS["terminate"])
+# Of the camera steps one stands for all: they differ in their paths alone, which are left out here.
+TRIED = tuple(c for c in COMMANDS.values() if c not in CAMERA_STEPS[1:])
+MOTIONS = tuple(c for c in TRIED if c not in (*AT_ONCE, COMMANDS["stop"]))
 PHASES = {
-    Command.TENSE: (PhaseKind.REACH, PhaseKind.PULL),
-    Command.PULL_MORE: (PhaseKind.STEP,),
-    Command.PULL_LESS: (PhaseKind.STEP,),
-    Command.RELEASE: (PhaseKind.EASE,),
-    Command.INSERT: (PhaseKind.INSERT,),
-    Command.WITHDRAW: (PhaseKind.WITHDRAW,),
-    LOOKS[0]: (PhaseKind.LOOK,),
+    COMMANDS["tense"]: (PhaseKind.REACH, PhaseKind.PULL),
+    COMMANDS["pull more"]: (PhaseKind.STEP,),
+    COMMANDS["pull less"]: (PhaseKind.STEP,),
+    COMMANDS["release"]: (PhaseKind.EASE,),
+    COMMANDS["insert"]: (PhaseKind.INSERT,),
+    COMMANDS["withdraw"]: (PhaseKind.WITHDRAW,),
+    CAMERA_STEPS[0]: (PhaseKind.CAMERA_STEP,),
 }
 LATE = {"silent": 1.0, "long": 1.0, "overtime": 200.0}  # [s] that pass before such a tick
 
@@ -38,7 +42,7 @@ LATE = {"silent": 1.0, "long": 1.0, "overtime": 200.0}  # [s] that pass before s
 class Given:
     """A verified command that is handed over."""
 
-    command: Command
+    command: CommandSpec
     is_spoken: bool = False
     is_fresh: bool = True  # verified in the view of this moment
 
@@ -56,7 +60,7 @@ class Input:
     is_changed: bool = False  # the trocar was set
 
     def __str__(self) -> str:
-        words = [f"{o.command.value}{'' if o.is_fresh else ' (stale)'}" for o in self.orders]
+        words = [f"{o.command.phrase}{'' if o.is_fresh else ' (stale)'}" for o in self.orders]
         words += ["stop"] * self.is_stopped + ["trocar set"] * self.is_changed
         return ", ".join(words) + f" [{self.found}]"
 
@@ -116,14 +120,14 @@ def plan_of(command):
     pulls = (PhaseKind.PULL, PhaseKind.STEP)
     phases = tuple(Phase(k, PULL if k in pulls else WAY) for k in PHASES.get(command, ()))
     is_pull = bool(phases) and phases[-1].kind in pulls
-    return Plan(command, command.value, phases, Grasp(PULL, WAY) if is_pull else None)
+    return Plan(command, command.phrase, phases, Grasp(PULL, WAY) if is_pull else None)
 
 
 def singles():
     """Every command, every way in which it can be handed over."""
     found = [Given(c) for c in AT_ONCE]
     found += [Given(c, is_fresh=fresh) for c, fresh in product(MOTIONS, (True, False))]
-    spoken = [c for c in MOTIONS if c not in BY_HAND]
+    spoken = [c for c in MOTIONS if not c.is_by_hand_only]
     found += [Given(c, True, fresh) for c, fresh in product(spoken, (True, False))]
     return found
 

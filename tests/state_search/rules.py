@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from rst_control.execution.state_machine import State
+from rst_control.commands.table import COMMANDS
 from rst_control.kinematics.configuration import planning_joints, robot_joints
-from rst_control.types import Command
+from rst_control.types import State
 from tests.state_search.inputs import FOUND, LATE, WATCHED
 
 # A robot at rest does not mind who has left; without a master it wakes for nobody.
@@ -40,9 +40,9 @@ def objection(before, given, edge, held):
 def _motion(before, given, edge):
     was, state, is_active = before[0], *edge.to[:2]
     if edge.started is not None and not edge.started.is_fresh:
-        return f"{edge.started.command.value} set off without a path verified here"
+        return f"{edge.started.command.phrase} set off without a path verified here"
     if edge.started is not None and was not in (State.ACTIVE, State.MOVING):
-        return f"{edge.started.command.value} set off from {was.value}"
+        return f"{edge.started.command.phrase} set off from {was.value}"
     if state is not State.MOVING:
         return ""
     if was not in (State.ACTIVE, State.MOVING):
@@ -60,7 +60,7 @@ def _latch(before, given, edge):
         return f"a stop led to {edge.to[0].value}"
     if not was or is_held:
         return ""
-    is_asked = any(order.command is Command.HEY_ROBOT for order in given.orders)
+    is_asked = any(order.command is COMMANDS["hey robot"] for order in given.orders)
     was_waiting = not before[-1]  # an earlier one, for the robot to be well
     if not (is_asked or was_waiting):
         return f"the latch was lifted by {given}"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Dialogue, desk, recording and controller together: every state that any events lead to.
+"""Dialogue, queue, recording and controller together: every state that any events lead to.
 
-The controller is the graph of `searched_controller`. Mapper, dialogue, desk, the rule of recording
+The controller is the graph of `searched_controller`. Mapper, dialogue, queue, the rule of recording
 and the refusals by mode are the product's own, asked for every state in which they can be asked.
 What is planned and measured is left to chance: whatever the mode lets pass may be verified.
 """
@@ -15,31 +15,31 @@ from itertools import product
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from rst_control.admission import command_queue as rst_desk
-from rst_control.admission.recording_gate import ADVANCING, RecordedOnly, RecordingWatch
+from rst_control.admission import command_queue
+from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.commands.preconditions import mode_refusal
+from rst_control.commands.request import Accepted
+from rst_control.commands.spec import CommandSpec, Load
+from rst_control.commands.table import COMMANDS
 from rst_control.config.recording import RecordingConfig
-from rst_control.execution.state_machine import State
-from rst_control.planning.plan import Accepted, Request
-from rst_control.types import Command
+from rst_control.types import State
 from tests.state_search.controller import Graph
-from tests.state_search.inputs import COMMANDS as TRIED
-from tests.state_search.inputs import FOUND, MOTIONS, Given, one, plan_of
+from tests.state_search.inputs import FOUND, MOTIONS, TRIED, Given, one, plan_of
 from tests.state_search.rules import is_latched
 from voice_assist.config import load_voice_config
 from voice_assist.intent import dialogue
 from voice_assist.intent.mapper import Mapper
 from voice_assist.types import Call, Halt, Match, Mode
 
-COMMANDS = load_voice_config().commands
+SPOKEN = load_voice_config().commands
 TALK = ("they will pull more people in", "do not stop pulling it", "the patient was tense all day")
 STOPS = ("topic", "service", "cancel", "shutdown")  # all are Executor.stop
 
 
-class Ticket(NamedTuple):
-    """A motion on its way through the desk."""
+class Waiting(NamedTuple):
+    """A motion on its way through the queue."""
 
-    command: Command
+    command: CommandSpec
     is_spoken: bool
     heard_in: Mode | None  # of a spoken one
     is_verifying: bool = False  # else it waits for its turn
@@ -51,12 +51,12 @@ class System(NamedTuple):
 
     controller: int  # number of its state in the graph
     mode: Mode = Mode.STANDBY
-    ticket: Ticket | None = None
+    pending: Waiting | None = None
     is_stopped: bool = False  # by the newest of stop and accepted "hey robot"
 
 
 class _Posted:
-    """Stands for the executor towards the desk, and keeps what it is given."""
+    """Stands for the executor towards the queue, and keeps what it is given."""
 
     def __init__(self):
         self.orders, self.stops = [], []
@@ -96,14 +96,14 @@ class Search:
     objections: list[tuple[str, list[str]]] = field(default_factory=list)
 
     def __post_init__(self):
-        self._mapper = Mapper(COMMANDS)
+        self._mapper = Mapper(SPOKEN)
         self.keys = list(self.graph.edges)
         number = {key: n for n, key in enumerate(self.keys)}
         self.table = [
             {given: (number[edge.to], edge) for given, edge in self.graph.edges[key].items()}
             for key in self.keys
         ]
-        self.hear, self.desk = cache(self._hear), cache(self._desk)
+        self.hear, self.queue = cache(self._hear), cache(self._queue)
         self.refused, self.passes = cache(self._refused), cache(self._passes)
         self.must_stop = cache(self._must_stop)
 
@@ -155,7 +155,7 @@ class Search:
         for text in TALK:
             done = self.hear(text, state.mode)
             yield text, state, f"talk did {done.actions}" if done.actions else ""
-        for config in COMMANDS.commands:
+        for config in SPOKEN.commands:
             done = self.hear(config.phrase, state.mode)
             heard = state._replace(mode=done.state.mode)
             name = f'said "{config.phrase}"'
@@ -163,63 +163,63 @@ class Search:
             if any(isinstance(action, Halt) for action in done.actions):
                 yield self._tick(heard, name, one(is_stopped=True))
             calls = [a.command for a in done.actions if isinstance(a, Call)]
-            for command in map(Command, calls):
+            for command in map(COMMANDS.__getitem__, calls):
                 yield from self._given(heard, command, name, True, state.mode)
 
     def _given(self, state, command, by, is_spoken, heard_in=None):
-        """A command reaches the desk; spoken ones of the node only where it was heard."""
+        """A command reaches the queue; spoken ones of the node only where it was heard."""
         if is_spoken and heard_in is None and command in MOTIONS:
             return
-        what, name = self.desk(command, is_spoken), f"{command.value} by {by}"
+        what, name = self.queue(command, is_spoken), f"{command.phrase} by {by}"
         if what == "stop":
             yield self._tick(state, name, one(is_stopped=True))
         elif what == "at once":
             yield self._tick(state, name, one((Given(command),)))
             yield self._tick(state, f"{name} and a stop", one((Given(command),), True))
-        elif what == "queued" and state.ticket is None:
-            yield name, state._replace(ticket=Ticket(command, is_spoken, heard_in)), ""
+        elif what == "queued" and state.pending is None:
+            yield name, state._replace(pending=Waiting(command, is_spoken, heard_in)), ""
 
     def _verification(self, state):
-        ticket = state.ticket
-        if ticket is None:
+        pending = state.pending
+        if pending is None:
             return
-        if not ticket.is_verifying:
-            is_refused = self.refused(state.controller, ticket.command)
-            next_one = None if is_refused else ticket._replace(is_verifying=True, is_fresh=True)
-            yield "verification begins", state._replace(ticket=next_one), ""
+        if not pending.is_verifying:
+            is_refused = self.refused(state.controller, pending.command)
+            next_one = None if is_refused else pending._replace(is_verifying=True, is_fresh=True)
+            yield "verification begins", state._replace(pending=next_one), ""
             return
-        yield "verification refuses", state._replace(ticket=None), ""
-        given = (Given(ticket.command, ticket.is_spoken, ticket.is_fresh),)
+        yield "verification refuses", state._replace(pending=None), ""
+        given = (Given(pending.command, pending.is_spoken, pending.is_fresh),)
         for is_recorded, is_stopped in product((True, False), (False, True)):
-            if not self.passes(ticket.command, is_recorded):
+            if not self.passes(pending.command, is_recorded):
                 continue
             name = "verified" + " unrecorded" * (not is_recorded) + ", and a stop" * is_stopped
-            due = ticket, is_recorded
-            yield self._tick(state._replace(ticket=None), name, one(given, is_stopped), *due)
+            due = pending, is_recorded
+            yield self._tick(state._replace(pending=None), name, one(given, is_stopped), *due)
 
     # What it leads to.
 
-    def _tick(self, state, name, given, ticket=None, is_recorded=True):
+    def _tick(self, state, name, given, pending=None, is_recorded=True):
         to, edge = self.table[state.controller][given]
-        waiting = state.ticket
+        waiting = state.pending
         if "stale" in edge.outcomes:
-            waiting = ticket._replace(is_verifying=False)
+            waiting = pending._replace(is_verifying=False)
         elif waiting is not None and edge.has_changed and waiting.is_verifying:
             waiting = waiting._replace(is_fresh=False)
         is_stopped = given.is_stopped
         if state.is_stopped and not self._is_woken(state, given, edge):
             is_stopped = True
-        after = state._replace(controller=to, ticket=waiting, is_stopped=is_stopped)
-        return name, after, self._objection(state, edge, after, ticket, is_recorded)
+        after = state._replace(controller=to, pending=waiting, is_stopped=is_stopped)
+        return name, after, self._objection(state, edge, after, pending, is_recorded)
 
     def _is_woken(self, state, given, edge):
         """A "hey robot" was accepted, at once or after it had to wait for the robot."""
-        if given.orders and given.orders[0].command is Command.HEY_ROBOT:
+        if given.orders and given.orders[0].command is COMMANDS["hey robot"]:
             return "accepted" in edge.outcomes
         was_waiting, waits = not self.keys[state.controller][-1], not edge.to[-1]
         return was_waiting and not waits and edge.to[0] is State.ACTIVE
 
-    def _objection(self, before, edge, after, ticket, is_recorded):
+    def _objection(self, before, edge, after, pending, is_recorded):
         started = edge.started
         if after.is_stopped and edge.to[0] is State.MOVING:
             return 'it moves after a stop without "hey robot"'
@@ -227,13 +227,13 @@ class Search:
             return 'a stop is undone without "hey robot"'
         if started is None:
             return ""
-        if ticket is None or not (ticket.is_verifying and ticket.is_fresh):
+        if pending is None or not (pending.is_verifying and pending.is_fresh):
             return "it moves by what was not verified in this situation"
         if self.refused(before.controller, started.command):
             return "it moves although the mode forbids it"
-        if started.is_spoken and ticket.heard_in is not Mode.ACTIVE:
+        if started.is_spoken and pending.heard_in is not Mode.ACTIVE:
             return "it moves by a word that was heard in standby"
-        if not is_recorded and started.command in ADVANCING and self.on_loss != "ignore":
+        if not is_recorded and started.command.load is Load.LOADS and self.on_loss != "ignore":
             return "it advances unrecorded"
         return ""
 
@@ -246,15 +246,15 @@ class Search:
             return dialogue.Step(state, (), outcome.rejection)
         return dialogue.step(state, dialogue.Heard(COMMANDS.get(outcome.command)))
 
-    def _desk(self, command, is_spoken):
+    def _queue(self, command, is_spoken):
         posted = _Posted()
-        desk = rst_desk.CommandDesk(posted, lambda *_: None, lambda: 0.0)
-        desk.take(Request(command.value), "test", is_spoken, is_by_hand=not is_spoken)
+        queue = command_queue.CommandQueue(posted, lambda *_: None, lambda: 0.0)
+        queue.take(command.phrase, "test", is_spoken, is_by_hand=not is_spoken)
         if posted.stops:
             return "stop"
         if posted.orders:
             return "at once"
-        return "queued" if desk.next(0.0) is not None else "refused"
+        return "queued" if queue.next(0.0) is not None else "refused"
 
     def _view(self, controller):
         """As the controller would show it now."""
@@ -262,16 +262,16 @@ class Search:
 
     def _refused(self, controller, command):
         """Whether verification's own look at the mode refuses a command."""
-        return mode_refusal(command, self._view(controller).situation(10.0)) is not None
+        return mode_refusal(command, self._view(controller).mode) is not None
 
     def _passes(self, command, is_recorded):
-        """Whether the desk posts what was planned, as far as the recording goes."""
+        """Whether the queue posts what was planned, as far as the recording goes."""
         posted = _Posted()
         watch = _watch(self.on_loss, is_recorded)
         verify: Any = RecordedOnly(lambda *_: Accepted(plan_of(command)), watch)
-        desk = rst_desk.CommandDesk(posted, verify, lambda: 0.0)
-        desk.take(Request(command.value), "test")
-        desk.check(desk.next(0.0))
+        queue = command_queue.CommandQueue(posted, verify, lambda: 0.0)
+        queue.take(command.phrase, "test")
+        queue.check(queue.next(0.0))
         return bool(posted.orders)
 
     def _must_stop(self, controller):

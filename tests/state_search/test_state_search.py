@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """No sequence of events leads to motion that it must not lead to, however long it is.
 
-The real executor is explored to the fixed point (`searched_controller`), then dialogue, desk and
+The real executor is explored to the fixed point (`searched_controller`), then dialogue, queue and
 recording together with it (`searched_system`). No new state is found beyond the depth that is
 asserted here, so what holds for all sequences up to it holds for every longer one, too.
 """
@@ -12,15 +12,17 @@ import random
 import pytest
 
 from rst_control.admission.recording_gate import RecordingWatch
-from rst_control.execution import state_machine
+from rst_control.commands.camera_step import CAMERA_STEPS
+from rst_control.commands.preconditions import mode_refusal
+from rst_control.commands.table import COMMANDS
+from rst_control.execution import executor, state_machine
 from rst_control.execution.executor import Executor
 from rst_control.execution.setpoint import Mover
-from rst_control.execution.state_machine import ControllerMode, State
 from rst_control.supervision.watchdogs import Watchdogs
-from rst_control.types import BY_HAND, LOOKS, Command
+from rst_control.types import ControllerMode, State
 from tests.state_search.controller import Controller, explore
 from tests.state_search.inputs import AT_ONCE, FOUND, MOTIONS, Given, inputs, one
-from tests.state_search.system import COMMANDS, Search
+from tests.state_search.system import SPOKEN, Search
 from voice_assist.intent import dialogue
 from voice_assist.types import Mode
 
@@ -46,7 +48,9 @@ def told(objections):
 
 def test_every_command_and_every_state_is_in_the_search(graph):
     tried = {order.command for given in inputs() for order in given.orders}
-    assert tried | {Command.STOP, *LOOKS} == set(Command) and tried & set(LOOKS)
+    assert tried | {COMMANDS["stop"], *CAMERA_STEPS} == set(COMMANDS.values()) and tried & set(
+        CAMERA_STEPS
+    )
     assert {key[0] for key in graph.edges} == set(State)
     assert all(len(edges) == len(inputs()) for edges in graph.edges.values())
 
@@ -66,14 +70,16 @@ def test_the_search_does_move_by_every_command_and_wakes_and_brakes(search):
     started, states = set(), set()
     for state in search.found:
         states.add(search.keys[state.controller][0])
-        ticket = state.ticket
-        if ticket is not None and ticket.is_verifying and ticket.is_fresh:
-            given = one((Given(ticket.command, ticket.is_spoken),))
+        pending = state.pending
+        if pending is not None and pending.is_verifying and pending.is_fresh:
+            given = one((Given(pending.command, pending.is_spoken),))
             started.add(search.table[state.controller][given][1].started)
     assert states == set(State)
     assert {(s.command, s.is_spoken) for s in started if s is not None} == {
         *((c, False) for c in MOTIONS),
-        *((c, True) for c in MOTIONS if c not in (*BY_HAND, *LOOKS)),  # as in commands.yaml
+        *(
+            (c, True) for c in MOTIONS if not c.is_by_hand_only and c not in CAMERA_STEPS
+        ),  # as in commands.yaml
     }
 
 
@@ -93,22 +99,24 @@ def test_states_that_look_alike_go_on_alike(graph):
 
 def test_a_fork_leaves_its_original_as_it_was():
     first = Controller()
-    for step in (one((Given(Command.HEY_ROBOT),)), one((Given(Command.TENSE),))):
+    for step in (one((Given(COMMANDS["hey robot"]),)), one((Given(COMMANDS["tense"]),))):
         first.take(step)
     before = first.key(), copy.copy(first.executor._mover.held)
-    for step in (one(is_stopped=True), one(found="arrived"), one((Given(Command.TERMINATE),))):
+    for step in (one(is_stopped=True), one(found="arrived"), one((Given(COMMANDS["terminate"]),))):
         first.fork().take(step)
     assert (first.key(), first.executor._mover.held.tolist()) == (before[0], before[1].tolist())
 
 
 def test_what_is_given_by_hand_only_is_refused_from_the_voice(graph):
-    assert {Search(graph).desk(command, True) for command in BY_HAND} == {"refused"}
+    assert {
+        Search(graph).queue(command, True) for command in MOTIONS if command.is_by_hand_only
+    } == {"refused"}
 
 
 def test_the_voice_mode_depends_on_nothing_but_the_mode_and_the_word():
-    reasons = ("start", *COMMANDS.phrases, "tense, refused by the robot: x")
+    reasons = ("start", *SPOKEN.phrases, "tense, refused by the robot: x")
     for mode in Mode:
-        for config in COMMANDS.commands:
+        for config in SPOKEN.commands:
             steps = [
                 dialogue.step(dialogue.State(mode, why), dialogue.Heard(config)) for why in reasons
             ]
@@ -122,9 +130,8 @@ def test_the_voice_mode_depends_on_nothing_but_the_mode_and_the_word():
 
 
 def motion_while_halted(patch):
-    refusal = state_machine.refusal
-    lax = lambda mode, command: None if command in MOTIONS else refusal(mode, command)  # noqa: E731
-    patch.setattr(state_machine, "refusal", lax)
+    lax = lambda command, mode: None if command in MOTIONS else mode_refusal(command, mode)  # noqa: E731
+    patch.setattr(executor, "mode_refusal", lax)
     patch.setattr(
         state_machine, "started", lambda mode: ControllerMode(State.MOVING, mode.is_active)
     )
@@ -193,10 +200,10 @@ FEW = [
     *(one(found=name) for name in FOUND),
     *(
         one((Given(c, is_fresh=fresh),))
-        for c in (*AT_ONCE, Command.TENSE)
+        for c in (*AT_ONCE, COMMANDS["tense"])
         for fresh in (True, False)
     ),
-    *(one(is_stopped=True), one((Given(Command.HEY_ROBOT),), is_stopped=True)),
+    *(one(is_stopped=True), one((Given(COMMANDS["hey robot"]),), is_stopped=True)),
 ]
 
 
@@ -211,7 +218,7 @@ def test_the_few_inputs_find_nothing_where_no_rule_is_broken():
 
 
 def a_recorder_nobody_asks_for(patch):
-    patch.setattr(RecordingWatch, "objection", lambda self, command: "")
+    patch.setattr(RecordingWatch, "refusal", lambda self, command: None)
 
 
 def a_dialogue_that_hears_commands_in_standby(patch):

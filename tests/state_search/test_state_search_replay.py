@@ -8,16 +8,18 @@ way in which an input changes the mode of the controller is taken at least once.
 
 import pytest
 
+from rst_control.commands.table import COMMANDS
 from rst_control.execution.orders import Order
-from rst_control.execution.state_machine import IN_MOTION, State
-from rst_control.planning.plan import Request
-from rst_control.types import Cause, Command, Reason
+from rst_control.types import IN_MOTION, Cause, Reason, State
 from tests.state_search.controller import explore
 from tests.state_search.inputs import Given, one
 from tests.unit.rst_control.support.executor_rig import Rig
+from tests.unit.rst_control.support.situations import request
 
-HEY, TERMINATE, TENSE = (Given(c) for c in (Command.HEY_ROBOT, Command.TERMINATE, Command.TENSE))
-STALE = Given(Command.TENSE, is_fresh=False)
+HEY, TERMINATE, TENSE = (
+    Given(c) for c in (COMMANDS["hey robot"], COMMANDS["terminate"], COMMANDS["tense"])
+)
+STALE = Given(COMMANDS["tense"], is_fresh=False)
 UNDER_WAY = 0.3  # [s] after which a motion is so fast that it does not stop within a few ticks
 BROKEN = ("stale", "gone", "robot fault", "crash")
 STEPS = [
@@ -51,14 +53,14 @@ def do(rig, step, expected):
     is_off = rig.state is not State.MOVING
     for given in step.orders:
         if given.is_fresh:
-            rig.desk.take(Request(given.command.value), "test")
+            rig.queue.take(given.command.phrase, "test")
         else:
-            plan = rig.context.verify(Request("tense"), rig.home).plan
+            plan = rig.context.verify(request("tense"), rig.home).plan
             rig.executor.post(Order(plan, rig.view.serial - 1, stale=lambda: None))
     if step.is_stopped:
         rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
-    if (waiting := rig.desk.next(0.0)) is not None:
-        rig.desk.check(waiting)
+    if (waiting := rig.queue.next(0.0)) is not None:
+        rig.queue.check(waiting)
     if step.found in BROKEN:
         break_once(rig, step.found)
     elif step.found == "arrived" and rig.state in IN_MOTION and expected[0] not in IN_MOTION:

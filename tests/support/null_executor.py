@@ -7,7 +7,7 @@ from rst_control.types import Cause
 
 
 class Nobody:
-    """Stands behind a desk, in place of the executor."""
+    """Stands behind a queue, in place of the executor."""
 
     def __init__(self) -> None:
         self.stops: list[str] = []

@@ -15,13 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rst_control.admission.recording_gate import ADVANCING
+from rst_control.commands.request import Plan
+from rst_control.commands.spec import Load
 from rst_control.execution.orders import View
-from rst_control.execution.state_machine import IN_MOTION, ControllerMode, State
 from rst_control.planning.patient_surface import TrocarPose
-from rst_control.planning.plan import Plan
 from rst_control.robot.setpoint_servo import ServoLimits
-from rst_control.types import Setpoint
+from rst_control.types import IN_MOTION, ControllerMode, Setpoint, State
 
 Array = NDArray[np.float64]
 KEPT = 20  # violations that are described; all are counted
@@ -155,8 +154,8 @@ class Checker:
         is_new, self._plan = plan is not None and plan is not self._plan, plan
         if plan is None or not is_new or moment.is_recorded:
             return
-        if plan.command in ADVANCING:
-            self._note("recording: it advances unrecorded", moment, plan.command.value)
+        if plan.command.load is Load.LOADS:
+            self._note("recording: it advances unrecorded", moment, plan.command.phrase)
 
     # Set-points.
 

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from rst_control.types import BY_HAND, Command
+from rst_control.commands.table import COMMANDS
 
 Kind = Literal["say", "talk", "hand", "stop", "fault"]
 Fault = Literal[
@@ -25,8 +25,8 @@ Fault = Literal[
     "error in the loop",
 ]
 FAULTS: tuple[Fault, ...] = get_args(Fault)
-SPOKEN = tuple(c.value for c in Command if c not in BY_HAND)
-GIVEN = tuple(c.value for c in Command)
+SPOKEN = tuple(c.phrase for c in COMMANDS.values() if not c.is_by_hand_only)
+GIVEN = tuple(c.phrase for c in COMMANDS.values())
 GAP = 1.2  # [s] mean time between two events
 SENSIBLE = 0.6  # of the commands are the one that a person would give now
 WAYS = ("{}", "{}.", "{}!", " {} ", "{},")  # in which a recogniser may write a command

@@ -17,9 +17,10 @@ from bench.safety.soak.events import Chance, Event, Standing
 from bench.safety.soak.faults import Faults
 from bench.safety.soak.robot import Link, ServoRobot
 from bench.safety.soak.voice import Voice
-from rst_control.admission.command_queue import CommandDesk, Ticket, is_stop
+from rst_control.admission.command_queue import CommandQueue, PendingCommand
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.assembly import make_executor
+from rst_control.commands.parser import is_stop
 from rst_control.config import (
     LimitsConfig,
     MotionConfig,
@@ -29,13 +30,11 @@ from rst_control.config import (
 from rst_control.execution.executor import MAX_PERIODS
 from rst_control.execution.fault_reset import WAKE_TIME
 from rst_control.execution.orders import View
-from rst_control.execution.state_machine import State
 from rst_control.kinematics.joint_limits import active_layer
 from rst_control.kinematics.robot_model import RobotModel, load_robot
-from rst_control.planning.plan import Request
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.simulation.pybullet_robot import servo_limits
-from rst_control.types import Cause, Reason, Setpoint
+from rst_control.types import Cause, Reason, Setpoint, State
 from voice_assist.config import load_voice_config
 
 START = 10.0  # [s] time of the first state
@@ -76,12 +75,12 @@ class Session:
         self.executor = make_executor(config, context, self.robot.clear_fault)
         self.watch = RecordingWatch(config.controller.recording, lambda: self.robot.now)
         verify = RecordedOnly(context.verify, self.watch)
-        self.desk = CommandDesk(self.executor, verify, lambda: self.robot.now)
-        self.voice = Voice(load_voice_config().commands, self.desk, self.executor)
+        self.queue = CommandQueue(self.executor, verify, lambda: self.robot.now)
+        self.voice = Voice(load_voice_config().commands, self.queue, self.executor)
         self.check = Checker(make_bounds(config), context.trocar_pose)
         self.faults = Faults(self.robot, self.link, self.voice)
         self.chance, self.counts = Chance(self.rng), Counter[str]()
-        self._waiting: list[tuple[int, Ticket]] = []
+        self._waiting: list[tuple[int, PendingCommand]] = []
         self._said: list[str] = []
         self._is_sending = self._was_stopped = self._was_recorded = False
         self._ticks = 0
@@ -112,9 +111,9 @@ class Session:
         elif event.kind == "stop":
             self.stop(Cause(Reason.STOP_TOPIC, "stop topic, from the soak"))
         elif event.kind == "hand":
-            request = Request(event.words, event.tension, event.distance)
             self._note_given(event.words)
-            self.desk.take(request, "the soak")
+            amounts = {"tension": event.tension, "distance": event.distance}
+            self.queue.take(event.words, "the soak", **amounts)
         else:
             self.faults.begin(event)
 
@@ -171,10 +170,10 @@ class Session:
 
     def _verify(self) -> None:
         """As the planning thread does: one command after the other, some ticks later."""
-        if (ticket := self.desk.next(0.0)) is not None:
-            self._waiting.append((self._ticks + self.chance.late(), ticket))
+        if (pending := self.queue.next(0.0)) is not None:
+            self._waiting.append((self._ticks + self.chance.late(), pending))
         if self._waiting and self._waiting[0][0] <= self._ticks:
-            self.desk.check(self._waiting.pop(0)[1])
+            self.queue.check(self._waiting.pop(0)[1])
             self._was_recorded = not self.watch.problem
 
     def _control(self) -> None:

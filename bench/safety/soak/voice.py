@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The voice of the soak: transcripts through the real mapper and dialogue to the controller's desk.
+"""The voice of the soak: transcripts by the real mapper and dialogue to the queue of commands.
 
 Sound and recognition are left out.
 """
@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 
-from rst_control.admission.command_queue import CommandDesk, Ticket
+from rst_control.admission.command_queue import CommandQueue, PendingCommand
 from rst_control.execution.executor import Executor
-from rst_control.planning.plan import Request
 from rst_control.types import Cause, Reason
 from voice_assist.config import CommandsConfig
 from voice_assist.intent.dialogue import AT_START, Answered, Heard, State, step
@@ -34,17 +33,17 @@ class Voice:
 
     Args:
         commands: Settings.
-        desk: Takes the commands.
+        queue: Takes the commands.
         executor: Takes the stops.
     """
 
-    def __init__(self, commands: CommandsConfig, desk: CommandDesk, executor: Executor) -> None:
+    def __init__(self, commands: CommandsConfig, queue: CommandQueue, executor: Executor) -> None:
         self._commands, self._mapper = commands, Mapper(commands)
-        self._desk, self._executor = desk, executor
+        self._queue, self._executor = queue, executor
         self.state: State = AT_START
         self.is_alive = True  # its heartbeat goes on
         self._calls: deque[str] = deque()
-        self._ticket: Ticket | None = None
+        self._pending: PendingCommand | None = None
 
     def hear(self, transcript: str) -> Said:
         """One utterance."""
@@ -63,28 +62,28 @@ class Voice:
 
     def call(self) -> str:
         """Give the next command where the last one was answered; which one, or an empty string."""
-        if self._ticket is not None:
-            if not self._ticket.reply.done():
+        if self._pending is not None:
+            if not self._pending.reply.done():
                 return ""
-            self._take_answer(self._ticket)
+            self._take_answer(self._pending)
         if not self._calls:
             return ""
         words = self._calls.popleft()
-        self._ticket = self._desk.take(Request(words), NODE, self.is_alive, is_by_hand=False)
+        self._pending = self._queue.take(words, NODE, self.is_alive, is_by_hand=False)
         return words
 
     def restart(self) -> None:
         """As after its process was started anew."""
         self.state, self.is_alive = AT_START, True
         self._calls.clear()
-        self._ticket = None
+        self._pending = None
 
     @property
     def is_active(self) -> bool:
         """Spoken motions count."""
         return self.state.mode is Mode.ACTIVE
 
-    def _take_answer(self, ticket: Ticket) -> None:
-        reply, self._ticket = ticket.reply.result(0), None
-        answer = Answered(ticket.request.words, reply.accepted, reply.message)
+    def _take_answer(self, pending: PendingCommand) -> None:
+        reply, self._pending = pending.reply.result(0), None
+        answer = Answered(pending.words, reply.accepted, reply.message)
         self.state = step(self.state, answer).state

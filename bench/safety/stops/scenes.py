@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from bench.common.rig import Rig
 from bench.safety.stops.judge import Course, Stop, latency, objection, rest
-from rst_control.admission.command_queue import Ticket
-from rst_control.execution.state_machine import State
-from rst_control.planning.plan import PhaseKind, Request
-from rst_control.types import Cause, Reason, Setpoint
+from rst_control.admission.command_queue import PendingCommand
+from rst_control.planning.plan import PhaseKind
+from rst_control.types import Cause, Reason, Setpoint, State
 
 Array = NDArray[np.float64]
 ALLOWED = 0.4  # [s] to come to rest; 45 ms along a path (limits.yaml), jaws from full speed 0.34 s
@@ -35,7 +34,7 @@ class Stage:
     def __init__(self, rig: Rig, rng: np.random.Generator) -> None:
         self.rig, self.rng = rig, rng
         self.sent: list[Setpoint | None] = []
-        self.waiting: Ticket | None = None  # a command that is verified only after the stop
+        self.waiting: PendingCommand | None = None  # a command that is verified only after the stop
         send = rig.robot.servo_jp
 
         def keep(setpoint: Setpoint) -> None:
@@ -151,15 +150,15 @@ def _verifying(stage: Stage) -> None:
     """A command has come and is not verified yet, or was and waits for the tick of the stop."""
     stage.ready()
     holds = stage.rig.executor.view.is_tissue_held
-    stage.waiting = stage.rig.desk.take(Request("release" if holds else "tense"), "bench")
+    stage.waiting = stage.rig.queue.take("release" if holds else "tense", "bench")
     if stage.rng.random() < 0.5:
         _verify(stage)
 
 
 def _verify(stage: Stage) -> None:
-    ticket = stage.rig.desk.next(0.0)
-    if ticket is not None:
-        stage.rig.desk.check(ticket)
+    pending = stage.rig.queue.next(0.0)
+    if pending is not None:
+        stage.rig.queue.check(pending)
 
 
 SITUATIONS: dict[str, Callable[[Stage], None]] = {
@@ -218,8 +217,8 @@ def _not_latched(stage: Stage, noted: int, clients: int) -> str:
         return f"{noted} of {clients} stops in the diary"
     if stage.state not in (State.HALTED, State.FAULTED):
         return f"state {stage.state.value} after the stop"
-    ticket, stage.waiting = stage.waiting, None
-    if ticket is not None and (not ticket.reply.done() or ticket.reply.result(0).accepted):
+    pending, stage.waiting = stage.waiting, None
+    if pending is not None and (not pending.reply.done() or pending.reply.result(0).accepted):
         return "a command that waited was carried out after the stop"
     return ""
 

@@ -17,8 +17,8 @@ from rospy.impl.tcpros_service import TCPService
 from std_msgs.msg import String
 
 from rst_control.admission import callers
-from rst_control.admission.callers import Doorkeeper
-from rst_control.admission.command_queue import CommandDesk
+from rst_control.admission.callers import CallLimiter
+from rst_control.admission.command_queue import CommandQueue
 from rst_control.config.callers import CallersConfig
 from rst_control.msg import AssistActionGoal, AssistGoal, AssistResult
 from rst_control.ros.controller import action_server, command_service
@@ -170,11 +170,11 @@ def request(text, caller="/panel", length=0):
 
 @pytest.fixture
 def served():
-    """The command service in front of a desk behind which nothing is carried out."""
+    """The command service in front of a queue behind which nothing is carried out."""
     nobody = Nobody()
     service = CommandService.__new__(CommandService)
-    service._desk = CommandDesk(nobody, lambda *_: None, lambda: 0.0)
-    service._door = Doorkeeper(
+    service._commands = CommandQueue(nobody, lambda *_: None, lambda: 0.0)
+    service._limiter = CallLimiter(
         CallersConfig(allowed=("/panel", "/long"), rate=1.0, burst=5), lambda: 0.0
     )
     service._spoken_by, service._heartbeat = "/voice_assist", Heartbeat(0.5)
@@ -216,7 +216,7 @@ class Actions(GuardedServer):
     """An action server without topics."""
 
     def __init__(self, door):
-        self._door, self.lock, self.started = door, threading.RLock(), True
+        self._limiter, self.lock, self.started = door, threading.RLock(), True
         self.status_list, self.last_cancel = [], genpy.Time()
         self.taken, self.refused = [], []
         self.ActionResultType = AssistResult
@@ -241,7 +241,7 @@ def goal(command, name, caller="/panel"):
 
 def actions(allowed=("/panel",)):
     config = CallersConfig(allowed=allowed, rate=1.0, burst=3)
-    return Actions(Doorkeeper(config, lambda: 0.0))
+    return Actions(CallLimiter(config, lambda: 0.0))
 
 
 def test_goals_of_a_flood_are_rejected_and_a_stop_among_them_is_not():
@@ -289,7 +289,7 @@ def test_a_cancel_from_the_future_does_not_cancel_all_goals_to_come(stamp):
 
 
 def test_a_cancel_that_names_no_goal_stops_whatever_is_under_way():
-    server = Actions(Doorkeeper(CallersConfig(allowed=(), rate=1.0, burst=5), lambda: 0.0))
+    server = Actions(CallLimiter(CallersConfig(allowed=(), rate=1.0, burst=5), lambda: 0.0))
     for _ in range(3):
         server.internal_cancel_callback(GoalID())
     assert len(server.all_cancelled) == 3

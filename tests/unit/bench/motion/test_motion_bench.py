@@ -17,11 +17,11 @@ from bench.motion import inverse, paths, tension, triangulate
 from bench.motion.gate_cases import Cases
 from bench.motion.gate_oracle import Judge
 from bench.motion.near_cases import with_clearance, with_manipulability
+from rst_control.commands.request import Accepted
 from rst_control.config import load_motion_config, load_simulation_config
-from rst_control.planning.plan import Accepted, Rejected
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.tissue.grasp_candidates import turned
-from rst_control.types import Reason
+from rst_control.types import Reason, Rejected
 
 MOTION, SIMULATION = load_motion_config(), load_simulation_config()
 
@@ -40,7 +40,7 @@ def accepted(cases):
     case = cases.feasible()
     while case.request.words != "tense":
         case = cases.feasible()
-    decision = case.verify(case.request, case.situation)
+    decision = case.decide()
     assert isinstance(decision, Accepted)
     return case, decision.plan
 
@@ -96,7 +96,7 @@ def test_no_reason_is_true_of_a_feasible_command(cases, judge):
 def test_infeasible_cases_are_refused_for_what_is_wrong_with_them(cases):
     for _ in range(60):
         case = cases.infeasible()
-        decision = case.verify(case.request, case.situation)
+        decision = case.decide()
         assert isinstance(decision, Rejected)
         assert decision.reason is case.expected
 
@@ -107,7 +107,7 @@ def test_near_the_arm_or_a_singularity_some_commands_are_refused_and_all_with_tr
     reasons = Counter()
     for _ in range(40):
         case = cases.near()
-        decision = case.verify(case.request, case.situation)
+        decision = case.decide()
         if isinstance(decision, Rejected):
             reasons[decision.reason] += 1
             assert judge.is_true(case, decision.reason), decision.words

@@ -11,12 +11,13 @@ from bench.safety.soak import suite
 from bench.safety.soak.check import SETTLED, Bounds, Checker, Moment
 from bench.safety.soak.events import FAULTS, TALK, Chance, Standing
 from bench.safety.soak.session import Stretch, carried_out, make_bounds
+from rst_control.commands.request import Plan
+from rst_control.commands.table import COMMANDS
 from rst_control.execution.orders import View
-from rst_control.execution.state_machine import ControllerMode, State
 from rst_control.planning.patient_surface import TrocarPose
-from rst_control.planning.plan import Phase, PhaseKind, Plan
+from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.robot.setpoint_servo import ServoLimits
-from rst_control.types import JOINTS, Cause, Command, Measurement, Reason, Setpoint
+from rst_control.types import JOINTS, Cause, ControllerMode, Measurement, Reason, Setpoint, State
 
 ZERO, ONES = np.zeros(10), np.ones(10)
 LIMITS = ServoLimits(JOINTS, -ONES, ONES, ONES)
@@ -35,7 +36,7 @@ ACTIVE, MOVING = ControllerMode(State.ACTIVE, True), ControllerMode(State.MOVING
 HALTED = ControllerMode(State.HALTED, True, cause=STOP)
 BRAKING = ControllerMode(State.STOPPING, True, State.HALTED, STOP)
 OFF = Setpoint(1.5e-3 * np.eye(10)[1], ZERO, 10.002)
-TENSE = Plan(Command.TENSE, "pulls", (Phase(PhaseKind.REACH),))
+TENSE = Plan(COMMANDS["tense"], "pulls", (Phase(PhaseKind.REACH),))
 
 
 def trocar_pose(position):

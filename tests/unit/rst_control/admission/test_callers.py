@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rst_control.admission import callers
-from rst_control.admission.callers import Doorkeeper, caller_name, family, is_allowed
+from rst_control.admission.callers import CallLimiter, caller_name, family, is_allowed
 from rst_control.config import load_motion_config
 from rst_control.config.callers import CallersConfig
 from typed_config import ConfigError, load_config
@@ -18,21 +18,21 @@ def config(allowed=(), rate=20.0, burst=50):
     return CallersConfig(allowed=allowed, rate=rate, burst=burst)
 
 
-class Door:
-    """A doorkeeper whose time goes on by hand."""
+class Clocked:
+    """A limiter whose time goes on by hand."""
 
     def __init__(self, settings=None):
         self.now = 100.0
-        self.keeper = Doorkeeper(settings or config(), lambda: self.now)
+        self.limiter = CallLimiter(settings or config(), lambda: self.now)
 
-    def calls(self, caller, count, is_stop=False):
-        return [self.keeper.admit(caller, is_stop) for _ in range(count)]
+    def of(self, caller, count, is_stop=False):
+        return [self.limiter.admit(caller, is_stop) for _ in range(count)]
 
 
 def test_with_the_settings_as_they_come_anybody_may_call():
-    door = Door(load_motion_config().controller.callers)
+    calls = Clocked(load_motion_config().controller.callers)
     for caller in (VOICE, "/rosservice_4711_1700000000000", "/my_panel", callers.UNNAMED):
-        assert door.keeper.admit(caller).objection is None
+        assert calls.limiter.admit(caller).refusal is None
 
 
 @pytest.mark.parametrize(
@@ -53,11 +53,11 @@ def test_the_list_names_callers_or_their_beginnings(caller, is_in):
 
 
 def test_whoever_is_not_on_the_list_is_told_who_is_and_may_still_stop():
-    door = Door(config(allowed=(VOICE, "/rosservice_*")))
-    refusal = door.keeper.admit("/stray_script").objection.words
+    calls = Clocked(config(allowed=(VOICE, "/rosservice_*")))
+    refusal = calls.limiter.admit("/stray_script").refusal.words
     assert "/stray_script" in refusal and VOICE in refusal and "/rosservice_*" in refusal
-    assert door.keeper.admit("/stray_script", is_stop=True).objection is None
-    assert door.keeper.admit(VOICE).objection is None
+    assert calls.limiter.admit("/stray_script", is_stop=True).refusal is None
+    assert calls.limiter.admit(VOICE).refusal is None
 
 
 @pytest.mark.parametrize("pattern", ["voice_assist", "/a*b", "*", ""])
@@ -67,68 +67,68 @@ def test_a_pattern_that_can_fit_no_name_is_refused_with_what_is_allowed(pattern)
 
 
 def test_a_burst_is_taken_and_what_is_beyond_is_refused_with_the_limits_and_waits():
-    door = Door()
-    admissions = door.calls("/panel", 60)
-    assert [a.objection is None for a in admissions] == [True] * 50 + [False] * 10
-    assert "20 per second after 50 at once" in admissions[-1].objection.words
+    calls = Clocked()
+    admissions = calls.of("/panel", 60)
+    assert [a.refusal is None for a in admissions] == [True] * 50 + [False] * 10
+    assert "20 per second after 50 at once" in admissions[-1].refusal.words
     assert all(a.pause == callers.PAUSE for a in admissions[50:])
     assert all(a.pause == 0.0 for a in admissions[:50])
-    door.now += 1.0
-    assert sum(a.objection is None for a in door.calls("/panel", 60)) == 20
+    calls.now += 1.0
+    assert sum(a.refusal is None for a in calls.of("/panel", 60)) == 20
 
 
 def test_a_stop_is_never_refused_however_many_come():
-    door = Door()
-    assert all(a.objection is None for a in door.calls("/panel", 2000, is_stop=True))
+    calls = Clocked()
+    assert all(a.refusal is None for a in calls.of("/panel", 2000, is_stop=True))
 
 
 def test_one_caller_who_floods_takes_nothing_from_another():
-    door = Door()
-    door.calls("/flood", 2000)
-    assert door.keeper.admit(VOICE).objection is None
+    calls = Clocked()
+    calls.of("/flood", 2000)
+    assert calls.limiter.admit(VOICE).refusal is None
 
 
 def test_nodes_started_anew_for_each_call_are_one_caller():
-    door = Door()
+    calls = Clocked()
     names = [f"/rosservice_{n}_{n * 1000}" for n in range(60)]
-    assert sum(door.keeper.admit(name).objection is None for name in names) == 50
+    assert sum(calls.limiter.admit(name).refusal is None for name in names) == 50
     assert family("/rosservice_12_345") == family("/rosservice_9_8") != family("/rosservice_x")
 
 
 def test_callers_without_end_are_not_remembered_without_end_and_known_ones_keep_their_budget():
-    door = Door()
-    door.keeper.admit(VOICE)
+    calls = Clocked()
+    calls.limiter.admit(VOICE)
     taken = 0
     for n in range(1000):
-        taken += door.keeper.admit(f"/stray{n}").objection is None
-        assert door.keeper.counted <= callers.MAX_CALLERS
+        taken += calls.limiter.admit(f"/stray{n}").refusal is None
+        assert calls.limiter.counted <= callers.MAX_CALLERS
     assert taken <= callers.MAX_CALLERS + 50
-    assert door.keeper.admit(VOICE).objection is None
-    door.now += 60.0
-    door.calls("/newcomer", 1)
-    assert door.keeper.counted <= callers.MAX_CALLERS
-    assert sum(a.objection is None for a in door.calls("/newcomer", 60)) == 49
+    assert calls.limiter.admit(VOICE).refusal is None
+    calls.now += 60.0
+    calls.of("/newcomer", 1)
+    assert calls.limiter.counted <= callers.MAX_CALLERS
+    assert sum(a.refusal is None for a in calls.of("/newcomer", 60)) == 49
 
 
 def test_a_flood_of_refusals_is_news_once_a_second():
-    door = Door(config(allowed=(VOICE,)))
-    assert [a.is_news for a in door.calls("/stray", 5)] == [True] + [False] * 4
-    door.now += callers.NEWS_PERIOD
-    assert door.keeper.admit("/stray").is_news
-    assert not door.keeper.admit(VOICE).is_news
+    calls = Clocked(config(allowed=(VOICE,)))
+    assert [a.is_news for a in calls.of("/stray", 5)] == [True] + [False] * 4
+    calls.now += callers.NEWS_PERIOD
+    assert calls.limiter.admit("/stray").is_news
+    assert not calls.limiter.admit(VOICE).is_news
 
 
 def test_a_clock_that_goes_back_gives_nothing_away():
-    door = Door()
-    door.calls("/panel", 50)
-    door.now -= 1000.0
-    assert door.keeper.admit("/panel").objection
+    calls = Clocked()
+    calls.of("/panel", 50)
+    calls.now -= 1000.0
+    assert calls.limiter.admit("/panel").refusal.words
 
 
 @given(st.one_of(st.none(), st.integers(), st.binary(max_size=9), st.text(max_size=150)))
 def test_any_name_is_short_and_printable(claimed):
     name = caller_name(claimed)
-    assert 0 < len(name) <= callers.LONGEST_NAME and name.isprintable()
+    assert 0 < len(name) <= callers.MAX_NAME and name.isprintable()
 
 
 @given(
@@ -137,11 +137,11 @@ def test_any_name_is_short_and_printable(claimed):
         max_size=40,
     )
 )
-def test_no_caller_ever_gets_more_than_burst_and_rate_allow(calls):
-    door = Door(replace(config(), rate=2.0, burst=3))
-    begin, taken = door.now, {}
-    for caller, pause in calls:
-        door.now += pause
+def test_no_caller_ever_gets_more_than_burst_and_rate_allow(sent):
+    calls = Clocked(replace(config(), rate=2.0, burst=3))
+    begin, taken = calls.now, {}
+    for caller, pause in sent:
+        calls.now += pause
         name = family(caller)
-        taken[name] = taken.get(name, 0) + (door.keeper.admit(caller).objection is None)
-        assert taken[name] <= 3 + 2.0 * (door.now - begin) + 1e-6
+        taken[name] = taken.get(name, 0) + (calls.limiter.admit(caller).refusal is None)
+        assert taken[name] <= 3 + 2.0 * (calls.now - begin) + 1e-6

@@ -4,17 +4,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rst_control.admission import command_queue
-from rst_control.admission.command_queue import CommandDesk, read_command, unknown
-from rst_control.execution.state_machine import State
-from rst_control.planning.plan import Request
-from rst_control.types import Cause, Command, Reason
+from rst_control.admission.command_queue import CommandQueue
+from rst_control.commands.parser import MAX_ECHOED, read_command, unknown
+from rst_control.commands.table import COMMANDS
+from rst_control.types import Cause, Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig
 
 
-@pytest.mark.parametrize("command", Command)
+@pytest.mark.parametrize("command", COMMANDS.values(), ids=tuple(COMMANDS))
 def test_every_command_is_read_whatever_its_case_and_spaces(command):
-    assert read_command(f"  {command.value.upper()} ") is command
-    assert read_command(command.value.replace(" ", "  ")) is command
+    assert read_command(f"  {command.phrase.upper()} ") is command
+    assert read_command(command.phrase.replace(" ", "  ")) is command
 
 
 @pytest.mark.parametrize(
@@ -29,16 +29,16 @@ def test_any_text_is_answered_in_a_few_printable_characters(words):
     refusal = unknown(words).words
     assert len(refusal) < 400
     assert refusal.isprintable()
-    for command in Command:
-        assert command.value in refusal
+    for command in COMMANDS.values():
+        assert command.phrase in refusal
 
 
 def test_unknown_words_are_refused_at_once_and_written_into_the_diary():
     rig = Rig().awake()
-    ticket = rig.desk.take(Request("x" * 10_000_000), "test")
-    assert not ticket.reply.result(0).accepted
+    pending = rig.queue.take("x" * 10_000_000, "test")
+    assert not pending.reply.result(0).accepted
     entry = rig.executor.diary[-1]
-    assert entry.kind == "refused" and len(entry.command) == command_queue.ECHOED
+    assert entry.kind == "refused" and len(entry.command) == MAX_ECHOED
 
 
 @pytest.mark.parametrize("amount", [float("nan"), float("inf"), -1.0])
@@ -50,30 +50,30 @@ def test_amounts_that_make_no_sense_are_refused(amount):
 
 def test_commands_beyond_the_queue_are_refused_and_stop_is_never_queued():
     rig = Rig().awake()
-    tickets = [rig.desk.take(Request("tense"), "test") for _ in range(command_queue.WAITING + 5)]
-    assert sum(t.reply.done() for t in tickets) == 5
-    assert rig.desk.take(Request("stop"), "test").reply.result(0).accepted
+    pending = [rig.queue.take("tense", "test") for _ in range(command_queue.WAITING + 5)]
+    assert sum(t.reply.done() for t in pending) == 5
+    assert rig.queue.take("stop", "test").reply.result(0).accepted
     rig.tick()
     assert rig.state is State.HALTED
 
 
 def test_a_command_verified_in_a_situation_that_has_changed_is_verified_again():
     rig = Rig().awake()
-    ticket = rig.desk.take(Request("tense"), "test")
-    rig.desk.check(rig.desk.next(0.0))
+    pending = rig.queue.take("tense", "test")
+    rig.queue.check(rig.queue.next(0.0))
     rig.executor.stop(Cause(Reason.STOP_TOPIC, "in between"))
     rig.tick()
-    assert not ticket.reply.result(0).accepted
+    assert not pending.reply.result(0).accepted
     rig.say("hey robot")
 
-    ticket = rig.desk.take(Request("tense"), "test")
-    rig.desk.check(rig.desk.next(0.0))
+    pending = rig.queue.take("tense", "test")
+    rig.queue.check(rig.queue.next(0.0))
     rig.executor._mover.changes += 1
     rig.tick()
-    assert not ticket.reply.done()
-    rig.desk.check(rig.desk.next(0.0))
+    assert not pending.reply.done()
+    rig.queue.check(rig.queue.next(0.0))
     rig.tick()
-    assert ticket.reply.result(0).accepted
+    assert pending.reply.result(0).accepted
 
 
 def test_a_verification_that_raises_refuses_the_command_with_the_error():
@@ -82,10 +82,11 @@ def test_a_verification_that_raises_refuses_the_command_with_the_error():
     def verify(request, situation):
         raise ArithmeticError("singular")
 
-    broken = CommandDesk(rig.executor, verify, lambda: rig.now)
-    ticket = broken.take(Request("tense"), "test")
+    broken = CommandQueue(rig.executor, verify, lambda: rig.now)
+    pending = broken.take("tense", "test")
+    queued = broken.next(0.0)
     with pytest.raises(ArithmeticError):
-        broken.check(broken.next(0.0))
-    broken.fail(ticket, ArithmeticError("singular"))
-    assert "singular" in ticket.reply.result(0).message
-    assert ticket.ended.result(0).kind == "refused"
+        broken.check(queued)
+    broken.fail(queued, ArithmeticError("singular"))
+    assert "singular" in pending.reply.result(0).message
+    assert pending.ended.result(0).kind == "refused"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bad words at the desk: nothing but a refusal, and no motion but by the command itself."""
+"""Bad words at the queue: nothing but a refusal, and no motion but by the command itself."""
 
 import tracemalloc
 
@@ -7,18 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rst_control.admission.command_queue import (
-    COMMANDS,
-    LONGEST,
-    CommandDesk,
-    is_stop,
-    read_command,
-    shown,
-    unknown,
-)
-from rst_control.execution.state_machine import State
-from rst_control.planning.plan import Request
-from rst_control.types import Cause, Command, Reason
+from rst_control.admission.command_queue import CommandQueue
+from rst_control.commands.parser import MAX_LENGTH, is_stop, read_command, shown, unknown
+from rst_control.commands.table import COMMANDS
+from rst_control.types import Cause, Reason, State
 from tests.support.bad_words import BROKEN, HUGE, MOTIONS, NO_STOPS, STOPS, disguises, huge
 from tests.support.null_executor import Nobody
 from tests.unit.rst_control.support.executor_rig import Rig
@@ -51,17 +43,17 @@ def test_ten_million_characters_take_no_memory_and_move_nothing(beginning, repea
     command, words = read_command(text), unknown(text).words
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert command in (None, Command.STOP)
+    assert command in (None, COMMANDS["stop"])
     assert peak < 100_000
-    assert str(len(text)) in words and str(LONGEST) in words and len(words) < 400
+    assert str(len(text)) in words and str(MAX_LENGTH) in words and len(words) < 400
 
 
 @pytest.mark.parametrize("text", named(enumerate(STOPS)))
 def test_a_stop_in_whatever_harmless_dress_stops_at_once(text):
     nobody = Nobody()
-    desk = CommandDesk(nobody, lambda *_: None, lambda: 0.0)
+    queue = CommandQueue(nobody, lambda *_: None, lambda: 0.0)
     assert is_stop(text)
-    assert desk.take(Request(text), "test").reply.result(0).accepted
+    assert queue.take(text, "test").reply.result(0).accepted
     assert len(nobody.stops) == 1 and nobody.orders == []
 
 
@@ -73,10 +65,10 @@ def test_what_is_no_stop_is_no_stop(text):
 
 def test_a_stop_is_taken_from_a_caller_of_whom_nothing_else_is():
     rig = Rig().awake()
-    ticket = rig.desk.take(Request("terminate"), "stray", objection=FORBIDDEN)
-    assert ticket.reply.result(0).message == "may not call"
-    assert ticket.ended.result(0).kind == "refused"
-    assert rig.desk.take(Request("Stop."), "stray", objection=FORBIDDEN).reply.result(0).accepted
+    pending = rig.queue.take("terminate", "stray", refusal=FORBIDDEN)
+    assert pending.reply.result(0).message == "may not call"
+    assert pending.ended.result(0).kind == "refused"
+    assert rig.queue.take("Stop.", "stray", refusal=FORBIDDEN).reply.result(0).accepted
     rig.tick()
     assert rig.state is State.HALTED
 
@@ -84,8 +76,8 @@ def test_a_stop_is_taken_from_a_caller_of_whom_nothing_else_is():
 @given(SAID)
 def test_a_text_is_a_command_only_if_it_is_one_letter_by_letter(text):
     command = read_command(text)
-    if command is not None and command is not Command.STOP:
-        assert " ".join(text.split()).lower() == command.value
+    if command is not None and command is not COMMANDS["stop"]:
+        assert " ".join(text.split()).lower() == command.phrase
         assert text.isascii()
 
 
@@ -108,7 +100,7 @@ def test_no_flood_of_texts_moves_a_robot_that_is_awake(texts):
     texts = [text for text in texts if read_command(text) is None]
     before = len(rig.sent)
     for text in texts:
-        assert not rig.desk.take(Request(text), "test").reply.result(0).accepted
+        assert not rig.queue.take(text, "test").reply.result(0).accepted
         rig.tick()
     held = [s.position.tolist() for s in rig.sent[before:] if s is not None]
     assert all(position == held[0] for position in held)

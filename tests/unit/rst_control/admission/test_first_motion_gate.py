@@ -7,25 +7,28 @@ import numpy as np
 import pytest
 
 from rst_control.admission.first_motion_gate import VALID_FOR, FirstMotion
-from rst_control.planning.plan import Accepted, Phase, PhaseKind, Plan, Rejected, Request, Situation
-from rst_control.types import Command, Measurement, Reason
+from rst_control.commands.request import Accepted, Plan, Situation
+from rst_control.commands.table import COMMANDS
+from rst_control.planning.plan import Phase, PhaseKind
+from rst_control.types import Measurement, Reason, Rejected
+from tests.unit.rst_control.support.situations import mode_of, request
 
 STILL = np.zeros(10)
 
 
 def at(position, now=0.0):
-    return Situation(Measurement(position, STILL, STILL, now), now, is_active=True)
+    return Situation(Measurement(position, STILL, STILL, now), now, mode=mode_of())
 
 
 def verify(request, situation):
-    command = {c.value: c for c in Command}[request.words]
-    if command is Command.WITHDRAW:
+    command = request.command
+    if command is COMMANDS["withdraw"]:
         return Rejected(Reason.ALREADY_THERE, "outside already")
     phases = (Phase(PhaseKind.OPEN, opening=0.5),) if command in MOVING else ()
     return Accepted(Plan(command, "does it", phases))
 
 
-MOVING = (Command.TENSE, Command.RELEASE, Command.PULL_MORE)
+MOVING = (COMMANDS["tense"], COMMANDS["release"], COMMANDS["pull more"])
 
 
 class Asked:
@@ -34,7 +37,7 @@ class Asked:
         self.first = FirstMotion(verify, self.shown.append, lambda: self.now)
 
     def say(self, words, position=STILL):
-        return self.first(Request(words), at(position))
+        return self.first(request(words), at(position))
 
 
 @pytest.fixture
@@ -47,7 +50,7 @@ def test_the_first_motion_is_shown_and_refused_as_often_as_it_is_said(asked):
         answer = asked.say("tense")
         assert answer.reason is Reason.NOT_CONFIRMED
         assert "rst_control/confirm" in answer.words
-    assert [plan.command for plan in asked.shown] == [Command.TENSE] * 3
+    assert [plan.command for plan in asked.shown] == [COMMANDS["tense"]] * 3
 
 
 def test_what_moves_nothing_is_never_asked_about(asked):

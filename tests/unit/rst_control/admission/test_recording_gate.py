@@ -8,21 +8,19 @@ from dataclasses import replace
 
 import pytest
 
-from rst_control.admission.command_queue import CommandDesk
+from rst_control.admission.command_queue import CommandQueue
 from rst_control.admission.recording_gate import (
-    ADVANCING,
-    EASING,
     LASTING,
     RecordedOnly,
     RecordingNews,
     RecordingWatch,
 )
-from rst_control.commands.verifier import MOTIONS
+from rst_control.commands.request import Plan
+from rst_control.commands.spec import Load, Role
+from rst_control.commands.table import COMMANDS
 from rst_control.config import CONFIG_FOLDER, load_motion_config
 from rst_control.config.recording import RecordingConfig
-from rst_control.execution.state_machine import State
-from rst_control.planning.plan import Plan
-from rst_control.types import BY_HAND, Command
+from rst_control.types import Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig
 from typed_config import ConfigError, load_config
 
@@ -59,33 +57,34 @@ def test_a_recorder_that_is_lost_is_named_at_once_and_its_own_last_words_are_kep
 
 
 def test_every_motion_either_advances_or_eases():
-    assert sorted(c.value for c in (*ADVANCING, *EASING)) == sorted(c.value for c in MOTIONS)
-    assert set(BY_HAND) <= {*ADVANCING, *EASING}
+    for command in COMMANDS.values():
+        assert (command.load is not Load.NEITHER) is (command.role is Role.MOTION), command
 
 
-@pytest.mark.parametrize("command", Command)
+@pytest.mark.parametrize("command", COMMANDS.values(), ids=tuple(COMMANDS))
 def test_what_is_recorded_is_never_refused(command, clock):
     watch = watch_of("refuse", clock)
     watch.heard("/recorder", "")
     clock.now += AGE
-    assert watch.problem == watch.objection(command) == ""
+    assert watch.problem == "" and watch.refusal(command) is None
 
 
-@pytest.mark.parametrize("command", Command)
+@pytest.mark.parametrize("command", COMMANDS.values(), ids=tuple(COMMANDS))
 @pytest.mark.parametrize("on_loss", ["refuse", "stop"])
 def test_without_a_recorder_only_what_advances_is_refused(command, on_loss, clock):
-    objection = watch_of(on_loss, clock).objection(command)
-    if command in ADVANCING:
-        assert objection.startswith("not recorded: no recorder was ever heard; start launch/")
-        assert objection.endswith('still allowed: "release", "pull less", "withdraw", "stop"')
+    refusal = watch_of(on_loss, clock).refusal(command)
+    if command.load is Load.LOADS:
+        assert refusal.reason is Reason.NOT_RECORDED
+        assert refusal.words.startswith("not recorded: no recorder was ever heard; start launch/")
+        assert refusal.words.endswith('still allowed: "release", "pull less", "withdraw", "stop"')
     else:
-        assert objection == ""
+        assert refusal is None
 
 
-@pytest.mark.parametrize("command", Command)
+@pytest.mark.parametrize("command", COMMANDS.values(), ids=tuple(COMMANDS))
 def test_where_it_is_ignored_nothing_is_refused_or_stopped(command, clock):
     watch = watch_of("ignore", clock)
-    assert watch.problem and not watch.objection(command)
+    assert watch.problem and not watch.refusal(command)
     assert not watch.stop_cause(Plan(command, ""))
 
 
@@ -101,7 +100,9 @@ def test_a_silent_recorder_is_named_with_the_time_and_what_was_allowed(clock):
 def test_the_recorders_own_words_reach_the_refusal(clock):
     watch = watch_of("refuse", clock)
     watch.heard("/recorder", "cannot record to /s/x: No space left on device")
-    assert "/recorder: cannot record to /s/x: No space left" in watch.objection(Command.TENSE)
+    assert (
+        "/recorder: cannot record to /s/x: No space left" in watch.refusal(COMMANDS["tense"]).words
+    )
     clock.now += 10.0
     assert "silent for 10.0 s" in watch.problem and "No space left" in watch.problem
 
@@ -117,7 +118,7 @@ def test_one_healthy_recorder_is_enough(clock):
     assert watch.problem == "/recorder: disk full"
 
 
-@pytest.mark.parametrize("command", Command)
+@pytest.mark.parametrize("command", COMMANDS.values(), ids=tuple(COMMANDS))
 @pytest.mark.parametrize("on_loss", ["ignore", "refuse", "stop"])
 def test_only_the_setting_stop_brakes_and_only_what_advances(command, on_loss, clock):
     watch = watch_of(on_loss, clock)
@@ -125,7 +126,7 @@ def test_only_the_setting_stop_brakes_and_only_what_advances(command, on_loss, c
     assert watch.stop_cause(Plan(command, "")) is None
     clock.now += 60.0
     brakes = bool(watch.stop_cause(Plan(command, "")))
-    assert brakes == (on_loss == "stop" and command in ADVANCING)
+    assert brakes == (on_loss == "stop" and command.load is Load.LOADS)
     assert watch.stop_cause(None) is None
 
 
@@ -166,7 +167,7 @@ class RecordedRig(Rig):
         clock = lambda: self.now  # noqa: E731
         self.watch = watch_of(on_loss, clock)
         verify = RecordedOnly(self.context.verify, self.watch)
-        self.desk = CommandDesk(self.executor, verify, clock)
+        self.queue = CommandQueue(self.executor, verify, clock)
         self.problem = ""
 
     def record(self, problem):
@@ -202,9 +203,9 @@ def test_tissue_that_is_held_can_be_eased_and_let_go_unrecorded():
     rig.finish("tense")
     rig.record("disk full")
     tension = rig.executor.view.tension
-    ticket = rig.say("pull less")
-    rig.until(ticket.ended.done)
-    assert "not recorded: /recorder: disk full" in ticket.reply.result(0).message
+    pending = rig.say("pull less")
+    rig.until(pending.ended.done)
+    assert "not recorded: /recorder: disk full" in pending.reply.result(0).message
     assert rig.executor.view.tension < tension - 0.1
     rig.finish("release")
     assert not rig.executor.view.is_tissue_held
@@ -244,10 +245,10 @@ def test_with_the_setting_stop_a_pull_brakes_and_a_release_is_finished():
 def test_where_it_is_ignored_the_robot_works_as_ever():
     rig = RecordedRig("ignore").awake()
     rig.record("disk full")
-    ticket = rig.say("tense")
-    rig.until(ticket.ended.done)
-    assert ticket.ended.result(0).kind == "succeeded"
-    assert "not recorded" not in ticket.reply.result(0).message
+    pending = rig.say("tense")
+    rig.until(pending.ended.done)
+    assert pending.ended.result(0).kind == "succeeded"
+    assert "not recorded" not in pending.reply.result(0).message
 
 
 def test_the_shipped_setting_refuses():

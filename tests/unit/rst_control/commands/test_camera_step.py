@@ -10,19 +10,21 @@ import pytest
 
 from bench.motion.bullet_witness import BulletWitness
 from bench.motion.insertion import situation
-from rst_control.commands.camera_step import WAYS, LookPlans, picture
+from rst_control.commands.camera_step import CAMERA_STEPS, STEPS, picture, step_goal
+from rst_control.commands.table import COMMANDS
 from rst_control.commands.verifier import Verifier
-from rst_control.execution.state_machine import State
 from rst_control.kinematics.configuration import Configuration
-from rst_control.planning.plan import PhaseKind, Rejected, Request
+from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
-from rst_control.types import LOOKS, Command, Reason
+from rst_control.types import Reason, Rejected, State
 from tests.unit.rst_control.support.executor_rig import Rig, shared
+from tests.unit.rst_control.support.situations import request
 
 PICOMETRE = 1e-12
 SINGLE = 2e-6  # [m] of PyBullet's single precision, over the length of the arm
-ROUND = tuple(c for c in LOOKS if not WAYS[c][2])  # the eight directions
-BACK = {c: next(d for d in LOOKS if np.sum(np.add(WAYS[c], WAYS[d]) ** 2) == 0) for c in LOOKS}
+ROUND = tuple(c for c in CAMERA_STEPS if not STEPS[c.phrase][2])  # the eight directions
+OPPOSITE = {tuple(np.negative(step)): phrase for phrase, step in STEPS.items()}
+BACK = {c: COMMANDS[OPPOSITE[STEPS[c.phrase]]] for c in CAMERA_STEPS}
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +39,7 @@ def witness(motion_config):
 
 
 def ask(verify, command, q):
-    return verify(Request(command.value), situation(q))
+    return verify(request(command.phrase), situation(q))
 
 
 def changed(config, **look):
@@ -68,15 +70,15 @@ def test_each_direction_is_that_of_the_picture_and_keeps_the_trocar(
 ):
     """Judged by PyBullet's kinematics, at the end of the planned way and all along it."""
     plan = ask(verify, command, home).plan
-    assert {phase.kind for phase in plan.phases} == {PhaseKind.LOOK}
+    assert {phase.kind for phase in plan.phases} == {PhaseKind.CAMERA_STEP}
     before, after = (witness._poses(q)["tool_tip"] for q in (home, plan.phases[-1].path.end))
     right, up, _ = in_picture(before, after[:, 3])
-    wanted = np.array(WAYS[command][:2]) / np.linalg.norm(WAYS[command][:2])
+    wanted = np.array(STEPS[command.phrase][:2]) / np.linalg.norm(STEPS[command.phrase][:2])
     moved = np.array([right, up]) / np.hypot(right, up)
     assert np.hypot(right, up) > 0.007
     assert float(moved @ wanted) > np.cos(0.25), (right, up)
     signs = [int(np.sign(x)) if abs(x) > 3e-3 else 0 for x in (right, up)]
-    assert signs == list(WAYS[command][:2])
+    assert signs == list(STEPS[command.phrase][:2])
     for phase in plan.phases:
         samples = phase.path.sample(planner.model.chain, planner.trocar, per_knot=20)
         assert samples.rcm_error.max() < 1e-6
@@ -99,7 +101,9 @@ def test_a_step_sideways_turns_the_tool_as_one_about_the_trocar(verify, planner,
     assert depths[0] == pytest.approx(depths[1], abs=1e-7)
 
 
-@pytest.mark.parametrize(("command", "sign"), [(Command.LOOK_CLOSER, 1), (Command.LOOK_WIDER, -1)])
+@pytest.mark.parametrize(
+    ("command", "sign"), [(COMMANDS["look closer"], 1), (COMMANDS["look wider"], -1)]
+)
 def test_closer_and_wider_slide_along_the_shaft(verify, witness, planner, home, command, sign):
     decision = ask(verify, command, home)
     path = decision.plan.phases[-1].path
@@ -114,7 +118,7 @@ def test_closer_and_wider_slide_along_the_shaft(verify, witness, planner, home, 
     assert path.sample(planner.model.chain, planner.trocar).rcm_error.max() < 1e-6
 
 
-@pytest.mark.parametrize("command", LOOKS)
+@pytest.mark.parametrize("command", CAMERA_STEPS)
 def test_the_opposite_step_leads_back(verify, planner, home, command):
     there = ask(verify, command, home).plan.phases[-1].path.end
     back = ask(verify, BACK[command], there).plan.phases[-1].path.end
@@ -124,10 +128,12 @@ def test_the_opposite_step_leads_back(verify, planner, home, command):
 
 def test_the_camera_may_sit_turned_on_the_tool(robot, motion_config, home):
     """Turned by a quarter, what was left for the first camera is up for the other."""
-    straight = LookPlans(Planner(robot, motion_config))
-    turned = LookPlans(Planner(robot, changed(motion_config, image_roll=-np.pi / 2)))
+    straight = Planner(robot, motion_config)
+    turned = Planner(robot, changed(motion_config, image_roll=-np.pi / 2))
     np.testing.assert_allclose(
-        turned.goal(Command.LOOK_UP, home), straight.goal(Command.LOOK_LEFT, home), atol=1e-12
+        step_goal(turned, STEPS["look up"], home),
+        step_goal(straight, STEPS["look left"], home),
+        atol=1e-12,
     )
 
 
@@ -146,12 +152,12 @@ def test_a_step_that_leads_too_far_is_refused_by_name(
 ):
     config = changed(motion_config, **look)
     config = replace(config, rcm=replace(config.rcm, insertion=insertion))
-    decision = ask(Verifier(Planner(robot, config)), Command(words), home)
+    decision = ask(Verifier(Planner(robot, config)), COMMANDS[words], home)
     assert isinstance(decision, Rejected)
     assert decision.reason is reason and "allowed" in decision.words, decision
 
 
-@pytest.mark.parametrize("command", LOOKS)
+@pytest.mark.parametrize("command", CAMERA_STEPS)
 def test_steps_on_and_on_end_with_a_refusal_and_never_a_drift(verify, planner, home, command):
     q, steps = home, 0
     while not isinstance(decision := ask(verify, command, q), Rejected):
@@ -171,15 +177,15 @@ def test_eight_directions_and_back_by_voice_keep_the_trocar():
     rig.robot.tissue = None
     rig.awake()
     first, worst = rig.joints.copy(), 0.0
-    for command in (*ROUND, Command.LOOK_CLOSER):
-        for words in (command.value, BACK[command].value):
+    for command in (*ROUND, COMMANDS["look closer"]):
+        for words in (command.phrase, BACK[command].phrase):
             rig.executor.heartbeat(rig.now)
-            ticket = rig.say(words, spoken=True)
-            while not ticket.ended.done():
+            pending = rig.say(words, spoken=True)
+            while not pending.ended.done():
                 rig.executor.heartbeat(rig.now)
                 rig.tick()
                 worst = max(worst, rig.view.trocar_pose.error)
-            assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
+            assert pending.ended.result(0).kind == "succeeded", pending.ended.result(0)
     planner = shared()[2].planner
     tips = [
         Configuration(planner.model, [*j[:8], 0.5 * (j[8] - j[9])]).tip for j in (first, rig.joints)

@@ -4,13 +4,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rst_control.commands.preconditions import Conditions, mode_refusal
+from rst_control.commands.preconditions import Preconditions, mode_refusal
+from rst_control.commands.request import Situation
+from rst_control.commands.table import COMMANDS
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.planning.plan import Situation
-from rst_control.types import Command, Reason
-from tests.unit.rst_control.support.situations import NOW, measurement, situation
+from rst_control.types import Reason
+from tests.unit.rst_control.support.situations import NOW, measurement, mode_of, situation
 
-MOTIONS = [Command.TENSE, Command.RELEASE, Command.PULL_MORE, Command.PULL_LESS]
+MOTIONS = [COMMANDS["tense"], COMMANDS["release"], COMMANDS["pull more"], COMMANDS["pull less"]]
 
 
 @pytest.fixture
@@ -20,87 +21,87 @@ def joints(home):
 
 @pytest.fixture
 def conditions(planner):
-    return Conditions(planner)
+    return Preconditions(planner)
 
 
 def reason_of(refusal):
     return None if refusal is None else refusal.reason
 
 
-@pytest.mark.parametrize("command", [*MOTIONS, Command.TERMINATE])
+@pytest.mark.parametrize("command", [*MOTIONS, COMMANDS["terminate"]])
 def test_in_standby_only_stop_and_hey_robot_count(joints, command):
     standby = situation(joints, is_active=False)
-    assert reason_of(mode_refusal(command, standby)) is Reason.WRONG_MODE
-    assert mode_refusal(Command.STOP, standby) is None
-    assert mode_refusal(Command.HEY_ROBOT, standby) is None
+    assert reason_of(mode_refusal(command, standby.mode)) is Reason.WRONG_MODE
+    assert mode_refusal(COMMANDS["stop"], standby.mode) is None
+    assert mode_refusal(COMMANDS["hey robot"], standby.mode) is None
 
 
 @pytest.mark.parametrize("command", MOTIONS)
 def test_once_halted_nothing_moves_and_the_reason_is_told(joints, command):
-    refusal = mode_refusal(command, situation(joints, halt_reason='"stop" was said'))
+    refusal = mode_refusal(command, situation(joints, halt_reason='"stop" was said').mode)
     assert refusal.reason is Reason.HALTED
     assert '"stop" was said' in refusal.words
     assert "hey robot" in refusal.words
 
 
 def test_terminate_is_taken_when_halted_and_when_moving(joints):
-    assert mode_refusal(Command.TERMINATE, situation(joints, halt_reason="x")) is None
-    assert mode_refusal(Command.TERMINATE, situation(joints, is_moving=True)) is None
+    assert mode_refusal(COMMANDS["terminate"], situation(joints, halt_reason="x").mode) is None
+    assert mode_refusal(COMMANDS["terminate"], situation(joints, is_moving=True).mode) is None
 
 
 def test_while_moving_only_pulls_may_be_said_again(joints):
     moving = situation(joints, is_moving=True)
-    assert mode_refusal(Command.PULL_MORE, moving) is None
-    assert mode_refusal(Command.PULL_LESS, moving) is None
-    assert reason_of(mode_refusal(Command.TENSE, moving)) is Reason.BUSY
-    assert reason_of(mode_refusal(Command.RELEASE, moving)) is Reason.BUSY
+    assert mode_refusal(COMMANDS["pull more"], moving.mode) is None
+    assert mode_refusal(COMMANDS["pull less"], moving.mode) is None
+    assert reason_of(mode_refusal(COMMANDS["tense"], moving.mode)) is Reason.BUSY
+    assert reason_of(mode_refusal(COMMANDS["release"], moving.mode)) is Reason.BUSY
 
 
-@pytest.mark.parametrize("command", [*MOTIONS, Command.HEY_ROBOT])
+@pytest.mark.parametrize("command", [*MOTIONS, COMMANDS["hey robot"]])
 def test_a_robot_that_never_spoke_or_was_lost_is_named(conditions, joints, command):
-    silent = Situation(measurement=None, now=NOW, is_active=True)
+    silent = Situation(measurement=None, now=NOW, mode=mode_of())
     assert reason_of(conditions.refusal(command, silent)) is Reason.NOT_CONNECTED
     lost = situation(joints, connected=False)
     assert reason_of(conditions.refusal(command, lost)) is Reason.NOT_CONNECTED
 
 
-@pytest.mark.parametrize("command", [Command.STOP, Command.TERMINATE])
+@pytest.mark.parametrize("command", [COMMANDS["stop"], COMMANDS["terminate"]])
 def test_stop_and_terminate_need_no_robot(conditions, command):
     assert conditions.refusal(command, Situation(measurement=None, now=NOW)) is None
 
 
 def test_stale_joint_states_are_refused_with_their_age(conditions, joints):
-    assert conditions.refusal(Command.TENSE, situation(joints, age=0.019)) is None
-    refusal = conditions.refusal(Command.TENSE, situation(joints, age=0.035))
+    assert conditions.refusal(COMMANDS["tense"], situation(joints, age=0.019)) is None
+    refusal = conditions.refusal(COMMANDS["tense"], situation(joints, age=0.035))
     assert refusal.reason is Reason.STALE
     assert "35 ms" in refusal.words
     assert "allowed 20 ms" in refusal.words
 
 
 def test_a_fault_is_told_in_its_own_words(conditions, joints):
-    refusal = conditions.refusal(Command.TENSE, situation(joints, fault="joint_4 blocked"))
+    refusal = conditions.refusal(COMMANDS["tense"], situation(joints, fault="joint_4 blocked"))
     assert refusal.reason is Reason.FAULTED
     assert "joint_4 blocked" in refusal.words
 
 
 def test_hey_robot_waits_until_the_robot_rests(conditions, joints):
-    refusal = conditions.refusal(Command.HEY_ROBOT, situation(joints, speed=0.05))
+    refusal = conditions.refusal(COMMANDS["hey robot"], situation(joints, speed=0.05))
     assert refusal.reason is Reason.NOT_AT_REST
     assert "0.050 rad/s" in refusal.words
-    assert conditions.refusal(Command.HEY_ROBOT, situation(joints, speed=0.001)) is None
+    assert conditions.refusal(COMMANDS["hey robot"], situation(joints, speed=0.001)) is None
 
 
 def test_hey_robot_in_mid_motion_disturbs_nothing_but_clears_no_halt(conditions, joints):
     moving = situation(joints, is_moving=True, speed=0.05)
-    assert conditions.refusal(Command.HEY_ROBOT, moving) is None
+    assert conditions.refusal(COMMANDS["hey robot"], moving) is None
     braking = situation(joints, is_moving=True, speed=0.05, halt_reason="stop")
-    assert reason_of(conditions.refusal(Command.HEY_ROBOT, braking)) is Reason.NOT_AT_REST
+    assert reason_of(conditions.refusal(COMMANDS["hey robot"], braking)) is Reason.NOT_AT_REST
 
 
 def test_a_shaft_measured_off_the_trocar_is_refused_with_the_distance(conditions, home):
     off = home.copy()
     off[3] += 0.01
-    refusal = conditions.refusal(Command.TENSE, situation(robot_joints(off, 0.0)))
+    refusal = conditions.refusal(COMMANDS["tense"], situation(robot_joints(off, 0.0)))
     assert refusal.reason is Reason.RCM_TOLERANCE
     assert "allowed 1000.00 um" in refusal.words
 

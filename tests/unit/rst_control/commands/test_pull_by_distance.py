@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rst_control.commands.request import Accepted
 from rst_control.commands.verifier import Verifier
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.planning.plan import Accepted, Rejected, Request
 from rst_control.planning.planner import Planner
-from rst_control.types import Reason
-from tests.unit.rst_control.support.situations import situation
+from rst_control.types import Reason, Rejected
+from tests.unit.rst_control.support.situations import request, situation
 
 WHY = "torques fit no pull"
 
@@ -45,7 +45,7 @@ def held(plan, s, **more):
 
 
 def test_tense_pulls_as_far_as_keeps_the_stiffest_tissue_below_the_tension(verify, joints):
-    decision = verify(Request("tense"), situation(joints))
+    decision = verify(request("tense"), situation(joints))
     assert isinstance(decision, Accepted)
     pull = decision.plan.phases[-1]
     assert pull.tension is None
@@ -55,51 +55,51 @@ def test_tense_pulls_as_far_as_keeps_the_stiffest_tissue_below_the_tension(verif
 
 
 def test_tense_takes_a_shorter_pull_and_refuses_a_longer_one(verify, joints):
-    short = verify(Request("tense", distance=0.002), situation(joints))
+    short = verify(request("tense", distance=0.002), situation(joints))
     assert short.plan.phases[-1].target == pytest.approx(0.002)
-    long = verify(Request("tense", distance=0.012), situation(joints))
+    long = verify(request("tense", distance=0.012), situation(joints))
     assert isinstance(long, Rejected)
     assert long.reason is Reason.DISPLACEMENT_LIMIT
     assert "pulled 12.0 mm, allowed 0 to 5.0 mm" in long.words
 
 
 def test_steps_are_distances_and_end_at_the_largest_tension_of_the_stiffest_tissue(verify, joints):
-    plan = verify(Request("tense"), situation(joints)).plan
-    more = verify(Request("pull more"), held(plan, 0.005)).plan.phases[-1]
+    plan = verify(request("tense"), situation(joints)).plan
+    more = verify(request("pull more"), held(plan, 0.005)).plan.phases[-1]
     assert (more.tension, more.target) == (None, pytest.approx(0.005 + 0.25 / 200.0))
-    last = verify(Request("pull more"), held(plan, 0.00875))
+    last = verify(request("pull more"), held(plan, 0.00875))
     assert last.plan.phases[-1].target == pytest.approx(0.010)  # 2 N over 200 N/m
-    further = verify(Request("pull more"), held(plan, 0.0090))
+    further = verify(request("pull more"), held(plan, 0.0090))
     assert further.reason is Reason.DISPLACEMENT_LIMIT
     assert "allowed 0 to 10.0 mm" in further.words
 
 
 def test_a_step_in_newtons_becomes_its_distance(verify, joints):
-    plan = verify(Request("tense"), situation(joints)).plan
-    more = verify(Request("pull more", tension=0.5), held(plan, 0.004)).plan.phases[-1]
+    plan = verify(request("tense"), situation(joints)).plan
+    more = verify(request("pull more", tension=0.5), held(plan, 0.004)).plan.phases[-1]
     assert more.target == pytest.approx(0.004 + 0.5 / 200.0)
-    huge = verify(Request("pull more", distance=0.007), held(plan, 0.004))
+    huge = verify(request("pull more", distance=0.007), held(plan, 0.004))
     assert huge.reason is Reason.DISPLACEMENT_LIMIT
 
 
 def test_pull_less_is_never_refused_for_having_gone_too_far(verify, joints):
-    plan = verify(Request("tense"), situation(joints)).plan
-    less = verify(Request("pull less"), held(plan, 0.015))
+    plan = verify(request("tense"), situation(joints)).plan
+    less = verify(request("pull less"), held(plan, 0.015))
     assert less.plan.phases[-1].target == pytest.approx(0.015 - 0.25 / 200.0)
-    assert verify(Request("pull less"), held(plan, 0.0005)).reason is Reason.DISPLACEMENT_LIMIT
+    assert verify(request("pull less"), held(plan, 0.0005)).reason is Reason.DISPLACEMENT_LIMIT
 
 
 def test_a_tension_that_nobody_trusts_is_not_looked_at(verify, joints):
     """Its slope would forbid the step, were it believed."""
-    plan = verify(Request("tense"), situation(joints)).plan
-    assert isinstance(verify(Request("pull more"), held(plan, 0.002, tension=1.9)), Accepted)
+    plan = verify(request("tense"), situation(joints)).plan
+    assert isinstance(verify(request("pull more"), held(plan, 0.002, tension=1.9)), Accepted)
 
 
 def test_a_sensor_that_is_not_trusted_is_told_with_the_reason(motion_config, robot, joints):
     verify = Verifier(Planner(robot, motion_config))
-    words = verify(Request("tense"), situation(joints, tension_invalid_reason=WHY)).plan.words
+    words = verify(request("tense"), situation(joints, tension_invalid_reason=WHY)).plan.words
     assert WHY in words
-    trusted = verify(Request("tense"), situation(joints)).plan
+    trusted = verify(request("tense"), situation(joints)).plan
     assert trusted.phases[-1].tension == motion_config.controller.tension.initial
 
 
@@ -108,16 +108,16 @@ def test_torques_are_judged_once_the_tissue_is_held(motion_config, robot, joints
     tension = replace(motion_config.controller.tension, source="joint_torque")
     controller = replace(motion_config.controller, tension=tension)
     verify = Verifier(Planner(robot, replace(motion_config, controller=controller)))
-    plan = verify(Request("tense"), situation(joints, tension_invalid_reason="no tare")).plan
+    plan = verify(request("tense"), situation(joints, tension_invalid_reason="no tare")).plan
     assert plan.phases[-1].tension == tension.initial
-    step = verify(Request("pull more"), held(plan, 0.002, tension_invalid_reason=WHY)).plan.phases[
+    step = verify(request("pull more"), held(plan, 0.002, tension_invalid_reason=WHY)).plan.phases[
         -1
     ]
     assert step.tension is None
-    told = verify(Request("pull more"), held(plan, 0.002, tension=0.5)).plan.phases[-1]
+    told = verify(request("pull more"), held(plan, 0.002, tension=0.5)).plan.phases[-1]
     assert told.tension == pytest.approx(0.75)
 
 
 def test_refusals_of_tension_still_hold(verify, joints):
-    assert verify(Request("tense", tension=2.2), situation(joints)).reason is Reason.TENSION_LIMIT
-    assert np.isfinite(verify(Request("tense"), situation(joints)).plan.phases[-1].target)
+    assert verify(request("tense", tension=2.2), situation(joints)).reason is Reason.TENSION_LIMIT
+    assert np.isfinite(verify(request("tense"), situation(joints)).plan.phases[-1].target)

@@ -9,17 +9,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from rst_control.commands.request import Accepted
 from rst_control.commands.tense import choose_grasp
 from rst_control.commands.verifier import Verifier
 from rst_control.errors import NoGrasp, OutsideWorkspace
 from rst_control.kinematics.configuration import Configuration, robot_joints
-from rst_control.planning.plan import Accepted, PhaseKind, Request
+from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
 from rst_control.tissue.grasp_candidates import LONGEST_PULL, MAX_ASIDE, grasp_candidates, turned
 from rst_control.tissue.sheet import free_sides, rest_points, rim_nodes, sheet_normal
 from rst_control.tissue.triangulation import pull_direction
 from rst_control.types import Reason
-from tests.unit.rst_control.support.situations import situation
+from tests.unit.rst_control.support.situations import request, situation
 from typed_config import ConfigError
 
 OPEN = {"approach_axis": (), "jaw_axis": (), "pull_direction": ()}
@@ -84,16 +85,18 @@ def test_a_chosen_grasp_keeps_the_point_the_way_and_the_retreat(planner, scene, 
     plan = choose_grasp(chooser, home)
     tip = Configuration(planner.model, plan.reach[-1].end).T_base_tip
     assert_allclose(tip[:3, 3], scene.grasp_point, atol=1e-6)
-    assert abs(tip[:3, 0] @ sheet_normal(scene.tissue)) == pytest.approx(np.cos(plan.way.askew))
+    assert abs(tip[:3, 0] @ sheet_normal(scene.tissue)) == pytest.approx(
+        np.cos(plan.candidate.askew)
+    )
     pulled = Configuration(planner.model, plan.pull.end).tip - tip[:3, 3]
-    assert_allclose(pulled, plan.way.length * plan.way.pull, atol=1e-6)
+    assert_allclose(pulled, plan.candidate.length * plan.candidate.pull, atol=1e-6)
     back = Configuration(planner.model, plan.retreat.end).tip - tip[:3, 3]
-    assert_allclose(back, -scene.clearance * plan.way.approach, atol=1e-6)
+    assert_allclose(back, -scene.clearance * plan.candidate.approach, atol=1e-6)
 
 
 def test_the_same_situation_gives_the_same_choice(planner, scene, home):
     first, second = (choose_grasp(planner_of(planner, scene), home) for _ in range(2))
-    assert_array_equal(first.way.T_base_tip, second.way.T_base_tip)
+    assert_array_equal(first.candidate.T_base_tip, second.candidate.T_base_tip)
     assert_array_equal(first.pull.knots, second.pull.knots)
 
 
@@ -103,7 +106,7 @@ def test_where_the_best_way_is_blocked_the_next_is_taken(planner, scene, home, m
     reach = chooser.reach
 
     def narrow(q, way=None):
-        if way is best.way:
+        if way is best.candidate:
             blocked.append(way)
             raise OutsideWorkspace(1.0, 0.1)
         return reach(q, way)
@@ -111,7 +114,7 @@ def test_where_the_best_way_is_blocked_the_next_is_taken(planner, scene, home, m
     monkeypatch.setattr(chooser, "reach", narrow)
     other = choose_grasp(chooser, home)
     assert blocked
-    assert other.way is not best.way
+    assert other.candidate is not best.candidate
 
 
 @pytest.mark.parametrize("free", [1, 0])
@@ -138,13 +141,13 @@ def test_where_no_way_is_free_the_refusal_names_the_reason_of_the_best(planner, 
     with pytest.raises(NoGrasp, match=r"of 49 ways .* workspace centre, allowed 12\.0") as caught:
         choose_grasp(chooser, home)
     assert isinstance(caught.value.reasons[0], OutsideWorkspace)
-    decision = Verifier(chooser)(Request("tense"), at_home(home))
+    decision = Verifier(chooser)(request("tense"), at_home(home))
     assert decision.reason is Reason.WORKSPACE
     assert 'cannot "tense": none of' in decision.words
 
 
 def test_tense_is_planned_without_any_direction_in_the_scene(planner, scene, home):
-    decision = Verifier(planner_of(planner, scene))(Request("tense", 0.5), at_home(home))
+    decision = Verifier(planner_of(planner, scene))(request("tense", 0.5), at_home(home))
     assert isinstance(decision, Accepted)
     assert decision.plan.phases[-1].kind is PhaseKind.PULL
     assert decision.plan.phases[-1].tension == 0.5

@@ -6,12 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rst_control.commands.request import Accepted
+from rst_control.commands.table import COMMANDS
 from rst_control.commands.verifier import Verifier
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.planning.plan import Accepted, PhaseKind, Rejected, Request
+from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
-from rst_control.types import Command, Reason
-from tests.unit.rst_control.support.situations import situation
+from rst_control.types import Reason, Rejected
+from tests.unit.rst_control.support.situations import request, situation
 
 STRICT = {"planned_tolerance": 1e-12}  # [m] nearer than a path can keep to
 
@@ -29,7 +31,7 @@ def joints(home):
 @pytest.fixture
 def tensed(verify, joints):
     """The plan that grasped, from which later situations follow."""
-    return verify(Request("tense"), situation(joints)).plan
+    return verify(request("tense"), situation(joints)).plan
 
 
 def holding(tensed, s=0.01, tension=1.0, target=1.0, **more):
@@ -53,7 +55,7 @@ def assert_refused(decision, reason, *words):
 
 
 def test_tense_opens_reaches_closes_and_pulls(verify, joints, motion_config):
-    decision = verify(Request("tense"), situation(joints))
+    decision = verify(request("tense"), situation(joints))
     assert isinstance(decision, Accepted)
     reach = PhaseKind.REACH
     assert kinds(decision) == [PhaseKind.OPEN, reach, reach, PhaseKind.CLOSE, PhaseKind.PULL]
@@ -67,14 +69,14 @@ def test_tense_opens_reaches_closes_and_pulls(verify, joints, motion_config):
 
 def test_every_phase_begins_where_the_one_before_ends(verify, joints, home):
     q = home
-    for phase in verify(Request("tense"), situation(joints)).plan.phases:
+    for phase in verify(request("tense"), situation(joints)).plan.phases:
         if phase.path is not None:
             np.testing.assert_allclose(phase.path.evaluate(phase.start).q, q, atol=1e-12)
             q = phase.path.evaluate(phase.target).q
 
 
 def test_tense_takes_another_tension_and_a_shorter_pull(verify, joints):
-    decision = verify(Request("tense", tension=0.5, distance=0.012), situation(joints))
+    decision = verify(request("tense", tension=0.5, distance=0.012), situation(joints))
     pull = decision.plan.phases[-1]
     assert (pull.tension, pull.target) == (0.5, 0.012)
 
@@ -82,7 +84,7 @@ def test_tense_takes_another_tension_and_a_shorter_pull(verify, joints):
 def test_pull_more_and_pull_less_move_the_target_on_the_same_path(verify, tensed, motion_config):
     step = motion_config.controller.tension.step_tension
     for words, sign in (("pull more", 1.0), ("pull less", -1.0)):
-        decision = verify(Request(words), holding(tensed))
+        decision = verify(request(words), holding(tensed))
         (phase,) = decision.plan.phases
         assert phase.kind is PhaseKind.STEP
         assert phase.path is tensed.grasp.pull
@@ -93,22 +95,22 @@ def test_pull_more_and_pull_less_move_the_target_on_the_same_path(verify, tensed
 def test_said_again_while_moving_each_step_adds_to_the_target(verify, tensed, motion_config):
     step = motion_config.controller.tension.step_tension
     moving = holding(tensed, tension=0.4, target=1.25, is_moving=True)
-    decision = verify(Request("pull more"), moving)
+    decision = verify(request("pull more"), moving)
     assert decision.plan.phases[0].tension == pytest.approx(1.25 + step)
 
 
 def test_at_rest_a_step_starts_from_what_is_measured(verify, tensed, motion_config):
     step = motion_config.controller.tension.step_tension
     stopped = holding(tensed, tension=0.6, target=None)
-    assert verify(Request("pull more"), stopped).plan.phases[0].tension == pytest.approx(0.6 + step)
+    assert verify(request("pull more"), stopped).plan.phases[0].tension == pytest.approx(0.6 + step)
     soft = holding(tensed, tension=0.6, target=1.0)  # the target was never reached
-    assert verify(Request("pull less"), soft).plan.phases[0].tension == pytest.approx(0.6 - step)
+    assert verify(request("pull less"), soft).plan.phases[0].tension == pytest.approx(0.6 - step)
 
 
 def test_a_step_of_given_size_is_taken_in_newtons_or_metres(verify, tensed):
-    by_force = verify(Request("pull more", tension=0.1), holding(tensed)).plan.phases[0]
+    by_force = verify(request("pull more", tension=0.1), holding(tensed)).plan.phases[0]
     assert by_force.tension == pytest.approx(1.1)
-    by_way = verify(Request("pull less", distance=0.004), holding(tensed)).plan.phases[0]
+    by_way = verify(request("pull less", distance=0.004), holding(tensed)).plan.phases[0]
     assert (by_way.tension, by_way.start) == (None, 0.01)
     assert by_way.target == pytest.approx(0.006)
 
@@ -118,13 +120,13 @@ def test_steps_by_distance_can_be_the_setting(planner, tensed):
     tension = replace(config.controller.tension, step_by="distance", step_distance=0.003)
     controller = replace(config.controller, tension=tension)
     verify = Verifier(Planner(planner.model, replace(config, controller=controller)))
-    phase = verify(Request("pull more"), holding(tensed)).plan.phases[0]
+    phase = verify(request("pull more"), holding(tensed)).plan.phases[0]
     assert phase.target == pytest.approx(0.013)
     assert phase.tension == tension.maximum  # where it ends, should the tissue be stiff
 
 
 def test_release_opens_and_goes_out_by_the_ways_known(verify, tensed):
-    decision = verify(Request("release"), holding(tensed, s=0.01))
+    decision = verify(request("release"), holding(tensed, s=0.01))
     opening, back, out = decision.plan.phases
     assert kinds(decision) == [PhaseKind.OPEN, PhaseKind.EASE, PhaseKind.EASE]
     assert opening.opening > 0.0
@@ -135,7 +137,7 @@ def test_release_opens_and_goes_out_by_the_ways_known(verify, tensed):
 
 def test_release_of_tissue_nobody_remembers_plans_a_way_out(verify, tensed):
     forgotten = replace(holding(tensed), grasp=None)
-    decision = verify(Request("release"), forgotten)
+    decision = verify(request("release"), forgotten)
     assert kinds(decision) == [PhaseKind.OPEN, PhaseKind.EASE]
     start = decision.plan.phases[1].path.start
     np.testing.assert_allclose(start, tensed.grasp.pull.evaluate(0.01).q, atol=1e-12)
@@ -144,12 +146,12 @@ def test_release_of_tissue_nobody_remembers_plans_a_way_out(verify, tensed):
 def test_release_is_never_refused_for_want_of_a_way_out(planner, tensed):
     scene = replace(planner.config.scene, workspace_radius=0.005)
     verify = Verifier(Planner(planner.model, replace(planner.config, scene=scene)))
-    decision = verify(Request("release"), replace(holding(tensed), grasp=None))
+    decision = verify(request("release"), replace(holding(tensed), grasp=None))
     assert kinds(decision) == [PhaseKind.OPEN]
 
 
 def test_pulling_tissue_nobody_remembers_plans_a_new_pull_from_here(verify, tensed):
-    decision = verify(Request("pull more"), replace(holding(tensed, s=0.005), grasp=None))
+    decision = verify(request("pull more"), replace(holding(tensed, s=0.005), grasp=None))
     (phase,) = decision.plan.phases
     np.testing.assert_allclose(phase.path.start, tensed.grasp.pull.evaluate(0.005).q, atol=1e-12)
     assert decision.plan.grasp.pull is phase.path
@@ -158,87 +160,71 @@ def test_pulling_tissue_nobody_remembers_plans_a_new_pull_from_here(verify, tens
 def test_a_grasp_remembered_elsewhere_is_planned_anew(verify, tensed):
     here = holding(tensed, s=0.01)
     elsewhere = replace(here, grasp=replace(here.grasp, s=0.02))
-    decision = verify(Request("pull more"), elsewhere)
+    decision = verify(request("pull more"), elsewhere)
     assert decision.plan.phases[-1].path is not tensed.grasp.pull
 
 
 @pytest.mark.parametrize("words", ["hey robot", "stop", "terminate"])
 def test_commands_of_the_mode_have_no_phases(verify, joints, words):
-    plan = verify(Request(words), situation(joints)).plan
-    assert plan.command is Command(words)
+    plan = verify(request(words), situation(joints)).plan
+    assert plan.command is COMMANDS[words]
     assert plan.phases == ()
-
-
-def test_case_and_blanks_of_the_words_do_not_matter(verify, joints):
-    assert isinstance(verify(Request("  Hey   ROBOT "), situation(joints)), Accepted)
 
 
 # Why each command is refused.
 
 
-@pytest.mark.parametrize("words", ["", "pull", "tense tense", "don't pull more", "stop it"])
-def test_other_words_are_refused_and_the_known_ones_listed(verify, joints, words):
-    decision = verify(Request(words), situation(joints))
-    assert_refused(decision, Reason.UNKNOWN_COMMAND, '"pull less"', '"hey robot"')
-
-
 @pytest.mark.parametrize("words", ["release", "pull more", "pull less"])
 def test_with_nothing_grasped_there_is_nothing_to_pull_or_release(verify, joints, words):
-    assert_refused(verify(Request(words), situation(joints)), Reason.NOTHING_GRASPED, words)
+    assert_refused(verify(request(words), situation(joints)), Reason.NOTHING_GRASPED, words)
 
 
 def test_tissue_already_held_is_not_grasped_again(verify, tensed):
-    assert_refused(verify(Request("tense"), holding(tensed)), Reason.ALREADY_GRASPED, "1.00 N")
+    assert_refused(verify(request("tense"), holding(tensed)), Reason.ALREADY_GRASPED, "1.00 N")
 
 
 @pytest.mark.parametrize("target", [0.05, 2.2, 9.0])
 def test_a_target_outside_the_band_is_refused_with_the_band(verify, joints, target):
-    decision = verify(Request("tense", tension=target), situation(joints))
+    decision = verify(request("tense", tension=target), situation(joints))
     assert_refused(decision, Reason.TENSION_LIMIT, f"{target:.2f} N", "0.10 to 2.00 N")
 
 
 def test_a_step_over_the_band_is_refused(verify, tensed):
-    decision = verify(Request("pull more"), holding(tensed, tension=1.9, target=1.9))
+    decision = verify(request("pull more"), holding(tensed, tension=1.9, target=1.9))
     assert_refused(decision, Reason.TENSION_LIMIT, "2.15 N", "allowed 0.10 to 2.00 N")
 
 
 def test_a_step_below_the_band_is_refused(verify, tensed):
-    decision = verify(Request("pull less"), holding(tensed, tension=0.2, target=0.2))
+    decision = verify(request("pull less"), holding(tensed, tension=0.2, target=0.2))
     assert_refused(decision, Reason.TENSION_LIMIT, "-0.05 N")
 
 
 def test_a_present_tension_over_the_limit_lets_only_less_through(verify, tensed):
     tight = holding(tensed, tension=2.5, target=1.0)
-    assert_refused(verify(Request("pull more"), tight), Reason.TENSION_LIMIT)
-    assert isinstance(verify(Request("release"), tight), Accepted)
-    assert isinstance(verify(Request("pull less", tension=1.0), tight), Accepted)
+    assert_refused(verify(request("pull more"), tight), Reason.TENSION_LIMIT)
+    assert isinstance(verify(request("release"), tight), Accepted)
+    assert isinstance(verify(request("pull less", tension=1.0), tight), Accepted)
 
 
 def test_a_step_by_distance_that_would_pull_too_hard_is_refused(verify, tensed):
     near = holding(tensed, s=0.01, tension=1.8)
-    decision = verify(Request("pull more", distance=0.004), near)
+    decision = verify(request("pull more", distance=0.004), near)
     assert_refused(decision, Reason.TENSION_LIMIT, "2.52 N")
 
 
 def test_beyond_the_pull_path_there_is_no_more(verify, tensed):
     end = holding(tensed, s=0.03, tension=0.4, target=1.0)
-    assert_refused(verify(Request("pull more"), end), Reason.DISPLACEMENT_LIMIT, "0 to 30.0 mm")
+    assert_refused(verify(request("pull more"), end), Reason.DISPLACEMENT_LIMIT, "0 to 30.0 mm")
     far = holding(tensed, s=0.028, tension=0.4)
-    decision = verify(Request("pull more", distance=0.005), far)
+    decision = verify(request("pull more", distance=0.005), far)
     assert_refused(decision, Reason.DISPLACEMENT_LIMIT, "33.0 mm")
-    decision = verify(Request("pull less", distance=0.02), holding(tensed, s=0.01))
+    decision = verify(request("pull less", distance=0.02), holding(tensed, s=0.01))
     assert_refused(decision, Reason.DISPLACEMENT_LIMIT, "-10.0 mm")
 
 
 def test_a_longer_pull_than_the_path_is_refused(verify, joints):
-    decision = verify(Request("tense", distance=0.05), situation(joints))
+    decision = verify(request("tense", distance=0.05), situation(joints))
     assert_refused(decision, Reason.DISPLACEMENT_LIMIT, "50.0 mm", "30.0 mm")
-
-
-@pytest.mark.parametrize("amount", [-0.5, float("nan"), float("inf")])
-def test_amounts_that_make_no_sense_are_refused(verify, joints, tensed, amount):
-    assert isinstance(verify(Request("tense", tension=amount), situation(joints)), Rejected)
-    assert isinstance(verify(Request("pull less", distance=amount), holding(tensed)), Rejected)
 
 
 @pytest.mark.parametrize(
@@ -267,7 +253,7 @@ def test_a_scene_that_makes_tense_impossible_gives_its_own_reason(
         changes = {**STRICT, "solver": replace(config.rcm.solver, tolerance=1e-12)}
     changed = replace(config, **{part: replace(getattr(config, part), **changes)})
     verify = Verifier(Planner(planner.model, changed))
-    assert_refused(verify(Request("tense"), situation(joints)), reason, words)
+    assert_refused(verify(request("tense"), situation(joints)), reason, words)
 
 
 def test_joint_limits_in_the_way_are_the_reason_given(planner, joints, home):
@@ -278,5 +264,5 @@ def test_joint_limits_in_the_way_are_the_reason_given(planner, joints, home):
     lower[3], lower[1], upper[1] = home[3] - 0.0201, home[1] - 0.0201, home[1] + 0.0201
     limits = replace(config.limits, arm_lower=tuple(lower), arm_upper=tuple(upper))
     verify = Verifier(Planner(planner.model, replace(config, limits=limits)))
-    decision = verify(Request("tense"), situation(joints))
+    decision = verify(request("tense"), situation(joints))
     assert_refused(decision, Reason.JOINT_LIMIT, "joint_", "rad, allowed")

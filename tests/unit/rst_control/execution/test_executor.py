@@ -4,8 +4,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rst_control.execution.state_machine import State
-from rst_control.types import LOOKS, Command
+from rst_control.commands.camera_step import STEPS
+from rst_control.commands.table import COMMANDS
+from rst_control.types import State
 from tests.unit.rst_control.support.executor_rig import PERIOD, Rig
 
 SITUATIONS = {
@@ -24,7 +25,7 @@ ALWAYS = {"hey robot", "stop"}
 PULLS = {"pull more", "pull less"}
 ALLOWED = {
     "standby": ALWAYS,
-    "active": ALWAYS | {"tense", "withdraw", "terminate", *(look.value for look in LOOKS)},
+    "active": ALWAYS | {"tense", "withdraw", "terminate", *STEPS},
     "holding": ALWAYS | PULLS | {"release", "terminate"},
     "reaching": ALWAYS | {"terminate"},
     "pulling": ALWAYS | PULLS | {"terminate"},
@@ -66,10 +67,10 @@ def faulted():
 
 @pytest.mark.parametrize("situation", SITUATIONS)
 def test_every_command_in_every_state_is_accepted_or_refused_as_the_table_says(situation):
-    for command in Command:
+    for command in COMMANDS.values():
         rig = SITUATIONS[situation]()
-        reply = rig.give(command.value).reply.result(0)
-        assert reply.accepted == (command.value in ALLOWED[situation]), (command, reply.message)
+        reply = rig.give(command.phrase).reply.result(0)
+        assert reply.accepted == (command.phrase in ALLOWED[situation]), (command, reply.message)
         if not reply.accepted:
             assert rig.view.last_refusal.words == reply.message
             assert rig.diary()[-1] == "refused"
@@ -158,13 +159,13 @@ def test_the_outcome_tells_the_largest_rcm_error_measured_in_motion():
     rig = Rig().awake()
     rig.robot.push(np.full(10, 1e-3))  # before the motion: does not count
     rig.run(0.01)
-    ticket = rig.say("tense")
+    pending = rig.say("tense")
     rig.until(lambda: rig.phase == "reach")
     rig.robot.push(np.full(10, 1e-4))
     pushed = rig.rcm(rig.robot.measured_js().position)
-    rig.until(ticket.ended.done)
+    rig.until(pending.ended.done)
     assert pushed > 1e-6
-    assert ticket.ended.result(0).max_rcm_error == pytest.approx(pushed)
+    assert pending.ended.result(0).max_rcm_error == pytest.approx(pushed)
 
 
 def test_a_grasp_is_remembered_until_the_jaws_have_let_go():
@@ -200,13 +201,13 @@ def test_set_points_are_continuous_over_a_whole_session():
 def test_pull_more_takes_over_from_a_pull_at_its_speed():
     rig = Rig().moving("pull")
     first = rig.executor.view.motion.path_speed
-    ticket = rig.say("pull more")
+    pending = rig.say("pull more")
     after = rig.executor.view.motion.path_speed
     assert abs(after - first) < 3 * PERIOD * rig.config.controller.speed.acceleration
     assert rig.view.tension_target == pytest.approx(
         rig.config.controller.tension.initial + rig.config.controller.tension.step_tension
     )
-    rig.until(ticket.ended.done)
+    rig.until(pending.ended.done)
     assert rig.view.tension == pytest.approx(rig.view.tension_target, abs=0.03)
 
 
@@ -232,10 +233,10 @@ def test_pull_more_said_twice_at_once_counts_twice():
 def test_jaws_that_close_on_nothing_end_the_motion_without_a_latch():
     rig = Rig().awake()
     rig.robot.tissue = None
-    ticket = rig.say("tense")
-    rig.until(ticket.ended.done)
-    assert ticket.ended.result(0).kind == "failed"
-    assert "nothing grasped" in ticket.ended.result(0).message
+    pending = rig.say("tense")
+    rig.until(pending.ended.done)
+    assert pending.ended.result(0).kind == "failed"
+    assert "nothing grasped" in pending.ended.result(0).message
     assert rig.state is State.ACTIVE
     assert rig.still_for(0.1)
 

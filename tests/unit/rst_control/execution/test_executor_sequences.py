@@ -5,8 +5,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rst_control.execution.state_machine import IN_MOTION, State
-from rst_control.types import Cause, Command, Reason
+from rst_control.commands.table import COMMANDS
+from rst_control.types import IN_MOTION, Cause, Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig
 
 EVENTS = {
@@ -21,10 +21,11 @@ EVENTS = {
     "stop twice": lambda rig: [rig.executor.stop(Cause(Reason.STOP_TOPIC, w)) for w in "ab"],
     "clock jumps": lambda rig: setattr(rig, "now", rig.now + 0.3),
 }
-SPOKEN = [f"spoken {c.value}" for c in Command]
+SPOKEN = [f"spoken {c.phrase}" for c in COMMANDS.values()]
 WAITS = (0.0, 0.02, 0.3, 2.0)
 STEPS = st.tuples(
-    st.sampled_from([*(c.value for c in Command), *SPOKEN, *EVENTS]), st.sampled_from(WAITS)
+    st.sampled_from([*(c.phrase for c in COMMANDS.values()), *SPOKEN, *EVENTS]),
+    st.sampled_from(WAITS),
 )
 LIKELY = [("hey robot", 0.0), ("tense", 2.0)]
 

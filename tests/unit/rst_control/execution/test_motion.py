@@ -2,15 +2,17 @@
 import numpy as np
 import pytest
 
+from rst_control.commands.request import Accepted, Plan
 from rst_control.execution.motion import MotionMaker, OffPath
-from rst_control.planning.plan import Accepted, Phase, PhaseKind, Plan, Rejected, Request
-from rst_control.types import Reason
+from rst_control.planning.plan import Phase, PhaseKind
+from rst_control.types import Reason, Rejected
 from tests.unit.rst_control.support.executor_rig import Rig, shared
+from tests.unit.rst_control.support.situations import request
 
 
 def tense_plan(rig):
     verify = shared()[2].verify
-    decision = verify(Request("tense"), rig.view.situation(rig.now))
+    decision = verify(request("tense"), rig.view.situation(rig.now))
     assert isinstance(decision, Accepted)
     return decision.plan
 
@@ -57,9 +59,9 @@ def test_no_further_phase_begins_after_braking(rig, maker):
 
 
 def test_progress_grows_from_zero_to_one_in_every_phase(rig):
-    ticket = rig.say("tense")
+    pending = rig.say("tense")
     seen = {}
-    while not ticket.ended.done():
+    while not pending.ended.done():
         rig.tick()
         if rig.view.motion is not None:
             seen.setdefault(rig.phase, []).append(rig.view.motion.progress)

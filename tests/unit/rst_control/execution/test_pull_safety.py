@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rst_control.execution.state_machine import State
+from rst_control.types import State
 from tests.unit.rst_control.support.executor_rig import Rig
 
 STIFFNESSES = [80.0, 600.0, 4000.0]
@@ -19,9 +19,9 @@ def felt(rig):
 
 def pulling(stiffness, tension):
     rig = Rig(stiffness).awake()
-    ticket = rig.say("tense", tension=2.0)
+    pending = rig.say("tense", tension=2.0)
     rig.until(lambda: rig.phase == "pull" and felt(rig) > tension)
-    return rig, ticket
+    return rig, pending
 
 
 def most_felt(rig, seconds):
@@ -35,16 +35,16 @@ def most_felt(rig, seconds):
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
 @pytest.mark.parametrize("tension", [0.3, 1.0, 1.8])
 def test_states_that_stop_coming_end_the_pull_below_the_limit(stiffness, tension):
-    rig, ticket = pulling(stiffness, tension)
+    rig, pending = pulling(stiffness, tension)
     rig.robot.freeze()
     assert most_felt(rig, 0.5) < rig.config.controller.tension.limit
     assert rig.state is State.FAULTED
-    assert "stale" in ticket.ended.result(0).message
+    assert "stale" in pending.ended.result(0).message
 
 
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
 def test_a_tension_that_stays_as_it_was_fails_the_command_and_leaves_the_robot_ready(stiffness):
-    rig, ticket = pulling(stiffness, 1.0)
+    rig, pending = pulling(stiffness, 1.0)
     rig.believing()  # whatever the watch over the sensors would make of it
     true, dead = rig.robot.tissue, rig.robot.tissue.force(rig.joints)
 
@@ -56,8 +56,8 @@ def test_a_tension_that_stays_as_it_was_fails_the_command_and_leaves_the_robot_r
     rig.until(lambda: rig.state is State.ACTIVE)
     rig.robot.tissue = true
     assert felt(rig) < rig.config.controller.tension.limit
-    assert "sensor dead" in ticket.ended.result(0).message
-    assert ticket.ended.result(0).kind == "failed"
+    assert "sensor dead" in pending.ended.result(0).message
+    assert pending.ended.result(0).kind == "failed"
 
 
 @pytest.mark.parametrize("stiffness", [600.0, 2000.0, 4000.0])
@@ -65,9 +65,9 @@ def test_a_step_in_millimetres_ends_at_the_highest_tension_allowed(stiffness):
     rig = Rig(stiffness).awake()
     rig.finish("tense", tension=0.3)
     step = 0.9 * (2.0 - 0.3) / stiffness if stiffness < 1000.0 else 0.002
-    ticket = rig.say("pull more", distance=step)
+    pending = rig.say("pull more", distance=step)
     most = 0.0
-    while not ticket.ended.done():
+    while not pending.ended.done():
         rig.tick()
         most = max(most, felt(rig))
     expected = min(0.3 + stiffness * step, rig.config.controller.tension.maximum)

@@ -3,30 +3,35 @@ from itertools import product
 
 import pytest
 
+from rst_control.commands.preconditions import mode_refusal
+from rst_control.commands.table import COMMANDS
 from rst_control.execution import state_machine
-from rst_control.execution.state_machine import LATCHED, ControllerMode, State
-from rst_control.types import Cause, Command, Reason
+from rst_control.types import IN_MOTION, LATCHED, Cause, ControllerMode, Reason, State
 
-STOP = Cause(Reason.STOP_TOPIC, "stop")
+HALT = Cause(Reason.STOP_TOPIC, "stop")
 FAULT = Cause(Reason.OVER_TENSION, "tension over its limit")
-MOTIONS = (Command.TENSE, Command.RELEASE, Command.PULL_MORE, Command.PULL_LESS)
+MOTIONS = (COMMANDS["tense"], COMMANDS["release"], COMMANDS["pull more"], COMMANDS["pull less"])
+
+
+def refusal_of(mode, command):
+    return mode_refusal(command, mode)
 
 
 def commanded(mode, command):
     """What the executor makes of a command where the robot is healthy and all is verified."""
-    if state_machine.refusal(mode, command) is not None:
+    if refusal_of(mode, command) is not None:
         return mode
-    if command is Command.HEY_ROBOT:
+    if command is COMMANDS["hey robot"]:
         return state_machine.activated(mode)
-    if command is Command.STOP:
-        return state_machine.stopped(mode, STOP)
-    if command is Command.TERMINATE:
+    if command is COMMANDS["stop"]:
+        return state_machine.stopped(mode, HALT)
+    if command is COMMANDS["terminate"]:
         return state_machine.terminated(mode)
     return state_machine.started(mode)
 
 
 EVENTS = {
-    **{c.value: (lambda mode, c=c: commanded(mode, c)) for c in (*Command,)},
+    **{c.phrase: (lambda mode, c=c: commanded(mode, c)) for c in COMMANDS.values()},
     "fault": lambda mode: state_machine.faulted(mode, FAULT),
     "failure": state_machine.failed,
     "rest": state_machine.at_rest,
@@ -57,8 +62,8 @@ def test_every_state_can_be_reached_and_there_are_few_modes():
 @pytest.mark.parametrize("command", MOTIONS)
 def test_no_motion_starts_but_from_active_or_by_a_pull_that_takes_over(command):
     for mode, way in MODES.items():
-        if state_machine.refusal(mode, command) is None:
-            takes_over = mode.state is State.MOVING and command in state_machine.RETARGETS
+        if refusal_of(mode, command) is None:
+            takes_over = mode.state is State.MOVING and command.phrase in ("pull more", "pull less")
             assert mode.state is State.ACTIVE or takes_over, way
             assert mode.is_active and not mode.is_latched, way
 
@@ -78,42 +83,42 @@ def test_only_hey_robot_activates_and_only_terminate_ends_it():
 
 def test_stop_is_allowed_everywhere_and_leads_to_rest_and_a_latch():
     for mode in MODES:
-        assert state_machine.refusal(mode, Command.STOP) is None
-        after = state_machine.stopped(mode, STOP)
+        assert refusal_of(mode, COMMANDS["stop"]) is None
+        after = state_machine.stopped(mode, HALT)
         assert after.is_latched and after.state is not State.MOVING
         assert state_machine.at_rest(after).state in LATCHED
 
 
 def test_a_fault_in_motion_latches_whatever_else_was_going_on():
     for mode in MODES:
-        if mode.state in state_machine.IN_MOTION:
+        if mode.state in IN_MOTION:
             assert state_machine.at_rest(state_machine.faulted(mode, FAULT)).state is State.FAULTED
 
 
 def test_after_terminate_only_hey_robot_and_stop_are_heard_until_hey_robot():
     for mode in MODES:
-        if state_machine.refusal(mode, Command.TERMINATE) is None:
+        if refusal_of(mode, COMMANDS["terminate"]) is None:
             after = state_machine.terminated(mode)
             for command in MOTIONS:
-                assert state_machine.refusal(after, command) is not None
+                assert refusal_of(after, command) is not None
             assert not after.is_active
 
 
 def test_refusals_name_their_reason():
     def reason(mode):
-        return state_machine.refusal(mode, Command.TENSE).reason
+        return refusal_of(mode, COMMANDS["tense"]).reason
 
     assert reason(ControllerMode()) is Reason.WRONG_MODE
     moving = state_machine.started(state_machine.activated(ControllerMode()))
     assert reason(moving) is Reason.BUSY
     assert reason(state_machine.terminated(moving)) is Reason.NOT_AT_REST
-    assert reason(state_machine.stopped(moving, STOP)) is Reason.HALTED
+    assert reason(state_machine.stopped(moving, HALT)) is Reason.HALTED
     assert reason(state_machine.faulted(moving, FAULT)) is Reason.HALTED
 
 
 def test_the_first_cause_of_a_halt_is_the_one_that_is_told():
     moving = state_machine.started(state_machine.activated(ControllerMode()))
-    mode = state_machine.stopped(state_machine.faulted(moving, FAULT), STOP)
+    mode = state_machine.stopped(state_machine.faulted(moving, FAULT), HALT)
     assert state_machine.at_rest(mode).cause is FAULT
 
 

@@ -1,35 +1,33 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A stop is not cleared by a "hey robot" that came before it, though both wait for one tick."""
 
-from rst_control.execution.state_machine import State
-from rst_control.planning.plan import Request
-from rst_control.types import Cause, Reason
+from rst_control.types import Cause, Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig
 
 
 def asked(rig, count=1):
-    return [rig.desk.take(Request("hey robot"), "test") for _ in range(count)]
+    return [rig.queue.take("hey robot", "test") for _ in range(count)]
 
 
 def test_a_hey_robot_that_came_before_a_stop_does_not_clear_it():
     rig = Rig().run(0.01)
-    (ticket,) = asked(rig)
+    (pending,) = asked(rig)
     rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
     rig.tick()
     assert rig.state is State.HALTED
-    assert "stopped meanwhile" in ticket.reply.result(0).message
+    assert "stopped meanwhile" in pending.reply.result(0).message
     rig.say("hey robot")
     assert rig.state is State.ACTIVE
 
 
 def test_nor_do_many_that_take_more_than_one_tick():
     rig = Rig().run(0.01)
-    tickets = asked(rig, count=10)
+    pending = asked(rig, count=10)
     rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
     for _ in range(5):
         rig.tick()
         assert rig.state is State.HALTED
-    assert not any(ticket.reply.result(0).accepted for ticket in tickets)
+    assert not any(each.reply.result(0).accepted for each in pending)
 
 
 def test_one_that_came_after_the_stop_was_taken_up_clears_it():

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rst_control.commands.request import Accepted
 from rst_control.commands.verifier import Verifier
 from rst_control.errors import NearSingular
 from rst_control.kinematics import manipulability
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.planning.plan import Accepted, Request
 from rst_control.planning.planner import Planner
 from rst_control.types import Reason
-from tests.unit.rst_control.support.situations import situation
+from tests.unit.rst_control.support.situations import request, situation
 
 
 def measure(planner, q):
@@ -49,7 +49,7 @@ def test_a_way_nearer_to_a_singularity_than_allowed_is_refused_with_both_numbers
         usual_ways(strict, home)
     assert caught.value.value == pytest.approx(least, rel=0.01)
     assert caught.value.allowed == 1.05 * least
-    decision = Verifier(strict)(Request("tense"), situation(robot_joints(home, 0.0)))
+    decision = Verifier(strict)(request("tense"), situation(robot_joints(home, 0.0)))
     assert decision.reason is Reason.SINGULAR
     assert f"manipulability {caught.value.value:.2e}, allowed {1.05 * least:.2e}" in decision.words
 
@@ -57,7 +57,7 @@ def test_a_way_nearer_to_a_singularity_than_allowed_is_refused_with_both_numbers
 def test_the_same_way_is_accepted_with_a_limit_just_below_it(planner, home):
     least = min(measure(planner, knot) for path in usual_ways(planner, home) for knot in path.knots)
     verify = Verifier(limited(planner, 0.95 * least))
-    assert isinstance(verify(Request("tense"), situation(robot_joints(home, 0.0))), Accepted)
+    assert isinstance(verify(request("tense"), situation(robot_joints(home, 0.0))), Accepted)
 
 
 def test_a_dip_between_knots_is_found_too(planner, home):

@@ -6,17 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rst_control.commands.request import Accepted
 from rst_control.commands.verifier import Verifier
 from rst_control.config.collision import BodyConfig
 from rst_control.errors import Collision, RobotModelError
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.planning.collision import CollisionModel, Plane
-from rst_control.planning.plan import Accepted, Rejected, Request
 from rst_control.planning.planner import Planner
 from rst_control.trajectory.path import Path
-from rst_control.types import Reason
-from tests.unit.rst_control.support.situations import situation
+from rst_control.types import Reason, Rejected
+from tests.unit.rst_control.support.situations import request, situation
 
 # Postures with the shaft near the arm, found by drawing; grasping a little further on brings it
 # nearer.
@@ -52,7 +52,7 @@ def with_clearance(config, clearance):
 
 def tense(config, robot, q):
     here = situation(robot_joints(np.array(q), 0.0))
-    return Verifier(Planner(robot, config))(Request("tense"), here)
+    return Verifier(Planner(robot, config))(request("tense"), here)
 
 
 @pytest.mark.parametrize(
@@ -90,8 +90,8 @@ def test_a_robot_that_stands_too_near_already_plans_nothing_but_opening_the_jaws
     joints = robot_joints(q, 0.0)
     held = situation(joints, gripped=True, tension=1.0)
     for words in ("pull more", "pull less"):
-        assert verify(Request(words), held).reason is Reason.COLLISION
-    (opening,) = verify(Request("release"), held).plan.phases
+        assert verify(request(words), held).reason is Reason.COLLISION
+    (opening,) = verify(request("release"), held).plan.phases
     assert opening.path is None
 
 
@@ -181,8 +181,8 @@ def test_a_refusal_leaves_verifier_and_model_as_they_were(motion_config, robot):
     q = BESIDE_THE_UPPER_ARM
     verify = Verifier(Planner(robot, crowded(motion_config, robot, q)))
     here = situation(robot_joints(np.array(q), 0.0))
-    first = verify(Request("tense"), here)
-    assert verify(Request("tense"), here) == first
+    first = verify(request("tense"), here)
+    assert verify(request("tense"), here) == first
 
 
 def test_joints_that_are_no_numbers_are_refused(model, planner, robot, home):

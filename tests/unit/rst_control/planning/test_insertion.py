@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 
 from bench.common.rig import random_poses
+from rst_control.commands.request import Accepted
 from rst_control.commands.verifier import Verifier
 from rst_control.errors import Infeasible, InsertionOutOfRange, TrocarDrift
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.planning.insertion import Insertion, ToolBent
 from rst_control.planning.patient_surface import Patient
-from rst_control.planning.plan import Accepted, PhaseKind, Request
+from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
 from rst_control.types import Reason
-from tests.unit.rst_control.support.situations import situation
+from tests.unit.rst_control.support.situations import request, situation
 
 ALIGN, INSERT, WITHDRAW = PhaseKind.ALIGN, PhaseKind.INSERT, PhaseKind.WITHDRAW
 
@@ -235,7 +236,7 @@ def test_planning_changes_nothing(planner, insertion, gate):
 
 
 def asked(verify, words, q, **more):
-    return verify(Request(words), situation(robot_joints(q, 0.0), **more))
+    return verify(request(words), situation(robot_joints(q, 0.0), **more))
 
 
 def test_insert_closes_the_jaws_first_and_says_where_it_ends(verify, gate, home):

@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.execution.state_machine import State
 from rst_control.planning.insertion import Insertion
-from rst_control.planning.plan import Request
+from rst_control.types import State
 from tests.unit.rst_control.support.executor_rig import Rig, shared, with_watchdogs
 
 ROUNDING = 1e-9
@@ -47,14 +46,14 @@ def test_from_outside_the_tool_goes_in_works_and_comes_out_again(away):
     for words in ("insert", "tense", "release", "withdraw"):
         if words == "withdraw":
             rig.robot.tissue = None  # that of the rig is wherever the jaws close
-        ticket = rig.say(words)
-        while not ticket.ended.done():
+        pending = rig.say(words)
+        while not pending.ended.done():
             rig.tick()
             place = rig.view.trocar_pose
             assert place.is_outside or place.error < 1e-6
             seen.get(words, set()).add(rig.phase)
-        assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
-        assert ticket.ended.result(0).max_rcm_error < 1e-6
+        assert pending.ended.result(0).kind == "succeeded", pending.ended.result(0)
+        assert pending.ended.result(0).max_rcm_error < 1e-6
     assert seen["insert"] >= {"approach", "align", "insert"}
     assert seen["withdraw"] >= {"align", "withdraw"}
     assert rig.view.insertion == pytest.approx(-rig.config.scene.standoff, abs=1e-6)
@@ -73,11 +72,11 @@ def test_neither_is_taken_from_the_voice_node_heartbeat_or_not(away, words):
     rig = Rig(start=away).awake()
     rig.executor.heartbeat(rig.now)
     for is_spoken in (True, False):
-        ticket = rig.desk.take(Request(words), "/voice", is_spoken, is_by_hand=False)
-        reply = ticket.reply.result(0)
+        pending = rig.queue.take(words, "/voice", is_spoken, is_by_hand=False)
+        reply = pending.reply.result(0)
         assert not reply.accepted and "by hand, never by voice" in reply.message
-    assert "never by voice" in rig.desk.take(Request(words), "x", True).reply.result(0).message
-    assert rig.desk.next(0.0) is None
+    assert "never by voice" in rig.queue.take(words, "x", True).reply.result(0).message
+    assert rig.queue.next(0.0) is None
     assert rig.still_for(0.1)
 
 
@@ -120,11 +119,11 @@ def test_jaws_that_catch_tissue_end_the_withdrawal_before_it_begins(gate):
     rig = Rig().awake()
     rig.finish("tense")
     rig.finish("release")  # leaves the jaws open; the rig's tissue is wherever they close
-    ticket = rig.say("withdraw")
+    pending = rig.say("withdraw")
     joints = rig.joints
-    rig.until(ticket.ended.done)
-    assert ticket.ended.result(0).kind == "failed"
-    assert "caught tissue" in ticket.ended.result(0).message
+    rig.until(pending.ended.done)
+    assert pending.ended.result(0).kind == "failed"
+    assert "caught tissue" in pending.ended.result(0).message
     np.testing.assert_array_equal(joints[:8], rig.joints[:8])
     assert "release first" in rig.refused("withdraw")
 

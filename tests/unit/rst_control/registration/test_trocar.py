@@ -9,10 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.execution.state_machine import State
 from rst_control.kinematics.configuration import Configuration, planning_joints
-from rst_control.planning.plan import Request
 from rst_control.registration.trocar import TrocarRegistrar
+from rst_control.types import State
 from tests.unit.rst_control.support.executor_rig import Rig, with_watchdogs
 
 TINY = 1e-9
@@ -172,57 +171,57 @@ def test_a_refusal_by_the_shaft_is_judged_by_the_measured_joints_not_the_set_poi
 
 def test_a_command_verified_before_is_verified_again_by_the_new_trocar():
     here = setting()
-    desk, new = here.rig.desk, here.place(aside=5e-4)
-    ticket = desk.take(Request("tense"), "test")
-    desk.check(desk.next(0.0))  # by the old trocar
+    queue, new = here.rig.queue, here.place(aside=5e-4)
+    pending = queue.take("tense", "test")
+    queue.check(queue.next(0.0))  # by the old trocar
     here.accepted(new)  # takes effect before the order is taken up, in the same tick
-    assert not ticket.reply.done()
+    assert not pending.reply.done()
     assert here.rig.state is State.ACTIVE
-    desk.check(desk.next(0.0))
+    queue.check(queue.next(0.0))
     here.rig.tick()
-    assert ticket.reply.result(0).accepted
+    assert pending.reply.result(0).accepted
     assert here.rig.state is State.MOVING
-    here.rig.until(ticket.ended.done)
+    here.rig.until(pending.ended.done)
     assert here.rig.rcm(here.rig.joints) < 1e-6
     assert here.rig.context.current.shaft(here.rig.joints).error < 1e-6
 
 
 def test_a_command_verified_before_is_refused_where_the_new_trocar_forbids_it():
     here = setting()
-    desk = here.rig.desk
-    ticket = desk.take(Request("tense"), "test")
-    desk.check(desk.next(0.0))
+    queue = here.rig.queue
+    pending = queue.take("tense", "test")
+    queue.check(queue.next(0.0))
     here.accepted(here.place(along=-0.145))  # so much shaft inside that the grasp is too deep
-    desk.check(desk.next(0.0))
+    queue.check(queue.next(0.0))
     here.rig.tick()
-    assert not ticket.reply.result(0).accepted
-    assert "shaft inserted, allowed 50.0 to 250.0 mm" in ticket.reply.result(0).message
+    assert not pending.reply.result(0).accepted
+    assert "shaft inserted, allowed 50.0 to 250.0 mm" in pending.reply.result(0).message
     assert here.rig.still_for(0.5)
 
 
 def test_a_refusal_leaves_a_verified_command_as_it_is():
     here = setting()
-    desk = here.rig.desk
-    ticket = desk.take(Request("tense"), "test")
-    desk.check(desk.next(0.0))
+    queue = here.rig.queue
+    pending = queue.take("tense", "test")
+    queue.check(queue.next(0.0))
     assert not here.ask(here.place(aside=5e-3)).accepted
-    assert ticket.reply.result(0).accepted
+    assert pending.reply.result(0).accepted
 
 
 def test_a_change_in_the_middle_of_a_verification_makes_it_worthless():
     here = setting()
-    desk, verify, new = here.rig.desk, here.rig.context.verify, here.place(aside=5e-4)
+    queue, verify, new = here.rig.queue, here.rig.context.verify, here.place(aside=5e-4)
 
     def verify_slowly(request, situation):
         decision = verify(request, situation)
         here.accepted(new)
         return decision
 
-    desk._verify = verify_slowly
-    ticket = desk.take(Request("tense"), "test")
-    desk.check(desk.next(0.0))
+    queue._verify = verify_slowly
+    pending = queue.take("tense", "test")
+    queue.check(queue.next(0.0))
     here.rig.tick()
-    assert not ticket.reply.done()
+    assert not pending.reply.done()
     assert here.rig.state is State.ACTIVE
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rst_control.commands.request import Accepted
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.planning.plan import Accepted, Request
 from rst_control.registration.trocar_context import (
     ActiveTrocarContext,
     TrocarContext,
@@ -13,7 +13,7 @@ from rst_control.registration.trocar_context import (
 )
 from rst_control.trajectory.path import Path
 from rst_control.types import Reason
-from tests.unit.rst_control.support.situations import situation
+from tests.unit.rst_control.support.situations import request, situation
 
 ASIDE = np.array([0.0, 5e-4, 0.0])
 
@@ -48,7 +48,7 @@ def test_another_trocar_is_another_site_and_the_first_one_stays(context, at_home
 
 def test_verification_of_a_site_plans_through_its_trocar(context, at_home):
     other = context.with_trocar(context.trocar + ASIDE)
-    decision = other.verify(Request("tense"), situation(at_home))
+    decision = other.verify(request("tense"), situation(at_home))
     assert isinstance(decision, Accepted)
     paths = [phase.path for phase in decision.plan.phases if isinstance(phase.path, Path)]
     seat, *ways = paths
@@ -60,7 +60,7 @@ def test_verification_of_a_site_plans_through_its_trocar(context, at_home):
 
 def test_a_shaft_too_far_from_the_new_trocar_is_refused_by_its_own_verification(context, at_home):
     other = context.with_trocar(context.trocar + 4.0 * ASIDE)
-    decision = other.verify(Request("tense"), situation(at_home))
+    decision = other.verify(request("tense"), situation(at_home))
     assert decision.reason is Reason.RCM_TOLERANCE
 
 
@@ -82,7 +82,7 @@ def test_those_who_ask_the_present_site_are_answered_by_the_one_in_force(context
     before = locate(at_home).rcm_error
     present.current = context.with_trocar(context.trocar + 4.0 * ASIDE)
     assert before < 1e-9 < locate(at_home).rcm_error
-    assert verify(Request("tense"), situation(at_home)).reason is Reason.RCM_TOLERANCE
+    assert verify(request("tense"), situation(at_home)).reason is Reason.RCM_TOLERANCE
 
 
 def test_going_back_into_the_trocar_the_tip_is_no_faster_than_on_any_other_way(context, home):

@@ -3,9 +3,9 @@
 
 import pytest
 
-from rst_control.execution.state_machine import State
 from rst_control.host.processes import ENDED, STOPPED
 from rst_control.supervision.node_liveness import MASTER
+from rst_control.types import State
 from tests.unit.rst_control.support.executor_rig import Rig
 
 PANEL = "/panel"
@@ -63,8 +63,8 @@ def test_who_is_lost_already_sets_nothing_off():
     rig.run(0.3)
     rig.say("hey robot")
     rig.liveness.report({PANEL: ENDED})
-    ticket = rig.give("tense", owner=PANEL)
-    assert ticket.reply.result().message == "/panel ended"
+    pending = rig.give("tense", owner=PANEL)
+    assert pending.reply.result().message == "/panel ended"
     assert rig.executor.view.mode.state is State.ACTIVE
     rig.say("tense")  # by hand it may
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.execution.state_machine import State
+from rst_control.types import State
 from tests.unit.rst_control.support.executor_rig import Rig, shared
 from tests.unit.rst_control.support.sensor_streams import SENSORS, STEPS, coarse
 

@@ -4,12 +4,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.execution.state_machine import State
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
 from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.plausibility import SensorWatch, max_joint_speed
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs, Watched
-from rst_control.types import Cause, Measurement, Reason
+from rst_control.types import Cause, Measurement, Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig, shared, with_watchdogs
 
 SETTINGS = shared()[0].controller
@@ -162,11 +161,11 @@ def test_each_fault_brakes_along_the_path_and_latches_with_its_name(fault):
 
 def test_a_motion_that_a_fault_ended_has_failed_with_its_reason():
     rig = Rig().awake()
-    ticket = rig.say("tense")
+    pending = rig.say("tense")
     rig.until(lambda: rig.phase == "reach")
     fault_in_motion(rig, _freeze)
-    assert ticket.ended.result(0).kind == "failed"
-    assert "stale" in ticket.ended.result(0).message
+    assert pending.ended.result(0).kind == "failed"
+    assert "stale" in pending.ended.result(0).message
 
 
 def test_joint_states_that_come_back_move_nothing_until_hey_robot():

@@ -8,15 +8,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from rst_control.admission.command_queue import CommandDesk
+from rst_control.admission.command_queue import CommandQueue
 from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.config import load_motion_config
-from rst_control.execution.state_machine import State
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.robot_model import load_robot
-from rst_control.planning.plan import Request
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.supervision.node_liveness import NodeLiveness
+from rst_control.types import State
 from tests.support.fake_robot import FakeRobot, LinearSpring
 
 PERIOD = 0.002
@@ -49,7 +48,7 @@ class Rig:
         self.executor = make_executor(
             self.config, self.context, self.robot.clear_fault, self.liveness
         )
-        self.desk = CommandDesk(self.executor, self.context.verify, lambda: self.now)
+        self.queue = CommandQueue(self.executor, self.context.verify, lambda: self.now)
         self.sent = []  # every set-point, None where nothing was sent
 
     def believing(self):
@@ -79,21 +78,21 @@ class Rig:
 
     def give(self, words, spoken=False, owner="", **amounts):
         """Give a command and tick until it is answered."""
-        ticket = self.desk.take(Request(words, **amounts), "test", spoken, owner=owner)
+        pending = self.queue.take(words, "test", spoken, owner=owner, **amounts)
         if words == "stop":  # answered before anybody ticks
             self.tick()
-        while not ticket.reply.done():
-            waiting = self.desk.next(0.0) if words not in AT_ONCE else None
+        while not pending.reply.done():
+            waiting = self.queue.next(0.0) if words not in AT_ONCE else None
             if waiting is not None:
-                self.desk.check(waiting)
+                self.queue.check(waiting)
             self.tick()
-        return ticket
+        return pending
 
     def say(self, words, **more):
         """Give a command that must be accepted."""
-        ticket = self.give(words, **more)
-        assert ticket.reply.result(0).accepted, ticket.reply.result(0).message
-        return ticket
+        pending = self.give(words, **more)
+        assert pending.reply.result(0).accepted, pending.reply.result(0).message
+        return pending
 
     def refused(self, words, **more):
         """Give a command that must be refused; returns the reason."""
@@ -103,17 +102,17 @@ class Rig:
 
     def finish(self, words, **more):
         """Give a motion and carry it out to its end."""
-        ticket = self.say(words, **more)
-        self.until(ticket.ended.done)
-        assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
-        return ticket.ended.result(0)
+        pending = self.say(words, **more)
+        self.until(pending.ended.done)
+        assert pending.ended.result(0).kind == "succeeded", pending.ended.result(0)
+        return pending.ended.result(0)
 
     def finish_long(self, words):
         """Like `finish`, for what takes longer than the others."""
-        ticket = self.say(words)
-        self.until(ticket.ended.done, limit=120.0)
-        assert ticket.ended.result(0).kind == "succeeded", ticket.ended.result(0)
-        return ticket.ended.result(0)
+        pending = self.say(words)
+        self.until(pending.ended.done, limit=120.0)
+        assert pending.ended.result(0).kind == "succeeded", pending.ended.result(0)
+        return pending.ended.result(0)
 
     def awake(self):
         self.run(0.01)

@@ -10,11 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rst_control.execution.state_machine import State
 from rst_control.kinematics.joint_limits import active_layer
 from rst_control.planning.planner import Planner
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile, stopping_speed
-from rst_control.types import Cause, PathState, Reason
+from rst_control.types import Cause, PathState, Reason, State
 from tests.unit.rst_control.support.executor_rig import PERIOD, Rig
 
 

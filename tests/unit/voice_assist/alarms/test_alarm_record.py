@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 import yaml
 
-from rst_control.execution.state_machine import LATCHED, State
-from rst_control.types import Cause, Reason
+from rst_control.types import LATCHED, Cause, Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig, with_watchdogs
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -9,13 +9,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rst_control.admission.command_queue import CommandDesk
+    from rst_control.admission.command_queue import CommandQueue
     from rst_control.assembly import make_executor, make_trocar_context
+    from rst_control.commands.parser import read_request
     from rst_control.config import load_motion_config, load_simulation_config
     from rst_control.kinematics.configuration import Configuration
     from rst_control.kinematics.rcm import rcm_state
     from rst_control.kinematics.robot_model import load_robot
-    from rst_control.planning.plan import Request
     from rst_control.planning.planner import Planner
     from rst_control.registration.trocar_context import ActiveTrocarContext
     from rst_control.robot.backend import RobotBackend
@@ -24,12 +24,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ActiveTrocarContext",
-    "CommandDesk",
+    "CommandQueue",
     "Configuration",
     "Measurement",
     "Planner",
     "PybulletRobot",
-    "Request",
     "RobotBackend",
     "Setpoint",
     "load_motion_config",
@@ -38,16 +37,16 @@ __all__ = [
     "make_executor",
     "make_trocar_context",
     "rcm_state",
+    "read_request",
 ]
 
 _HOMES = {
     "ActiveTrocarContext": "registration.trocar_context",
-    "CommandDesk": "admission.command_queue",
+    "CommandQueue": "admission.command_queue",
     "Configuration": "kinematics.configuration",
     "Measurement": "types",
     "Planner": "planning.planner",
     "PybulletRobot": "simulation.pybullet_robot",
-    "Request": "planning.plan",
     "RobotBackend": "robot.backend",
     "Setpoint": "types",
     "load_motion_config": "config",
@@ -56,6 +55,7 @@ _HOMES = {
     "make_executor": "assembly",
     "make_trocar_context": "assembly",
     "rcm_state": "kinematics.rcm",
+    "read_request": "commands.parser",
 }
 
 

@@ -91,34 +91,6 @@ class PathState:
     acceleration: float = 0.0  # [m/s^2]
 
 
-class Command(Enum):
-    """What a person may ask for; the value is the spoken phrase."""
-
-    HEY_ROBOT = "hey robot"
-    TENSE = "tense"
-    RELEASE = "release"
-    PULL_MORE = "pull more"
-    PULL_LESS = "pull less"
-    STOP = "stop"
-    TERMINATE = "terminate"
-    INSERT = "insert"
-    WITHDRAW = "withdraw"
-    LOOK_LEFT = "look left"
-    LOOK_RIGHT = "look right"
-    LOOK_UP = "look up"
-    LOOK_DOWN = "look down"
-    LOOK_UP_LEFT = "look up left"
-    LOOK_UP_RIGHT = "look up right"
-    LOOK_DOWN_LEFT = "look down left"
-    LOOK_DOWN_RIGHT = "look down right"
-    LOOK_CLOSER = "look closer"
-    LOOK_WIDER = "look wider"
-
-
-BY_HAND = (Command.INSERT, Command.WITHDRAW)  # never by voice
-LOOKS = tuple(command for command in Command if command.value.startswith("look "))
-
-
 class Reason(Enum):
     """Why a command is refused, or a motion stopped or given up.
 
@@ -204,6 +176,16 @@ class Cause:
         return f"{self.reason.value}: {self.words}"
 
 
+@dataclass(frozen=True)
+class Rejected(Cause):
+    """The command may not run."""
+
+    @classmethod
+    def by(cls, cause: Cause) -> Rejected:
+        """Refused by a cause that is found elsewhere."""
+        return cls(cause.reason, cause.words)
+
+
 NOT_CONNECTED = Cause(Reason.NOT_CONNECTED, "robot not connected")
 ROBOT_FAULTS = (
     Reason.FAULTED,
@@ -223,3 +205,44 @@ def robot_fault(text: str) -> Cause:
     code, _, words = text.partition(": ")
     reason = next((r for r in ROBOT_FAULTS if r.value == code), None)
     return Cause(Reason.FAULTED, text) if reason is None else Cause(reason, words)
+
+
+class State(Enum):
+    """What the controller is doing."""
+
+    STANDBY = "standby"  # at rest, assistance not activated
+    ACTIVE = "active"  # at rest, ready for a command
+    MOVING = "moving"
+    STOPPING = "stopping"  # braking along the path
+    HALTED = "halted"  # at rest, latched by a person's stop
+    FAULTED = "faulted"  # at rest, latched by a watchdog
+
+
+LATCHED = (State.HALTED, State.FAULTED)
+IN_MOTION = (State.MOVING, State.STOPPING)
+
+
+@dataclass(frozen=True)
+class ControllerMode:
+    """State of the controller, and the state that braking leads to."""
+
+    state: State = State.STANDBY
+    is_active: bool = False  # "hey robot" was said, and no "terminate" since
+    mode_after: State = State.STANDBY  # where STOPPING ends
+    cause: Cause | None = None  # why it is halted or faulted, or will be once at rest
+
+    @property
+    def reason(self) -> str:
+        """The words of its cause; empty: there is none."""
+        return self.cause.words if self.cause else ""
+
+    @property
+    def is_in_motion(self) -> bool:
+        """A motion or its braking is under way."""
+        return self.state in IN_MOTION
+
+    @property
+    def is_latched(self) -> bool:
+        """Nothing moves until "hey robot"; true while still braking towards a latch, too."""
+        is_latching = self.state is State.STOPPING and self.mode_after in LATCHED
+        return self.state in LATCHED or is_latching

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Who may give commands, and how often; a stop is taken from anybody, whatever came before it.
+"""Who may give commands, and how often; a stop is taken from anybody, at any time.
 
 In ROS 1 a caller's name is what the caller says it is. So this guards against mistakes, such as a
 script left running or a second panel, and against floods. It guards against no attacker.
@@ -17,10 +17,10 @@ from typing import Final
 from rst_control.config.callers import CallersConfig
 from rst_control.types import Cause, Reason
 
-LONGEST_NAME: Final = 100  # characters of a caller's name that are looked at and shown
+MAX_NAME: Final = 100  # characters of a caller's name that are read and shown
 MAX_CALLERS: Final = 256  # that are counted one by one; all others share one budget
 PAUSE: Final = 0.1  # [s] that the answer to a call beyond the budget waits, as must its sender
-NEWS_PERIOD: Final = 1.0  # [s] between entries in the diary about one caller
+NEWS_PERIOD: Final = 1.0  # [s] between entries in the event log about one caller
 UNNAMED: Final = "an unnamed node"
 
 _ANONYMOUS = re.compile(r"_\d+_\d+$")  # what rospy and roscpp append: process and time
@@ -30,9 +30,9 @@ _ANONYMOUS = re.compile(r"_\d+_\d+$")  # what rospy and roscpp append: process a
 class Admission:
     """What becomes of one call."""
 
-    objection: Cause | None  # why it is not taken; None: it is
+    refusal: Cause | None  # why it is not taken; None: it is
     pause: float  # [s] by which its answer is held back
-    is_news: bool  # the objection belongs into the diary; others like it came just before
+    is_news: bool  # the refusal belongs into the event log; False: one like it came just before
 
 
 class Budget:
@@ -47,7 +47,7 @@ class Budget:
     def __init__(self, rate: float, burst: int, now: float) -> None:
         self._rate, self._burst = rate, burst
         self._left, self._since = float(burst), now
-        self._told = float("-inf")  # [s] when the last objection was news
+        self._noted = float("-inf")  # [s] when the last refusal was news
 
     def take(self, now: float) -> bool:
         """Take one call out of it, if one is left."""
@@ -63,10 +63,10 @@ class Budget:
         return self._left >= self._burst
 
     def is_news(self, now: float) -> bool:
-        """Whether an objection at this time is to be told."""
-        if now - self._told < NEWS_PERIOD:
+        """Whether a refusal at this time belongs into the event log."""
+        if now - self._noted < NEWS_PERIOD:
             return False
-        self._told = now
+        self._noted = now
         return True
 
     def _fill(self, now: float) -> None:
@@ -75,8 +75,8 @@ class Budget:
         self._since = now
 
 
-class Doorkeeper:
-    """Admits calls or turns them away; from any thread.
+class CallLimiter:
+    """Admits calls or refuses them; from any thread.
 
     Args:
         config: Who may call, and how often.
@@ -86,7 +86,7 @@ class Doorkeeper:
     def __init__(self, config: CallersConfig, clock: Callable[[], float]) -> None:
         self._config, self._clock = config, clock
         self._lock = threading.Lock()
-        self._budgets: OrderedDict[str, Budget] = OrderedDict()  # the longest unheard first
+        self._budgets: OrderedDict[str, Budget] = OrderedDict()  # the longest silent first
         self._others = self._new_budget()
 
     def admit(self, caller: str, is_stop: bool = False) -> Admission:
@@ -94,22 +94,22 @@ class Doorkeeper:
 
         Args:
             caller: Its name, as `caller_name` gives it.
-            is_stop: The call is a stop: it is admitted, and counted as all others are, so that
-                whoever floods waits for the answer, after the stop.
+            is_stop: The call is a stop. It is admitted, and counted as all others are, so that a
+                flooding caller waits for the answer, after the stop.
         """
         with self._lock:
             now = self._clock()
             budget = self._budget(family(caller), now)
             pause = 0.0 if budget.take(now) else PAUSE
-            objection = None if is_stop else self._objection(caller, pause > 0.0)
-            return Admission(objection, pause, objection is not None and budget.is_news(now))
+            refusal = None if is_stop else self._refusal(caller, pause > 0.0)
+            return Admission(refusal, pause, refusal is not None and budget.is_news(now))
 
     @property
     def counted(self) -> int:
         """How many callers are counted one by one at present."""
         return len(self._budgets)
 
-    def _objection(self, caller: str, is_too_often: bool) -> Cause | None:
+    def _refusal(self, caller: str, is_too_often: bool) -> Cause | None:
         config = self._config
         if not is_allowed(caller, config.allowed):
             allowed = ", ".join(config.allowed)
@@ -145,10 +145,10 @@ def is_allowed(caller: str, patterns: tuple[str, ...]) -> bool:
 
 
 def caller_name(claimed: object) -> str:
-    """Name that a caller gives itself, as short and printable as the diary needs it."""
+    """Name that a caller gives itself, as short and printable as the event log needs it."""
     if not isinstance(claimed, str) or not claimed:
         return UNNAMED
-    return "".join(c if c.isprintable() else "?" for c in claimed[:LONGEST_NAME])
+    return "".join(c if c.isprintable() else "?" for c in claimed[:MAX_NAME])
 
 
 def family(caller: str) -> str:

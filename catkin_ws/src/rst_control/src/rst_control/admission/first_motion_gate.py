@@ -14,9 +14,9 @@ from typing import Final
 import numpy as np
 
 from rst_control.admission.command_queue import Verify
+from rst_control.commands.request import Accepted, Plan, Request, Situation
 from rst_control.execution.orders import Reply
-from rst_control.planning.plan import Accepted, Plan, Rejected, Request, Situation
-from rst_control.types import Reason, Vector
+from rst_control.types import Reason, Rejected, Vector
 
 VALID_FOR: Final = 60.0  # [s] that a confirmation holds
 SAME_PLACE: Final = 5e-3  # [rad] that joints may have moved since the path was shown
@@ -60,7 +60,7 @@ class FirstMotion:
             return decision
         self._shown, self._confirmed = (plan, measured.position), None
         self._show(plan)
-        words = ASK.format(command=plan.command.value, words=plan.words)
+        words = ASK.format(command=plan.command.phrase, words=plan.words)
         return Rejected(Reason.NOT_CONFIRMED, words)
 
     def confirm(self) -> Reply:
@@ -70,13 +70,13 @@ class FirstMotion:
         if self._shown is None:
             return Reply(False, NOTHING, Reason.NOT_CONFIRMED)
         self._confirmed = self._clock()
-        command = self._shown[0].command.value
+        command = self._shown[0].command.phrase
         return Reply(True, f'confirmed: say "{command}" again within {VALID_FOR:.0f} s')
 
     def _is_confirmed(self, plan: Plan, place: Vector) -> bool:
         if self._shown is None or self._confirmed is None:
             return False
         shown, where = self._shown
-        is_same = shown.command is plan.command
+        is_same = shown.command == plan.command
         is_near = float(np.abs(place - where).max()) <= SAME_PLACE
         return is_same and is_near and self._clock() - self._confirmed <= VALID_FOR

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the robot may do while nobody records it: what eases or leaves, but nothing that advances.
+"""What the robot may do while nobody records it: what eases or leaves, but nothing that loads.
 
 A lost recording is no danger by itself, so it never stops the way back: tissue that is held can be
 released or pulled less, and the tool can leave the patient. `docs/recording.md` has the reasons.
@@ -12,26 +12,26 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from rst_control.admission.command_queue import Verify
+from rst_control.commands import spec
+from rst_control.commands.request import Accepted, Plan, Request, Situation
+from rst_control.commands.spec import CommandSpec, Load
+from rst_control.commands.table import COMMANDS
 from rst_control.config.recording import IGNORE, REFUSE, STOP, RecordingConfig
-from rst_control.planning.plan import Accepted, Plan, Rejected, Request, Situation
-from rst_control.types import LOOKS, Cause, Command, Reason
+from rst_control.types import Cause, Reason, Rejected
 
-# What loads the patient more, or moves the tool within.
-ADVANCING: Final = (Command.TENSE, Command.PULL_MORE, Command.INSERT, *LOOKS)
-EASING: Final = (Command.RELEASE, Command.PULL_LESS, Command.WITHDRAW)  # load the patient less
 CONSEQUENCE: Final = {
     IGNORE: "ignored, as it was set",
     REFUSE: "what moves is finished, new motion is refused",
     STOP: "what loads the patient brakes, new motion is refused",
 }
 NEVER: Final = "no recorder was ever heard"
-LASTING: Final = 1.0  # [s] that a loss lasts before it is told on the screen; refusals are at once
+LASTING: Final = 1.0  # [s] that a loss lasts before the screen shows it; refusals are at once
 REMEDY: Final = "start launch/record.launch, or set controller/recording/on_loss to ignore"
 
 
 @dataclass(frozen=True)
 class Beat:
-    """What a recorder last said of itself."""
+    """Newest heartbeat of a recorder."""
 
     time: float  # [s] of arrival
     problem: str  # why it records nothing; empty: it records
@@ -87,19 +87,21 @@ class RecordingWatch:
         beats = dict(self._beats)
         if not beats:
             return NEVER if self.is_ignored else f"{NEVER}; {REMEDY}"
-        found = {name: self._objection(beat) for name, beat in beats.items()}
+        found = {name: self._problem(beat) for name, beat in beats.items()}
         if not all(found.values()):
             return ""
         newest = max(beats, key=lambda name: beats[name].time)
         return f"{newest}: {found[newest]}"
 
-    def objection(self, command: Command) -> str:
-        """Why a command must not set off now, as far as the recording goes; empty: it may."""
-        if self.is_ignored or command not in ADVANCING:
-            return ""
+    def refusal(self, command: CommandSpec) -> Rejected | None:
+        """Why a command must not begin now, as far as the recording goes; None: it may."""
+        if self.is_ignored or command.load is not Load.LOADS:
+            return None
         problem = self.problem
-        remaining = ", ".join(f'"{c.value}"' for c in (*EASING, Command.STOP))
-        return f"not recorded: {problem}; still allowed: {remaining}" if problem else ""
+        easing = [c.phrase for c in COMMANDS.values() if c.load is Load.EASES]
+        remaining = ", ".join(f'"{phrase}"' for phrase in (*easing, spec.STOP))
+        words = f"not recorded: {problem}; still allowed: {remaining}"
+        return Rejected(Reason.NOT_RECORDED, words) if problem else None
 
     def stop_cause(self, plan: Plan | None) -> Cause | None:
         """Why the motion under way has to brake, as far as the recording goes; None: it goes on.
@@ -107,12 +109,12 @@ class RecordingWatch:
         Args:
             plan: Of the motion; None at rest.
         """
-        if self._config.on_loss != STOP or plan is None or plan.command not in ADVANCING:
+        if self._config.on_loss != STOP or plan is None or plan.command.load is not Load.LOADS:
             return None
         problem = self.problem
         return Cause(Reason.NOT_RECORDED, f"not recorded: {problem}") if problem else None
 
-    def _objection(self, beat: Beat) -> str:
+    def _problem(self, beat: Beat) -> str:
         age, allowed = self._clock() - beat.time, self._config.heartbeat_age
         if age <= allowed:
             return beat.problem
@@ -123,8 +125,8 @@ class RecordingWatch:
 class RecordedOnly:
     """Verification that also asks for a recording.
 
-    It asks last, once the path is planned: so as shortly before the start as can be, and so that
-    a command that is refused anyway is refused for the reason that lies nearer.
+    It asks last, once the path is planned: as shortly before the start as can be. A command
+    that is refused anyway gets the reason that lies nearer.
 
     Args:
         verify: Decides everything else.
@@ -140,10 +142,10 @@ class RecordedOnly:
         if isinstance(decision, Rejected):
             return decision
         plan = decision.plan
-        objection = self._watch.objection(plan.command)
-        if objection:
-            return Rejected(Reason.NOT_RECORDED, objection)
-        if self._watch.is_ignored or plan.command not in EASING:
+        refusal = self._watch.refusal(plan.command)
+        if refusal is not None:
+            return refusal
+        if self._watch.is_ignored or plan.command.load is not Load.EASES:
             return decision
         problem = self._watch.problem
         words = f"{plan.words}; not recorded: {problem}" if problem else plan.words
@@ -157,7 +159,7 @@ class RecordingNews:
 
     Args:
         watch: Knows of the recording.
-        grace: Time [s] from the first look in which a recorder that is still starting is no news.
+        grace: Time [s] from the first call in which a recorder that is still starting is no news.
         clock: Time [s].
     """
 
@@ -168,7 +170,7 @@ class RecordingNews:
         self._gone: float | None = None  # [s] since when what was recorded is not
 
     def next(self) -> tuple[bool, str] | None:
-        """What to tell since the last look, with whether it is a loss; None where it is no news."""
+        """What has changed since the last call, with whether it is a loss; None: nothing."""
         now = self._clock()
         self._since = now if self._since is None else self._since
         problem = self._watch.problem

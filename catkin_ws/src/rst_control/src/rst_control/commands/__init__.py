@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What each command does, and when it is refused."""
+"""The commands: one row each in `table.py`, and one file for each kind of motion."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plans "look left" and its like: the tool turned as one about the trocar, or slid along its shaft.
+"""Plans the camera steps: the tool turned as one about the trocar, or slid along its shaft.
 
 Directions are those of the picture: the camera looks where the tool points, its right is the x axis
 of tool_tip turned about the view by `image_roll`. A step sideways turns the whole tool about the
@@ -14,32 +14,36 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rst_control.errors import Infeasible
+from rst_control.commands.request import Accepted, PlanningContext
+from rst_control.commands.spec import CommandSpec, LimitOfCommand, Load, Tissue
+from rst_control.config.camera import CameraStepConfig
 from rst_control.kinematics.configuration import Configuration
-from rst_control.planning.plan import Accepted, PhaseKind, Plan, Rejected
-from rst_control.planning.planner import Planner, along
-from rst_control.types import Command, Measurement, Reason, Vector, unit_vector
+from rst_control.planning.plan import PhaseKind
+from rst_control.planning.planner import Planner
+from rst_control.types import Reason, Vector, unit_vector
 
 Array = NDArray[np.float64]
 
 # Right and up in the picture, then in along the shaft.
-WAYS: Final[dict[Command, tuple[int, int, int]]] = {
-    Command.LOOK_LEFT: (-1, 0, 0),
-    Command.LOOK_RIGHT: (1, 0, 0),
-    Command.LOOK_UP: (0, 1, 0),
-    Command.LOOK_DOWN: (0, -1, 0),
-    Command.LOOK_UP_LEFT: (-1, 1, 0),
-    Command.LOOK_UP_RIGHT: (1, 1, 0),
-    Command.LOOK_DOWN_LEFT: (-1, -1, 0),
-    Command.LOOK_DOWN_RIGHT: (1, -1, 0),
-    Command.LOOK_CLOSER: (0, 0, 1),
-    Command.LOOK_WIDER: (0, 0, -1),
+STEPS: Final[dict[str, tuple[int, int, int]]] = {
+    "look left": (-1, 0, 0),
+    "look right": (1, 0, 0),
+    "look up": (0, 1, 0),
+    "look down": (0, -1, 0),
+    "look up left": (-1, 1, 0),
+    "look up right": (1, 1, 0),
+    "look down left": (-1, -1, 0),
+    "look down right": (1, -1, 0),
+    "look closer": (0, 0, 1),
+    "look wider": (0, 0, -1),
 }
 MIN_ACROSS: Final = 0.3  # of a direction in the picture that is square to the way to the trocar
 
 
-class TiltOutOfRange(Infeasible):
+class TiltOutOfRange(LimitOfCommand):
     """The shaft would lean too far over."""
+
+    reason = Reason.TILT_LIMIT
 
     def __init__(self, tilt: float, allowed: float) -> None:
         super().__init__(
@@ -49,7 +53,7 @@ class TiltOutOfRange(Infeasible):
         self.tilt, self.allowed = tilt, allowed
 
 
-class CameraAskew(Infeasible):
+class CameraAskew(LimitOfCommand):
     """The tool is bent so far that a turn about the trocar hardly moves the picture that way."""
 
     def __init__(self, share: float) -> None:
@@ -81,68 +85,80 @@ def picture(T_base_tip: Array, roll: float) -> Picture:
     return Picture(right, -down, -y)
 
 
-class LookPlans:
-    """Plans for one robot and scene.
+def plan(context: PlanningContext) -> Accepted:
+    """Plan one step.
+
+    Raises:
+        Infeasible: The step breaks a limit; the error says which.
+    """
+    config, phrase = context.config, context.request.command.phrase
+    goal = step_goal(context.planner, STEPS[phrase], context.q)
+    paths = context.planner.route(context.q, goal)
+    speed = config.speed.tip_speed
+    phases = [context.along(PhaseKind.CAMERA_STEP, path, speed) for path in paths]
+    return context.accept(_words(phrase, config.camera), phases)
+
+
+CAMERA_STEPS: Final = tuple(
+    CommandSpec(
+        phrase,
+        f"{'slides' if inward else 'turns'} the camera one step: {phrase.removeprefix('look ')}",
+        load=Load.LOADS,
+        tissue=Tissue.NONE,
+        phases=(PhaseKind.CAMERA_STEP,),
+        plan=plan,
+    )
+    for phrase, (_, _, inward) in STEPS.items()
+)
+
+
+def step_goal(planner: Planner, step: tuple[int, int, int], q: Vector) -> Array:
+    """Pose of tool_tip one step on from q (9,), base frame. Shape (4, 4).
 
     Args:
         planner: Its configuration holds steps and limits.
+        step: Right and up in the picture, then in along the shaft; -1, 0 or 1.
+        q: Joints [rad]. Shape (9,).
+
+    Raises:
+        TiltOutOfRange: The shaft would lean too far over.
+        CameraAskew: That way is nearly the way to the trocar.
     """
-
-    def __init__(self, planner: Planner) -> None:
-        self._planner, self._config = planner, planner.config.controller.camera
-
-    def __call__(self, command: Command, q: Vector, measured: Measurement) -> Accepted | Rejected:
-        """Plan one step from q (9,) [rad].
-
-        Raises:
-            Infeasible: The step breaks a limit; the error says which.
-        """
-        if measured.gripped:
-            words = f'tissue held, "{command.value}" needs empty jaws; release first'
-            return Rejected(Reason.ALREADY_GRASPED, words)
-        goal = self.goal(command, q)
-        speed = self._planner.config.controller.speed.tip_speed
-        paths = self._planner.route(q, goal)
-        phases = tuple(along(self._planner, PhaseKind.LOOK, path, speed) for path in paths)
-        return Accepted(Plan(command, self._words(command), phases))
-
-    def goal(self, command: Command, q: Vector) -> Array:
-        """Pose of tool_tip one step on from q (9,), base frame. Shape (4, 4).
-
-        Raises:
-            TiltOutOfRange: The shaft would lean too far over.
-            CameraAskew: That way is nearly the way to the trocar.
-        """
-        here, trocar = Configuration(self._planner.model, q), self._planner.trocar
-        goal, shaft = here.T_base_tip, here.T_base_shaft[:3, 2]
-        right, up, inward = WAYS[command]
-        if inward:
-            goal[:3, 3] += inward * self._config.depth * shaft
-            return goal
-        seen = picture(goal, self._config.image_roll)
-        way = unit_vector(right * seen.right + up * seen.up)
-        arm = unit_vector(goal[:3, 3] - trocar)
-        across = np.cross(arm, way)
-        if (share := float(np.linalg.norm(across))) < MIN_ACROSS:
-            raise CameraAskew(share)
-        turn = _rotation(across / share, self._config.angle)
-        self._require_tilt(turn @ shaft)
-        goal[:3, 3] = trocar + turn @ (goal[:3, 3] - trocar)
-        goal[:3, :3] = turn @ goal[:3, :3]
+    here, trocar, config = Configuration(planner.model, q), planner.trocar, _settings(planner)
+    goal, shaft = here.T_base_tip, here.T_base_shaft[:3, 2]
+    right, up, inward = step
+    if inward:
+        goal[:3, 3] += inward * config.depth * shaft
         return goal
+    shown = picture(goal, config.image_roll)
+    way = unit_vector(right * shown.right + up * shown.up)
+    arm = unit_vector(goal[:3, 3] - trocar)
+    across = np.cross(arm, way)
+    if (share := float(np.linalg.norm(across))) < MIN_ACROSS:
+        raise CameraAskew(share)
+    turn = _rotation(across / share, config.angle)
+    _require_tilt(planner, turn @ shaft)
+    goal[:3, 3] = trocar + turn @ (goal[:3, 3] - trocar)
+    goal[:3, :3] = turn @ goal[:3, :3]
+    return goal
 
-    def _require_tilt(self, shaft: Vector) -> None:
-        inward = -self._planner.patient.outward
-        tilt = float(np.arccos(np.clip(shaft @ inward, -1.0, 1.0)))
-        if tilt > self._config.max_tilt:
-            raise TiltOutOfRange(tilt, self._config.max_tilt)
 
-    def _words(self, command: Command) -> str:
-        if WAYS[command][2]:
-            way = "in" if WAYS[command][2] > 0 else "out"
-            return f"moves {way} by {self._config.depth * 1e3:.0f} mm"
-        _, _, where = command.value.partition(" ")
-        return f"looks {where} by {np.degrees(self._config.angle):.1f} deg"
+def _settings(planner: Planner) -> CameraStepConfig:
+    return planner.config.controller.camera
+
+
+def _require_tilt(planner: Planner, shaft: Vector) -> None:
+    inward, maximum = -planner.patient.outward, _settings(planner).max_tilt
+    tilt = float(np.arccos(np.clip(shaft @ inward, -1.0, 1.0)))
+    if tilt > maximum:
+        raise TiltOutOfRange(tilt, maximum)
+
+
+def _words(phrase: str, config: CameraStepConfig) -> str:
+    if inward := STEPS[phrase][2]:
+        return f"moves {'in' if inward > 0 else 'out'} by {config.depth * 1e3:.0f} mm"
+    where = phrase.removeprefix("look ")
+    return f"looks {where} by {np.degrees(config.angle):.1f} deg"
 
 
 def _rotation(axis: Vector, angle: float) -> Array:

@@ -1,45 +1,53 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes "insert" and "withdraw" plans: the jaws closed, then the ways one after the other."""
+"""Plans "insert" and "withdraw": the jaws closed, then the paths one after the other."""
 
 from __future__ import annotations
 
-from rst_control.planning.insertion import Insertion
-from rst_control.planning.plan import Accepted, Phase, PhaseKind, Plan, Rejected
-from rst_control.planning.planner import Planner, along
-from rst_control.types import Command, Measurement, Reason, Vector
+from rst_control.commands.request import Accepted, PlanningContext
+from rst_control.kinematics.configuration import planning_joints
+from rst_control.planning.insertion import Leg
+from rst_control.planning.patient_surface import TrocarPose
+from rst_control.planning.plan import Phase, PhaseKind
+from rst_control.types import Reason, Rejected
 
 
-class InsertionPlans:
-    """Plans for one robot and scene.
+def insert(context: PlanningContext) -> Accepted | Rejected:
+    """Plan the way in to the working pose.
 
-    Args:
-        planner: Its configuration holds all limits.
+    Raises:
+        Infeasible: No way keeps all limits; the error says which.
     """
+    place, minimum = _trocar_pose(context), context.planner.config.rcm.insertion[0]
+    if place.wrist >= minimum and not place.is_outside:
+        words = f"already inserted: {place.wrist * 1e3:.1f} mm of shaft inside the trocar"
+        return Rejected(Reason.ALREADY_THERE, words)
+    return _accepted(context, "inserts", context.insertion.insert(context.q))
 
-    def __init__(self, planner: Planner) -> None:
-        self._planner, self._ways = planner, Insertion(planner)
 
-    def warm_up(self) -> None:
-        """Compile or load all that insertion calls."""
-        self._ways.warm_up()
+def withdraw(context: PlanningContext) -> Accepted | Rejected:
+    """Plan the way out of the patient.
 
-    def __call__(self, command: Command, q: Vector, measured: Measurement) -> Accepted | Rejected:
-        """Plan "insert" or "withdraw" from q (9,) [rad].
+    Raises:
+        Infeasible: No way keeps all limits; the error says which.
+    """
+    place = _trocar_pose(context)
+    if place.is_outside:
+        words = f"already outside: tip {-place.insertion * 1e3:.1f} mm outside the trocar"
+        return Rejected(Reason.ALREADY_THERE, words)
+    return _accepted(context, "withdraws", context.insertion.withdraw(context.q))
 
-        Raises:
-            Infeasible: No way keeps all limits; the error says which.
-        """
-        if measured.gripped:
-            words = f'tissue held, "{command.value}" needs empty jaws; release first'
-            return Rejected(Reason.ALREADY_GRASPED, words)
-        is_in = command is Command.INSERT
-        legs = self._ways.insert(q) if is_in else self._ways.withdraw(q)
-        speed = self._planner.config.controller.speed
-        phases = [Phase(PhaseKind.ALIGN, opening=0.0)]
-        for leg in legs:
-            most = speed.approach if leg.kind is PhaseKind.APPROACH else speed.insertion
-            phases.append(along(self._planner, leg.kind, leg.path, most))
-        end = self._planner.patient.trocar_pose(legs[-1].path.end).insertion
-        place = f"{abs(end) * 1e3:.0f} mm {'inside' if end > 0.0 else 'outside'} the trocar"
-        words = f"{'inserts' if is_in else 'withdraws'} the tool to {place}"
-        return Accepted(Plan(command, words, tuple(phases)))
+
+def _trocar_pose(context: PlanningContext) -> TrocarPose:
+    """Of the measured joints."""
+    q, _ = planning_joints(context.measured.position)
+    return context.planner.patient.trocar_pose(q)
+
+
+def _accepted(context: PlanningContext, verb: str, legs: tuple[Leg, ...]) -> Accepted:
+    speed, phases = context.config.speed, [Phase(PhaseKind.ALIGN, opening=0.0)]
+    for leg in legs:
+        fastest = speed.approach if leg.kind is PhaseKind.APPROACH else speed.insertion
+        phases.append(context.along(leg.kind, leg.path, fastest))
+    end = context.planner.patient.trocar_pose(legs[-1].path.end).insertion
+    place = f"{abs(end) * 1e3:.0f} mm {'inside' if end > 0.0 else 'outside'} the trocar"
+    return context.accept(f"{verb} the tool to {place}", phases)

@@ -1,105 +1,92 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What must hold before a command is planned: the controller's mode and the robot's health."""
+"""What must hold before a command is planned: the controller's mode and the robot's state."""
 
 from __future__ import annotations
 
-from typing import Final
-
-import numpy as np
-
+from rst_control.commands.request import Situation
+from rst_control.commands.spec import CommandSpec, Place, Role, Tissue
 from rst_control.errors import InsertionOutOfRange, TrocarDrift
 from rst_control.kinematics.configuration import planning_joints
-from rst_control.planning.patient_surface import TrocarPose
-from rst_control.planning.plan import Rejected, Situation
 from rst_control.planning.planner import Planner
-from rst_control.types import BY_HAND, JOINTS, Command, Measurement, Reason, robot_fault
+from rst_control.robot.health import joint_in_motion, robot_unfit
+from rst_control.types import NOT_CONNECTED, ControllerMode, Measurement, Reason, Rejected, State
 
-PULLS: Final = (Command.PULL_MORE, Command.PULL_LESS)
 
+def mode_refusal(command: CommandSpec, mode: ControllerMode) -> Rejected | None:
+    """Why the controller's mode forbids a command; None where it counts.
 
-def mode_refusal(command: Command, situation: Situation) -> Rejected | None:
-    """Why the controller's mode forbids a command; None where it does not."""
-    if command in (Command.STOP, Command.HEY_ROBOT):
+    The verifier asks before planning. The executor asks again when the motion would begin.
+    """
+    if mode.state in command.counts_in:
         return None
-    if not situation.is_active and not situation.halt_reason:
-        return Rejected(Reason.WRONG_MODE, 'in standby; say "hey robot" first')
-    if command is Command.TERMINATE:
-        return None
-    if situation.halt_reason:
-        words = f'halted ({situation.halt_reason}); say "hey robot" to go on'
-        return Rejected(Reason.HALTED, words)
-    if situation.is_moving and command not in PULLS:
-        return Rejected(Reason.BUSY, 'busy moving; wait, or say "stop"')
-    return None
+    match mode.state:
+        case State.STANDBY:
+            return Rejected(Reason.WRONG_MODE, 'in standby; say "hey robot" first')
+        case State.ACTIVE:
+            return Rejected(Reason.WRONG_MODE, "active already")
+        case State.MOVING:
+            return Rejected(Reason.BUSY, 'busy moving; wait, or say "stop"')
+        case State.STOPPING if command.role is Role.ACTIVATE:
+            return Rejected(Reason.NOT_AT_REST, "still braking; say it again at rest")
+        case State.STOPPING if not mode.is_latched:
+            return Rejected(Reason.NOT_AT_REST, "braking; wait until the robot is at rest")
+    return Rejected(Reason.HALTED, f'halted ({mode.reason}); say "hey robot" to go on')
 
 
-def rest_refusal(measured: Measurement, allowed: float) -> Rejected | None:
-    """Which joint moves faster than allowed [rad/s]; None where all are at rest."""
-    speeds = np.abs(measured.velocity)
-    worst = int(speeds.argmax())
-    if speeds[worst] <= allowed:
-        return None
-    words = f"not at rest: {JOINTS[worst]} at {speeds[worst]:.3f} rad/s, allowed {allowed:.3f}"
-    return Rejected(Reason.NOT_AT_REST, words)
-
-
-class Conditions:
-    """Checks what the robot side last said.
+class Preconditions:
+    """Checks the robot's newest measurement against what a command needs.
 
     Args:
         planner: Knows the robot, the trocar and the settings.
     """
 
     def __init__(self, planner: Planner) -> None:
-        self._patient, (self._least, self._most) = planner.patient, planner.config.rcm.insertion
+        self._patient, self._insertion = planner.patient, planner.config.rcm.insertion
         self._watchdogs = planner.config.controller.watchdogs
         self._shaft_tolerance = planner.config.rcm.measured_tolerance
 
-    def refusal(self, command: Command, situation: Situation) -> Rejected | None:
+    def refusal(self, command: CommandSpec, situation: Situation) -> Rejected | None:
         """Why the robot's state forbids a command; None where it does not."""
-        if command in (Command.STOP, Command.TERMINATE):
+        if command.role in (Role.STOP, Role.TERMINATE):
             return None
-        measured = situation.measurement
-        if measured is None or not measured.connected:
-            return Rejected(Reason.NOT_CONNECTED, "robot not connected")
-        age, allowed = situation.now - measured.stamp, self._watchdogs.joint_state_age
-        if age > allowed:
-            words = f"joint states {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
-            return Rejected(Reason.STALE, words)
-        if measured.fault:
-            fault = robot_fault(measured.fault)
-            return Rejected(fault.reason, f"robot fault: {fault.words}")
-        if command is not Command.HEY_ROBOT:
-            return self._placed(command, measured)
-        is_under_way = situation.is_moving and situation.is_active and not situation.halt_reason
-        return None if is_under_way else rest_refusal(measured, self._watchdogs.at_rest_speed)
+        measured, settings = situation.measurement, self._watchdogs
+        unfit = robot_unfit(measured, situation.now, settings.joint_state_age)
+        if unfit is not None or measured is None:
+            return Rejected.by(unfit or NOT_CONNECTED)
+        if command.role is Role.ACTIVATE:
+            is_under_way = situation.mode.state is State.MOVING
+            moves = None if is_under_way else joint_in_motion(measured, settings.at_rest_speed)
+            return None if moves is None else Rejected.by(moves)
+        return self._place(command, measured) or _tissue(command, measured)
 
-    def _placed(self, command: Command, measured: Measurement) -> Rejected | None:
-        """Whether the tool is where the command begins: outside, in the trocar or inside."""
+    def _place(self, command: CommandSpec, measured: Measurement) -> Rejected | None:
+        """Whether the tool is where the command begins."""
         q, _ = planning_joints(measured.position)
         place = self._patient.trocar_pose(q)
-        if command is Command.RELEASE and measured.gripped and place.is_outside:
-            return None  # to open the jaws is never wrong
+        may_hold_outside = command.place is Place.INSIDE_OR_HOLDING and measured.gripped
+        if may_hold_outside and place.is_outside:
+            return None
         if not place.is_outside and not place.error <= self._shaft_tolerance:
             drift = TrocarDrift(place.error, self._shaft_tolerance)
             return Rejected(Reason.RCM_TOLERANCE, f"measured: {drift}")
-        if command in BY_HAND:
-            return _already(command, place, self._least)
+        if command.place is Place.ANYWHERE:
+            return None
         if place.is_outside:
             words = f"tool not inserted: tip {-place.insertion * 1e3:.1f} mm outside the trocar"
             return Rejected(Reason.NOT_INSERTED, f'{words}, allowed inside; "insert" first')
-        if place.wrist < self._least and not measured.gripped:
-            shallow = InsertionOutOfRange(place.wrist, self._least, self._most)
+        minimum, maximum = self._insertion
+        if place.wrist < minimum and not measured.gripped:
+            shallow = InsertionOutOfRange(place.wrist, minimum, maximum)
             return Rejected(Reason.INSERTION_DEPTH, f'{shallow}; "insert" first')
         return None
 
 
-def _already(command: Command, place: TrocarPose, least: float) -> Rejected | None:
-    """Whether there is nothing left to insert or withdraw."""
-    if command is Command.WITHDRAW and place.is_outside:
-        words = f"already outside: tip {-place.insertion * 1e3:.1f} mm outside the trocar"
-        return Rejected(Reason.ALREADY_THERE, words)
-    if command is Command.INSERT and place.wrist >= least and not place.is_outside:
-        words = f"already inserted: {place.wrist * 1e3:.1f} mm of shaft inside the trocar"
-        return Rejected(Reason.ALREADY_THERE, words)
+def _tissue(command: CommandSpec, measured: Measurement) -> Rejected | None:
+    """Whether the jaws hold what the command needs them to hold."""
+    if command.tissue is Tissue.HELD and not measured.gripped:
+        words = f'nothing grasped; "{command.phrase}" needs tissue between the jaws'
+        return Rejected(Reason.NOTHING_GRASPED, words)
+    if command.tissue is Tissue.NONE and measured.gripped:
+        words = f'tissue held at {measured.tension:.2f} N, "{command.phrase}" needs empty jaws'
+        return Rejected(Reason.ALREADY_GRASPED, f"{words}; release first")
     return None

@@ -1,18 +1,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pulls where no tension can be relied on: by distance, as if the tissue were the stiffest."""
+"""Plans a pull by distance, and how far one may go where no tension can be relied on."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from rst_control.commands.held_tissue import held
+from rst_control.commands.request import Accepted, PlanningContext
+from rst_control.commands.tension_limits import (
+    ROUNDING,
+    predicted_refusal,
+    present_refusal,
+    too_far,
+)
 from rst_control.config import TensionConfig
-from rst_control.types import Measurement
+from rst_control.planning.plan import PhaseKind
+from rst_control.types import Measurement, Rejected
 
 
-class BlindPulls:
+class DistanceForTension:
     """Turns tensions into distances from the grasp.
 
-    Tissue that is no stiffer than `blind_stiffness` is pulled no harder than was asked for, and
-    slack tissue less. Stiffer tissue is pulled harder, and nothing measures it: so the distances
-    are only as safe as that number is true.
+    Tissue no stiffer than `blind_stiffness` is pulled no harder than was asked for, and slack
+    tissue less. Stiffer tissue is pulled harder, and nothing measures it. So the distances are
+    only as safe as that number is true.
 
     Args:
         config: Source, stiffest tissue and largest tension.
@@ -22,19 +33,19 @@ class BlindPulls:
         self._config = config
 
     @property
-    def most(self) -> float:
+    def maximum(self) -> float:
         """Furthest that tissue may be pulled from the grasp [m]."""
-        return self.way(self._config.maximum)
+        return self.distance(self._config.maximum)
 
-    def way(self, tension: float) -> float:
+    def distance(self, tension: float) -> float:
         """Distance [m] that gives a tension [N] on the stiffest tissue."""
         return tension / self._config.blind_stiffness
 
     def why(self, measured: Measurement) -> str:
         """Why the tension cannot be relied on, with tissue to be grasped or held; empty: it can.
 
-        Torques tell a tension only from the grasp on, where their bias is taken. So before it
-        they count as trusted, and the pull looks again when it begins.
+        Torques give a tension only from the grasp on, where their bias is taken. So before it
+        they count as trusted, and the pull checks again when it begins.
         """
         if self._config.source == "none":
             return "tension.source is none"
@@ -43,6 +54,32 @@ class BlindPulls:
         return measured.tension_invalid_reason
 
     def words(self, why: str) -> str:
-        """What a blind pull says beside its distance."""
+        """What the reply to a pull by distance adds."""
         stiffest = self._config.blind_stiffness
         return f" by distance, for tissue up to {stiffest:.0f} N/m (no trusted tension: {why})"
+
+
+def plan(context: PlanningContext, is_more: bool) -> Accepted | Rejected:
+    """Plan a step by distance, further along the pull or back."""
+    config, measured, request = context.config.tension, context.measured, context.request
+    by_distance, (grasp, seats) = DistanceForTension(config), held(context)
+    why = by_distance.why(measured)
+    step = request.distance or config.step_distance
+    if why and not request.distance:
+        step = by_distance.distance(request.tension or config.step_tension)
+    target = grasp.s + step if is_more else grasp.s - step
+    maximum = min(grasp.pull.length, by_distance.maximum) if why else grasp.pull.length
+    if target < 0.0 or (is_more and target > maximum + ROUNDING):
+        return too_far(target, maximum)
+    if is_more:
+        predicted = None if why else predicted_refusal(grasp, step, measured, config)
+        refusal = predicted or present_refusal(measured, config)
+        if refusal is not None:
+            return refusal
+    phase = context.along(PhaseKind.STEP, grasp.pull, context.config.speed.pull_speed)
+    ceiling = config.maximum if is_more and not why else None
+    phase = replace(phase, start=grasp.s, target=target, tension=ceiling)
+    direction = "more" if is_more else "less"
+    words = f"pulls {direction}: {grasp.s * 1e3:.1f} mm to {target * 1e3:.1f} mm"
+    words += by_distance.words(why) if why else ""
+    return context.accept(words, (*seats, phase), replace(grasp, s=target, tension=None))

@@ -1,21 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Chooses a grasp of the sheet: the best candidate whose reach, pull and retreat are free."""
+"""Plans "tense": the best grasp whose reach, pull and retreat are free."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
+from rst_control.commands.pull_by_distance import DistanceForTension
+from rst_control.commands.request import Accepted, PlanningContext
+from rst_control.commands.tension_limits import (
+    ROUNDING,
+    present_refusal,
+    target_refusal,
+    too_far,
+)
 from rst_control.errors import Infeasible, NoGrasp
+from rst_control.planning.plan import Grasp, Phase, PhaseKind
 from rst_control.planning.planner import Planner
 from rst_control.tissue.grasp_candidates import GraspCandidate
 from rst_control.trajectory.path import Path
-from rst_control.types import Vector
+from rst_control.types import Rejected, Vector
 
 MAX_PLANNED: Final = 12  # candidates whose paths are planned, the best first
-TOLD: Final = 3  # reasons in a refusal
+MAX_REASONS: Final = 3  # in a refusal
 ENOUGH_MARGIN: Final = 0.15  # share of a joint's half range; more to its limit is no better
 MARGIN_WEIGHT: Final = (
     4.0  # [rad] askew that a candidate may be, to win a whole half range of margin
@@ -32,6 +41,49 @@ class GraspPlan:
     retreat: Path  # from the grasp, out of the tissue
 
 
+def plan(context: PlanningContext) -> Accepted | Rejected:
+    """Open the jaws, reach the tissue, close them and pull to a tension.
+
+    Where the tension cannot be relied on, the pull goes by distance.
+
+    Raises:
+        Infeasible: No way keeps all limits; the error says which.
+    """
+    config, request = context.config.tension, context.request
+    target = request.tension or config.initial
+    refusal = target_refusal(target, config) or present_refusal(context.measured, config)
+    if refusal is not None:
+        return refusal
+    chosen = choose_grasp(context.planner, context.q)
+    length, by_distance = chosen.pull.length, DistanceForTension(config)
+    why = by_distance.why(context.measured)
+    furthest = request.distance or (by_distance.distance(target) if why else length)
+    if furthest > length + ROUNDING:
+        return too_far(furthest, length)
+    furthest = min(furthest, length)
+    if why and furthest > (maximum := by_distance.distance(target)) + ROUNDING:
+        return too_far(furthest, maximum)
+    tension = None if why else target
+    words = f"reaches, grasps and pulls to {target:.2f} N"
+    if why:
+        words = f"reaches, grasps and pulls {furthest * 1e3:.1f} mm{by_distance.words(why)}"
+    grasp = Grasp(chosen.pull, chosen.retreat, 0.0 if tension else furthest, tension)
+    return context.accept(words, _phases(context, chosen, furthest, tension), grasp)
+
+
+def _phases(
+    context: PlanningContext, chosen: GraspPlan, furthest: float, tension: float | None
+) -> tuple[Phase, ...]:
+    speed = context.config.speed
+    pull = context.along(PhaseKind.PULL, chosen.pull, speed.pull_speed)
+    return (
+        Phase(PhaseKind.OPEN, opening=context.config.jaws.open),
+        *(context.along(PhaseKind.REACH, path, speed.tip_speed) for path in chosen.reach),
+        Phase(PhaseKind.CLOSE, opening=0.0),
+        replace(pull, target=furthest, tension=tension),
+    )
+
+
 def choose_grasp(planner: Planner, q: Vector) -> GraspPlan:
     """Plan the grasp from q (9,) [rad]; the same q always gives the same.
 
@@ -42,17 +94,17 @@ def choose_grasp(planner: Planner, q: Vector) -> GraspPlan:
         Infeasible: No candidate keeps all limits; where there was a choice it is a `NoGrasp`.
     """
     if len(planner.grasp_candidates) == 1:
-        return _plan(planner, q, planner.grasp_candidates[0])
+        return _plan_candidate(planner, q, planner.grasp_candidates[0])
     reasons: list[Infeasible] = []
     for candidate in _ranked(planner, q)[:MAX_PLANNED]:
         try:
-            return _plan(planner, q, candidate)
+            return _plan_candidate(planner, q, candidate)
         except Infeasible as reason:
             reasons.append(reason)
-    raise NoGrasp(tuple(reasons[:TOLD]), len(planner.grasp_candidates))
+    raise NoGrasp(tuple(reasons[:MAX_REASONS]), len(planner.grasp_candidates))
 
 
-def _plan(planner: Planner, q: Vector, candidate: GraspCandidate) -> GraspPlan:
+def _plan_candidate(planner: Planner, q: Vector, candidate: GraspCandidate) -> GraspPlan:
     reach = planner.reach(q, candidate)
     at_grasp = reach[-1].end if reach else q
     return GraspPlan(candidate, reach, planner.pull(at_grasp), planner.retreat(at_grasp))

@@ -46,7 +46,7 @@ class Ledger:
 
     def accept(self, now: float, order: Order) -> None:
         """Answer that it is done or will be."""
-        self.command = order.command.value
+        self.command = order.command.phrase
         self.note(now, "accepted", self.command, order.plan.words)
         order.reply(Reply(True, order.plan.words))
 
@@ -59,7 +59,7 @@ class Ledger:
             cause: Why.
             tension: Present [N].
         """
-        self.note_refusal(now, order.command.value, cause)
+        self.note_refusal(now, order.command.phrase, cause)
         order.reply(Reply.refused(cause))
         order.ended(Outcome("refused", cause.words, cause.reason, tension))
 

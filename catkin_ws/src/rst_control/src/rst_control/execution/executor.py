@@ -13,6 +13,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from rst_control.commands.preconditions import mode_refusal
+from rst_control.commands.spec import STOP, Role
 from rst_control.execution import state_machine
 from rst_control.execution.event_log import Ledger
 from rst_control.execution.fault_reset import Waking
@@ -28,11 +30,20 @@ from rst_control.execution.orders import (
 )
 from rst_control.execution.setpoint import STILL, Mover
 from rst_control.execution.snapshot import view_of
-from rst_control.execution.state_machine import ControllerMode, State
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
-from rst_control.planning.plan import Rejected
 from rst_control.supervision.watchdogs import Watchdogs, Watched
-from rst_control.types import JOINT_COUNT, Cause, Command, Measurement, Reason, Setpoint, Vector
+from rst_control.types import (
+    JOINT_COUNT,
+    LATCHED,
+    Cause,
+    ControllerMode,
+    Measurement,
+    Reason,
+    Rejected,
+    Setpoint,
+    State,
+    Vector,
+)
 
 log = logging.getLogger("rosout.rst_control.executor")
 
@@ -159,7 +170,7 @@ class Executor:
     def _take_stops(self) -> None:
         while self._stops:
             cause, received = self._stops.popleft()
-            self._note("stop_received", Command.STOP.value, cause, received)
+            self._note("stop_received", STOP, cause, received)
             self._waking.drop(Cause(Reason.WITHDRAWN, "stopped"))
             self._older = len(self._orders)
             self._latch(state_machine.stopped(self._mode, cause))
@@ -178,14 +189,14 @@ class Executor:
         for _ in range(min(ORDERS_PER_TICK, len(self._orders))):
             order = self._orders.popleft()
             outrun = self._outrun(order)
-            refusal = state_machine.refusal(self._mode, order.command) or outrun
+            refusal = mode_refusal(order.command, self._mode) or outrun
             if refusal is not None:
                 self._refuse(order, refusal)
             elif order.serial != self._serial and order.stale is not None:
                 order.stale()
-            elif order.command is Command.HEY_ROBOT:
+            elif order.command.role is Role.ACTIVATE:
                 self._resume(self._waking.take(order, self._now))
-            elif order.command is Command.TERMINATE:
+            elif order.command.role is Role.TERMINATE:
                 self._terminate(order)
             else:
                 self._start(order)
@@ -193,7 +204,7 @@ class Executor:
     def _outrun(self, order: Order) -> Rejected | None:
         """A stop is not cleared by a "hey robot" that came before it."""
         is_older, self._older = self._older > 0, max(0, self._older - 1)
-        if not is_older or order.command is not Command.HEY_ROBOT:
+        if not is_older or order.command.role is not Role.ACTIVATE:
             return None
         return Rejected(Reason.HALTED, "stopped meanwhile; say it again")
 
@@ -206,13 +217,13 @@ class Executor:
         if refusal is not None:
             self._refuse(order, refusal)
             return
-        self._end_order("stopped", Cause(Reason.REPLACED, f'replaced by "{order.command.value}"'))
+        self._end_order("stopped", Cause(Reason.REPLACED, f'replaced by "{order.command.phrase}"'))
         if self._mode.state is not State.MOVING:
             self._max_rcm_error = self._trocar_pose.rcm_error
         self._ledger.order = order
         self._change(state_machine.started(self._mode))
         self._ledger.accept(self._now, order)
-        self._note("motion_started", order.command.value, order.plan.words)
+        self._note("motion_started", order.command.phrase, order.plan.words)
 
     def _terminate(self, order: Order) -> None:
         self._ledger.accept(self._now, order)
@@ -236,7 +247,7 @@ class Executor:
         order.ended(Outcome("succeeded", ""))
         self._change(state_machine.activated(was))
         if was.is_latched:
-            self._note("cleared", order.command.value, was.cause or "")
+            self._note("cleared", order.command.phrase, was.cause or "")
 
     def _move(self, motion: Motion, periods: int) -> Vector:
         self._watch(motion)
@@ -322,7 +333,7 @@ class Executor:
     def _latch(self, mode: ControllerMode) -> None:
         """Take a state in which nothing moves; brake where something does."""
         was = self._mode
-        is_told = was.state in state_machine.LATCHED and was.cause == mode.cause
+        is_told = was.state in LATCHED and was.cause == mode.cause
         self._change(mode)
         if not self._mover.brake() and not is_told:
             self._note_latch()
@@ -346,7 +357,7 @@ class Executor:
         self._ledger.note(at or self._now, kind, command, words, reason)
 
     def _note_latch(self) -> None:
-        if self._mode.state in state_machine.LATCHED:
+        if self._mode.state in LATCHED:
             self._note("halted", self._ledger.command, self._mode.cause or "")
 
     def _seen(self) -> View:

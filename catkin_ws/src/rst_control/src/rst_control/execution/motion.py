@@ -8,16 +8,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rst_control.commands.request import Plan
 from rst_control.config import ControllerConfig
 from rst_control.errors import RstError
 from rst_control.execution.guarded_pull import GuardedPull
 from rst_control.execution.orders import Glimpse
 from rst_control.execution.phase_execution import JawPhase, PathPhase, PhaseExecution, TensionPhase
 from rst_control.kinematics.configuration import planning_joints
-from rst_control.planning.plan import Grasp, Phase, PhaseKind, Plan, Rejected
+from rst_control.planning.plan import Grasp, Phase, PhaseKind
 from rst_control.trajectory.motion_profile import MotionBounds
 from rst_control.trajectory.path import Path
-from rst_control.types import Cause, Measurement, PathState, Reason, Vector
+from rst_control.types import Cause, Measurement, PathState, Reason, Rejected, Vector
 
 START_TOLERANCE = 2e-3  # [rad] between a joint's set-point and where a phase begins
 PULLS = (PhaseKind.PULL, PhaseKind.STEP)

@@ -7,11 +7,20 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
-from rst_control.execution.state_machine import IN_MOTION, ControllerMode, State
+from rst_control.commands.request import Plan, Situation
+from rst_control.commands.spec import CommandSpec
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
-from rst_control.planning.plan import Grasp, PhaseKind, Plan, Situation
+from rst_control.planning.plan import Grasp, PhaseKind
 from rst_control.trajectory.path import Path
-from rst_control.types import NOT_CONNECTED, Cause, Command, Measurement, Reason, Vector
+from rst_control.types import (
+    NOT_CONNECTED,
+    Cause,
+    ControllerMode,
+    Measurement,
+    Reason,
+    State,
+    Vector,
+)
 
 DiaryKind = Literal[
     "accepted",
@@ -91,7 +100,7 @@ class Order:
     ended: Callable[[Outcome], None] = field(default=_ignore)
 
     @property
-    def command(self) -> Command:
+    def command(self) -> CommandSpec:
         """Which command it is."""
         return self.plan.command
 
@@ -167,7 +176,7 @@ class View:
     @property
     def is_moving(self) -> bool:
         """A motion or its braking is under way."""
-        return self.mode.state in IN_MOTION
+        return self.mode.is_in_motion
 
     @property
     def latch(self) -> Cause | None:
@@ -195,9 +204,7 @@ class View:
             measurement=self.measurement,
             now=now,
             setpoint=self.setpoint,
-            is_active=self.mode.is_active,
-            is_moving=self.is_moving,
-            halt_reason=self.latch.words if self.latch else "",
+            mode=self.mode,
             grasp=self.grasp,
         )
 

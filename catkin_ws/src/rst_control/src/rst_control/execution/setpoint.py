@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from rst_control.commands.request import Plan
 from rst_control.execution.motion import Motion, MotionMaker, PathPosition
 from rst_control.kinematics.configuration import planning_joints, robot_joints
-from rst_control.planning.plan import Grasp, Plan, Rejected
-from rst_control.types import JOINT_COUNT, Measurement, Reason, Vector
+from rst_control.planning.plan import Grasp
+from rst_control.types import JOINT_COUNT, Measurement, Reason, Rejected, Vector
 
 STILL = np.zeros(JOINT_COUNT)
 CLOSED = 0.0  # [rad] opening that jaws which hold tissue are sent to, as far as is known

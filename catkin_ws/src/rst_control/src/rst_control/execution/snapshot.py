@@ -6,9 +6,8 @@ from __future__ import annotations
 from rst_control.execution.event_log import Ledger
 from rst_control.execution.orders import View
 from rst_control.execution.setpoint import Mover
-from rst_control.execution.state_machine import ControllerMode
 from rst_control.planning.patient_surface import TrocarPose
-from rst_control.types import Cause, Measurement
+from rst_control.types import Cause, ControllerMode, Measurement
 
 
 def view_of(

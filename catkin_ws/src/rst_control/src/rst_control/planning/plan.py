@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A command on its way to a motion: the request, the situation, and the plan or the refusal."""
+"""Parts of a motion, and what is remembered of the tissue between the jaws."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from enum import Enum
 
 from rst_control.trajectory.path import Path
-from rst_control.types import Cause, Command, Measurement, Vector
 
 
 class PhaseKind(Enum):
-    """Parts of a motion, as `ControllerState.phase` names them."""
+    """Parts of a motion, as `ControllerState.phase` names them.
+
+    A new motion is made of these: its own name comes from its command.
+    """
 
     REACH = "reach"
     CLOSE = "close"
@@ -23,7 +25,7 @@ class PhaseKind(Enum):
     ALIGN = "align"
     INSERT = "insert"
     WITHDRAW = "withdraw"
-    LOOK = "look"
+    CAMERA_STEP = "look"
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,53 +63,3 @@ class Grasp:
     retreat: Path  # from the grasp point to clear of the tissue
     s: float = 0.0  # [m] on `pull`: target if moving, else where it stands
     tension: float | None = None  # [N] target; None: placed by distance
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """A verified command: its phases in order, and what to remember once they are done.
-
-    Without phases nothing moves but by the controller's own state: "hey robot", "stop",
-    "terminate".
-    """
-
-    command: Command
-    words: str  # what will be done, for people
-    phases: tuple[Phase, ...] = ()
-    grasp: Grasp | None = None  # to remember when this plan starts; None after "release"
-
-
-@dataclass(frozen=True, eq=False)
-class Accepted:
-    """The command may run."""
-
-    plan: Plan
-
-
-@dataclass(frozen=True)
-class Rejected(Cause):
-    """The command may not run."""
-
-
-@dataclass(frozen=True, eq=False)
-class Request:
-    """A command with its parameters."""
-
-    words: str  # as spoken
-    tension: float = 0.0  # [N] target of "tense", step of the pulls; 0: as configured
-    distance: float = 0.0  # [m] step of the pulls, or furthest pull of "tense"; 0: as configured
-
-
-@dataclass(frozen=True, eq=False)
-class Situation:
-    """All that decides whether a command may run."""
-
-    measurement: Measurement | None  # None: the robot never spoke
-    now: float  # [s], same clock as the measurement
-    setpoint: Vector | None = (
-        None  # (10,), [rad]; plans start there. None: from the measured joints
-    )
-    is_active: bool = False
-    is_moving: bool = False
-    halt_reason: str = ""  # empty: not halted
-    grasp: Grasp | None = None

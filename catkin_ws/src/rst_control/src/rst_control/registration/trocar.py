@@ -12,18 +12,17 @@ from collections.abc import Sequence
 from concurrent.futures import Future
 from typing import Final
 
-from rst_control.commands.preconditions import rest_refusal
 from rst_control.config import WatchdogConfig
 from rst_control.errors import InsertionOutOfRange
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import DiaryEntry, Reply, View
-from rst_control.execution.state_machine import State
 from rst_control.registration.trocar_context import (
     ActiveTrocarContext,
     TrocarContext,
     TrocarOutOfReach,
 )
-from rst_control.types import NOT_CONNECTED, Cause, Measurement, Reason, Vector
+from rst_control.robot.health import joint_in_motion
+from rst_control.types import NOT_CONNECTED, Cause, Measurement, Reason, State, Vector
 
 COMMAND: Final = "set_trocar"  # as the diary names it
 
@@ -102,7 +101,7 @@ def unrest(view: View, now: float, watchdogs: WatchdogConfig) -> Cause | None:
     if age > allowed:
         words = f"joint states {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
         return Cause(Reason.STALE, words)
-    return rest_refusal(measured, watchdogs.at_rest_speed)
+    return joint_in_motion(measured, watchdogs.at_rest_speed)
 
 
 def position_words(position: Vector) -> str:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rst_control.commands.request import Accepted, Request, Situation
 from rst_control.commands.verifier import Verifier
 from rst_control.config import MotionConfig
 from rst_control.errors import RstError
@@ -17,9 +18,8 @@ from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.rcm import RcmState, rcm_state
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.planning.patient_surface import TrocarPose
-from rst_control.planning.plan import Accepted, Rejected, Request, Situation
 from rst_control.planning.planner import Planner
-from rst_control.types import Vector
+from rst_control.types import Rejected, Vector
 
 
 class TrocarOutOfReach(RstError):

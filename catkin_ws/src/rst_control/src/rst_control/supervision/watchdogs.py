@@ -9,10 +9,11 @@ import numpy as np
 
 from rst_control.config import WatchdogConfig
 from rst_control.planning.patient_surface import TrocarPose
+from rst_control.robot.health import robot_unfit
 from rst_control.supervision.node_liveness import MASTER, NodeLiveness
 from rst_control.supervision.plausibility import SensorWatch
 from rst_control.tension.delay_bound import DelayBound
-from rst_control.types import JOINTS, NOT_CONNECTED, Cause, Measurement, Reason, Vector, robot_fault
+from rst_control.types import JOINTS, Cause, Measurement, Reason, Vector
 
 
 @dataclass(frozen=True)
@@ -74,19 +75,10 @@ class Watchdogs:
 
     def robot(self, now: float, measured: Measurement | None) -> Cause | None:
         """Whether the robot is there and speaks, at rest as in motion."""
-        if measured is None or not measured.connected:
-            return NOT_CONNECTED
-        age, allowed = now - measured.stamp, self._settings.joint_state_age
-        if age > allowed:
-            words = f"joint states stale, {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
-            why = robot_fault(measured.fault).words
-            return Cause(Reason.STALE, f"{words}: {why}" if why else words)
-        if measured.fault:
-            fault = robot_fault(measured.fault)
-            return Cause(fault.reason, f"robot fault: {fault.words}")
-        if self._sensors.objection:
+        unfit = robot_unfit(measured, now, self._settings.joint_state_age)
+        if unfit is None and self._sensors.objection:
             return Cause(Reason.SENSOR_FAULT, f"sensor fault: {self._sensors.objection}")
-        return None
+        return unfit
 
     def owner(self, name: str) -> Cause | None:
         """Whether the node that asked for a motion is still there; it need not, without a name."""

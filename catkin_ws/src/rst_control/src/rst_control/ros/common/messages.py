@@ -9,10 +9,9 @@ from geometry_msgs.msg import PointStamped
 
 from rst_control.admission.callers import caller_name
 from rst_control.execution.orders import DiaryEntry, Outcome, View
-from rst_control.execution.state_machine import LATCHED
 from rst_control.msg import AssistFeedback, AssistResult, ControllerState, Event
 from rst_control.ros.common.wall_clock import followed, wall_offset
-from rst_control.types import Cause, Reason, Vector
+from rst_control.types import LATCHED, Cause, Reason, Vector
 
 BASE = "base_link"
 

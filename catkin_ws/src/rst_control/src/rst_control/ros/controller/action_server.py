@@ -16,12 +16,12 @@ import rospy
 from actionlib import ServerGoalHandle
 from actionlib_msgs.msg import GoalID, GoalStatus
 
-from rst_control.admission.callers import UNNAMED, Doorkeeper
-from rst_control.admission.command_queue import CommandDesk, is_stop, shown
+from rst_control.admission.callers import UNNAMED, CallLimiter
+from rst_control.admission.command_queue import CommandQueue
+from rst_control.commands.parser import is_stop, shown
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Outcome, Reply
 from rst_control.msg import AssistAction, AssistActionGoal
-from rst_control.planning.plan import Request
 from rst_control.ros.common.messages import caller_of, feedback_message, result_message
 from rst_control.types import Cause, Reason
 
@@ -35,7 +35,7 @@ class GuardedServer(actionlib.ActionServer):
     """An action server that knows who sends goals, and does not remember them without limit.
 
     Args:
-        door: Knows who may command, and how often.
+        limiter: Knows who may command, and how often.
         on_goal: Told every goal that is let in.
         on_cancel: Told every goal that is to be cancelled; a cancel is never turned away.
         on_cancel_all: Told every cancel that names no goal, also where none is under way.
@@ -43,24 +43,24 @@ class GuardedServer(actionlib.ActionServer):
 
     def __init__(
         self,
-        door: Doorkeeper,
+        limiter: CallLimiter,
         on_goal: OnGoal,
         on_cancel: OnGoal,
         on_cancel_all: Callable[[GoalID], None],
     ) -> None:
-        self._door, self._on_cancel_all = door, on_cancel_all
+        self._limiter, self._on_cancel_all = limiter, on_cancel_all
         super().__init__("rst_control/execute", AssistAction, on_goal, on_cancel, auto_start=False)
 
     def internal_goal_callback(self, goal: AssistActionGoal) -> None:
         """Turn a goal away, or let actionlib take it."""
         goal.goal_id.stamp = _not_after_now(goal.goal_id.stamp)
-        admission = self._door.admit(caller_of(goal), is_stop(goal.goal.command))
-        objection = admission.objection or self._too_much(goal.goal_id)
-        if admission.objection is not None and admission.is_news:
-            rospy.logwarn("goal refused: %s", admission.objection.words)
-        if objection is not None and not is_stop(goal.goal.command):
-            status = GoalStatus(_short(goal.goal_id), GoalStatus.REJECTED, objection.words)
-            outcome = Outcome("refused", objection.words, objection.reason)
+        admission = self._limiter.admit(caller_of(goal), is_stop(goal.goal.command))
+        refusal = admission.refusal or self._too_much(goal.goal_id)
+        if admission.refusal is not None and admission.is_news:
+            rospy.logwarn("goal refused: %s", admission.refusal.words)
+        if refusal is not None and not is_stop(goal.goal.command):
+            status = GoalStatus(_short(goal.goal_id), GoalStatus.REJECTED, refusal.words)
+            outcome = Outcome("refused", refusal.words, refusal.reason)
             self.publish_result(status, result_message(outcome))
         else:
             super().internal_goal_callback(goal)
@@ -89,15 +89,15 @@ class GuardedServer(actionlib.ActionServer):
 
 
 class AssistServer:
-    """Translates between actionlib and the desk."""
+    """Translates between actionlib and the queue of commands."""
 
-    def __init__(self, desk: CommandDesk, executor: Executor, door: Doorkeeper) -> None:
-        self._desk, self._executor = desk, executor
+    def __init__(self, commands: CommandQueue, executor: Executor, limiter: CallLimiter) -> None:
+        self._commands, self._executor = commands, executor
         self._running: dict[str, ServerGoalHandle] = {}
         self._news: queue.SimpleQueue[tuple[ServerGoalHandle, Reply | Outcome]] = (
             queue.SimpleQueue()
         )
-        self._server = GuardedServer(door, self._on_goal, self._on_cancel, self._on_cancel_all)
+        self._server = GuardedServer(limiter, self._on_goal, self._on_cancel, self._on_cancel_all)
 
     def start(self) -> rospy.Subscriber:
         """Begin to take goals; gives the subscriber by which they come."""
@@ -139,12 +139,17 @@ class AssistServer:
 
     def _on_goal(self, goal: ServerGoalHandle) -> None:
         wanted = goal.get_goal()
-        request = Request(wanted.command, wanted.tension, wanted.distance)
         caller = caller_of(goal.goal)
         owner = "" if caller == UNNAMED else caller  # who leaves its goal alone stops it
-        ticket = self._desk.take(request, f"action client {caller}", owner=owner)
-        ticket.reply.add_done_callback(lambda reply: self._news.put((goal, reply.result())))
-        ticket.ended.add_done_callback(lambda ended: self._news.put((goal, ended.result())))
+        pending = self._commands.take(
+            wanted.command,
+            f"action client {caller}",
+            owner=owner,
+            tension=wanted.tension,
+            distance=wanted.distance,
+        )
+        pending.reply.add_done_callback(lambda reply: self._news.put((goal, reply.result())))
+        pending.ended.add_done_callback(lambda ended: self._news.put((goal, ended.result())))
 
     def _on_cancel(self, goal: ServerGoalHandle) -> None:
         received, command = time.monotonic(), shown(goal.get_goal().command, 40)

@@ -10,20 +10,19 @@ import genpy
 import rospy
 from std_msgs.msg import Empty, Time
 
-from rst_control.admission.callers import Doorkeeper
-from rst_control.admission.command_queue import LONGEST, CommandDesk, is_stop, read_command, unknown
+from rst_control.admission.callers import CallLimiter
+from rst_control.admission.command_queue import CommandQueue
+from rst_control.commands.parser import MAX_LENGTH, is_stop, read_command, unknown
+from rst_control.commands.spec import Role
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Reply
-from rst_control.planning.plan import Request
 from rst_control.ros.common.messages import caller_of, code_of
 from rst_control.ros.rospy_patches.message_framing import announced
 from rst_control.srv import Command, CommandRequest, CommandResponse
 from rst_control.supervision.heartbeat import Heartbeat
 from rst_control.types import Cause, Reason
-from rst_control.types import Command as Spoken
 
 REPLY_TIME = 2.0  # [s] within which every command is answered, or the caller told that it was not
-_UNWATCHED = (Spoken.STOP, Spoken.HEY_ROBOT, Spoken.TERMINATE)  # of the spoken: they move nothing
 _HEAD = 4  # bytes of the length before the words
 
 
@@ -48,7 +47,7 @@ class WordsRequest(CommandRequest):
     def cut(cls, beginning: bytes, size: int) -> WordsRequest:
         """The beginning of a request too long to be read; `size` [bytes] is that of all of it."""
         request = cls()
-        request.command = beginning[_HEAD : _HEAD + 2 * LONGEST].decode("utf-8", "replace")
+        request.command = beginning[_HEAD : _HEAD + 2 * MAX_LENGTH].decode("utf-8", "replace")
         request.length = size - _HEAD
         return request
 
@@ -63,22 +62,22 @@ class CommandService:
     """Serves `rst_control/command`; listens to `rst_control/stop` and `rst_control/heartbeat`.
 
     Args:
-        desk: Takes the commands.
+        commands: Takes the commands.
         executor: Takes stops and heartbeats.
-        door: Knows who may command, and how often.
+        limiter: Knows who may command, and how often.
         spoken_by: Name of the node whose commands count as spoken.
         heartbeat_age: Age of the last heartbeat up to which that node counts as alive [s].
     """
 
     def __init__(
         self,
-        desk: CommandDesk,
+        commands: CommandQueue,
         executor: Executor,
-        door: Doorkeeper,
+        limiter: CallLimiter,
         spoken_by: str,
         heartbeat_age: float,
     ) -> None:
-        self._desk, self._executor, self._door = desk, executor, door
+        self._commands, self._executor, self._limiter = commands, executor, limiter
         self._spoken_by, self._heartbeat = spoken_by, Heartbeat(heartbeat_age)
         self.last_command = float("-inf")  # [s] when the last command came, steady clock
         # Of what piles up on one connection the newest counts; a flood is not queued.
@@ -96,30 +95,36 @@ class CommandService:
     def _on_command(self, request: WordsRequest) -> CommandResponse:
         self.last_command = time.monotonic()
         caller = caller_of(request)
-        admission = self._door.admit(caller, is_stop(request.command))
-        objection = admission.objection
-        if objection is not None and not admission.is_news:
-            response = CommandResponse(False, objection.words, code_of(objection))
+        admission = self._limiter.admit(caller, is_stop(request.command))
+        refusal = admission.refusal
+        if refusal is not None and not admission.is_news:
+            response = CommandResponse(False, refusal.words, code_of(refusal))
         else:
-            if request.length and objection is None:
-                objection = unknown(request.command, request.length)
-            response = self._ask(request.command, caller, objection)
+            if request.length and refusal is None:
+                refusal = unknown(request.command, request.length)
+            response = self._ask(request.command, caller, refusal)
         time.sleep(admission.pause)  # after a stop, too: it has been carried out
         return response
 
-    def _ask(self, words: str, caller: str, objection: Cause | None) -> CommandResponse:
+    def _ask(self, words: str, caller: str, refusal: Cause | None) -> CommandResponse:
         is_spoken = caller == self._spoken_by
-        if is_spoken and objection is None and read_command(words) not in _UNWATCHED:
-            objection = self._heartbeat.objection(time.monotonic())
+        if is_spoken and refusal is None:
+            refusal = self._silence(words)
         owner = caller if is_spoken else ""
-        request = Request(words)
-        ticket = self._desk.take(request, caller, is_spoken, not is_spoken, objection, owner)
+        pending = self._commands.take(words, caller, is_spoken, not is_spoken, refusal, owner)
         try:
-            reply = ticket.reply.result(REPLY_TIME)
+            reply = pending.reply.result(REPLY_TIME)
         except NoReply:
             words = "the controller does not answer; nothing is known to move"
             reply = Reply(False, words, Reason.NO_ANSWER)
         return CommandResponse(reply.accepted, reply.message, code_of(reply.reason))
+
+    def _silence(self, words: str) -> Cause | None:
+        """Whether the voice node's heartbeat forbids a spoken command; only motions need it."""
+        command = read_command(words)
+        if command is not None and command.role is not Role.MOTION:
+            return None
+        return self._heartbeat.objection(time.monotonic())
 
     def _on_stop(self, message: Empty) -> None:
         cause = Cause(Reason.STOP_TOPIC, f"stop topic, from {caller_of(message)}")

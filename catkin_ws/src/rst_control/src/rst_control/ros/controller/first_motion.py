@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.admission.command_queue import Verify
 from rst_control.admission.first_motion_gate import FirstMotion
-from rst_control.planning.plan import Plan
+from rst_control.commands.request import Plan
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.marker_topic import MarkerTopic
 from rst_control.visualization.controller_shapes import AHEAD, LINE

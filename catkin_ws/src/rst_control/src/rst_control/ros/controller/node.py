@@ -10,8 +10,8 @@ from contextlib import ExitStack
 
 import rospy
 
-from rst_control.admission.callers import Doorkeeper
-from rst_control.admission.command_queue import CommandDesk, Verify
+from rst_control.admission.callers import CallLimiter
+from rst_control.admission.command_queue import CommandQueue, Verify
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.config import MotionConfig
@@ -69,20 +69,20 @@ class ControllerNode:
         verify: Verify = RecordedOnly(self._context.verify, watch)
         if settings.first_motion == "confirmed":
             verify = ConfirmedFirst(verify, self._context).verify
-        self._desk = CommandDesk(self._executor, verify, time.monotonic)
+        self._commands = CommandQueue(self._executor, verify, time.monotonic)
         self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
-        door = Doorkeeper(settings.callers, time.monotonic)
-        self._trocar = TrocarService(self._context, self._executor, door)
+        limiter = CallLimiter(settings.callers, time.monotonic)
+        self._trocar = TrocarService(self._context, self._executor, limiter)
         self._markers = ControllerMarkers(config, self._context, self._look, self._clock)
         self._diagnostics = Diagnostics()
-        self._actions = AssistServer(self._desk, self._executor, door)
+        self._actions = AssistServer(self._commands, self._executor, limiter)
         self._spoken_by = settings.spoken_by
         self._service = CommandService(
-            self._desk,
+            self._commands,
             self._executor,
-            door,
+            limiter,
             settings.spoken_by,
             settings.watchdogs.voice_heartbeat_age,
         )
@@ -135,13 +135,13 @@ class ControllerNode:
         return self._executor.view
 
     def _plan(self) -> None:
-        ticket = self._desk.next(timeout=0.2)
-        if ticket is None:
+        queued = self._commands.next(timeout=0.2)
+        if queued is None:
             return
         try:
-            self._desk.check(ticket)
+            self._commands.check(queued)
         except Exception as error:  # the caller must hear of it; the worker reports it
-            self._desk.fail(ticket, error)
+            self._commands.fail(queued, error)
             raise
 
     def _publish(self) -> None:

@@ -9,14 +9,13 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
-from rst_control.admission.command_queue import shown
 from rst_control.admission.recording_gate import RecordingNews, RecordingWatch
+from rst_control.commands.parser import shown
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import View
-from rst_control.execution.state_machine import State
 from rst_control.ros.common.messages import caller_of, code_of
 from rst_control.ros.controller.diagnostics import make_status
-from rst_control.types import Reason
+from rst_control.types import Reason, State
 
 LONGEST_PROBLEM = 200  # characters of what a recorder says is wrong with it
 MAX_RECORDERS = 16  # that are told apart

@@ -13,7 +13,7 @@ import rospy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 
-from rst_control.admission.command_queue import shown
+from rst_control.commands.parser import shown
 from rst_control.config import WatchdogConfig
 from rst_control.robot.backend import RobotBackend
 from rst_control.ros.common.messages import RosClock

@@ -12,7 +12,7 @@ import rospy
 from geometry_msgs.msg import Point, PointStamped
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from rst_control.admission.callers import Doorkeeper
+from rst_control.admission.callers import CallLimiter
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Reply
 from rst_control.registration.pivot_calibration import PivotFit, PivotIllPosed
@@ -40,11 +40,13 @@ class TrocarService:
     Args:
         present: The active trocar.
         executor: Runs the control loop.
-        door: Knows who may set up, and how often.
+        limiter: Knows who may set up, and how often.
     """
 
-    def __init__(self, present: ActiveTrocarContext, executor: Executor, door: Doorkeeper) -> None:
-        self._present, self._executor, self._door = present, executor, door
+    def __init__(
+        self, present: ActiveTrocarContext, executor: Executor, limiter: CallLimiter
+    ) -> None:
+        self._present, self._executor, self._limiter = present, executor, limiter
         self._registrar = TrocarRegistrar(present, executor)
         config = present.current.config
         self._poses = ShaftPoses(present.current.model, config.rcm, config.controller.watchdogs)
@@ -108,8 +110,8 @@ class TrocarService:
 
     def _turn_away(self, request: genpy.Message) -> Reply | None:
         """Refuse a call of somebody who may not call, or calls too often; None: take it."""
-        admission = self._door.admit(caller_of(request))
-        objection = admission.objection
+        admission = self._limiter.admit(caller_of(request))
+        objection = admission.refusal
         if objection is not None and admission.is_news:
             rospy.logwarn("refused: %s", objection.words)
         time.sleep(admission.pause)

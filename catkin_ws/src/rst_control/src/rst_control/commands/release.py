@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plans "release": the jaws open, then the tool backs out by paths checked when it grasped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rst_control.commands.held_tissue import remembered, seated
+from rst_control.commands.request import Accepted, PlanningContext
+from rst_control.errors import Infeasible
+from rst_control.planning.plan import Phase, PhaseKind
+
+
+def plan(context: PlanningContext) -> Accepted:
+    """Open the jaws, go back along the pull, then out of the tissue."""
+    grasp = remembered(context)
+    if grasp is None:
+        eases = _unplanned_retreat(context)
+    else:
+        speed = context.config.speed.tip_speed
+        back = context.along(PhaseKind.EASE, grasp.pull, speed)
+        eases = [replace(back, start=grasp.s, target=0.0)] if grasp.s > 0.0 else []
+        eases.append(context.along(PhaseKind.EASE, grasp.retreat, speed))
+    opening = Phase(PhaseKind.OPEN, opening=context.config.jaws.open)
+    return context.accept("opens the jaws and eases off", (opening, *eases))
+
+
+def _unplanned_retreat(context: PlanningContext) -> list[Phase]:
+    """A way out from any place; where there is none, opening the jaws has to do."""
+    try:
+        q, paths = seated(context)
+        paths = (*paths, context.planner.retreat(q))
+    except Infeasible:
+        return []
+    speed = context.config.speed.tip_speed
+    return [context.along(PhaseKind.EASE, path, speed) for path in paths]

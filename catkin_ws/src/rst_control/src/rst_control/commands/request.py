@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A command on its way to a motion: the request, the situation, and the plan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rst_control.commands.spec import FURTHEST_PULL, TENSION_TARGET, CommandSpec
+from rst_control.config import ControllerConfig
+from rst_control.kinematics.configuration import planning_joints
+from rst_control.planning.insertion import Insertion
+from rst_control.planning.plan import Grasp, Phase, PhaseKind
+from rst_control.planning.planner import Planner, along
+from rst_control.trajectory.path import Path
+from rst_control.types import ControllerMode, Measurement, Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """A command with its amounts.
+
+    Raises:
+        ValueError: An amount is not a number, or out of its bounds.
+    """
+
+    command: CommandSpec
+    tension: float = 0.0  # [N] target of "tense", step of the pulls; 0: as configured
+    distance: float = 0.0  # [m] step of the pulls, or furthest pull of "tense"; 0: as configured
+
+    def __post_init__(self) -> None:
+        for amount in (TENSION_TARGET, FURTHEST_PULL):
+            if not amount.allows(getattr(self, amount.name)):
+                raise ValueError(f"{amount.name} must be a number from {amount.minimum:g} up")
+
+
+@dataclass(frozen=True, eq=False)
+class Situation:
+    """All that decides whether a command may run."""
+
+    measurement: Measurement | None  # None: the robot has sent nothing yet
+    now: float  # [s], same clock as the measurement
+    setpoint: Vector | None = None  # (10,), [rad]; plans start there. None: at the measured joints
+    mode: ControllerMode = field(default_factory=ControllerMode)
+    grasp: Grasp | None = None
+
+    @property
+    def is_moving(self) -> bool:
+        """A motion or its braking is under way."""
+        return self.mode.is_in_motion
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A verified command: its phases in order, and what to remember once they are done.
+
+    Without phases nothing moves but by the controller's own state: "hey robot", "stop",
+    "terminate".
+    """
+
+    command: CommandSpec
+    words: str  # what will be done, for people
+    phases: tuple[Phase, ...] = ()
+    grasp: Grasp | None = None  # to remember when this plan starts; None after "release"
+
+
+@dataclass(frozen=True, eq=False)
+class Accepted:
+    """The command may run."""
+
+    plan: Plan
+
+
+@dataclass(frozen=True, eq=False)
+class PlanningContext:
+    """All that the planner of a command gets."""
+
+    planner: Planner
+    insertion: Insertion
+    request: Request
+    situation: Situation
+    measured: Measurement  # of a robot that is connected, up to date and healthy
+
+    @property
+    def config(self) -> ControllerConfig:
+        """Settings of the controller."""
+        return self.planner.config.controller
+
+    @property
+    def q(self) -> Vector:
+        """Joints at which the plan starts [rad]. Shape (9,)."""
+        setpoint = self.situation.setpoint
+        joints = self.measured.position if setpoint is None else setpoint
+        return planning_joints(np.asarray(joints))[0]
+
+    def along(self, kind: PhaseKind, path: Path, speed: float) -> Phase:
+        """Phase from one end of a path to the other, at up to `speed` [m/s]."""
+        return along(self.planner, kind, path, speed)
+
+    def accept(self, words: str, phases: Sequence[Phase], grasp: Grasp | None = None) -> Accepted:
+        """Accept the request with its plan."""
+        return Accepted(Plan(self.request.command, words, tuple(phases), grasp))
