@@ -30,7 +30,7 @@ class System:
         self.pids, self.uris, self.here = {MASTER_URI: 1}, {}, {1: Running()}
         monkeypatch.setattr(peers, "ask", self.ask)
         monkeypatch.setattr(peers, "process_of", lambda pid, _: self.here.get(pid))
-        monkeypatch.setattr(peers, "LOOK_PERIOD", 0.0)
+        monkeypatch.setattr(peers, "SEARCH_PERIOD", 0.0)
         monkeypatch.setattr(rosgraph, "get_master_uri", lambda: MASTER_URI)
         monkeypatch.setattr(rospy, "get_name", lambda: "/controller")
 

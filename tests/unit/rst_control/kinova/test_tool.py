@@ -111,30 +111,30 @@ class TestGrip:
         return Grip(kinova.bridge.grip)
 
     def test_jaws_that_stay_open_hold_tissue_once_they_have_for_a_while(self, grip):
-        assert not grip.look(0.0, 0.04, NOW)
-        assert not grip.look(0.0, 0.04, NOW + 0.09)
-        assert grip.look(0.0, 0.04, NOW + 0.11)
+        assert not grip.update(0.0, 0.04, NOW)
+        assert not grip.update(0.0, 0.04, NOW + 0.09)
+        assert grip.update(0.0, 0.04, NOW + 0.11)
 
     def test_closing_jaws_hold_nothing_on_their_way(self, grip):
         for k in range(100):
             commanded = max(0.0, 0.6 - 0.01 * k)
-            assert not grip.look(commanded, commanded + 0.05 * (commanded > 0), NOW + 0.01 * k)
+            assert not grip.update(commanded, commanded + 0.05 * (commanded > 0), NOW + 0.01 * k)
 
     def test_a_short_lag_at_the_end_is_no_tissue(self, grip):
-        grip.look(0.0, 0.05, NOW)
-        assert not grip.look(0.0, 0.001, NOW + 0.05)
-        assert not grip.look(0.0, 0.05, NOW + 0.12)
+        grip.update(0.0, 0.05, NOW)
+        assert not grip.update(0.0, 0.001, NOW + 0.05)
+        assert not grip.update(0.0, 0.05, NOW + 0.12)
 
     def test_what_slips_is_lost_and_what_is_opened_too(self, grip):
         for k in range(3):
-            grip.look(0.0, 0.04, NOW + 0.1 * k)
+            grip.update(0.0, 0.04, NOW + 0.1 * k)
         assert grip.is_gripped
-        grip.look(0.0, 0.0, NOW + 1.0)
-        assert not grip.look(0.0, 0.0, NOW + 1.06)
+        grip.update(0.0, 0.0, NOW + 1.0)
+        assert not grip.update(0.0, 0.0, NOW + 1.06)
         for k in range(3):
-            grip.look(0.0, 0.04, NOW + 2.0 + 0.1 * k)
-        grip.look(0.5, 0.5, NOW + 3.0)
-        assert not grip.look(0.5, 0.5, NOW + 3.06)
+            grip.update(0.0, 0.04, NOW + 2.0 + 0.1 * k)
+        grip.update(0.5, 0.5, NOW + 3.0)
+        assert not grip.update(0.5, 0.5, NOW + 3.06)
 
 
 class FakeNode:

@@ -11,8 +11,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from rst_control.config import load_simulation_config
 from rst_control.ros.common.marker_topic import marker_array
-from rst_control.simulation.rendering.marks import LONGEST, SIDES, SPACING, Trail, tube
+from rst_control.simulation.rendering.marks import SIDES, tube
 from rst_control.simulation.rendering.tissue_shapes import HELD, TissueShapes
+from rst_control.simulation.rendering.trail import LONGEST, SPACING, Trail
 from rst_control.simulation.tissue import rest_points, rim_nodes
 from rst_control.visualization.shapes import Shape, ShapeKind
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Settings of the package: a frozen dataclass per YAML file of `config/`; no key has a default."""
+"""limits.yaml, rcm.yaml and controller.yaml, and what each node reads; no key has a default."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from rst_control.config.callers import CallersConfig
 from rst_control.config.camera import CameraStepConfig
 from rst_control.config.collision import CollisionConfig
 from rst_control.config.recording import RecordingConfig
-from rst_control.config.scene import SceneConfig, TissueConfig, TriangulationConfig
+from rst_control.config.scene import SceneConfig
 from rst_control.config.sensors import SensorConfig
-from rst_control.config.simulator import CameraConfig, ServoConfig, SimulatorConfig
+from rst_control.config.simulator import SimulatorConfig
 from typed_config import (
     choice,
     integer,
@@ -27,35 +27,6 @@ from typed_config import (
     require_rising,
     text,
 )
-
-__all__ = [
-    "CONFIG_FOLDER",
-    "PACKAGE",
-    "URDF_FILE",
-    "CameraConfig",
-    "CameraStepConfig",
-    "CollisionConfig",
-    "ControllerConfig",
-    "JawsConfig",
-    "LimitLayer",
-    "LimitsConfig",
-    "MotionConfig",
-    "RcmConfig",
-    "RecordingConfig",
-    "RegistrationConfig",
-    "SceneConfig",
-    "ServoConfig",
-    "SimulationConfig",
-    "SimulatorConfig",
-    "SolverConfig",
-    "SpeedConfig",
-    "TensionConfig",
-    "TissueConfig",
-    "TriangulationConfig",
-    "WatchdogConfig",
-    "load_motion_config",
-    "load_simulation_config",
-]
 
 PACKAGE = package_folder("rst_control")
 CONFIG_FOLDER = PACKAGE / "config"
@@ -117,7 +88,7 @@ class SolverConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class RegistrationConfig:
-    """How the trocar may be set anew, and fitted to recorded poses of the shaft."""
+    """How the trocar may be set again, and fitted to recorded poses of the shaft."""
 
     RENAMED: ClassVar[Mapping[str, str]] = {
         "least_poses": "min_poses",
@@ -239,13 +210,12 @@ class ControllerConfig:
     camera: CameraStepConfig
     watchdogs: WatchdogConfig
     recording: RecordingConfig
+    callers: CallersConfig
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
         allowed = f"up to rate, {self.rate:g} Hz"
         require(self.state_rate <= self.rate, "state_rate", self.state_rate, allowed)
-
-    callers: CallersConfig
 
 
 @dataclass(frozen=True, kw_only=True)

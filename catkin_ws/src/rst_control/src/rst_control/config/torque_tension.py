@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""torque_tension.yaml: how the tissue's pull is told from joint torques, and when not."""
+"""torque_tension.yaml: how the tissue's pull is estimated from joint torques, and when not."""
 
 from __future__ import annotations
 

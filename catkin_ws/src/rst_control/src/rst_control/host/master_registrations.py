@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a ROS master knows of nodes, so that another master can be told."""
+"""What a ROS master knows of nodes, so that another master can be given it."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Registrations:
     def calls(self, last: str = "") -> list[tuple[str, ...]]:
         """Methods of the master's API, each with its arguments, that register all of this.
 
-        Publishers come first, so that a subscriber is told of all of them at once; and whoever is
+        Publishers come first, so that a subscriber is notified of all of them at once. The node
         named `last` comes at the very end, so that its presence shows that all was done.
         """
         node, kind = self.nodes, self.types

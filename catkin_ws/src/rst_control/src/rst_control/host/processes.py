@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whether a process of this host runs, is stopped or has ended, as the kernel says it.
 
-A process that is stopped (SIGSTOP) looks to its peers like one that is slow. The kernel knows the
+A process that is stopped (SIGSTOP) appears to its peers like one that is slow. The kernel knows the
 difference at once, and never takes a busy process for a stopped one.
 """
 
@@ -29,7 +29,7 @@ _LONGEST = 4096  # bytes of that file
 
 @dataclass(frozen=True)
 class Process:
-    """One process, told from a later one with the same number by when it was started."""
+    """One process, and not a later one with the same number: its start time counts."""
 
     pid: int
     started: str  # clock ticks since the system came up

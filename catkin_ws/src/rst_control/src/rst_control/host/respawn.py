@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs a command and starts it again after a crash: `respawn COMMAND ARGUMENTS`, before a node.
 
-roslaunch can start a node that has ended anew, but cannot tell a crash from a wrong setting, after
-which it would do so for ever. This can: a node that crashes is killed by a signal, or ends with
-status 1; one with a wrong setting ends with status 2 and has said why; one that was asked to end
-ends with status 0. All but the first, and a node that crashes again and again, end the launch.
+roslaunch can start a node again, but after a wrong setting it would do so for ever. This program
+knows a crash by the status: a signal, or 1. A wrong setting ends a node with status 2, after it has
+said why, and a node that was asked to end has status 0. Both of these end the launch, and so does a
+node that crashes again and again.
 
-Neither outlives whoever started it: where roslaunch is killed, so that nobody is left to end its
+Neither outlives its parent. Where roslaunch is killed, so that nobody is left to end its
 nodes, the node is asked to end, and killed where it does not; and where this is killed, so is it.
 """
 
@@ -24,10 +24,10 @@ from types import FrameType
 from typing import Final
 
 CRASHED: Final = 1  # status of Python after an exception that nobody caught
-PAUSE: Final = 1.0  # [s] before it is started anew
+PAUSE: Final = 1.0  # [s] before the next start
 MOST: Final = 5  # crashes within SPAN after which it is given up
 SPAN: Final = 120.0  # [s]
-LOOK: Final = 0.5  # [s] between two looks whether whoever started it is still there
+PARENT_PERIOD: Final = 0.5  # [s] between two checks that the parent is still there
 PATIENCE: Final = 10.0  # [s] for a node to end by itself once that one is gone
 _PR_SET_PDEATHSIG: Final = 1
 
@@ -61,16 +61,16 @@ class Respawner:
                 return 0
 
     def end(self, number: int, _: FrameType | None) -> None:
-        """Pass a signal on, and start nothing anew; a handler of signals."""
+        """Pass a signal on, and start nothing again; a handler of signals."""
         self._is_asked_to_end = True
         if self._child is not None and self._child.poll() is None:
             self._child.send_signal(number)
 
     def _wait(self, child: subprocess.Popen[bytes]) -> int:
-        """Its status; ends it once whoever started this is gone."""
+        """Its status; ends it once the parent is gone."""
         while os.getppid() == self._parent:
             try:
-                return child.wait(LOOK)
+                return child.wait(PARENT_PERIOD)
             except subprocess.TimeoutExpired:
                 continue
         if not self._is_asked_to_end:
@@ -92,7 +92,7 @@ class Respawner:
 
 
 def is_crash(status: int) -> bool:
-    """Whether a status, as `subprocess` gives it, tells of a crash."""
+    """Whether a status, as `subprocess` gives it, means a crash."""
     return status == CRASHED or status < 0
 
 

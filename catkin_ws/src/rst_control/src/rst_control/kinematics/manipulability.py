@@ -15,7 +15,7 @@ from rst_control.kinematics import forward as kin
 from rst_control.types import Vector
 
 Array = NDArray[np.float64]
-STRIDE: Final = 10  # places from one look to the next, where the measure is far from its limit
+STRIDE: Final = 10  # places between two evaluations, where the measure is far from its limit
 FAR: Final = 2.0  # times the limit; between knots of a path the measure changes by some percent
 
 

@@ -2,5 +2,5 @@
 """The controller's way to a real Kinova Gen3 with OpenRST: set-points to what their drivers take.
 
 Towards the controller this is the simulated robot's interface, towards the hardware that of the
-drivers; so the controller cannot tell which robot it leads. Nothing here imports ROS.
+drivers; so the controller does not know which robot it moves. Nothing here imports ROS.
 """

@@ -36,7 +36,7 @@ class Hardware(Protocol):
     """What the drivers of arm and tool take."""
 
     def send_speeds(self, speeds: Vector) -> None:
-        """Turn the arm's joints at these speeds [rad/s] until told otherwise. Shape (7,)."""
+        """Turn the arm's joints at these speeds [rad/s] until others come. Shape (7,)."""
         ...
 
     def send_tool(self, joints: Vector) -> None:
@@ -107,7 +107,7 @@ class Bridge:
         position = np.concatenate([feedback.position, tool.position])
         if self._servo is None:
             self._servo = Servo(self._config.servo, self._limits, position)
-        self._follower.look(feedback)
+        self._follower.update(feedback)
         if self._lead is Lead.NOBODY:
             self._servo.stand_at(self._stand(position))
         self.measured = Measurement(
@@ -126,7 +126,7 @@ class Bridge:
         self.tool.feedback = feedback
         measured = float(feedback.position[1:].sum())
         commanded = measured if self._opening is None else self._opening
-        self._grip.look(commanded, measured, feedback.stamp)
+        self._grip.update(commanded, measured, feedback.stamp)
 
     def on_force(self, force: Vector, now: float) -> None:
         """Take in the force of the tissue on the jaws, base frame, [N]. Shape (3,)."""
@@ -171,7 +171,7 @@ class Bridge:
             self._servo.fail(reason, now)
         self._stop(now)
 
-    # What the controller is told.
+    # What the controller receives.
 
     def fault(self, now: float) -> str:
         """Why nothing moves, or would; empty: all is well."""

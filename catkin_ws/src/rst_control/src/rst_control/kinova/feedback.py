@@ -24,14 +24,14 @@ class JointFeedback:
 
     position: Vector  # [rad]
     velocity: Vector  # [rad/s]
-    effort: Vector  # [N m]; zeros where none is told
+    effort: Vector  # [N m]; zeros where none is reported
     stamp: float  # [s] steady clock, when it arrived
 
 
 def unwrapped(position: Vector, last: Vector) -> Vector:
     """Positions [rad] by whole turns as near to the last ones as can be; both of shape (n,).
 
-    The arm's driver tells angles between -pi and pi, also of joints that turn for ever.
+    The arm's driver reports angles between -pi and pi, also of joints that turn for ever.
     """
     return position - TURN * np.round((position - last) / TURN)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stops the arm when whoever sends it velocities falls silent: the arm itself never would.
+"""Stops the arm when the sender of its velocities falls silent: the arm itself never would.
 
 The driver has no watchdog on velocities (ros_kortex issue 159), so a bridge that dies in motion
 would leave the arm turning. This runs in a process of its own, so small that there is little in it
@@ -12,7 +12,7 @@ from rst_control.kinova.config import GuardConfig
 
 
 class StopGuard:
-    """Tells when to stop the arm.
+    """Decides when to stop the arm.
 
     Args:
         config: Silence that is allowed, and how stops are repeated.
@@ -32,7 +32,7 @@ class StopGuard:
         return self._heard is not None and now - self._heard > self._config.silence
 
     def is_stop_due(self, now: float) -> bool:
-        """Whether the arm has to be told to stop now; repeated for a while, then left alone.
+        """Whether the arm has to be stopped now; repeated for a while, then left alone.
 
         Somebody may have to move the arm by other means once the bridge is gone.
         """

@@ -9,7 +9,7 @@ from typing import Final
 from rst_control.errors import RstError
 from rst_control.kinova.tool import HOMING, ToolState
 
-STATE_TIME: Final = 2.0  # [s] for the state to be told after a request was granted
+STATE_TIME: Final = 2.0  # [s] for the state to be reported after a request was granted
 
 
 class HomingFailed(RstError):
@@ -28,7 +28,7 @@ def home(
     """Bring the tool into position control, homed; its jaws and pitch move over their whole range.
 
     Args:
-        request: Asks the node for something, and tells whether it did it.
+        request: Asks the node for something, and returns whether it did it.
         state: What the node last said of itself.
         wait: Waits for a condition, for so many seconds; whether it came to hold.
 

@@ -40,7 +40,7 @@ def check(
     scene: Path,
     scale: float,
 ) -> str:
-    """Look at what a start with the real robot needs.
+    """Check what a start with the real robot needs.
 
     Args:
         has_stop: Somebody said that there is an emergency stop.

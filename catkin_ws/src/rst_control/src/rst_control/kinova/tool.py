@@ -50,7 +50,7 @@ class Tool:
         self._config, self._over_close = config, grip.over_close
         self._lower, self._upper = np.array(config.lower), np.array(config.upper)
         self._off_since = np.inf
-        self.state: ToolState | None = None  # None: never told
+        self.state: ToolState | None = None  # None: never reported
         self.is_homed = False
         self.feedback: JointFeedback | None = None
 
@@ -126,7 +126,7 @@ class Tool:
 
 
 class Grip:
-    """Whether tissue lies between the jaws: they were told to close, and stay open.
+    """Whether tissue lies between the jaws: they were sent to close, and stay open.
 
     Args:
         config: Openings and times.
@@ -137,7 +137,7 @@ class Grip:
         self._since: float | None = None  # [s] when the jaws began to say something else
         self.is_gripped = False
 
-    def look(self, commanded: float, measured: float, now: float) -> bool:
+    def update(self, commanded: float, measured: float, now: float) -> bool:
         """Take in both openings [rad] at a time [s]; whether tissue is held."""
         config = self._config
         shows = commanded <= config.closed and measured - commanded >= config.contact

@@ -23,7 +23,7 @@ from rst_control.types import Vector
 
 MEMORY = 1.0  # [s] of what was sent; above the lag and the age of the feedback
 STILL = 2e-4  # [rad/s] of all joints, below which an arm that should stand is sent zeros
-LAG_CHANGE = 0.002  # [rad/s] from feedback to feedback, from which motion tells of the lag
+LAG_CHANGE = 0.002  # [rad/s] from feedback to feedback, from which motion shows the lag
 LAG_MEMORY = 0.98  # share of what was learnt of the lag that each such feedback leaves
 
 
@@ -69,7 +69,7 @@ class Follower:
         """Lead it no longer."""
         self._past.clear()
 
-    def look(self, feedback: JointFeedback) -> None:
+    def update(self, feedback: JointFeedback) -> None:
         """Compare what the arm says with what it was sent."""
         if not self._past:
             return
@@ -124,10 +124,10 @@ class Follower:
         return self._past[0].at(time)
 
     def _learn_lag(self, drifted: Vector, faster: Vector) -> None:
-        """From changes alone, so that an arm that stands a little elsewhere tells nothing wrong."""
+        """From changes alone, so that an arm that stands a little elsewhere shows no lag."""
         if np.abs(faster).max() >= LAG_CHANGE:
-            told = np.array([drifted @ faster, faster @ faster])
-            self._lag_sum = LAG_MEMORY * self._lag_sum + told
+            shown = np.array([drifted @ faster, faster @ faster])
+            self._lag_sum = LAG_MEMORY * self._lag_sum + shown
 
     def _check(self, feedback: JointFeedback) -> None:
         config, off = self._config, self._drift + self._correction

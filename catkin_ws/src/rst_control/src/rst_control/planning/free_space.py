@@ -30,7 +30,7 @@ NODES: Final = 6000  # of each tree
 STEP: Final = 0.5  # [m] of motion by one edge of the search, at most
 SHORTCUTS: Final = 150
 BESIDE: Final = 1.0  # [rad] that a joint without ends may swing beyond start and goal
-LOOKS: Final = 24  # at each leg, to measure how far parts of the robot travel
+STATIONS: Final = 24  # along each leg, to measure how far parts of the robot travel
 SAME: Final = 1e-6  # [rad] of joint motion that is none
 MIN_RADIUS: Final = 0.03  # [m] at which a joint's turning counts as way where nothing travels
 LIFTS: Final = 6  # steps of backing off before the second try
@@ -108,9 +108,9 @@ class Approach:
 
     def leg(self, a: Vector, b: Vector) -> Path:
         """Joint motion straight from a to b (9,), as long as the part that travels furthest."""
-        places, frames = np.empty((LOOKS + 1, 12, 3)), np.empty((12, 3, 4))
-        for k in range(LOOKS + 1):
-            forward.forward(self._chain, a + k / LOOKS * (b - a), frames)
+        places, frames = np.empty((STATIONS + 1, 12, 3)), np.empty((12, 3, 4))
+        for k in range(STATIONS + 1):
+            forward.forward(self._chain, a + k / STATIONS * (b - a), frames)
             places[k] = frames[:, :, 3]
         travelled = np.linalg.norm(np.diff(places, axis=0), axis=2).sum(axis=0)
         turned = float(np.abs(b - a).max()) * MIN_RADIUS

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pivot calibration: the point that many poses of the shaft have in common is the trocar.
 
-The shaft slides through the trocar, so each pose tells a line and not a place on it. The wanted
+The shaft slides through the trocar, so each pose gives a line and not a place on it. The wanted
 point p has the least sum of squared distances from the lines a_i + t d_i:
 
     p = A^-1 b,   A = sum P_i,   b = sum P_i a_i,   P_i = 1 - d_i d_i^T
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 FEWEST: Final = 2  # lines that can have one point in common
 PARALLEL: Final = 1e-6  # [rad] spread below which rounding decides where the point is
 OUTLYING: Final = 4.0  # standard deviations; by chance 3 of 10,000 lines are further away
-FLOOR: Final = 1e-5  # [m] distances below it are never outlying: encoders tell no more
+FLOOR: Final = 1e-5  # [m] distances below it are never outlying: encoders resolve no more
 ROBUST_STEPS: Final = 30
 MEDIAN: Final = float(np.sqrt(2.0 * np.log(2.0)))  # of the Rayleigh distribution, in deviations
 

@@ -49,7 +49,7 @@ class ShaftPoses:
         return Reply(True, words)
 
     def forget(self) -> Reply:
-        """Begin anew."""
+        """Forget all of them."""
         count, self._lines = len(self._lines), []
         return Reply(True, f"{count} shaft poses forgotten")
 

@@ -60,7 +60,7 @@ class TrocarRegistrar:
         self, context: TrocarContext, caller: str, reply: Future[Reply], view: View
     ) -> DiaryEntry | None:
         if not reply.set_running_or_notify_cancel():
-            return None  # whoever asked waits no longer
+            return None  # the caller waits no longer
         answer = decide(context, view)
         if isinstance(answer, Cause):
             reply.set_result(Reply.refused(answer))

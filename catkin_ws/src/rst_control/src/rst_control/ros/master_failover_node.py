@@ -25,10 +25,10 @@ from rst_control.ros.common.xmlrpc import FAILURES, ask, master, value_of
 
 log = logging.getLogger("rosout.rst_control.master_failover")
 
-PERIOD: Final = 0.5  # [s] between looks; what was registered since the last one may be forgotten
-PARAMETERS_EVERY: Final = 6  # looks
-RETRIES: Final = 120  # looks at a node that hung when the others were registered
-AGAIN: Final = (4, 12)  # looks after which subscribers are notified of a new publisher again
+PERIOD: Final = 0.5  # [s] between rounds; what was registered since the last one may be forgotten
+PARAMETERS_EVERY: Final = 6  # rounds
+RETRIES: Final = 120  # rounds for a node that hung when the others were registered
+AGAIN: Final = (4, 12)  # rounds after which subscribers are notified of a new publisher again
 
 
 class MasterFailover:
@@ -39,11 +39,11 @@ class MasterFailover:
         self._known = Registrations()
         self._parameters: dict[str, object] = {}
         self._hanging: set[str] = set()
-        self._to_notify: dict[int, set[str]] = {}  # topics, by the look at which they are due
+        self._to_notify: dict[int, set[str]] = {}  # topics, by the round in which they are due
         self._count = self._retries = 0
 
     def step(self) -> None:
-        """Look at the master once.
+        """Read the master once.
 
         Raises:
             OSError: It is not there, or does not answer.
@@ -97,8 +97,8 @@ class MasterFailover:
 
     def _remind(self, topics: Iterable[str]) -> None:
         """Plan to notify the subscribers of some topics again."""
-        for looks in AGAIN:
-            self._to_notify.setdefault(self._count + looks, set()).update(topics)
+        for rounds in AGAIN:
+            self._to_notify.setdefault(self._count + rounds, set()).update(topics)
 
     def _notify(self, lost: Registrations) -> None:
         """Notify subscribers of all publishers: the master does so for new ones alone."""

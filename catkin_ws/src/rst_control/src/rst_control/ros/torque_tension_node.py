@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The node that tells the tissue's pull from joint torques, for robots without a force sensor."""
+"""The node that estimates the tissue's pull from joint torques, where no sensor measures it."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class TorqueTensionNode:
         ]
 
     def step(self, wait: float) -> None:
-        """Take in the joint states that came since, and tell what the newest say.
+        """Take in the joint states that came since, and publish what the newest say.
 
         Args:
             wait: For how long, where none came [s].

@@ -16,7 +16,7 @@ Vector = NDArray[np.float64]  # (3,)
 NOTHING = np.zeros(3)
 STILL = Impulses(NOTHING, NOTHING, NOTHING)
 RELAXATION_STEPS = 4000  # of calibration: the slowest vibration has died out by then
-LOOK = 64  # steps between looks whether a free sheet has come to rest
+REST_STRIDE = 64  # steps between checks whether a free sheet has come to rest
 REST_SPEED = 1e-7  # [m/s]
 
 
@@ -143,7 +143,7 @@ class Tissue:
 
     def _look_whether_at_rest(self) -> None:
         self._free_steps += 1
-        if self._free_steps % LOOK == 0 and np.abs(self._sheet.v).max() < REST_SPEED:
+        if self._free_steps % REST_STRIDE == 0 and np.abs(self._sheet.v).max() < REST_SPEED:
             self._impulses, self._is_at_rest = STILL, True
 
     def _calibrate(self) -> None:

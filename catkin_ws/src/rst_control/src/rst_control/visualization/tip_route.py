@@ -13,7 +13,7 @@ from rst_control.planning.plan import Phase
 from rst_control.trajectory.path import Path
 from rst_control.visualization.shapes import Points
 
-PER_KNOT = 2  # looks at a path between two knots; their tips are joined by straight lines
+PER_KNOT = 2  # samples of a path between two knots; their tips are joined by straight lines
 
 TipsOfPath = Callable[[Path], tuple[Points, Points]]  # s (n,) and tips (n, 3) of a path, [m]
 
@@ -72,7 +72,7 @@ def _of_phases(view: View, phases: tuple[Phase, ...]) -> Route:
 
 
 def _present(view: View, phases: tuple[Phase, ...]) -> int:
-    """Which phase is under way; two of a kind are told apart by their paths."""
+    """Which phase is under way; two of a kind differ by their paths."""
     kind = view.motion.phase if view.motion else None
     same = [k for k, phase in enumerate(phases) if phase.kind is kind]
     here = [k for k in same if phases[k].path is view.path]

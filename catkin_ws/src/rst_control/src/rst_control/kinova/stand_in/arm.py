@@ -2,7 +2,7 @@
 """The Gen3's own controller as its driver sees it: calls in, notices out, a course for the joints.
 
 It takes up commands at fixed moments, runs way-points or joint speeds, and slows each joint down by
-itself when it is told to stop. Speeds last until others come. An emergency stop or a fault latches
+itself when a stop comes. Speeds last until others come. An emergency stop or a fault latches
 until ClearFaults.
 """
 
@@ -103,7 +103,7 @@ class SimulatedArm:
         self._orders.append(lambda now: self._start(list(waypoints), now))
 
     def send_speeds(self, speeds: dict[int, float]) -> None:
-        """Turn joints, counted from 0, at speeds [rad/s] until told otherwise; the others stand.
+        """Turn joints, counted from 0, at speeds [rad/s] until others come; the others stand.
 
         Raises:
             ArmRefused: It is at fault, there is no such joint, or a speed is no number.

@@ -15,7 +15,7 @@ PATH_TOLERANCE_VIOLATED = -4  # also what a goal missed in time gets
 
 
 class GoalState(Enum):
-    """Of actionlib's states those that the driver looks at."""
+    """Of actionlib's states those that the driver uses."""
 
     ACTIVE = "active"
     PREEMPTING = "preempting"
@@ -24,7 +24,7 @@ class GoalState(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """What a client asks for, as far as the driver looks at it."""
+    """What a client asks for, as far as the driver uses it."""
 
     joint_names: tuple[str, ...]
     points: tuple[Point, ...]

@@ -27,7 +27,7 @@ def fastest_towards_limits(
         lower: [rad]. Shape (7,).
         upper: [rad]. Shape (7,).
         braking: [rad/s^2]. Shape (7,).
-        step: Time between two looks [s].
+        step: Time between two calls [s].
 
     Returns:
         Lowest (negative) and highest speed [rad/s], shapes (7,).

@@ -26,7 +26,7 @@ STILL = 1e-6  # [rad/s] below which a joint stands
 
 
 class OpenRstState(IntEnum):
-    """As `openrst_state` tells it."""
+    """As `openrst_state` reports it."""
 
     UNINITIALIZED = 0
     CONNECTED = 1
@@ -59,7 +59,7 @@ class OpenRst:
 
     @property
     def reported(self) -> Vector | None:
-        """Joint positions as its encoders tell them [rad], shape (3,); None: it tells none."""
+        """Joint positions as its encoders report them [rad], shape (3,); None: it reports none."""
         if self.state < OpenRstState.READY:
             return None
         return self.position.copy() if self.is_homed else np.zeros(3)

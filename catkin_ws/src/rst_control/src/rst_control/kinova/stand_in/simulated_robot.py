@@ -56,7 +56,7 @@ class Physics(RobotBackend, Protocol):
 
 @dataclass(frozen=True, eq=False)
 class ArmFeedback:
-    """What base_feedback tells of the arm; each of shape (7,)."""
+    """What base_feedback reports of the arm; each of shape (7,)."""
 
     position: Vector  # [rad], from -pi to pi
     velocity: Vector  # [rad/s]

@@ -40,7 +40,7 @@ PREPROCESSES = (ServerState.PREPROCESSING_PENDING, ServerState.PREPROCESSING)
 
 
 class TrajectoryServer:
-    """Answers goals; `now` has to be kept up to date by whoever runs it.
+    """Answers goals; `now` has to be kept up to date by the caller.
 
     Args:
         config: Names, waits and tolerances.

@@ -24,7 +24,7 @@ SAMPLES = 5  # within each stretch between two way-points, to find its greatest 
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """One point of a goal, as far as the driver looks at it."""
+    """One point of a goal, as far as the driver uses it."""
 
     positions: tuple[float, ...]  # [rad]
     time: float  # [s] from the start

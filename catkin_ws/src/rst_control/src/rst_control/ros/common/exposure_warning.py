@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tells at the start who could reach the system from elsewhere.
+"""Warns at the start who could reach the system from elsewhere.
 
-The controller tells it for all: it is the part that moves something, and every node has the same
+The controller warns for all: it is the part that moves something, and every node has the same
 master. The launch files keep the other nodes on loopback.
 """
 

@@ -19,7 +19,7 @@ from rst_control.host.processes import ENDED, Process, process_of
 from rst_control.ros.common.xmlrpc import FAILURES, ask
 from rst_control.supervision.node_liveness import MASTER
 
-LOOK_PERIOD: Final = 0.5  # [s] between looks for those who are not found, and at the master
+SEARCH_PERIOD: Final = 0.5  # [s] between searches for missing nodes, and checks of the master
 SILENCES: Final = 2  # in a row after which the master counts as hanging
 SILENT: Final = "does not answer"
 UNREACHABLE: Final = "cannot be reached"
@@ -52,7 +52,7 @@ class Peers:
 
     def step(self) -> None:
         """Look for those who are not found yet, or have ended."""
-        self._news.wait(LOOK_PERIOD)
+        self._news.wait(SEARCH_PERIOD)
         self._news.clear()
         self._look_at_master()
         if not self._master:
@@ -80,7 +80,7 @@ class Peers:
             self._note(MASTER, pid, uri)
 
     def _find(self, name: str) -> None:
-        with suppress(*FAILURES):  # it is not there, or is just going; its messages tell
+        with suppress(*FAILURES):  # it is not there, or is just going; its messages say so
             own = rospy.get_name()
             uri = str(ask(rosgraph.get_master_uri(), "lookupNode", own, name))
             self._note(name, ask(uri, "getPid", own), uri)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import rospy
 
 CLOCK_JUMP = 1e-3  # [s] change of the wall clock against the steady one that is taken over
-TOLD = 0.05  # [s] change from which it is told, since the robot may be held for it
+REPORTED = 0.05  # [s] change from which it is reported, since the robot may be held for it
 READINGS = 3  # of which the one that took least time counts
 
 Clock = Callable[[], float]
@@ -35,7 +35,7 @@ def followed(offset: float, wall: Clock = time.time, steady: Clock = time.monoto
     present = wall_offset(wall, steady)
     if abs(present - offset) <= CLOCK_JUMP:
         return offset
-    if abs(present - offset) > TOLD:
+    if abs(present - offset) > REPORTED:
         rospy.logwarn(
             "the wall clock was set by %+.3f s: what was stamped before seems late or early, and "
             "the robot may be held for it; all hosts of a robot need the same time",

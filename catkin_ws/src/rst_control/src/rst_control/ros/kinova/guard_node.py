@@ -16,8 +16,8 @@ from rst_control.ros.kinova.hardware import send_at_shutdown
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from typed_config import ConfigError, load_config
 
-PERIOD = 0.010  # [s] between two looks
-ALIVE_EVERY = 2  # looks between two beats for the bridge
+PERIOD = 0.010  # [s] between two rounds
+ALIVE_EVERY = 2  # rounds between two beats for the bridge
 
 
 def main() -> None:
@@ -37,7 +37,7 @@ def main() -> None:
     # A guard that ends guards no longer: the arm stops, whether the bridge is there or not.
     rospy.on_shutdown(lambda: send_at_shutdown(lambda: stop.publish(Empty())))
     ask_for_priority()
-    looks, was_silent = 0, False
+    rounds, was_silent = 0, False
     while not rospy.is_shutdown():
         now = time.monotonic()
         if guard.is_stop_due(now):
@@ -45,7 +45,7 @@ def main() -> None:
             if not was_silent:
                 rospy.logerr("the bridge is silent: the arm is stopped")
         was_silent = guard.is_silent(now)
-        looks += 1
-        if looks % ALIVE_EVERY == 0:
+        rounds += 1
+        if rounds % ALIVE_EVERY == 0:
             alive.publish(Empty())
         time.sleep(PERIOD)

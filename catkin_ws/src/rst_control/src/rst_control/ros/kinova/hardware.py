@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The drivers of arm and tool by ROS: what they are sent, and what they tell."""
+"""The drivers of arm and tool by ROS: what they are sent, and what they report."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class KinovaHardware:
         on_tool: Callable[[JointFeedback], None],
         on_tool_state: Callable[[int], None],
     ) -> None:
-        """Begin to hand over what the drivers tell, from threads of rospy."""
+        """Begin to hand over what the drivers report, from threads of rospy."""
         arm, tool = self._config.arm, self._config.tool
         newest = {"queue_size": 1, "tcp_nodelay": True}
         reader = FeedbackReader(arm.joints, (1.0,) * len(arm.joints), turns=True)

@@ -54,7 +54,7 @@ class RosGoal:
 
 
 def read_goal(message: FollowJointTrajectoryGoal) -> Goal:
-    """What the driver looks at of a goal; velocities, accelerations and tolerances are dropped."""
+    """What the driver uses of a goal; velocities, accelerations and tolerances are dropped."""
     trajectory = message.trajectory
     return Goal(
         joint_names=tuple(trajectory.joint_names),

@@ -26,7 +26,7 @@ from rst_control.simulation.pybullet_robot import PybulletRobot
 log = logging.getLogger("rosout.rst_control.kinova_stand_in")
 
 HOMING_LIMIT = 120.0  # [s] for a request to be answered
-LOOK = 0.1  # [s] between looks whether the node ends while a request waits
+ALIVE_PERIOD = 0.1  # [s] between checks whether the node ends while a request waits
 
 
 class Due:
@@ -76,7 +76,7 @@ class DriverInterface:
         self._drivers.step()
 
     def publish(self) -> None:
-        """Tell what the drivers tell, and, by names of its own, what really is."""
+        """Publish what the drivers publish, and, by names of its own, what really is."""
         now = self._robot.now
         if self._arm_due(now):
             self._publish_arm()
@@ -195,7 +195,7 @@ class DriverInterface:
                 answered.set()
 
         self._jobs.append(ask)
-        for _ in range(round(HOMING_LIMIT / LOOK)):
-            if answered.wait(LOOK) or rospy.is_shutdown():
+        for _ in range(round(HOMING_LIMIT / ALIVE_PERIOD)):
+            if answered.wait(ALIVE_PERIOD) or rospy.is_shutdown():
                 break
         return openrst_requestResponse(answers[0]) if answers else None

@@ -33,7 +33,7 @@ from rst_control.ros.rospy_patches.message_framing import (
 log = logging.getLogger("rosout.rst_control.message_limits")
 
 HANDSHAKE_TIME = 2.0  # [s] for a peer to say what it wants
-LOOK_PERIOD = 0.005  # [s] between looks whether the rest of it has come
+PEEK_PERIOD = 0.005  # [s] between checks whether the rest of it has come
 MAX_STRANGERS = 64  # peers at once that have not said yet what they want
 WAITING = 128  # connections that may wait to be taken up; rospy's 5 make the sixth caller wait 1 s
 CHUNK = 65_536  # bytes of an oversized message that are read and forgotten at a time
@@ -91,7 +91,7 @@ def _says_in_time(sock: socket.socket) -> bool:
         if whole is not None:
             sock.settimeout(None)
             return whole
-        time.sleep(LOOK_PERIOD)
+        time.sleep(PEEK_PERIOD)
     return False
 
 

@@ -27,7 +27,7 @@ class SimulatorDiagnostics:
     Args:
         robot: What is simulated.
         pace: Counts lateness.
-        period: Simulated time between two looks [s].
+        period: Simulated time between two calls [s].
         scene: With the bands of a triangulated sheet.
     """
 

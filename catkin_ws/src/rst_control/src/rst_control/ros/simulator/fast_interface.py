@@ -29,7 +29,7 @@ NO_STAMP = 0.0  # set-points sent by hand carry no stamp
 
 
 class SetpointInterface:
-    """Takes set-points and tells states, 500 of each in a second.
+    """Takes set-points and publishes states, 500 of each in a second.
 
     Args:
         robot: What is simulated.
@@ -68,7 +68,7 @@ class SetpointInterface:
         """Set-points lead the robot; nothing is left to do between them."""
 
     def publish(self) -> None:
-        """Tell how the robot is now."""
+        """Publish the state of the robot."""
         robot, now = self._robot, self._robot.now
         self._joints.publish(self._writer.joints(now, robot.reading))
         self._tension.publish(self._writer.wrench(now, robot.force))

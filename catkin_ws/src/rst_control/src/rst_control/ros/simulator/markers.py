@@ -16,14 +16,14 @@ from rst_control.ros.common.marker_topic import MarkerTopic
 from rst_control.simulation.rendering.state import SceneState
 from rst_control.simulation.rendering.tissue_shapes import TissueShapes
 
-PERIOD = 0.2  # [s] between two looks; a message has 30 kB
+PERIOD = 0.2  # [s] between two checks; a message has 30 kB
 REST_PERIOD = 2.0  # [s] between two messages while nothing moves
 LIFETIME = 5.0  # [s] after which a viewer forgets a simulator that fell silent
-SAME = 5e-5  # [m] a sheet moved by less is not sent anew
+SAME = 5e-5  # [m] a sheet moved by less is not sent again
 
 
 class SimulatorMarkers:
-    """Looks at the tissue from a thread of its own, until it is closed.
+    """Publishes the tissue from a thread of its own, until it is closed.
 
     Args:
         config: The sheet.
@@ -40,15 +40,15 @@ class SimulatorMarkers:
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread; a look under way is not waited for."""
+        """End the thread; a message under way is not waited for."""
         self._ended.set()
 
     def _run(self) -> None:
         while not self._ended.wait(PERIOD):
             with suppress(TimeoutError, rospy.ROSException):  # the simulation or the node is ending
-                self._look()
+                self._update()
 
-    def _look(self) -> None:
+    def _update(self) -> None:
         state, now = self._copy_state(), time.monotonic()
         if not self._has_changed(state) and now - self._sent < REST_PERIOD:
             return

@@ -33,8 +33,8 @@ from rst_control.ros.simulator.messages import Stamper
 from rst_control.ros.simulator.pace import SimulationPace
 from rst_control.ros.simulator.pictures import SimulatorPictures
 from rst_control.simulation.pybullet_robot import PybulletRobot
-from rst_control.simulation.rendering.marks import Trail
 from rst_control.simulation.rendering.state import SceneState
+from rst_control.simulation.rendering.trail import Trail
 from rst_control.simulation.rendering.worker import SceneLostError
 from typed_config import ConfigError, load_config
 

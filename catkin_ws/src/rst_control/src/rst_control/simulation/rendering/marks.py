@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a picture tells beyond what a camera would see: the way of the tip, the pull as an arrow."""
+"""What a picture shows that no camera sees: the way of the tip, and the pull as an arrow."""
 
 from __future__ import annotations
 
-from collections import deque
-
 import numpy as np
 import pybullet
-from numpy.typing import NDArray
 
 from rst_control.simulation.rendering.sheet_mesh import Points, grid_faces
 from rst_control.visualization.shapes import circle
@@ -22,7 +19,7 @@ SIDES = 12
 
 
 class SceneMarks:
-    """Bodies without mass in a PyBullet world, drawn anew for each picture.
+    """Bodies without mass in a PyBullet world, drawn again for each picture.
 
     Args:
         client: The world.
@@ -82,28 +79,3 @@ def tube(points: Points, radii: Points) -> tuple[Points, Points]:
     along[np.linalg.norm(along, axis=1) < MIN_STEP] = (0.0, 0.0, 1.0)  # turns back on itself
     normals = np.vstack([circle((0.0, 0.0, 0.0), 1.0, way, SIDES)[:-1] for way in along])
     return np.repeat(points, SIDES, axis=0) + np.repeat(radii, SIDES)[:, None] * normals, normals
-
-
-SPACING = 0.001  # [m] between two points
-LONGEST = 250  # points that are kept
-
-
-class Trail:
-    """Collects the way; cheap enough for every step of the simulation."""
-
-    def __init__(self) -> None:
-        self._points: deque[tuple[float, float, float]] = deque(maxlen=LONGEST)
-
-    def add(self, tip: NDArray[np.float64]) -> None:
-        """Note where the tip is, base frame, [m]. Shape (3,)."""
-        x, y, z = tip.tolist()
-        if self._points:
-            a, b, c = self._points[-1]
-            if (x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2 < SPACING**2:
-                return
-        self._points.append((x, y, z))
-
-    @property
-    def points(self) -> NDArray[np.float64]:
-        """The way so far, oldest first, base frame, [m]. Shape (n, 3), a copy."""
-        return np.array(self._points, dtype=float).reshape(-1, 3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a picture shows besides the robot: table, abdominal wall with trocar, tissue on pins."""
+"""What a picture shows beside the robot: table, abdominal wall with trocar, tissue on pins."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ WALL_RADIUS, WALL_DOME = 0.11, 0.018  # [m] of the patch of abdominal wall, and 
 PORT_RADIUS, PORT_LENGTH = 0.0065, 0.035  # [m] of the trocar's tube
 PIN_RADIUS = 0.0018  # [m]
 BED_MARGIN, BED_DOME = 0.075, 0.035  # [m] of the mound around the rim, and how far it falls off
-SAME = 2e-5  # [m] a sheet moved by less is not drawn anew
+SAME = 2e-5  # [m] a sheet moved by less is not drawn again
 THICKNESS = 0.0012  # [m] of the sheet
 SLICES = 48
 FINENESS, EVENING = (

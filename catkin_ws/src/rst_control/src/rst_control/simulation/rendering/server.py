@@ -28,7 +28,7 @@ def serve(pipe: Connection) -> None:
     try:
         window = setup.cameras[0] if setup.window else None
         painter = ScenePainter(setup.scene, setup.urdf, window)
-    except Exception as error:  # the top of the process: report to whoever started it
+    except Exception as error:  # the top of the process: report to the process that started it
         pipe.send(f"the scene cannot be drawn: {error}")
         return
     pipe.send(b"")

@@ -68,7 +68,7 @@ class SheetStretch:
 
 
 def strain_share(stretch: NDArray[np.float64]) -> NDArray[np.float64]:
-    """From 0, relaxed, to 1, as taut as colours tell."""
+    """From 0, relaxed, to 1, as taut as colours show."""
     share: NDArray[np.float64] = np.clip(stretch / TAUT_STRAIN, 0.0, 1.0)
     return share
 
