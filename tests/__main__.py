@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
-Tests with nodes run one after the other and mostly wait. The others run on every core beside them,
+Tests with nodes mostly wait, so two systems run at once. The others run on every core beside them,
 at a lower priority. With other arguments: one pytest with them.
 """
 
@@ -18,10 +18,11 @@ from xml.etree import ElementTree
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form, and what the tests beside printed
-WITH_NODES = ("integration", "rostest")
+WITH_NODES = ("rostest", "integration")
 WITHOUT = ("state_search", "simulation", "property", "docs", "launch", "traps", "unit")
 CORES = len(os.sched_getaffinity(0))
-SPREAD = ("-n", str(CORES), "--dist", "loadfile")  # what a file's tests share is made once
+SYSTEMS = 2  # that run at once; each takes less than a core
+SPREAD = ("--dist", "loadfile", "--no-loadscope-reorder")  # what a file's tests share is made once
 NICE = 19  # of the tests without nodes
 SLOWEST = 20
 COUNTS = ("passed", "failed", "skipped")
@@ -31,7 +32,7 @@ def main(arguments: Sequence[str]) -> int:
     """Run them; 0 when all passed."""
     RESULTS.mkdir(parents=True, exist_ok=True)
     if arguments == ["--fast"]:
-        fast = subprocess.call(_command("fast", WITHOUT, *SPREAD, "-m", "not slow"))
+        fast = subprocess.call(_command("fast", WITHOUT, CORES, "-m", "not slow"))
         return _conclude(["fast"], [fast])
     if arguments:
         return subprocess.call(_pytest(*_places(arguments), *arguments))
@@ -39,13 +40,13 @@ def main(arguments: Sequence[str]) -> int:
     log = RESULTS / "others.log"
     with log.open("wb") as file:
         beside = subprocess.Popen(
-            _command("others", WITHOUT, *SPREAD),
+            _command("others", WITHOUT, CORES),
             stdout=file,
             stderr=subprocess.STDOUT,
             preexec_fn=_give_way,
         )
     try:
-        codes = [subprocess.call(_command("nodes", WITH_NODES)), beside.wait()]
+        codes = [subprocess.call(_command("nodes", WITH_NODES, SYSTEMS)), beside.wait()]
     finally:
         if beside.poll() is None:
             os.killpg(beside.pid, signal.SIGTERM)
@@ -91,12 +92,12 @@ def _pytest(*words: str) -> list[str]:
     return [sys.executable, "-m", "pytest", *words]
 
 
-def _command(name: str, folders: Sequence[str], *more: str) -> list[str]:
-    """Pytest over folders, with its results in a file of the name."""
+def _command(name: str, folders: Sequence[str], workers: int, *more: str) -> list[str]:
+    """Pytest over folders in so many processes, with its results in a file of the name."""
     results = RESULTS / f"{name}.xml"
     results.unlink(missing_ok=True)
     places = [str(ROOT / "tests" / folder) for folder in folders]
-    return _pytest(*places, f"--junitxml={results}", *more)
+    return _pytest(*places, f"--junitxml={results}", "-n", str(workers), *SPREAD, *more)
 
 
 def _places(arguments: Sequence[str]) -> list[str]:
