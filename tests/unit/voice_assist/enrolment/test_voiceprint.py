@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from voice_assist.config import load_voice_config
-from voice_assist.enrolment.voiceprint import put_voiceprint, voiceprint_of
+from voice_assist.enrolment.voiceprint import put_voiceprint
 from voice_assist.profile.manifest import Take
 from voice_assist.profile.profile import create_profile
 from voice_assist.speaker.gate import ClosedGate, SpeakerGate, make_gate
-from voice_assist.speaker.voiceprint import VoiceprintError
+from voice_assist.speaker.voiceprint import FILE, VoiceprintError
 from voice_assist.types import RATE, frozen_samples
 
 CONFIG = load_voice_config(speaker__gate="on").speaker
@@ -39,10 +39,10 @@ def profile_of(folder, pitch, count=8):
 
 def test_a_profile_with_a_voiceprint_lets_its_own_throat_move_and_no_other(tmp_path):
     profile = profile_of(tmp_path, 110.0)
-    assert voiceprint_of(profile) is None and voiceprint_of(None) is None
+    assert not profile.has(FILE)
     known = put_voiceprint(profile, CONFIG)
     assert known.takes == 8 and known.missed <= CONFIG.max_missed
-    gate = make_gate(CONFIG, voiceprint_of(profile))
+    gate = make_gate(CONFIG, profile.read(FILE))
     assert isinstance(gate, SpeakerGate)
     assert gate(voiced(110.0, 0.8, 50)) is None
     rng = np.random.default_rng(5)
@@ -53,7 +53,8 @@ def test_a_profile_without_enough_takes_gets_none_and_nothing_moves(tmp_path):
     profile = profile_of(tmp_path, 110.0, count=2)
     with pytest.raises(VoiceprintError, match="2 takes"):
         put_voiceprint(profile, CONFIG)
-    gate = make_gate(CONFIG, voiceprint_of(profile))
+    assert not profile.has(FILE)
+    gate = make_gate(CONFIG, None)
     assert (
         isinstance(gate, ClosedGate) and "no profile with a voiceprint" in gate(np.zeros(9)).words
     )

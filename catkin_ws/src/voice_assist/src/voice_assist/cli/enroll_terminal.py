@@ -10,14 +10,12 @@ from rich.live import Live
 from rich.text import Text
 
 from voice_assist.audio.source import Source
+from voice_assist.cli.level_meter import level_bar
 from voice_assist.enrolment.checks import Checked
 from voice_assist.enrolment.recording import record
 from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile.manifest import COMMAND, ROOM
 from voice_assist.types import Frame, Samples
-
-_QUIETEST_DB, _CLIPPING_DB = -60.0, -1.0
-_METER = 40  # characters
 
 MakeSource = Callable[[], Source]
 Ready = Callable[[EnrolmentStep], object]  # waits until the person is ready
@@ -51,7 +49,7 @@ def _record(source: Source, step: EnrolmentStep, console: Console) -> Samples:
         next(frames, None)  # the first one may hold the click of the microphone
 
         def show(level: float, done: float) -> None:
-            live.update(_meter(level, done))
+            live.update(Text.assemble(*level_bar(level), f" {done:4.0%}"))
 
         return record(frames, step.seconds, show)
 
@@ -74,12 +72,4 @@ def _asked(step: EnrolmentStep) -> Text:
         return Text(f"{number}: the room, {step.seconds:.0f} s; nobody speaks")
     return Text(
         f"{number}: talk freely for {step.seconds:.0f} s, as you do at work, and say no command"
-    )
-
-
-def _meter(level: float, done: float) -> Text:
-    full = round(_METER * (max(level, _QUIETEST_DB) - _QUIETEST_DB) / -_QUIETEST_DB)
-    style = "red" if level > _CLIPPING_DB else "green"
-    return Text.assemble(
-        ("█" * min(full, _METER), style), ("·" * (_METER - full), "dim"), f" {done:4.0%}"
     )

@@ -16,12 +16,11 @@ from rich.text import Text
 from voice_assist.assembly import make_pipeline, make_source
 from voice_assist.audio.input_check import SoundWatch
 from voice_assist.audio.source import level_db
+from voice_assist.cli.level_meter import QUIETEST_DB, level_bar
 from voice_assist.config import VoiceConfig
 from voice_assist.pipeline.pipeline import Event
 from voice_assist.types import Decision, Frame, Lost, Mode, Partial
 
-_QUIETEST_DB, _CLIPPING_DB = -60.0, -1.0
-_METER = 40  # characters
 _ROWS = 12  # decisions shown at once
 
 
@@ -30,7 +29,7 @@ class Screen:
     """What the terminal shows."""
 
     mode: Mode
-    level: float = _QUIETEST_DB  # [dB] of full scale
+    level: float = QUIETEST_DB  # [dB] of full scale
     partial: str = ""
     trouble: str = "opening the source"
     rows: deque[tuple[str, ...]] = field(default_factory=lambda: deque(maxlen=_ROWS))
@@ -46,12 +45,17 @@ class Screen:
 
     def hear(self, frame: Frame) -> None:
         """Follow the level, which falls slowly."""
-        self.level = max(level_db(frame.samples), self.level - 1.0, _QUIETEST_DB)
+        self.level = max(level_db(frame.samples), self.level - 1.0, QUIETEST_DB)
 
     def __rich__(self) -> Group:
         """All of it, for rich."""
         style = "bold green" if self.mode is Mode.ACTIVE else "bold yellow"
-        head = Text.assemble((f" {self.mode.value} ", style), "  ", *_meter(self.level))
+        head = Text.assemble(
+            (f" {self.mode.value} ", style),
+            "  ",
+            *level_bar(self.level),
+            (f" {self.level:4.0f} dB", "dim"),
+        )
         heard = Text(f" {self.partial or '...'}", style="cyan" if self.partial else "dim")
         trouble = [Text(self.trouble, style="bold red")] if self.trouble else []
         return Group(head, heard, *trouble, _table(self.rows))
@@ -97,12 +101,6 @@ def listen(config: VoiceConfig, mode: Mode) -> None:
                 for event in pipeline(frame):
                     screen.show(event)
                 screen.mode = pipeline.state.mode
-
-
-def _meter(level: float) -> list[tuple[str, str]]:
-    full = round(_METER * (level - _QUIETEST_DB) / -_QUIETEST_DB)
-    style = "red" if level > _CLIPPING_DB else "green"
-    return [("█" * full, style), ("·" * (_METER - full), "dim"), (f" {level:4.0f} dB", "dim")]
 
 
 def _table(rows: deque[tuple[str, ...]]) -> Table:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from voice_assist.audio.wav_file import read_sound
 from voice_assist.enrolment.checks import Checked
-from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
+from voice_assist.enrolment.script import EnrolmentScript
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK
 from voice_assist.text.normalize import normalize
@@ -69,7 +69,7 @@ def take_over(
         ManifestError: One cannot be read.
         ProfileError: One cannot be written.
     """
-    kept = 0
+    before = script.kept
     for recording in recordings:
         try:
             samples = read_sound(recording.path)
@@ -78,14 +78,10 @@ def take_over(
         if len(samples) > _LONGEST * RATE:
             found = f"{len(samples) / RATE:.0f} s, allowed: up to {_LONGEST:.0f}"
             raise ManifestError(f"{recording.path}: {found}")
-        source = recording.path.name
-        if script.has(samples, source):
-            continue
-        step = EnrolmentStep(recording.kind, recording.phrase, len(samples) / RATE, 1, 1)
-        before = script.kept
-        on_checked(recording.path, script.offer(step, samples, source))
-        kept += script.kept - before
-    return kept
+        what = recording.kind, recording.phrase, samples, recording.path.name
+        if (checked := script.take_over(*what)) is not None:
+            on_checked(recording.path, checked)
+    return script.kept - before
 
 
 def _listed(path: Path) -> Iterator[tuple[Path, str]]:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voice_assist.enrolment.checks import Checked
-from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
+from voice_assist.enrolment.script import EnrolmentScript
 from voice_assist.errors import ManifestError, VoiceError
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.text.normalize import normalize
@@ -85,9 +85,9 @@ def take_over(
     """Offer takes to a script; gives how many were kept."""
     before = script.kept
     for take in takes:
-        if not script.has(take.samples, take.name):
-            step = EnrolmentStep(take.kind, take.phrase, len(take.samples) / RATE, 1, 1)
-            on_checked(Path(take.name), script.offer(step, take.samples, take.name))
+        checked = script.take_over(take.kind, take.phrase, take.samples, take.name)
+        if checked is not None:
+            on_checked(Path(take.name), checked)
     return script.kept - before
 
 

@@ -93,8 +93,24 @@ class EnrolmentScript:
             self.kept += 1
         return checked
 
-    def has(self, samples: Samples, source: str) -> bool:
-        """Whether a recording of that name and length was taken over already."""
+    def take_over(self, kind: str, phrase: str, samples: Samples, source: str) -> Checked | None:
+        """Offer a recording that exists; None: one of that name and length was offered and kept.
+
+        Args:
+            kind: COMMAND, TALK or ROOM.
+            phrase: That is said in it, for COMMAND.
+            samples: float32 in [-1, 1], 16 kHz. Shape (n,).
+            source: Its name.
+
+        Raises:
+            ProfileError: It cannot be written.
+        """
+        if self._has(samples, source):
+            return None
+        step = EnrolmentStep(kind, phrase, len(samples) / RATE, 1, 1)
+        return self.offer(step, samples, source)
+
+    def _has(self, samples: Samples, source: str) -> bool:
         length = len(samples) / RATE
         return any(
             take.source == source and abs(take.seconds - length) < 1.0 / RATE

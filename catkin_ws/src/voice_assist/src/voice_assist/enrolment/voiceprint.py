@@ -25,12 +25,3 @@ def put_voiceprint(profile: Profile, config: SpeakerConfig) -> Voiceprint:
     voiceprint = make_voiceprint(takes, VoiceNetwork(), cohort, digest, config)
     profile.put(FILE, voiceprint.to_bytes())
     return voiceprint
-
-
-def voiceprint_of(profile: Profile | None) -> bytes | None:
-    """File of a profile's voiceprint; None: no profile, or one without.
-
-    Raises:
-        ProfileError: The file is not as it was written.
-    """
-    return profile.read(FILE) if profile is not None and profile.has(FILE) else None
