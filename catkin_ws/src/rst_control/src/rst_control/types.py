@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
+BASE = "base_link"  # frame of all poses, points and forces
 ARM_JOINTS = tuple(f"joint_{i}" for i in range(1, 8))
 JOINTS = (*ARM_JOINTS, "joint_pitch", "joint_finger_left", "joint_finger_right")
 JOINT_COUNT = len(JOINTS)  # of the robot

@@ -19,10 +19,9 @@ from rst_control.errors import RstError
 from rst_control.ros.common.exposure_warning import warn_of_listeners
 from rst_control.tension.clock_offset import SentTimes
 from rst_control.tension.torque_estimator import TensionEstimate, TorqueTension
-from rst_control.types import JOINTS, Measurement, Vector
+from rst_control.types import BASE, JOINTS, Measurement, Vector
 from typed_config import ConfigError, load_config
 
-BASE = "base_link"
 OLD = 0.2  # [s] joint states that are older are none
 SOONER = 0.1  # share of the period by which a reading may come before the next is due
 KEPT = 40  # readings that wait while this process does not run

@@ -10,9 +10,9 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from rst_control.types import BASE
 from rst_control.visualization.shapes import Shape, ShapeKind
 
-BASE = "base_link"
 HEAD_WIDTH, HEAD_LENGTH = 2.2, 2.6  # of an arrow, in widths of its shaft
 _KINDS = {
     ShapeKind.LINE: Marker.LINE_STRIP,

@@ -22,7 +22,7 @@ from rst_control.commands.parser import is_stop, shown
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Outcome, Reply
 from rst_control.msg import AssistAction, AssistActionGoal
-from rst_control.ros.common.messages import caller_of, feedback_message, result_message
+from rst_control.ros.controller.messages import caller_of, feedback_message, result_message
 from rst_control.types import Cause, Reason
 
 OnGoal = Callable[[ServerGoalHandle], None]

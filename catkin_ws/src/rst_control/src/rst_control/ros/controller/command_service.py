@@ -16,7 +16,7 @@ from rst_control.commands.parser import MAX_LENGTH, is_stop, read_command, unkno
 from rst_control.commands.spec import Role
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Reply
-from rst_control.ros.common.messages import caller_of, code_of
+from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.ros.rospy_patches.message_framing import announced
 from rst_control.srv import Command, CommandRequest, CommandResponse
 from rst_control.supervision.heartbeat import Heartbeat

@@ -8,7 +8,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from rst_control.execution.loop_statistics import LoopSummary
 from rst_control.execution.orders import View
-from rst_control.ros.common.messages import code_of
+from rst_control.ros.controller.messages import code_of
 from rst_control.types import LATCHED
 
 LATE_WARNING = 1.0  # [%] of ticks late, above which the loop is reported

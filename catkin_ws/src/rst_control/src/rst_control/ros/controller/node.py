@@ -22,7 +22,6 @@ from rst_control.msg import ControllerState, Event
 from rst_control.registration.trocar import position_words
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.exposure_warning import warn_of_listeners
-from rst_control.ros.common.messages import RosClock, event_message, state_message
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.controller.action_server import AssistServer
 from rst_control.ros.controller.command_service import CommandService
@@ -31,6 +30,7 @@ from rst_control.ros.controller.diagnostics import Diagnostics
 from rst_control.ros.controller.first_motion import ConfirmedFirst
 from rst_control.ros.controller.liveness_watch import LivenessWatch
 from rst_control.ros.controller.markers import ControllerMarkers
+from rst_control.ros.controller.messages import RosClock, event_message, state_message
 from rst_control.ros.controller.recording_link import RecordingLink
 from rst_control.ros.controller.robot_link import RobotLink
 from rst_control.ros.controller.trocar_service import TrocarService

@@ -13,8 +13,8 @@ from rst_control.admission.recording_gate import RecordingNews, RecordingWatch
 from rst_control.commands.parser import shown
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import View
-from rst_control.ros.common.messages import caller_of, code_of
 from rst_control.ros.controller.diagnostics import make_status
+from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.types import Reason, State
 
 LONGEST_PROBLEM = 200  # characters of what a recorder says is wrong with it

@@ -16,10 +16,10 @@ from std_msgs.msg import Bool, Empty, String
 from rst_control.commands.parser import shown
 from rst_control.config import WatchdogConfig
 from rst_control.robot.backend import RobotBackend
-from rst_control.ros.common.messages import RosClock
 from rst_control.ros.common.raw_messages import RawJointState, RawWrench, WrittenJointState
 from rst_control.ros.common.serialization import write_joint_state
 from rst_control.ros.controller.measurement_assembler import MeasurementAssembler
+from rst_control.ros.controller.messages import RosClock
 from rst_control.types import JOINTS, Measurement, Setpoint
 
 FORMER_TOPIC = "robot/tension_distrust"  # what is sent there makes the tension invalid

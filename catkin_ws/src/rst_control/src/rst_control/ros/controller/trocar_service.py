@@ -19,7 +19,7 @@ from rst_control.registration.pivot_calibration import PivotFit, PivotIllPosed
 from rst_control.registration.shaft_poses import ShaftPoses, fit_words
 from rst_control.registration.trocar import TrocarRegistrar
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.ros.common.messages import caller_of, code_of, trocar_message
+from rst_control.ros.controller.messages import caller_of, code_of, trocar_message
 from rst_control.srv import (
     FitTrocar,
     FitTrocarRequest,

@@ -22,7 +22,6 @@ from rst_control.errors import RstError
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import KinovaConfig
 from rst_control.kinova.homing import home
-from rst_control.ros.common.messages import BASE
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Repeated
@@ -31,7 +30,16 @@ from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.ros.kinova.hardware import KinovaHardware
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
-from rst_control.types import JOINTS, Cause, Measurement, Reason, Setpoint, Vector, robot_fault
+from rst_control.types import (
+    BASE,
+    JOINTS,
+    Cause,
+    Measurement,
+    Reason,
+    Setpoint,
+    Vector,
+    robot_fault,
+)
 from typed_config import ConfigError, load_config
 
 BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard

@@ -15,7 +15,7 @@ from rst_control.config import SceneConfig
 from rst_control.ros.simulator.pace import SimulationPace
 from rst_control.simulation.exposure import exposure, exposure_words
 from rst_control.simulation.pybullet_robot import PybulletRobot
-from rst_control.types import robot_fault
+from rst_control.types import BASE, robot_fault
 
 PERIOD = 1.0  # [s]
 LATE_SHARE = 0.05  # of the periods, above which a warning is given
@@ -103,7 +103,7 @@ def broadcast_places(scene: SceneConfig) -> tf2_ros.StaticTransformBroadcaster:
     for name, place in (("rcm", scene.trocar), ("phantom", scene.tissue.centre)):
         transform = TransformStamped()
         transform.header.stamp = rospy.Time.now()
-        transform.header.frame_id, transform.child_frame_id = "base_link", name
+        transform.header.frame_id, transform.child_frame_id = BASE, name
         translation = transform.transform.translation
         translation.x, translation.y, translation.z = place
         transform.transform.rotation.w = 1.0

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from rst_control.ros.common.raw_messages import WrittenJointState, WrittenWrench
 from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.simulation.physics import JointReading
-from rst_control.types import JOINTS
+from rst_control.types import BASE, JOINTS
 
-BASE = "base_link"
 _HEADER = struct.Struct("<3I")  # sequence number, seconds, nanoseconds
 _COUNT = struct.Struct("<I")
 

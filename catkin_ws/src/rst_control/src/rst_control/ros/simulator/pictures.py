@@ -15,6 +15,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from rst_control.config import URDF_FILE, SimulationConfig
 from rst_control.simulation.rendering.state import SceneSetup, SceneState
 from rst_control.simulation.rendering.worker import SceneLostError, SceneWorker
+from rst_control.types import BASE
 
 log = logging.getLogger("rosout.rst_control.pictures")
 
@@ -70,7 +71,7 @@ class SimulatorPictures:
             self._painter = self._start(window=False)
         message = CompressedImage(format="png")
         message.header.stamp = rospy.Time.now()
-        message.header.frame_id = "base_link"
+        message.header.frame_id = BASE
         message.data = self._painter.picture(self._copy_state())
         self._topic.publish(message)
         return message.data

@@ -11,9 +11,7 @@ from rst_control.admission.callers import caller_name
 from rst_control.execution.orders import DiaryEntry, Outcome, View
 from rst_control.msg import AssistFeedback, AssistResult, ControllerState, Event
 from rst_control.ros.common.wall_clock import followed, wall_offset
-from rst_control.types import LATCHED, Cause, Reason, Vector
-
-BASE = "base_link"
+from rst_control.types import BASE, LATCHED, Cause, Reason, Vector
 
 
 def code_of(why: Cause | Reason | None) -> str:
