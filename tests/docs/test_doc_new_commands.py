@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""docs/new_commands.md, done as it stands there: what it types, and what it says comes of it."""
+"""docs/new_commands.md and vocabularies.md, done as they stand: what they type, and what comes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,11 @@ from voice_assist.intent.mapper import Mapper
 from voice_assist.text.phonetic_distance import can_pronounce
 from voice_assist.types import Match, NoMatch
 
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "new_commands.md").read_text("utf-8")
+ROOT = Path(__file__).resolve().parents[2]
+NEW, MORE = (
+    (ROOT / "docs" / f"{n}.md").read_text("utf-8") for n in ("new_commands", "vocabularies")
+)
+PAGE = NEW + MORE
 STEP = re.compile(
     r"<!-- (?P<verb>run|append|replace)(?:: (?P<what>[^>]*?))? -->"
     r"(?:\n```\w+\n(?P<text>.*?)```)?",
@@ -90,3 +94,19 @@ def test_what_is_no_direction_of_the_endoscope_is_no_command():
     for text in ("go", "left", "do not go left", "we go left at the corner", "zoom", "upper"):
         assert isinstance(hear(text), NoMatch), text
     assert isinstance(hear("Go left."), Match)
+
+
+@pytest.mark.parametrize(
+    ("mark", "file"),
+    [
+        ("nudge", "tests/unit/rst_control/support/nudge.py"),
+        ("row", "tests/unit/rst_control/commands/test_new_command.py"),
+    ],
+)
+def test_the_new_motion_of_the_page_is_the_one_that_a_test_carries_out(mark, file):
+    shown = re.search(rf"<!-- {mark} -->\n```python\n(.*?)```", NEW, re.DOTALL)[1]
+    assert shown.strip() in (ROOT / file).read_text("utf-8")
+
+
+def test_the_how_to_is_short():
+    assert len(NEW.split()) <= 600
