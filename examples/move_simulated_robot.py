@@ -28,7 +28,7 @@ def main() -> None:
                 commands.check(queued)
             while not pending.ended.done():
                 tick()
-            view, answer = executor.view, pending.reply.result()
+            view, answer = executor.snapshot, pending.reply.result()
             print(f'{robot.now:.1f} s "{words}": {answer.message}, {pending.ended.result().kind}')
             print(f"  tension {view.tension:.2f} N, RCM error {view.rcm_error * 1e6:.1f} um")
 

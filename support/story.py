@@ -129,7 +129,7 @@ class Story:
             self.event(time, "accepted", command, f"{command}: will do")
 
     def event(self, time: float, kind: str, command: str, message: str) -> None:
-        """An entry of the diary."""
+        """An event."""
         self.say(
             time,
             "/rst_control/event",
@@ -140,7 +140,7 @@ class Story:
         )
 
     def motions(self) -> None:
-        """Beginning and end of every phase, in the diary."""
+        """Beginning and end of every phase, in the event log."""
         started: set[tuple[float, str]] = set()
         for begin, end, _, command in MOTION:
             if not any(abs(begin - b) < 4 and c == command for b, c in started):

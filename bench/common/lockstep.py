@@ -87,7 +87,7 @@ class LockStep(ABC):
     @property
     def is_moving(self) -> bool:
         """The controller carries out a command, or brakes."""
-        return self.executor.view.mode.state in IN_MOTION
+        return self.executor.snapshot.mode.state in IN_MOTION
 
     def tip_at(self, joints: Array) -> Array:
         """Tool tip at robot joints (10,) [rad]: base frame, [m]. Shape (3,)."""

@@ -64,7 +64,7 @@ class Rig(LockStep):
     @property
     def planner_joints(self) -> Array:
         """Planning configuration that the robot is led to or held at [rad]. Shape (9,)."""
-        held = self.executor.view.setpoint
+        held = self.executor.snapshot.setpoint
         return planning_joints(self.robot.target if held is None else held)[0]
 
     def along(self, kind: PhaseKind, path: Path, speed: float) -> Phase:

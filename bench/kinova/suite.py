@@ -193,14 +193,14 @@ def _set_off(rig: AnyRig, number: int) -> None:
     share, limit = rng.uniform(0.3, 0.7), rig.config.scene.clearance
 
     def is_there() -> bool:
-        view = rig.executor.view
+        view = rig.executor.snapshot
         if view.motion is None or view.motion.phase is not PhaseKind.REACH:
             return False
         long_enough = view.path is not None and view.path.length > 0.8 * limit
         return long_enough and view.motion.progress >= share
 
     if not rig.until(is_there, 120.0):
-        raise RuntimeError(f"never on the way: {rig.executor.view.mode}")
+        raise RuntimeError(f"never on the way: {rig.executor.snapshot.mode}")
 
 
 def _watch(rig: AnyRig, act: Callable[[], None]) -> Ended:
@@ -222,7 +222,7 @@ def _watch(rig: AnyRig, act: Callable[[], None]) -> Ended:
     act()
     for _ in range(round(1.5 / rig.period)):
         rig.tick(each)
-    if rig.executor.view.mode.state in IN_MOTION:
+    if rig.executor.snapshot.mode.state in IN_MOTION:
         raise RuntimeError("it does not rest")
     rests[1] = float(np.linalg.norm(rig.tip - start))
     return Ended(speed, rests[0], rests[1], max(errors))

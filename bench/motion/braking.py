@@ -133,7 +133,7 @@ def _stops(rig: Rig, count: int) -> list[Stop]:
     rng, stops = np.random.default_rng(6), []
     rig.wake()
     for pose in random_poses(rig.config, 20 * count, seed=6):
-        view = rig.executor.view
+        view = rig.executor.snapshot
         try:
             path = rig.planner.leg(rig.planner_joints, pose)
         except Infeasible:

@@ -217,7 +217,7 @@ class Run:
             return
         while not pending.ended.done():
             self._rig.tick(self._look)
-            self.phases.add(self._rig.executor.view.phase)
+            self.phases.add(self._rig.executor.snapshot.phase)
         if pending.ended.result(0).kind != "succeeded":
             self.failure = f'"{words}": {pending.ended.result(0).message}'
 

@@ -187,7 +187,7 @@ def _randoms(
             rig.wake()
             _pull(rig, "tense", 1.0, 0.0)
             for _ in range(max(1, steps // len(STIFFNESSES))):
-                now = rig.executor.view.tension_target
+                now = rig.executor.snapshot.tension_target
                 words, step = _random_step(rng, now)
                 yield _step(rig, words, step, now)
 
@@ -213,12 +213,12 @@ def _pull(rig: Rig, words: str, target: float, step: float) -> Pull:
     if not pending.reply.result(0).accepted:
         raise RuntimeError(f'"{words}" refused: {pending.reply.result(0).message}')
     if not step:
-        rig.until(lambda: rig.executor.view.phase == PhaseKind.PULL.value)
+        rig.until(lambda: rig.executor.snapshot.phase == PhaseKind.PULL.value)
         began = rig.robot.now
 
     def look() -> None:
         force = float(np.linalg.norm(rig.robot.force))
-        seen.append((rig.robot.now - began, force, rig.executor.view.path_position))
+        seen.append((rig.robot.now - began, force, rig.executor.snapshot.path_position))
 
     while not pending.ended.done():
         rig.tick(look)

@@ -79,9 +79,8 @@ def _set_off(rig: Rig, seed: int) -> None:
         except Infeasible:
             continue
         phase = rig.along(PhaseKind.REACH, path, rig.config.controller.speed.tip_speed)
-        rig.executor.post(
-            Order(Plan(COMMANDS["tense"], "moves", (phase,)), rig.executor.view.serial)
-        )
+        order = Order(Plan(COMMANDS["tense"], "moves", (phase,)), rig.executor.snapshot.serial)
+        rig.executor.post(order)
         rig.tick()
         return
     raise RuntimeError("none of 50 random paths could be planned")
@@ -89,8 +88,8 @@ def _set_off(rig: Rig, seed: int) -> None:
 
 def _pull_on(rig: Rig) -> None:
     """Grasp and pull; then more and less in turn."""
-    if not rig.executor.view.is_tissue_held:
+    if not rig.executor.snapshot.is_tissue_held:
         rig.give("tense")
-        rig.until(lambda: rig.executor.view.phase == PhaseKind.PULL.value)
+        rig.until(lambda: rig.executor.snapshot.phase == PhaseKind.PULL.value)
         return
-    rig.give("pull more" if rig.executor.view.tension < 1.0 else "pull less", tension=0.5)
+    rig.give("pull more" if rig.executor.snapshot.tension < 1.0 else "pull less", tension=0.5)

@@ -31,7 +31,7 @@ def rig_at(q):
 def test_in_to_the_tissue_and_out_again_with_the_shaft_in_the_trocar():
     with rig_at(start()) as rig:
         rig.run(0.02)
-        assert rig.executor.view.insertion < 0.0
+        assert rig.executor.snapshot.insertion < 0.0
         assert "hey robot" in rig.finish("insert")
         rig.wake()
         run = Run(rig)
@@ -40,5 +40,5 @@ def test_in_to_the_tissue_and_out_again_with_the_shaft_in_the_trocar():
         assert run.failure == ""
         assert run.phases >= {"approach", "align", "insert", "reach", "pull", "withdraw"}
         assert 0.0 < run.error < WORST
-        np.testing.assert_allclose(rig.executor.view.insertion, -0.030, atol=1e-4)
+        np.testing.assert_allclose(rig.executor.snapshot.insertion, -0.030, atol=1e-4)
         assert rig.robot.fault == ""

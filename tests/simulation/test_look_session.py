@@ -25,7 +25,7 @@ def rig():
 
 
 def test_eight_directions_and_closer_and_back_with_the_shaft_in_the_trocar(rig):
-    run, start = Run(rig), rig.executor.view.setpoint
+    run, start = Run(rig), rig.executor.snapshot.setpoint
     for phrase, step in STEPS.items():
         if phrase != "look wider":
             run.finish(phrase)
@@ -33,18 +33,18 @@ def test_eight_directions_and_closer_and_back_with_the_shaft_in_the_trocar(rig):
     assert run.failure == "" and run.phases == {"look", "hold"}
     assert 0.0 < run.error < WORST
     print(f"largest RCM error: {run.error * 1e6:.2f} um")
-    np.testing.assert_allclose(rig.executor.view.setpoint, start, atol=5e-3)
+    np.testing.assert_allclose(rig.executor.snapshot.setpoint, start, atol=5e-3)
 
 
 def test_a_stop_on_the_way_holds_the_shaft_in_the_trocar(rig):
     rig.give("look down left")
     assert rig.until(lambda: _progress(rig) > 0.4)
     rig.give("stop")
-    assert rig.until(lambda: rig.executor.view.mode.state is State.HALTED, limit=1.0)
-    assert 0.3 < rig.executor.view.path_position / rig.executor.view.path.length < 0.9
-    assert rig.executor.view.trocar_pose.error < WORST
+    assert rig.until(lambda: rig.executor.snapshot.mode.state is State.HALTED, limit=1.0)
+    assert 0.3 < rig.executor.snapshot.path_position / rig.executor.snapshot.path.length < 0.9
+    assert rig.executor.snapshot.trocar_pose.error < WORST
 
 
 def _progress(rig):
-    motion = rig.executor.view.motion
+    motion = rig.executor.snapshot.motion
     return motion.progress if motion is not None else 0.0

@@ -17,10 +17,11 @@ import numpy as np
 
 from rst_control.commands.spec import Load
 from rst_control.config import load_motion_config
+from rst_control.execution.event_log import Event
 from rst_control.execution.executor import Executor
 from rst_control.execution.motion import MotionMaker
-from rst_control.execution.orders import DiaryEntry, Order
-from rst_control.execution.setpoint import Mover
+from rst_control.execution.orders import Order
+from rst_control.execution.setpoint import SetpointState
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import PhaseKind
@@ -130,7 +131,7 @@ class Controller:
     def __init__(self):
         self.liveness = NodeLiveness()  # set before each tick, so that copies may share it
         watchdogs = Watchdogs(limits(), _Sensors(), self.liveness)
-        self.executor = Executor(watchdogs, _place, Mover(_Maker()), _nothing, 0.002)
+        self.executor = Executor(watchdogs, _place, SetpointState(_Maker()), _nothing, 0.002)
         self.now = 10.0
 
     def fork(self):
@@ -138,11 +139,11 @@ class Controller:
         twin = _twin(self)
         executor = twin.executor = _twin(self.executor)
         executor._orders, executor._stops, executor._changes = deque(), deque(), deque()
-        waking = executor._waking = _twin(executor._waking)
-        waking._objection, waking._refuse = executor._cannot_wake, executor._refuse
-        executor._ledger = _twin(executor._ledger)
-        executor._ledger.diary = deque()
-        mover = executor._mover = _twin(executor._mover)
+        waking = executor._fault_reset = _twin(executor._fault_reset)
+        waking._objection, waking._refuse = executor._cannot_activate, executor._refuse
+        executor._event_log = _twin(executor._event_log)
+        executor._event_log.events = deque()
+        mover = executor._setpoint_state = _twin(executor._setpoint_state)
         if mover.motion is not None:
             motion = mover.motion = _twin(mover.motion)
             motion._waiting, motion._run = deque(motion._waiting), _twin(motion._run)
@@ -151,18 +152,18 @@ class Controller:
     def key(self):
         """All that later ticks depend on, but for words and times."""
         executor = self.executor
-        mode, mover = executor._mode, executor._mover
+        mode, mover = executor._mode, executor._setpoint_state
         return (
             *(mode.state, mode.is_active, mode.mode_after),
             *(self._moving(), _where(mover.held), mover.grasp is None),
-            *(executor._ledger.order is None, mode.cause is not None),
+            *(executor._event_log.order is None, mode.cause is not None),
             _jaws(mover),
-            not executor._waking.is_waiting,
+            not executor._fault_reset.is_waiting,
         )
 
     def _moving(self):
-        motion, mode = self.executor._mover.motion, self.executor._mode
-        is_spoken = self.executor._ledger.is_spoken
+        motion, mode = self.executor._setpoint_state.motion, self.executor._mode
+        is_spoken = self.executor._event_log.is_spoken
         if motion is None:
             return None
         if not motion._is_braking:
@@ -177,21 +178,21 @@ class Controller:
     def take(self, given):
         """Carry an input out; returns the edge."""
         executor = self.executor
-        serial, running = executor._serial, executor._mover.motion
+        serial, running = executor._serial, executor._setpoint_state.motion
         outcomes = [""] * len(given.orders)
         for n, order in enumerate(given.orders):
             executor.post(_order(order, serial, outcomes, n))
         if given.is_stopped:
             executor.stop(Cause(Reason.STOP_TOPIC, "stop"))
         if given.is_changed:
-            executor.change(lambda view: DiaryEntry(self.now, "trocar_set", "", ""))
+            executor.change(lambda view: Event(self.now, "trocar_set", "", ""))
         self._tick(given.found)
         taken = [
             order
             for order, outcome in zip(given.orders, outcomes, strict=True)
             if outcome == "accepted" and order.command in MOTIONS
         ]
-        motion = executor._mover.motion
+        motion = executor._setpoint_state.motion
         started = taken[-1] if taken else None
         if started is None and motion is not None and motion is not running:
             started = Given(motion.plan.command, is_fresh=False)  # by nobody's order
@@ -280,9 +281,9 @@ def _widen(graph, waiting, given, deepest, is_first_enough):
             continue
         for what in given:
             twin = graph.example[key].fork()
-            before = twin.executor._mover.held
+            before = twin.executor._setpoint_state.held
             edges[what] = edge = twin.take(what)
-            held = (before, twin.executor._mover.held)
+            held = (before, twin.executor._setpoint_state.held)
             if words := objection(key, what, edge, held):
                 graph.objections.append((words, (*way, what)))
                 if is_first_enough:

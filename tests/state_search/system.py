@@ -60,7 +60,7 @@ class _Posted:
 
     def __init__(self):
         self.orders, self.stops = [], []
-        self.view = SimpleNamespace(serial=1, situation=lambda now: None)
+        self.snapshot = SimpleNamespace(serial=1, situation=lambda now: None)
 
     def post(self, order):
         self.orders.append(order)

@@ -17,7 +17,7 @@ from rst_control.commands.preconditions import mode_refusal
 from rst_control.commands.table import COMMANDS
 from rst_control.execution import executor, state_machine
 from rst_control.execution.executor import Executor
-from rst_control.execution.setpoint import Mover
+from rst_control.execution.motion import Motion
 from rst_control.supervision.watchdogs import Watchdogs
 from rst_control.types import ControllerMode, State
 from tests.state_search.controller import Controller, explore
@@ -101,10 +101,14 @@ def test_a_fork_leaves_its_original_as_it_was():
     first = Controller()
     for step in (one((Given(COMMANDS["hey robot"]),)), one((Given(COMMANDS["tense"]),))):
         first.take(step)
-    before = first.key(), copy.copy(first.executor._mover.held)
-    for step in (one(is_stopped=True), one(found="arrived"), one((Given(COMMANDS["terminate"]),))):
+    before = first.key(), copy.copy(first.executor._setpoint_state.held)
+    terminated = one((Given(COMMANDS["terminate"]),))
+    for step in (one(is_stopped=True), one(found="arrived"), terminated):
         first.fork().take(step)
-    assert (first.key(), first.executor._mover.held.tolist()) == (before[0], before[1].tolist())
+    assert (first.key(), first.executor._setpoint_state.held.tolist()) == (
+        before[0],
+        before[1].tolist(),
+    )
 
 
 def test_what_is_given_by_hand_only_is_refused_from_the_voice(graph):
@@ -162,7 +166,7 @@ def a_watchdog_that_sleeps(patch):
 def a_set_point_that_creeps_at_rest(patch):
     def creep(self, measured, held):
         if held is not None:
-            self._mover.held = held + 1e-9
+            self._setpoint_state.held = held + 1e-9
 
     patch.setattr(Executor, "_keep_still", creep)
 
@@ -173,7 +177,7 @@ def hey_robot_that_outlives_a_stop(patch):
 
 def motion_that_does_not_brake(patch):
     patch.setattr(state_machine, "stopped", lambda mode, reason: mode)
-    patch.setattr(Mover, "brake", lambda self: False)
+    patch.setattr(Motion, "brake", lambda self: None)
 
 
 def a_lost_master_that_nobody_minds(patch):

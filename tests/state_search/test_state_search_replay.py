@@ -67,7 +67,7 @@ def do(rig, step, expected):
         rig.rest(limit=30.0)
     else:
         rig.tick()
-    if rig.executor._mover.held is None:
+    if rig.executor._setpoint_state.held is None:
         rig.robot.hold()  # as the node does where no set-point is sent
     if is_off and rig.state is State.MOVING:
         rig.run(UNDER_WAY)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rst_control.commands.request import Plan
 from rst_control.commands.spec import Load
-from rst_control.execution.orders import View
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.planning.patient_surface import TrocarPose
 from rst_control.robot.setpoint_servo import ServoLimits
 from rst_control.types import IN_MOTION, ControllerMode, Setpoint, State
@@ -49,8 +49,8 @@ class Moment:
     """One tick as it was."""
 
     now: float  # [s]
-    before: View
-    after: View
+    before: ControllerSnapshot
+    after: ControllerSnapshot
     setpoint: Setpoint | None  # sent now
     position: Array  # (10,), [rad] of the true joints
     velocity: Array  # (10,), [rad/s] of the true joints

@@ -28,8 +28,8 @@ from rst_control.config import (
     load_simulation_config,
 )
 from rst_control.execution.executor import MAX_PERIODS
-from rst_control.execution.fault_reset import WAKE_TIME
-from rst_control.execution.orders import View
+from rst_control.execution.fault_reset import RESET_TIME
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.joint_limits import active_layer
 from rst_control.kinematics.robot_model import RobotModel, load_robot
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
@@ -142,7 +142,7 @@ class Session:
 
     @property
     def _standing(self) -> Standing:
-        view = self.executor.view
+        view = self.executor.snapshot
         is_active = view.mode.is_active and self.voice.is_active
         outside = view.trocar_pose.is_outside
         return Standing(is_active, view.mode.is_latched, view.is_tissue_held, outside)
@@ -177,7 +177,7 @@ class Session:
             self._was_recorded = not self.watch.problem
 
     def _control(self) -> None:
-        before, now = self.executor.view, self.robot.now
+        before, now = self.executor.snapshot, self.robot.now
         setpoint: Setpoint | None = None
         try:
             if self.faults.is_raising:
@@ -197,12 +197,12 @@ class Session:
         self.check(self._moment(before, setpoint))
         self._said, self._was_stopped = [], False
 
-    def _moment(self, before: View, setpoint: Setpoint | None) -> Moment:
+    def _moment(self, before: ControllerSnapshot, setpoint: Setpoint | None) -> Moment:
         robot = self.robot
         return Moment(
             now=robot.now,
             before=before,
-            after=self.executor.view,
+            after=self.executor.snapshot,
             setpoint=setpoint,
             position=robot.position,
             velocity=robot.velocity,
@@ -214,13 +214,13 @@ class Session:
         )
 
     def _publish(self) -> None:
-        """What the node's publisher does: empties the diary, and looks after the recording."""
-        view = self.executor.view
+        """What the node's publisher does: publishes the events, and looks after the recording."""
+        view = self.executor.snapshot
         cause = self.watch.stop_cause(view.plan) if view.mode.state is State.MOVING else None
         if cause is not None:
             self.stop(cause)
-        while self.executor.diary:
-            entry = self.executor.diary.popleft()
+        while self.executor.events:
+            entry = self.executor.events.popleft()
             self.counts[f"diary: {entry.kind}"] += 1
 
 
@@ -233,7 +233,7 @@ def make_bounds(config: MotionConfig) -> Bounds:
         rcm=config.rcm.measured_tolerance,
         tension=controller.tension.limit,
         stop=STOP_TIME,
-        waking=WAKE_TIME + LATE_TIME,
+        waking=RESET_TIME + LATE_TIME,
         period=1.0 / controller.rate,
         max_periods=MAX_PERIODS,
     )

@@ -46,7 +46,7 @@ class Stage:
     @property
     def state(self) -> State:
         """Of the controller."""
-        return self.rig.executor.view.mode.state
+        return self.rig.executor.snapshot.mode.state
 
     def ready(self, is_holding: bool | None = None) -> None:
         """At rest and active, with tissue held or not; None: as it is.
@@ -60,14 +60,14 @@ class Stage:
         reply = rig.give("hey robot").reply.result(0)
         if not reply.accepted:
             raise RuntimeError(f'"hey robot" was refused: {reply.message}')
-        if is_holding is not None and is_holding != rig.executor.view.is_tissue_held:
+        if is_holding is not None and is_holding != rig.executor.snapshot.is_tissue_held:
             wrong = rig.finish("tense" if is_holding else "release")
             if wrong:
                 raise RuntimeError(wrong)
 
     def pull(self) -> None:
         """Set off with a pull that stays well within the range of tensions."""
-        tension = self.rig.executor.view.tension
+        tension = self.rig.executor.snapshot.tension
         self.set_off("pull more" if tension < 0.5 * (LOW + HIGH) else "pull less", 0.4)
 
     def set_off(self, words: str, tension: float = 0.0) -> None:
@@ -97,7 +97,7 @@ def _reaching(stage: Stage) -> None:
 def _closing(stage: Stage) -> None:
     stage.ready(is_holding=False)
     stage.set_off("tense")
-    stage.rig.until(lambda: stage.rig.executor.view.phase == PhaseKind.CLOSE.value)
+    stage.rig.until(lambda: stage.rig.executor.snapshot.phase == PhaseKind.CLOSE.value)
     stage.wait(0.6)
 
 
@@ -110,7 +110,7 @@ def _pulling(stage: Stage) -> None:
 def _retargeting(stage: Stage) -> None:
     _pulling(stage)
     if stage.state is State.MOVING:
-        stage.rig.give("pull less" if stage.rig.executor.view.tension > LOW else "pull more")
+        stage.rig.give("pull less" if stage.rig.executor.snapshot.tension > LOW else "pull more")
         stage.wait(0.02)
 
 
@@ -149,7 +149,7 @@ def _faulted(stage: Stage) -> None:
 def _verifying(stage: Stage) -> None:
     """A command has come and is not verified yet, or was and waits for the tick of the stop."""
     stage.ready()
-    holds = stage.rig.executor.view.is_tissue_held
+    holds = stage.rig.executor.snapshot.is_tissue_held
     stage.waiting = stage.rig.queue.take("release" if holds else "tense", "bench")
     if stage.rng.random() < 0.5:
         _verify(stage)
@@ -186,7 +186,7 @@ def one_stop(stage: Stage, situation: str) -> list[Stop]:
         rig.run(2.0 * rig.period)
     stage.sent, old = [], stage.sent[-BEFORE:]
     received = rig.robot.now - rig.period * rng.uniform(0.0, 1.0, clients)
-    rig.executor.diary.clear()
+    rig.executor.events.clear()
     for moment in received.tolist():
         rig.executor.stop(Cause(Reason.STOP_TOPIC, "bench"), moment)
     rcm = [0.0]
@@ -194,7 +194,7 @@ def one_stop(stage: Stage, situation: str) -> list[Stop]:
         rig.tick(lambda: rcm.append(rig.rcm_error))
         if tick == 1:
             _verify(stage)
-    noted = sum(entry.kind == "stop_received" for entry in rig.executor.diary)
+    noted = sum(entry.kind == "stop_received" for entry in rig.executor.events)
     course = course_of([*old, *stage.sent])
     missed = _not_latched(stage, noted, clients)
     return [
@@ -214,7 +214,7 @@ def one_stop(stage: Stage, situation: str) -> list[Stop]:
 def _not_latched(stage: Stage, noted: int, clients: int) -> str:
     """Why the controller itself did not obey; empty: it did."""
     if noted != clients:
-        return f"{noted} of {clients} stops in the diary"
+        return f"{noted} of {clients} stops in the event log"
     if stage.state not in (State.HALTED, State.FAULTED):
         return f"state {stage.state.value} after the stop"
     pending, stage.waiting = stage.waiting, None

@@ -2,7 +2,7 @@
 """Item 1, in the running system: stops by service, topic and action cancel, from one and from many.
 
 Controller and simulated robot as nodes. Received is a stop when the controller's transport hands it
-over: that time is the stamp of its entry in the diary (`rst_control/event`). Answered it is by the
+over: that time is the stamp of its event on `rst_control/event`. Answered it is by the
 first set-point due after it that is slower than the one before. Both carry the controller's own
 stamps; how long the answer truly took on its way is told beside, from the moment a client sent its
 stop to the arrival of that set-point at this process.
@@ -71,7 +71,7 @@ class Watcher:
         ]
 
     def received(self) -> list[float]:
-        """Times at which the controller received the stops that its diary tells [s]."""
+        """Times at which the controller received the stops in its event log [s]."""
         return [e.header.stamp.to_sec() for e in list(self.events) if e.kind == "stop_received"]
 
     def course(self) -> tuple[Course, list[float]]:
@@ -167,7 +167,7 @@ class Session:
         (course, arrivals), state = self.watcher.course(), self.watcher.state
         missed = "" if state is not None and state.halted else "not halted after the stop"
         if not received:
-            return [self._stop(way, count, None, None, 0.0, "not in the diary")] * count
+            return [self._stop(way, count, None, None, 0.0, "not in the event log")] * count
         rcm = self._rcm_error(received[0], received[-1] + WATCHED)
         stops = [
             self._stop(
@@ -183,7 +183,7 @@ class Session:
         self._note_arrival(course, arrivals, received[0], min(sent))
         lost = count - len(received)  # a cancelled goal is over: later cancels find none
         if lost > 0 and way != "cancel":
-            stops += [self._stop(way, count, None, None, rcm, "not in the diary")] * lost
+            stops += [self._stop(way, count, None, None, rcm, "not in the event log")] * lost
         return stops
 
     @staticmethod

@@ -54,7 +54,7 @@ class TrocarService(unittest.TestCase):
         return np.linalg.norm(rcm_error(T[:3, 3], T[:3, 2], trocar))
 
     def told(self, kind, message):
-        """Whether the newest such entry of the diary holds the message."""
+        """Whether the newest such event holds the message."""
         entries = [event.message for event in self.robot.events if event.kind == kind]
         return bool(entries) and message in entries[-1]
 

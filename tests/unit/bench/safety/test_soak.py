@@ -13,7 +13,7 @@ from bench.safety.soak.events import FAULTS, TALK, Chance, Standing
 from bench.safety.soak.session import Stretch, carried_out, make_bounds
 from rst_control.commands.request import Plan
 from rst_control.commands.table import COMMANDS
-from rst_control.execution.orders import View
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.robot.setpoint_servo import ServoLimits
@@ -46,7 +46,7 @@ def trocar_pose(position):
 
 def view(mode=ACTIVE, plan=None, position=ZERO):
     measured = Measurement(position, ZERO, ZERO, 0.0)
-    return replace(View.at_start(), mode=mode, plan=plan, measurement=measured)
+    return replace(ControllerSnapshot.at_start(), mode=mode, plan=plan, measurement=measured)
 
 
 def moment(n=0, **changes):

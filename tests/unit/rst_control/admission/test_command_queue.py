@@ -37,7 +37,7 @@ def test_unknown_words_are_refused_at_once_and_written_into_the_diary():
     rig = Rig().awake()
     pending = rig.queue.take("x" * 10_000_000, "test")
     assert not pending.reply.result(0).accepted
-    entry = rig.executor.diary[-1]
+    entry = rig.executor.events[-1]
     assert entry.kind == "refused" and len(entry.command) == MAX_ECHOED
 
 
@@ -68,7 +68,7 @@ def test_a_command_verified_in_a_situation_that_has_changed_is_verified_again():
 
     pending = rig.queue.take("tense", "test")
     rig.queue.check(rig.queue.next(0.0))
-    rig.executor._mover.changes += 1
+    rig.executor._setpoint_state.changes += 1
     rig.tick()
     assert not pending.reply.done()
     rig.queue.check(rig.queue.next(0.0))

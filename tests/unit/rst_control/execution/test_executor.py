@@ -73,7 +73,7 @@ def test_every_command_in_every_state_is_accepted_or_refused_as_the_table_says(s
         assert reply.accepted == (command.phrase in ALLOWED[situation]), (command, reply.message)
         if not reply.accepted:
             assert rig.view.last_refusal.words == reply.message
-            assert rig.diary()[-1] == "refused"
+            assert rig.event_kinds()[-1] == "refused"
 
 
 def test_the_seven_commands_do_what_the_table_of_meanings_says():
@@ -177,7 +177,7 @@ def test_a_grasp_is_remembered_until_the_jaws_have_let_go():
     rig.say("hey robot")
     rig.finish("release")
     rig.tick()
-    assert rig.executor._mover.grasp is None
+    assert rig.executor._setpoint_state.grasp is None
 
 
 def test_a_pull_that_was_stopped_has_no_target_any_more():
@@ -200,9 +200,9 @@ def test_set_points_are_continuous_over_a_whole_session():
 
 def test_pull_more_takes_over_from_a_pull_at_its_speed():
     rig = Rig().moving("pull")
-    first = rig.executor.view.motion.path_speed
+    first = rig.executor.snapshot.motion.path_speed
     pending = rig.say("pull more")
-    after = rig.executor.view.motion.path_speed
+    after = rig.executor.snapshot.motion.path_speed
     assert abs(after - first) < 3 * PERIOD * rig.config.controller.speed.acceleration
     assert rig.view.tension_target == pytest.approx(
         rig.config.controller.tension.initial + rig.config.controller.tension.step_tension
@@ -293,7 +293,7 @@ def test_a_stop_in_motion_tells_the_whole_story_in_the_diary():
     rig.say("stop")
     rig.rest()
     rig.say("hey robot")
-    assert rig.diary()[-5:] == ["stop_received", "at_rest", "halted", "accepted", "cleared"]
+    assert rig.event_kinds()[-5:] == ["stop_received", "at_rest", "halted", "accepted", "cleared"]
 
 
 def test_hey_robot_is_refused_while_the_robot_is_measured_moving():

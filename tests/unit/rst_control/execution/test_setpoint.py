@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rst_control.execution.motion import MotionMaker
-from rst_control.execution.setpoint import Mover
+from rst_control.execution.setpoint import SetpointState
 from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.types import Measurement
 
@@ -16,7 +16,7 @@ from rst_control.types import Measurement
 def test_only_jaws_that_hold_tissue_are_sent_to_close_where_it_keeps_them_open(
     motion_config, home, gripped, opening
 ):
-    mover, still = Mover(MotionMaker(motion_config.controller)), np.zeros(10)
+    mover, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
     kept_open = robot_joints(home, 0.1)
     mover.synchronise(Measurement(kept_open, still, still, 1.0, gripped=gripped))
     q, sent = planning_joints(mover.held)
@@ -25,7 +25,7 @@ def test_only_jaws_that_hold_tissue_are_sent_to_close_where_it_keeps_them_open(
 
 
 def test_wide_open_jaws_are_not_sent_to_close_whatever_a_sensor_says(motion_config, home):
-    mover, still = Mover(MotionMaker(motion_config.controller)), np.zeros(10)
+    mover, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
     wide = robot_joints(home, 0.4)
     mover.synchronise(Measurement(wide, still, still, 1.0, gripped=True))
     np.testing.assert_array_equal(mover.held, wide)
@@ -35,7 +35,7 @@ def test_wide_open_jaws_are_not_sent_to_close_whatever_a_sensor_says(motion_conf
 def test_a_false_word_of_tissue_after_a_loss_does_not_move_jaws_that_stand_half_open(
     motion_config, home, last
 ):
-    mover, still = Mover(MotionMaker(motion_config.controller)), np.zeros(10)
+    mover, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
     mover.synchronise(Measurement(robot_joints(home, last), still, still, 1.0, gripped=False))
     mover.lose()
     half_open = robot_joints(home, 0.09)
@@ -44,7 +44,7 @@ def test_a_false_word_of_tissue_after_a_loss_does_not_move_jaws_that_stand_half_
 
 
 def test_jaws_that_hold_tissue_stay_sent_where_they_were_after_a_loss(motion_config, home):
-    mover, still = Mover(MotionMaker(motion_config.controller)), np.zeros(10)
+    mover, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
     kept_open = Measurement(robot_joints(home, 0.1), still, still, 1.0, gripped=True)
     mover.synchronise(kept_open)
     for _ in range(3):
@@ -55,7 +55,7 @@ def test_jaws_that_hold_tissue_stay_sent_where_they_were_after_a_loss(motion_con
 
 def test_jaws_that_stopped_half_open_stay_where_the_robot_holds_them(motion_config, home):
     """Of a release that was cut off; a controller that is started anew cannot know of it."""
-    mover, still = Mover(MotionMaker(motion_config.controller)), np.zeros(10)
+    mover, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
     half_open = robot_joints(home, 0.041)
     mover.synchronise(Measurement(half_open, still, still, 1.0, gripped=True), half_open)
     np.testing.assert_array_equal(mover.held, half_open)

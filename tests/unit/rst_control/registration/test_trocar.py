@@ -42,7 +42,7 @@ class Setting:
         reply = self.ask(point)
         assert not reply.accepted, reply.message
         assert self.rig.context.current is before
-        entry = self.rig.executor.diary[-1]
+        entry = self.rig.executor.events[-1]
         assert (entry.kind, entry.command) == ("trocar_refused", "set_trocar")
         assert reply.message in entry.message and "/test" in entry.message
         return reply.message
@@ -63,7 +63,7 @@ def test_at_rest_a_trocar_on_the_shaft_is_accepted_with_its_distance(make):
     here = setting(make())
     message = here.accepted(here.place(aside=4e-4, along=0.02))
     assert "shaft 0.400 mm off it, allowed 1.000 mm" in message
-    entry = here.rig.executor.diary[-1]
+    entry = here.rig.executor.events[-1]
     assert entry.kind == "trocar_set" and "was (0.406000, -0.024000, 0.415000) m" in entry.message
     assert here.rig.view.rcm_error == pytest.approx(4e-4, rel=1e-6)
 
@@ -256,7 +256,7 @@ def test_a_question_that_was_withdrawn_changes_nothing():
     assert answer.cancel()
     here.rig.run(0.01)
     assert here.rig.context.current is before
-    assert "trocar_set" not in here.rig.diary()
+    assert "trocar_set" not in here.rig.event_kinds()
 
 
 def test_two_who_ask_at_once_are_both_answered_and_the_last_one_counts():
@@ -267,4 +267,4 @@ def test_two_who_ask_at_once_are_both_answered_and_the_last_one_counts():
     here.rig.run(0.02)
     assert all(answer.result(0).accepted for answer in answers)
     assert any(np.allclose(here.rig.context.current.trocar, point, atol=1e-12) for point in points)
-    assert here.rig.diary().count("trocar_set") == 8
+    assert here.rig.event_kinds().count("trocar_set") == 8

@@ -63,7 +63,7 @@ def test_each_brakes_along_the_path_and_is_named(name):
     sent = [s for s in rig.sent[first:] if s is not None]
     assert max(rig.rcm(s.position) for s in sent) < 1e-6
     assert went < 5e-3 or name == "velocities frozen"  # true for as long as the speed stays
-    reasons = [entry.message for entry in rig.executor.diary if entry.kind == "at_rest"]
+    reasons = [entry.message for entry in rig.executor.events if entry.kind == "at_rest"]
     assert re.search(words, reasons[-1])
 
 

@@ -7,7 +7,7 @@ import pytest
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
 from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.plausibility import SensorWatch, max_joint_speed
-from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs, Watched
+from rst_control.supervision.watchdogs import MonitoredMotion, WatchdogLimits, Watchdogs
 from rst_control.types import Cause, Measurement, Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig, shared, with_watchdogs
 
@@ -19,7 +19,7 @@ WATCHDOGS = Watchdogs(
 )
 INSIDE = TrocarPose(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
 FAR = TrocarPose(error=0.2, insertion=-0.3, wrist=-0.3, height=0.3, is_outside=True)
-GOOD = Watched(
+GOOD = MonitoredMotion(
     setpoint=np.zeros(10),
     trocar_pose=INSIDE,
     raises_tension=True,
@@ -125,7 +125,7 @@ def _slip(rig):
 
 
 def _crash(rig):
-    rig.executor._locate = raise_error
+    rig.executor._trocar_pose_of = raise_error
 
 
 FAULTS = {
@@ -155,7 +155,7 @@ def test_each_fault_brakes_along_the_path_and_latches_with_its_name(fault):
     assert max(rig.rcm(s.position) for s in sent) < 1e-6
     speed = [np.linalg.norm(s.velocity) for s in sent]
     assert speed[-1] < 1e-9
-    assert rig.diary()[-2:] == ["at_rest", "halted"]
+    assert rig.event_kinds()[-2:] == ["at_rest", "halted"]
     assert "halted" in rig.refused("pull more")
 
 
@@ -197,16 +197,16 @@ def test_hey_robot_is_refused_where_the_robot_cannot_clear_its_fault():
 
 def test_an_error_in_the_loop_brakes_and_a_second_one_leaves_holding_to_the_robot():
     rig = Rig().moving("reach")
-    locate = rig.executor._locate
+    locate = rig.executor._trocar_pose_of
     _crash(rig)
     with pytest.raises(ArithmeticError):
         rig.tick()
     rig.executor.crashed(ArithmeticError("not a number"))
-    rig.executor._locate = locate
+    rig.executor._trocar_pose_of = locate
     rig.tick()
     assert rig.state is State.STOPPING and "not a number" in rig.view.mode.reason
     rig.executor.crashed(ArithmeticError("again"))
-    assert rig.executor._mover.motion is None
+    assert rig.executor._setpoint_state.motion is None
     rig.robot.hold()
     rig.rest()
     assert rig.state is State.FAULTED
@@ -230,12 +230,12 @@ def test_a_robot_that_held_by_itself_wakes_though_set_points_went_on_while_it_st
     rig.run(0.1)
     rig.robot.hold()
     rig.robot.fault = "set-points stopped coming while moving, 21 ms ago"
-    rig.until(lambda: not rig.executor.view.is_moving)
+    rig.until(lambda: not rig.executor.snapshot.is_moving)
     rig.run(0.5)
-    assert rig.executor.view.mode.reason.startswith("robot fault: set-points stopped")
+    assert rig.executor.snapshot.mode.reason.startswith("robot fault: set-points stopped")
     rig.say("hey robot")
     rig.run(0.5)
-    assert rig.executor.view.mode.state is State.ACTIVE
+    assert rig.executor.snapshot.mode.state is State.ACTIVE
 
 
 def test_a_command_by_hand_needs_no_voice_node():
@@ -316,6 +316,6 @@ def test_the_diary_tells_when_a_stop_came_not_when_it_was_taken_up():
     came = rig.now + 0.0007
     rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"), came)
     rig.tick()
-    told = next(entry for entry in rig.executor.diary if entry.kind == "stop_received")
+    told = next(entry for entry in rig.executor.events if entry.kind == "stop_received")
     assert told.stamp == came < rig.now
     assert rig.state is State.HALTED

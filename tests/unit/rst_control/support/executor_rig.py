@@ -74,7 +74,7 @@ class Rig:
             if condition():
                 return self
             self.tick()
-        raise AssertionError(f"not within {limit} s; {self.executor.view}")
+        raise AssertionError(f"not within {limit} s; {self.executor.snapshot}")
 
     def give(self, words, spoken=False, owner="", **amounts):
         """Give a command and tick until it is answered."""
@@ -122,11 +122,11 @@ class Rig:
     def moving(self, *phases):
         """Set off with "tense" and go on until one of the phases is well under way."""
         self.awake().say("tense")
-        return self.until(lambda: self.phase in phases and self.executor.view.motion.progress > 0.3)
+        return self.until(lambda: self.phase in phases and self.view.motion.progress > 0.3)
 
     @property
     def view(self):
-        return self.executor.view
+        return self.executor.snapshot
 
     @property
     def state(self):
@@ -141,8 +141,8 @@ class Rig:
         """Last set-point's joints."""
         return next(s.position for s in reversed(self.sent) if s is not None)
 
-    def diary(self):
-        return [entry.kind for entry in self.executor.diary]
+    def event_kinds(self):
+        return [entry.kind for entry in self.executor.events]
 
     def rest(self, limit=2.0):
         """Go on until nothing moves."""

@@ -9,7 +9,7 @@ import pytest
 from rst_control.planning.patient_surface import TrocarPose
 from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.plausibility import SensorWatch, max_joint_speed
-from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs, Watched
+from rst_control.supervision.watchdogs import MonitoredMotion, WatchdogLimits, Watchdogs
 from rst_control.tension.delay_bound import DelayBound
 from rst_control.types import Measurement
 from tests.unit.rst_control.support.executor_rig import shared
@@ -63,7 +63,7 @@ def judged(delay: float, distrusted_until: float = 0.0) -> str:
     )
     still, now = np.zeros(10), 0.0
     place = TrocarPose(error=1e-6, insertion=0.12, wrist=0.09, height=-0.13, is_outside=False)
-    watched = Watched(still, place, True, False, 0.1, None)
+    watched = MonitoredMotion(still, place, True, False, 0.1, None)
     for k in range(101):
         now = 0.002 * k
         force = np.array([0.0, 0.0, -10.0 * now])

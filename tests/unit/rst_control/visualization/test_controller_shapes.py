@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.execution.orders import View
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.visualization.controller_shapes import (
@@ -38,7 +38,7 @@ def shapes(rig, view=None):
 
 
 def test_before_the_robot_speaks_only_places_are_shown(rig):
-    assert set(shapes(rig, View.at_start())) == ALWAYS
+    assert set(shapes(rig, ControllerSnapshot.at_start())) == ALWAYS
 
 
 def test_at_rest_without_tissue_there_is_no_way_and_no_pull(rig):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whatever stops the robot is in the diary that gets recorded, with its cause.
+"""Whatever stops the robot is in the event log that gets recorded, with its cause.
 
-The controller runs without ROS on a robot without physics. Each entry of its diary becomes, field
+The controller runs without ROS on a robot without physics. Each event becomes, field
 by field, a message of `rst_control/event`, and its view one of `rst_control/state`: both recorded.
 """
 
@@ -80,7 +80,7 @@ def two_errors(rig):
 
 
 def silence(rig):
-    rig.executor._ledger.order = replace(rig.executor._ledger.order, is_spoken=True)
+    rig.executor._event_log.order = replace(rig.executor._event_log.order, is_spoken=True)
 
 
 IN_MOTION = {
@@ -114,8 +114,8 @@ def latched(rig):
 
 
 def events(rig):
-    """The diary so far, which is published and recorded."""
-    return list(rig.executor.diary)
+    """The events so far, which is published and recorded."""
+    return list(rig.executor.events)
 
 
 def causes(messages):
@@ -156,7 +156,7 @@ def test_a_loop_that_fails_again_and_again_still_tells_its_state():
     def fail(joints):
         raise ArithmeticError("not a number")
 
-    rig.executor._locate = fail
+    rig.executor._trocar_pose_of = fail
     before = rig.view.stamp
     for _ in range(5):
         with pytest.raises(ArithmeticError) as raised:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from rst_control.config import MotionConfig
 from rst_control.execution.executor import Executor
 from rst_control.execution.motion import MotionMaker
-from rst_control.execution.setpoint import Mover
+from rst_control.execution.setpoint import SetpointState
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.supervision.node_liveness import NodeLiveness
@@ -37,10 +37,10 @@ def make_executor(
         settings.tension.limit,
         settings.tension.delay,
     )
-    period, mover = 1.0 / settings.rate, Mover(MotionMaker(settings))
+    period, setpoint_state = 1.0 / settings.rate, SetpointState(MotionMaker(settings))
     sensors = SensorWatch(settings, max_joint_speed(config.limits))
     watchdogs = Watchdogs(limits, sensors, liveness or NodeLiveness())
-    return Executor(watchdogs, context.trocar_pose, mover, clear_fault, period)
+    return Executor(watchdogs, context.trocar_pose, setpoint_state, clear_fault, period)
 
 
 def make_trocar_context(config: MotionConfig, model: RobotModel) -> TrocarContext:

@@ -121,7 +121,7 @@ class CommandQueue:
 
     def check(self, queued: QueuedCommand) -> None:
         """Verify one command, in the view of this moment, and hand it over or refuse it."""
-        view = self._executor.view
+        view = self._executor.snapshot
         decision = self._verify(queued.request, view.situation(self._clock()))
         if isinstance(decision, Rejected):
             self._refuse(queued.pending, decision)

@@ -1,24 +1,49 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What became of the commands: their answers, their endings, and the diary of it all."""
+"""What became of the commands: their answers, their endings, and the log of all events."""
 
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import dataclass
+from typing import Literal
 
-from rst_control.execution.orders import DiaryEntry, DiaryKind, Order, Outcome, OutcomeKind, Reply
+from rst_control.execution.orders import Order, Outcome, OutcomeKind, Reply
 from rst_control.types import Cause, Reason
 
-LONGEST_DIARY = 10_000  # [entries] kept where nobody takes them
+EventKind = Literal[
+    "accepted",
+    "refused",
+    "motion_started",
+    "motion_finished",
+    "stop_received",
+    "at_rest",
+    "halted",
+    "cleared",
+    "trocar_set",
+    "trocar_refused",
+]
+MAX_EVENTS = 10_000  # [entries] kept where nobody takes them
 
 
-class Ledger:
-    """Answers orders, ends the one in motion once, and writes the diary.
+@dataclass(frozen=True)
+class Event:
+    """Something that happened, for the timeline and the report."""
+
+    stamp: float  # [s]
+    kind: EventKind
+    command: str
+    message: str
+    reason: Reason | None = None  # of what was refused, stopped, halted, given up or cleared
+
+
+class EventLog:
+    """Answers orders, ends the one in motion once, and writes the event log.
 
     The control loop's thread calls it; `note_refusal` may come from any thread.
     """
 
     def __init__(self) -> None:
-        self.diary: deque[DiaryEntry] = deque(maxlen=LONGEST_DIARY)  # emptied by its publisher
+        self.events: deque[Event] = deque(maxlen=MAX_EVENTS)  # emptied by its publisher
         self.order: Order | None = None  # the one in motion
         self.command = ""
         self.last_refusal: Cause | None = None
@@ -28,21 +53,15 @@ class Ledger:
         """The order in motion was spoken."""
         return self.order is not None and self.order.is_spoken
 
-    def note(
-        self,
-        now: float,
-        kind: DiaryKind,
-        command: str,
-        message: str,
-        reason: Reason | None = None,
-    ) -> None:
-        """Write what happened at a time [s]."""
-        self.diary.append(DiaryEntry(now, kind, command, message, reason))
+    def note(self, now: float, kind: EventKind, command: str, why: Cause | str) -> None:
+        """Write what happened at a time [s], with its cause or in words."""
+        words, reason = (why.words, why.reason) if isinstance(why, Cause) else (why, None)
+        self.events.append(Event(now, kind, command, words, reason))
 
     def note_refusal(self, now: float, command: str, cause: Cause) -> None:
         """Write a refusal, wherever it was decided."""
         self.last_refusal = cause
-        self.note(now, "refused", command, cause.words, cause.reason)
+        self.note(now, "refused", command, cause)
 
     def accept(self, now: float, order: Order) -> None:
         """Answer that it is done or will be."""

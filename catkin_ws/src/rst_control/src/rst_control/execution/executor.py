@@ -16,22 +16,14 @@ import numpy as np
 from rst_control.commands.preconditions import mode_refusal
 from rst_control.commands.spec import STOP, Role
 from rst_control.execution import state_machine
-from rst_control.execution.event_log import Ledger
-from rst_control.execution.fault_reset import Waking
+from rst_control.execution.event_log import Event, EventKind, EventLog
+from rst_control.execution.fault_reset import FaultReset
 from rst_control.execution.motion import Motion
-from rst_control.execution.orders import (
-    Change,
-    DiaryEntry,
-    DiaryKind,
-    Order,
-    Outcome,
-    OutcomeKind,
-    View,
-)
-from rst_control.execution.setpoint import STILL, Mover
-from rst_control.execution.snapshot import view_of
+from rst_control.execution.orders import Order, Outcome, OutcomeKind
+from rst_control.execution.setpoint import STILL, SetpointState
+from rst_control.execution.snapshot import Change, ControllerSnapshot, take_snapshot
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
-from rst_control.supervision.watchdogs import Watchdogs, Watched
+from rst_control.supervision.watchdogs import MonitoredMotion, Watchdogs
 from rst_control.types import (
     JOINT_COUNT,
     LATCHED,
@@ -57,7 +49,7 @@ class Executor:
     Args:
         watchdogs: What makes it brake.
         trocar_pose: Where the tool is towards the trocar, for joint positions of shape (10,).
-        mover: Moves the set-point.
+        setpoint_state: Moves the set-point.
         clear_fault: Asks the robot to take set-points again.
         period: Time between ticks [s].
     """
@@ -66,18 +58,18 @@ class Executor:
         self,
         watchdogs: Watchdogs,
         trocar_pose: Callable[[Vector], TrocarPose],
-        mover: Mover,
+        setpoint_state: SetpointState,
         clear_fault: Callable[[], None],
         period: float,
     ) -> None:
-        self._watchdogs, self._locate = watchdogs, trocar_pose
-        self._mover, self._period = mover, period
+        self._watchdogs, self._trocar_pose_of = watchdogs, trocar_pose
+        self._setpoint_state, self._period = setpoint_state, period
         self._now = 0.0
         self._measured: Measurement | None = None
         self._trocar_pose, self._max_rcm_error = NOWHERE, 0.0
         self._mode, self._mode_changes = ControllerMode(), 0
-        self._ledger = Ledger()
-        self._waking = Waking(self._cannot_wake, clear_fault, self._refuse)
+        self._event_log = EventLog()
+        self._fault_reset = FaultReset(self._cannot_activate, clear_fault, self._refuse)
         self._health: Cause | None = None
         self._heartbeat = -np.inf
         self._orders: deque[Order] = deque()
@@ -85,7 +77,7 @@ class Executor:
         self._older = 0  # orders still waiting that came before the last stop
         self._changes: deque[Change] = deque()
         self._changed = 0  # how often what verification relies on was changed from outside
-        self.view = View.at_start()
+        self.snapshot = ControllerSnapshot.at_start()
 
     # From any thread.
 
@@ -94,7 +86,7 @@ class Executor:
         self._orders.append(order)
 
     def stop(self, cause: Cause, received: float | None = None) -> None:
-        """Brake, hold and latch from the next tick on; `received` [s] is told by the diary."""
+        """Brake, hold and latch from the next tick on; `received` [s] is in the event log."""
         self._stops.append((cause, received))
 
     def change(self, change: Change) -> None:
@@ -106,18 +98,18 @@ class Executor:
         self._heartbeat = now
 
     def note_refusal(self, command: str, cause: Cause, now: float) -> None:
-        """Write a refusal into the diary."""
-        self._ledger.note_refusal(now, command, cause)
+        """Write a refusal into the event log."""
+        self._event_log.note_refusal(now, command, cause)
 
     @property
-    def diary(self) -> deque[DiaryEntry]:
-        """What happened, oldest first; to be emptied by whoever publishes it."""
-        return self._ledger.diary
+    def events(self) -> deque[Event]:
+        """What happened, oldest first; its publisher empties it."""
+        return self._event_log.events
 
     @property
     def owner(self) -> str:
         """Node that asked for the present motion and has to stay; empty: none has."""
-        order = self._ledger.order
+        order = self._event_log.order
         return order.owner if order is not None else ""
 
     # From the loop's thread.
@@ -138,11 +130,11 @@ class Executor:
         self._take_stops()
         self._take_change()
         self._take_orders()
-        self._resume(self._waking.keep(now))
-        motion = self._mover.motion
+        self._resume(self._fault_reset.keep(now))
+        motion = self._setpoint_state.motion
         velocity = self._rest() if motion is None else self._move(motion, periods)
-        self.view = self._seen()
-        held = self._mover.held
+        self.snapshot = self._take_snapshot()
+        held = self._setpoint_state.held
         return None if held is None else Setpoint(held, velocity, now)
 
     def crashed(self, error: Exception) -> None:
@@ -150,40 +142,40 @@ class Executor:
         cause = Cause(Reason.LOOP_ERROR, f"error in the control loop: {error!r}"[:300])
         if self._mode.cause != cause:
             log.error(cause.words, exc_info=error)
-        if self._mover.motion is not None and self._mode.mode_after is not State.FAULTED:
+        if self._setpoint_state.motion is not None and self._mode.mode_after is not State.FAULTED:
             self._fault(cause)
         else:
-            self._mover.lose()
+            self._setpoint_state.lose()
             self._latch(state_machine.at_rest(state_machine.faulted(self._mode, cause)))
             self._end_order("failed", cause)
-        self.view = self._seen()  # the tick did not come to it
+        self.snapshot = self._take_snapshot()  # the tick did not come to it
 
     def _take_measurement(self, measured: Measurement | None) -> None:
         if measured is not None and measured is not self._measured:
             self._measured = measured
-            self._watchdogs.update(measured, self._mover.held, self._mover.pulled)
-            self._trocar_pose = self._locate(measured.position)
-            if self._mover.motion is not None:
+            self._watchdogs.update(measured, self._setpoint_state.held, self._setpoint_state.pulled)
+            self._trocar_pose = self._trocar_pose_of(measured.position)
+            if self._setpoint_state.motion is not None:
                 self._max_rcm_error = max(self._max_rcm_error, self._trocar_pose.rcm_error)
         self._health = self._watchdogs.lost(self._now, measured)
 
     def _take_stops(self) -> None:
         while self._stops:
             cause, received = self._stops.popleft()
-            self._note("stop_received", STOP, cause, received)
-            self._waking.drop(Cause(Reason.WITHDRAWN, "stopped"))
+            self._event_log.note(received or self._now, "stop_received", STOP, cause)
+            self._fault_reset.drop(Cause(Reason.WITHDRAWN, "stopped"))
             self._older = len(self._orders)
             self._latch(state_machine.stopped(self._mode, cause))
 
     def _take_change(self) -> None:
         if not self._changes:
             return
-        entry = self._changes.popleft()(self._seen())
+        entry = self._changes.popleft()(self._take_snapshot())
         if entry is not None:
             self._changed += 1
-            self.diary.append(entry)
+            self.events.append(entry)
             if self._measured is not None:
-                self._trocar_pose = self._locate(self._measured.position)
+                self._trocar_pose = self._trocar_pose_of(self._measured.position)
 
     def _take_orders(self) -> None:
         for _ in range(min(ORDERS_PER_TICK, len(self._orders))):
@@ -195,7 +187,7 @@ class Executor:
             elif order.serial != self._serial and order.stale is not None:
                 order.stale()
             elif order.command.role is Role.ACTIVATE:
-                self._resume(self._waking.take(order, self._now))
+                self._resume(self._fault_reset.take(order, self._now))
             elif order.command.role is Role.TERMINATE:
                 self._terminate(order)
             else:
@@ -213,37 +205,38 @@ class Executor:
         if lost is not None:
             self._refuse(order, lost)
             return
-        refusal = self._mover.start(order.plan, self._now)
+        refusal = self._setpoint_state.start(order.plan, self._now)
         if refusal is not None:
             self._refuse(order, refusal)
             return
         self._end_order("stopped", Cause(Reason.REPLACED, f'replaced by "{order.command.phrase}"'))
         if self._mode.state is not State.MOVING:
             self._max_rcm_error = self._trocar_pose.rcm_error
-        self._ledger.order = order
+        self._event_log.order = order
         self._change(state_machine.started(self._mode))
-        self._ledger.accept(self._now, order)
+        self._event_log.accept(self._now, order)
         self._note("motion_started", order.command.phrase, order.plan.words)
 
     def _terminate(self, order: Order) -> None:
-        self._ledger.accept(self._now, order)
+        self._event_log.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
         self._latch(state_machine.terminated(self._mode))
 
-    def _cannot_wake(self) -> Cause | None:
-        return self._watchdogs.waking(self._now, self._measured, self._mover.motion is not None)
+    def _cannot_activate(self) -> Cause | None:
+        is_led = self._setpoint_state.motion is not None
+        return self._watchdogs.activation(self._now, self._measured, is_led)
 
     def _resume(self, order: Order | None) -> None:
         if order is None:
             return
-        was, measured, held = self._mode, self._measured, self._mover.held
+        was, measured, held = self._mode, self._measured, self._setpoint_state.held
         if (
             measured is not None
-            and self._mover.motion is None
+            and self._setpoint_state.motion is None
             and (held is None or self._watchdogs.following(measured, held) is not None)
         ):
             self._synchronise(measured)
-        self._ledger.accept(self._now, order)
+        self._event_log.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
         self._change(state_machine.activated(was))
         if was.is_latched:
@@ -251,7 +244,7 @@ class Executor:
 
     def _move(self, motion: Motion, periods: int) -> Vector:
         self._watch(motion)
-        velocity = self._mover.advance(periods, self._measured, self._now)
+        velocity = self._setpoint_state.advance(periods, self._measured, self._now)
         if motion.failure and self._mode.state is State.MOVING:
             self._latch(state_machine.failed(self._mode))
         if motion.is_done:
@@ -262,9 +255,9 @@ class Executor:
         if self._mode.state is State.STOPPING and self._mode.mode_after is State.FAULTED:
             return
         # Braking to a latch needs no voice: its heartbeat pauses after a stop.
-        is_heard = self._ledger.is_spoken and not self._mode.is_latched
-        held = self._mover.held
-        watched = Watched(
+        is_heard = self._event_log.is_spoken and not self._mode.is_latched
+        held = self._setpoint_state.held
+        watched = MonitoredMotion(
             setpoint=np.zeros(JOINT_COUNT) if held is None else held,
             trocar_pose=self._trocar_pose,
             raises_tension=motion.raises_tension,
@@ -277,29 +270,28 @@ class Executor:
 
     def _finish(self, motion: Motion) -> None:
         was = self._mode
-        self._mover.finish()
+        self._setpoint_state.finish()
         self._change(state_machine.at_rest(was))
         if was.state is State.MOVING:
-            self._note("motion_finished", self._ledger.command, f"tension {self._tension:.2f} N")
+            self._note("motion_finished", self._event_log.command, f"tension {self._tension:.2f} N")
             self._end_order("succeeded", None)
             return
         ended = motion.failure or Cause(Reason.TERMINATED, "terminated")
         cause = was.cause if was.is_latched and was.cause else ended
-        self._note("at_rest", self._ledger.command, cause)
+        self._note("at_rest", self._event_log.command, cause)
         self._note_latch()
-        self._end_order(
-            "stopped" if was.mode_after in (State.HALTED, State.STANDBY) else "failed", cause
-        )
+        is_asked_for = was.mode_after in (State.HALTED, State.STANDBY)
+        self._end_order("stopped" if is_asked_for else "failed", cause)
 
     def _rest(self) -> Vector:
         measured = self._measured
         self._fault(self._watchdogs.master())
         lost = self._watchdogs.robot(self._now, measured)
         if lost is not None and lost.reason is not Reason.STALE:
-            self._mover.lose()
+            self._setpoint_state.lose()
             self._fault(lost)
         elif lost is None and measured is not None:
-            self._keep_still(measured, self._mover.held)
+            self._keep_still(measured, self._setpoint_state.held)
         return STILL
 
     def _keep_still(self, measured: Measurement, held: Vector | None) -> None:
@@ -309,17 +301,17 @@ class Executor:
         elif self._mode.state is State.ACTIVE:
             self._fault(self._watchdogs.following(measured, held))
         if not measured.gripped:
-            self._mover.drop_grasp()
+            self._setpoint_state.drop_grasp()
 
     def _synchronise(self, measured: Measurement) -> None:
         """Take over where the joints are: as the robot's side says, unless they are elsewhere."""
         sent_to = measured.sent_to
         is_there = sent_to is not None and not self._watchdogs.following(measured, sent_to)
-        self._mover.synchronise(measured, sent_to if is_there else None)
+        self._setpoint_state.synchronise(measured, sent_to if is_there else None)
 
     @property
     def _serial(self) -> int:
-        return self._mode_changes + self._mover.changes + self._changed
+        return self._mode_changes + self._setpoint_state.changes + self._changed
 
     @property
     def _tension(self) -> float:
@@ -333,41 +325,33 @@ class Executor:
     def _latch(self, mode: ControllerMode) -> None:
         """Take a state in which nothing moves; brake where something does."""
         was = self._mode
-        is_told = was.state in LATCHED and was.cause == mode.cause
+        is_noted = was.state in LATCHED and was.cause == mode.cause
         self._change(mode)
-        if not self._mover.brake() and not is_told:
+        motion = self._setpoint_state.motion
+        if motion is not None:
+            motion.brake()
+        elif not is_noted:
             self._note_latch()
 
     def _fault(self, cause: Cause | None) -> None:
-        if cause is not None:
-            mode = state_machine.faulted(self._mode, cause)
-            if mode != self._mode:
-                self._latch(mode)
+        mode = self._mode if cause is None else state_machine.faulted(self._mode, cause)
+        if mode != self._mode:
+            self._latch(mode)
 
     def _refuse(self, order: Order, cause: Cause) -> None:
-        self._ledger.refuse(self._now, order, cause, self._tension)
+        self._event_log.refuse(self._now, order, cause, self._tension)
 
     def _end_order(self, kind: OutcomeKind, cause: Cause | None) -> None:
-        self._ledger.end(kind, cause, self._tension, self._max_rcm_error)
+        self._event_log.end(kind, cause, self._tension, self._max_rcm_error)
 
-    def _note(
-        self, kind: DiaryKind, command: str, why: Cause | str, at: float | None = None
-    ) -> None:
-        words, reason = (why.words, why.reason) if isinstance(why, Cause) else (why, None)
-        self._ledger.note(at or self._now, kind, command, words, reason)
+    def _note(self, kind: EventKind, command: str, why: Cause | str) -> None:
+        self._event_log.note(self._now, kind, command, why)
 
     def _note_latch(self) -> None:
         if self._mode.state in LATCHED:
-            self._note("halted", self._ledger.command, self._mode.cause or "")
+            self._note("halted", self._event_log.command, self._mode.cause or "")
 
-    def _seen(self) -> View:
-        return view_of(
-            self._now,
-            self._mode,
-            self._serial,
-            self._mover,
-            self._ledger,
-            self._trocar_pose,
-            self._measured,
-            self._health,
-        )
+    def _take_snapshot(self) -> ControllerSnapshot:
+        parts = (self._setpoint_state, self._event_log, self._trocar_pose)
+        situation = (self._measured, self._health)
+        return take_snapshot(self._now, self._mode, self._serial, *parts, *situation)

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from rst_control.execution.orders import Order
 from rst_control.types import ROBOT_FAULTS, Cause, Reason
 
-WAKE_TIME = 0.3  # [s] that the robot gets to clear its own fault after "hey robot"
+RESET_TIME = 0.3  # [s] that the robot gets to clear its own fault after "hey robot"
 CLEARABLE = (*ROBOT_FAULTS, Reason.SENSOR_FAULT)  # which the robot may clear by itself
 
 
-class Waking:
+class FaultReset:
     """Keeps at most one "hey robot" until the robot is fit for it, or too much time has passed.
 
     Args:
@@ -43,7 +43,7 @@ class Waking:
         if refusal.reason in CLEARABLE:
             self.drop(Cause(Reason.WITHDRAWN, "said again"))
             self._clear_fault()
-            self._waiting = (order, now + WAKE_TIME)
+            self._waiting = (order, now + RESET_TIME)
         else:
             self._refuse(order, refusal)
         return None

@@ -12,7 +12,6 @@ from rst_control.commands.request import Plan
 from rst_control.config import ControllerConfig
 from rst_control.errors import RstError
 from rst_control.execution.guarded_pull import GuardedPull
-from rst_control.execution.orders import Glimpse
 from rst_control.execution.phase_execution import JawPhase, PathPhase, PhaseExecution, TensionPhase
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.plan import Grasp, Phase, PhaseKind
@@ -33,6 +32,15 @@ class OffPath(RstError):
             f"allowed {START_TOLERANCE:.4f} rad"
         )
         self.distance = distance
+
+
+@dataclass(frozen=True, slots=True)
+class MotionProgress:
+    """How far a motion is."""
+
+    phase: PhaseKind
+    progress: float  # [0, 1] of the phase
+    path_speed: float  # [m/s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,10 +122,10 @@ class Motion:
         return self._place
 
     @property
-    def glimpse(self) -> Glimpse:
+    def progress(self) -> MotionProgress:
         """How far it is."""
         speed = self._place.state.speed if self._place else 0.0
-        return Glimpse(self.phase, self._run.progress, speed)
+        return MotionProgress(self.phase, self._run.progress, speed)
 
     @property
     def raises_tension(self) -> bool:

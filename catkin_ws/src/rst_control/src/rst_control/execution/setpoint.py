@@ -16,7 +16,7 @@ CLOSED = 0.0  # [rad] opening that jaws which hold tissue are sent to, as far as
 MAX_KEPT_OPEN = 0.15  # [rad] to which tissue keeps them; jaws that are further open hold none
 
 
-class Mover:
+class SetpointState:
     """Owns motion, set-point and grasp; counts the changes that verification must know of."""
 
     def __init__(self, motions: MotionMaker) -> None:
@@ -65,13 +65,6 @@ class Mover:
             return STILL
         self.held, velocity = self.motion.advance(periods, measured, now)
         return velocity
-
-    def brake(self) -> bool:
-        """Brake along the path; returns whether anything moves."""
-        if self.motion is None:
-            return False
-        self.motion.brake()
-        return True
 
     def finish(self) -> None:
         """Note where the motion that has come to rest left the robot."""

@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 
 from rst_control.config import RcmConfig, WatchdogConfig
-from rst_control.execution.orders import Reply, View
+from rst_control.execution.orders import Reply
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.registration.pivot_calibration import PivotFit, fit_pivot
@@ -31,7 +32,7 @@ class ShaftPoses:
         self._model, self._settings, self._watchdogs = model, rcm.registration, watchdogs
         self._lines: list[tuple[Vector, Vector]] = []
 
-    def record(self, view: View, now: float) -> Reply:
+    def record(self, view: ControllerSnapshot, now: float) -> Reply:
         """Keep the shaft as it is measured, where the robot is healthy and at rest.
 
         Args:

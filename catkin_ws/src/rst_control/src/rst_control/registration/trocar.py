@@ -14,8 +14,10 @@ from typing import Final
 
 from rst_control.config import WatchdogConfig
 from rst_control.errors import InsertionOutOfRange
+from rst_control.execution.event_log import Event
 from rst_control.execution.executor import Executor
-from rst_control.execution.orders import DiaryEntry, Reply, View
+from rst_control.execution.orders import Reply
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.registration.trocar_context import (
     ActiveTrocarContext,
     TrocarContext,
@@ -24,7 +26,7 @@ from rst_control.registration.trocar_context import (
 from rst_control.robot.health import joint_in_motion
 from rst_control.types import NOT_CONNECTED, Cause, Measurement, Reason, State, Vector
 
-COMMAND: Final = "set_trocar"  # as the diary names it
+COMMAND: Final = "set_trocar"  # as the event log names it
 
 
 class TrocarRegistrar:
@@ -32,7 +34,7 @@ class TrocarRegistrar:
 
     Args:
         present: The active trocar.
-        executor: Runs the control loop and keeps the diary.
+        executor: Runs the control loop and keeps the event log.
     """
 
     def __init__(self, present: ActiveTrocarContext, executor: Executor) -> None:
@@ -43,36 +45,36 @@ class TrocarRegistrar:
 
         Args:
             trocar: Base frame, [m]. Shape (3,).
-            caller: Who asks, for the diary.
+            caller: Who asks, for the event log.
         """
         reply: Future[Reply] = Future()
         try:
             context = self._present.current.with_trocar(trocar)
         except TrocarOutOfReach as error:
-            now, cause = self._executor.view.stamp, Cause(Reason.UNREACHABLE, str(error))
-            self._executor.diary.append(_refused(now, cause, caller))
+            now, cause = self._executor.snapshot.stamp, Cause(Reason.UNREACHABLE, str(error))
+            self._executor.events.append(_refused(now, cause, caller))
             reply.set_result(Reply.refused(cause))
             return reply
         self._executor.change(lambda view: self._apply(context, caller, reply, view))
         return reply
 
     def _apply(
-        self, context: TrocarContext, caller: str, reply: Future[Reply], view: View
-    ) -> DiaryEntry | None:
+        self, context: TrocarContext, caller: str, reply: Future[Reply], view: ControllerSnapshot
+    ) -> Event | None:
         if not reply.set_running_or_notify_cancel():
             return None  # the caller waits no longer
         answer = decide(context, view)
         if isinstance(answer, Cause):
             reply.set_result(Reply.refused(answer))
-            self._executor.diary.append(_refused(view.stamp, answer, caller))
+            self._executor.events.append(_refused(view.stamp, answer, caller))
             return None
         reply.set_result(Reply(True, answer))
         was, self._present.current = self._present.current, context
         words = f"{answer}; was {position_words(was.trocar)}; asked by {caller}"
-        return DiaryEntry(view.stamp, "trocar_set", COMMAND, words)
+        return Event(view.stamp, "trocar_set", COMMAND, words)
 
 
-def decide(context: TrocarContext, view: View) -> Cause | str:
+def decide(context: TrocarContext, view: ControllerSnapshot) -> Cause | str:
     """How far off the shaft is, or why the trocar of a context may not become active now."""
     refusal = unrest(view, view.stamp, context.config.controller.watchdogs)
     measured = view.measurement
@@ -87,7 +89,7 @@ def decide(context: TrocarContext, view: View) -> Cause | str:
     return _decide_shaft(context, measured)
 
 
-def unrest(view: View, now: float, watchdogs: WatchdogConfig) -> Cause | None:
+def unrest(view: ControllerSnapshot, now: float, watchdogs: WatchdogConfig) -> Cause | None:
     """Why the robot is not known to be healthy and at rest at a time [s]; None: it is."""
     if view.is_moving:
         words = f"{view.mode.state.value}; wait until the robot is at rest"
@@ -124,6 +126,6 @@ def _decide_shaft(context: TrocarContext, measured: Measurement) -> Cause | str:
     return words
 
 
-def _refused(stamp: float, cause: Cause, caller: str) -> DiaryEntry:
+def _refused(stamp: float, cause: Cause, caller: str) -> Event:
     words = f"{cause.words}; asked by {caller}"
-    return DiaryEntry(stamp, "trocar_refused", COMMAND, words, cause.reason)
+    return Event(stamp, "trocar_refused", COMMAND, words, cause.reason)

@@ -27,7 +27,7 @@ class WatchdogLimits:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Watched:
+class MonitoredMotion:
     """What a motion shows to the watchdogs in one tick."""
 
     setpoint: Vector  # (10,), [rad] last commanded
@@ -101,14 +101,16 @@ class Watchdogs:
         """Whether every joint is measured at rest."""
         return bool(np.abs(measured.velocity).max() <= self._settings.at_rest_speed)
 
-    def waking(self, now: float, measured: Measurement | None, is_led: bool) -> Cause | None:
+    def activation(self, now: float, measured: Measurement | None, is_led: bool) -> Cause | None:
         """Why the robot is not fit for "hey robot"; while it is led in a motion it may move."""
         lost = self.lost(now, measured)
         if lost is not None or measured is None or is_led or self.is_at_rest(measured):
             return lost
         return Cause(Reason.NOT_AT_REST, "robot not at rest yet; say it again")
 
-    def motion(self, now: float, measured: Measurement | None, watched: Watched) -> Cause | None:
+    def motion(
+        self, now: float, measured: Measurement | None, watched: MonitoredMotion
+    ) -> Cause | None:
         """Whether a motion may go on."""
         lost = self.lost(now, measured)
         if lost is not None or measured is None:
@@ -131,7 +133,7 @@ class Watchdogs:
         words = f"{words} with the robot {height}" if place.height > 0.0 else words
         return Cause(Reason.OFF_TROCAR, words)
 
-    def _tension(self, measured: Measurement, watched: Watched) -> Cause | None:
+    def _tension(self, measured: Measurement, watched: MonitoredMotion) -> Cause | None:
         allowed, ahead = self._limits.tension, self._delay_bound.ahead
         if not watched.raises_tension or measured.tension + ahead <= allowed:
             return None
@@ -139,11 +141,11 @@ class Watchdogs:
         words = f"tension {measured.tension:.2f} N{late}, allowed {allowed:.2f} N"
         return Cause(Reason.OVER_TENSION, words)
 
-    def _grip(self, measured: Measurement, watched: Watched) -> Cause | None:
+    def _grip(self, measured: Measurement, watched: MonitoredMotion) -> Cause | None:
         has_slipped = watched.needs_grip and not measured.gripped
         return Cause(Reason.SLIPPED, "tissue slipped from the jaws") if has_slipped else None
 
-    def _times(self, watched: Watched) -> Cause | None:
+    def _times(self, watched: MonitoredMotion) -> Cause | None:
         if gone := self.owner(watched.owner):
             return Cause(gone.reason, f"{gone.words} during its motion")
         age, allowed = watched.heartbeat_age, self._settings.voice_heartbeat_age

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from rst_control.config import MotionConfig
-from rst_control.execution.orders import View
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.trajectory.path import Path
@@ -46,7 +46,7 @@ class ControllerShapes:
         self._model, self._scene = model, config.scene
         self._tension = config.controller.tension
 
-    def __call__(self, view: View, trocar: Vector) -> list[Shape]:
+    def __call__(self, view: ControllerSnapshot, trocar: Vector) -> list[Shape]:
         """Shapes of a state, base frame.
 
         Args:
@@ -76,7 +76,7 @@ class ControllerShapes:
             Shape("grasp point", ShapeKind.BALLS, grasp, BALL, GRASP),
         ]
 
-    def _way(self, view: View, trocar: Vector) -> list[Shape]:
+    def _way(self, view: ControllerSnapshot, trocar: Vector) -> list[Shape]:
         def tips_of(path: Path) -> tuple[Points, Points]:
             samples = path.sample(self._model.chain, trocar, PER_KNOT)
             return samples.s, samples.tip
@@ -91,7 +91,7 @@ class ControllerShapes:
         travelled = line("path travelled", way.travelled, TRAVELLED)
         return travelled + line("path ahead", way.ahead, AHEAD)
 
-    def _pull(self, view: View, tip: Vector) -> list[Shape]:
+    def _pull(self, view: ControllerSnapshot, tip: Vector) -> list[Shape]:
         words = tension_words(view)
         shapes = [_label("tension words", tip + TENSION_LABEL, words)]
         tension = view.tension
@@ -103,7 +103,7 @@ class ControllerShapes:
         return shapes
 
 
-def tension_words(view: View) -> str:
+def tension_words(view: ControllerSnapshot) -> str:
     """Tension, where it is to go, and the state: "1.02 N -> 1.25 N, active"."""
     goal = f" -> {view.tension_target:.2f} N" if view.tension_target else ""
     return f"{view.tension:.2f} N{goal}, {view.mode.state.value}"

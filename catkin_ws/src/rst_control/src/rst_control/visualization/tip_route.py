@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rst_control.execution.orders import View
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.planning.plan import Phase
 from rst_control.trajectory.path import Path
 from rst_control.visualization.shapes import Points
@@ -35,7 +35,7 @@ class Route:
     ahead: tuple[RoutePart, ...] = ()
 
 
-def route(view: View) -> Route:
+def route(view: ControllerSnapshot) -> Route:
     """Way of the plan under way; at rest with tissue held, that of the pull; else none."""
     if view.motion is not None and view.plan is not None:
         return _of_phases(view, view.plan.phases)
@@ -55,7 +55,7 @@ def tips(part: RoutePart, tips_of_path: TipsOfPath) -> Points:
     return np.column_stack([np.interp(wanted, s, places[:, k]) for k in range(3)])
 
 
-def _of_phases(view: View, phases: tuple[Phase, ...]) -> Route:
+def _of_phases(view: ControllerSnapshot, phases: tuple[Phase, ...]) -> Route:
     present = _present(view, phases)
     travelled, ahead = [], []
     for k, phase in enumerate(phases):
@@ -71,7 +71,7 @@ def _of_phases(view: View, phases: tuple[Phase, ...]) -> Route:
     return Route(tuple(travelled), tuple(ahead))
 
 
-def _present(view: View, phases: tuple[Phase, ...]) -> int:
+def _present(view: ControllerSnapshot, phases: tuple[Phase, ...]) -> int:
     """Which phase is under way; two of a kind differ by their paths."""
     kind = view.motion.phase if view.motion else None
     same = [k for k, phase in enumerate(phases) if phase.kind is kind]

@@ -108,7 +108,7 @@ class AssistServer:
         """Tell every running goal how far it is."""
         running = list(self._running.values())
         if running:
-            feedback = feedback_message(self._executor.view)
+            feedback = feedback_message(self._executor.snapshot)
             for goal in running:
                 goal.publish_feedback(feedback)
 

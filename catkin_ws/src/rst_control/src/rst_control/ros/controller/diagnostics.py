@@ -7,7 +7,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from rst_control.execution.loop_statistics import LoopSummary
-from rst_control.execution.orders import View
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.ros.controller.messages import code_of
 from rst_control.types import LATCHED
 
@@ -29,7 +29,7 @@ class Diagnostics:
 
     def publish(
         self,
-        view: View,
+        view: ControllerSnapshot,
         loop: LoopSummary,
         objection: str,
         command_age: float,
@@ -52,7 +52,7 @@ class Diagnostics:
         self._publisher.publish(array)
 
     def _robot(
-        self, view: View, objection: str, command_age: float, trocar: str
+        self, view: ControllerSnapshot, objection: str, command_age: float, trocar: str
     ) -> DiagnosticStatus:
         level, message = DiagnosticStatus.OK, view.mode.state.value
         if view.mode.state in LATCHED:

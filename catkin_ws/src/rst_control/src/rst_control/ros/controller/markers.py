@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from rst_control.config import MotionConfig
-from rst_control.execution.orders import View
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.marker_topic import MarkerTopic
 from rst_control.ros.controller.messages import RosClock
@@ -32,7 +32,7 @@ class ControllerMarkers:
         self,
         config: MotionConfig,
         context: ActiveTrocarContext,
-        look: Callable[[], View],
+        look: Callable[[], ControllerSnapshot],
         clock: RosClock,
     ) -> None:
         self._make = ControllerShapes(context.current.model, config)

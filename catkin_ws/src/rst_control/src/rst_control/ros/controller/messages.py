@@ -8,8 +8,11 @@ import rospy
 from geometry_msgs.msg import PointStamped
 
 from rst_control.admission.callers import caller_name
-from rst_control.execution.orders import DiaryEntry, Outcome, View
-from rst_control.msg import AssistFeedback, AssistResult, ControllerState, Event
+from rst_control.execution.event_log import Event
+from rst_control.execution.orders import Outcome
+from rst_control.execution.snapshot import ControllerSnapshot
+from rst_control.msg import AssistFeedback, AssistResult, ControllerState
+from rst_control.msg import Event as EventMessage
 from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.types import BASE, LATCHED, Cause, Reason, Vector
 
@@ -32,7 +35,7 @@ class RosClock:
         return rospy.Time.from_sec(max(0.0, steady + self._offset))
 
 
-def state_message(view: View, clock: RosClock) -> ControllerState:
+def state_message(view: ControllerSnapshot, clock: RosClock) -> ControllerState:
     """The controller's state for `rst_control/state`."""
     mode, motion = view.mode, view.motion
     halted, refused = view.latch, view.last_refusal
@@ -60,19 +63,19 @@ def state_message(view: View, clock: RosClock) -> ControllerState:
     return message
 
 
-def event_message(entry: DiaryEntry, clock: RosClock) -> Event:
-    """A diary entry for `rst_control/event`."""
-    message = Event(
-        kind=entry.kind,
-        command=entry.command,
-        message=entry.message,
-        reason_code=code_of(entry.reason),
+def event_message(event: Event, clock: RosClock) -> EventMessage:
+    """An event for `rst_control/event`."""
+    message = EventMessage(
+        kind=event.kind,
+        command=event.command,
+        message=event.message,
+        reason_code=code_of(event.reason),
     )
-    message.header.stamp = clock.stamp(entry.stamp)
+    message.header.stamp = clock.stamp(event.stamp)
     return message
 
 
-def feedback_message(view: View) -> AssistFeedback:
+def feedback_message(view: ControllerSnapshot) -> AssistFeedback:
     """Progress of an action goal."""
     return AssistFeedback(
         phase=view.phase,

@@ -16,7 +16,7 @@ from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.config import MotionConfig
 from rst_control.errors import RstError
-from rst_control.execution.orders import View
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.robot_model import RobotModel, parse_robot
 from rst_control.msg import ControllerState, Event
 from rst_control.registration.trocar import position_words
@@ -118,9 +118,9 @@ class ControllerNode:
         """Bring the robot to rest, then end all threads; called before the topics are closed."""
         self._executor.stop(Cause(Reason.SHUTDOWN, "the controller is being shut down"))
         end = time.monotonic() + BRAKING_TIME
-        while self._executor.view.is_moving and time.monotonic() < end:
+        while self._executor.snapshot.is_moving and time.monotonic() < end:
             time.sleep(0.005)
-        time.sleep(3 * self._state_period)  # the last entries of the diary are still to be sent
+        time.sleep(3 * self._state_period)  # the last events are still to be sent
         self._stack.close()
 
     def _tick(self, due: float) -> None:
@@ -131,8 +131,8 @@ class ControllerNode:
             self._link.hold()
         self._is_sending = setpoint is not None
 
-    def _look(self) -> View:
-        return self._executor.view
+    def _look(self) -> ControllerSnapshot:
+        return self._executor.snapshot
 
     def _plan(self) -> None:
         queued = self._commands.next(timeout=0.2)
@@ -146,11 +146,11 @@ class ControllerNode:
 
     def _publish(self) -> None:
         time.sleep(self._state_period)
-        view = self._executor.view
+        view = self._executor.snapshot
         self._recording.check(view)
         self._state.publish(state_message(view, self._clock))
-        while self._executor.diary:
-            self._event.publish(event_message(self._executor.diary.popleft(), self._clock))
+        while self._executor.events:
+            self._event.publish(event_message(self._executor.events.popleft(), self._clock))
         now = time.monotonic()
         if self._is_due("feedback", now, 1.0 / FEEDBACK_RATE):
             self._actions.publish_feedback()

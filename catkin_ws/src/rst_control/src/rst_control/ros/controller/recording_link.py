@@ -12,7 +12,7 @@ from std_msgs.msg import String
 from rst_control.admission.recording_gate import RecordingNews, RecordingWatch
 from rst_control.commands.parser import shown
 from rst_control.execution.executor import Executor
-from rst_control.execution.orders import View
+from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.ros.controller.diagnostics import make_status
 from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.types import Reason, State
@@ -48,7 +48,7 @@ class RecordingLink:
         """Note what has become of one, before its silence tells."""
         self._watch.lost(recorder, words)
 
-    def check(self, view: View) -> None:
+    def check(self, view: ControllerSnapshot) -> None:
         """Stop what may not go on unrecorded, and tell what is new."""
         if view.mode.state is State.MOVING and (cause := self._watch.stop_cause(view.plan)):
             self._executor.stop(cause)

@@ -106,7 +106,7 @@ class TrocarService:
         return reply
 
     def _record(self) -> Reply:
-        return self._poses.record(self._executor.view, time.monotonic())
+        return self._poses.record(self._executor.snapshot, time.monotonic())
 
     def _turn_away(self, request: genpy.Message) -> Reply | None:
         """Refuse a call of somebody who may not call, or calls too often; None: take it."""
