@@ -16,13 +16,13 @@ from typed_config import ConfigError
 from voice_assist.errors import VoiceError
 from voice_assist.profile import thresholds
 from voice_assist.profile.manifest import COMMAND, Manifest, Take, from_bytes, to_bytes
-from voice_assist.profile.profile import Profile, ProfileError, create_profile, open_profile
+from voice_assist.profile.profile import ProfileError, VoiceProfile, create_profile, open_profile
 
 FILES = ("profile.json", "takes/0001.wav", "settings.json")
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Profile:
+def whole(tmp_path_factory: pytest.TempPathFactory) -> VoiceProfile:
     made = create_profile("ada", "ab" * 32, tmp_path_factory.mktemp("whole"))
     facts = {"kind": COMMAND, "phrase": "stop", "time": "2026-11-21", "source": "test"}
     numbers = {"seconds": 0.1, "level_db": -20.0, "snr_db": 30.0}
@@ -50,7 +50,7 @@ def read_all(root: Path) -> dict[str, bytes]:
     kind=st.sampled_from(("change", "cut", "insert")),
 )
 def test_damage_is_named_or_harmless(
-    whole: Profile, name: str, at: float, value: int, kind: str
+    whole: VoiceProfile, name: str, at: float, value: int, kind: str
 ) -> None:
     before = read_all(whole.folder.parent)
     with tempfile.TemporaryDirectory() as folder:
@@ -88,6 +88,6 @@ def test_any_bytes_as_thresholds_are_refused(data: bytes) -> None:
         thresholds.from_bytes(data)
 
 
-def test_a_manifest_comes_back_as_it_was_written(whole: Profile) -> None:
+def test_a_manifest_comes_back_as_it_was_written(whole: VoiceProfile) -> None:
     found: Manifest = from_bytes(to_bytes(whole.manifest), "profile.json")
     assert found == whole.manifest

@@ -8,7 +8,7 @@ import pytest
 from voice_assist.assembly import make_pipeline
 from voice_assist.audio.wav_file import read_sound
 from voice_assist.config import load_voice_config
-from voice_assist.evaluation.evaluator import Clip, Evaluator
+from voice_assist.evaluation.evaluator import Evaluator, LabelledClip
 from voice_assist.types import Mode
 
 COMMANDS = ("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate")
@@ -34,7 +34,7 @@ def spoken(folder, text, voice):
     words = ["espeak-ng", "-v", voice, "-s", "150", "-w", str(path), text]
     subprocess.run(words, check=True)
     assert len(read_sound(path)) > 3000
-    return Clip(2, path, text, "")
+    return LabelledClip(2, path, text, "")
 
 
 @pytest.mark.parametrize("voice", VOICES)

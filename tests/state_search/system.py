@@ -240,11 +240,11 @@ class Search:
     # The product's rules, asked once for each case.
 
     def _hear(self, text, mode):
-        state = dialogue.State(mode, "")
+        state = dialogue.DialogueState(mode, "")
         outcome = self._mapper(text)
         if not isinstance(outcome, Match):
-            return dialogue.Step(state, (), outcome.rejection)
-        return dialogue.step(state, dialogue.Heard(COMMANDS.get(outcome.command)))
+            return dialogue.DialogueStep(state, (), outcome.rejection)
+        return dialogue.step(state, dialogue.CommandRecognized(COMMANDS.get(outcome.command)))
 
     def _queue(self, command, is_spoken):
         posted = _Posted()

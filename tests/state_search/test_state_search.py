@@ -122,12 +122,13 @@ def test_the_voice_mode_depends_on_nothing_but_the_mode_and_the_word():
     for mode in Mode:
         for config in SPOKEN.commands:
             steps = [
-                dialogue.step(dialogue.State(mode, why), dialogue.Heard(config)) for why in reasons
+                dialogue.step(dialogue.DialogueState(mode, why), dialogue.CommandRecognized(config))
+                for why in reasons
             ]
             assert len({(done.state.mode, done.actions) for done in steps}) == 1
             for why, accepted in ((why, a) for why in reasons for a in (True, False)):
                 answer = dialogue.Answered(config.phrase, accepted, "x")
-                assert dialogue.step(dialogue.State(mode, why), answer).state.mode is mode
+                assert dialogue.step(dialogue.DialogueState(mode, why), answer).state.mode is mode
 
 
 # Rules that are broken on purpose: the search must find each of them.
@@ -227,7 +228,7 @@ def a_recorder_nobody_asks_for(patch):
 
 def a_dialogue_that_hears_commands_in_standby(patch):
     step = dialogue.step
-    awake = lambda state, event: step(dialogue.State(Mode.ACTIVE, state.reason), event)  # noqa: E731
+    awake = lambda state, event: step(dialogue.DialogueState(Mode.ACTIVE, state.reason), event)  # noqa: E731
     patch.setattr(dialogue, "step", awake)
 
 

@@ -35,7 +35,7 @@ from voice_assist.recognizer.recognizer import NOTHING_SAID
 from voice_assist.recognizer.vocabulary import PROMPT
 from voice_assist.text.normalize import normalize
 from voice_assist.text.wer import wer
-from voice_assist.types import RATE, Match, Mode, NoMatch, never
+from voice_assist.types import RATE, Match, Mode, NoMatch, never_hopeless
 from voice_assist.vad.detector import make_detector as real_detector
 
 needs_espeak = pytest.mark.skipif(shutil.which("espeak-ng") is None, reason="needs espeak-ng")
@@ -268,9 +268,9 @@ class Listener(FakeRecognizer):
         super().__init__()
         self.sounds = []
 
-    def transcribe(self, samples, loses=never):
+    def transcribe(self, samples, is_hopeless=never_hopeless):
         self.sounds.append(np.array(samples))
-        return super().transcribe(samples, loses)
+        return super().transcribe(samples, is_hopeless)
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from voice_assist.assembly import make_recognizer
 from voice_assist.config import VoiceConfig, load_voice_config
 from voice_assist.recognizer.recognizer import Recognizer
 from voice_assist.ros import voice_node
-from voice_assist.types import Hypothesis, Loses, Samples, never
+from voice_assist.types import Hypothesis, IsHopeless, Samples, never_hopeless
 
 
 class Failing:
@@ -36,7 +36,7 @@ class Failing:
         signal.signal(signal.SIGUSR1, lambda *_: self._fail("hang"))
         signal.signal(signal.SIGUSR2, lambda *_: self._fail("crash"))
 
-    def transcribe(self, samples: Samples, loses: Loses = never) -> Hypothesis:
+    def transcribe(self, samples: Samples, is_hopeless: IsHopeless = never_hopeless) -> Hypothesis:
         """Text of the sound."""
         if self._way:
             self._failed.publish(Float64(data=time.monotonic()))
@@ -44,7 +44,7 @@ class Failing:
             threading.Event().wait()
         if self._way == "crash":
             raise ArithmeticError("the recogniser crashed, as the bench asked")
-        return self._real.transcribe(samples, loses)
+        return self._real.transcribe(samples, is_hopeless)
 
     def score(self, samples: Samples, phrases: Sequence[str]) -> dict[str, float]:
         """Scores of phrases in the sound."""

@@ -13,7 +13,7 @@ from rst_control.admission.command_queue import CommandQueue, PendingCommand
 from rst_control.execution.executor import Executor
 from rst_control.types import Cause, Reason
 from voice_assist.config import CommandsConfig
-from voice_assist.intent.dialogue import AT_START, Answered, Heard, State, step
+from voice_assist.intent.dialogue import AT_START, Answered, CommandRecognized, DialogueState, step
 from voice_assist.intent.mapper import Mapper
 from voice_assist.types import Call, Halt, Match, Mode
 
@@ -40,7 +40,7 @@ class Voice:
     def __init__(self, commands: CommandsConfig, queue: CommandQueue, executor: Executor) -> None:
         self._commands, self._mapper = commands, Mapper(commands)
         self._queue, self._executor = queue, executor
-        self.state: State = AT_START
+        self.state: DialogueState = AT_START
         self.is_alive = True  # its heartbeat goes on
         self._calls: deque[str] = deque()
         self._pending: PendingCommand | None = None
@@ -50,7 +50,7 @@ class Voice:
         outcome = self._mapper(transcript)
         if not isinstance(outcome, Match):
             return Said("", has_acted=False)
-        done = step(self.state, Heard(self._commands.get(outcome.command)))
+        done = step(self.state, CommandRecognized(self._commands.get(outcome.command)))
         self.state = done.state
         for action in done.actions:
             if isinstance(action, Halt):

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from voice_assist.assembly import make_pipeline, make_recognizer
-from voice_assist.audio.robot_speech import Spoke
+from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.audio.source import FRAME, Framer
 from voice_assist.config import VoiceConfig, load_voice_config
 from voice_assist.evaluation.evaluator import StreamClock
@@ -21,11 +21,11 @@ from voice_assist.types import (
     RATE,
     Decision,
     Hypothesis,
-    Loses,
+    IsHopeless,
     Match,
     Mode,
     Samples,
-    never,
+    never_hopeless,
 )
 
 Way = Literal["both", "recogniser", "spotter"]  # what listens for a stop
@@ -87,7 +87,7 @@ class Deaf:
 
     name, model_hash = "deaf", ""
 
-    def transcribe(self, samples: Samples, loses: Loses = never) -> Hypothesis:
+    def transcribe(self, samples: Samples, is_hopeless: IsHopeless = never_hopeless) -> Hypothesis:
         """Nothing."""
         return Hypothesis("", 0.0, 1.0)
 
@@ -124,7 +124,7 @@ class Listener:
                 pipeline.set_mode(scene.mode, "bench")
             while told and told[0][0] < frame.stamp + frame.duration:
                 at, is_speaking = told.pop(0)
-                pipeline.robot_spoke(Spoke(is_speaking, at))
+                pipeline.robot_spoke(RobotSpeechChange(is_speaking, at))
             armed += pipeline.state.mode is Mode.ACTIVE
             self._clock.begin(frame.stamp + frame.duration)
             events = pipeline(frame)

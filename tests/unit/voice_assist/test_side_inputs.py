@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
 
-from voice_assist.side_inputs import Circumstance, Circumstances, Kind, from_text, to_text
+from voice_assist.side_inputs import SideInput, SideInputKind, SideInputs, from_text, to_text
 
 
-@pytest.mark.parametrize("kind", Kind)
+@pytest.mark.parametrize("kind", SideInputKind)
 def test_text_and_back_is_the_same(kind):
-    one = Circumstance(kind, 512, 1024, "pull more", True, 'it said "no" \n')
+    one = SideInput(kind, 512, 1024, "pull more", True, 'it said "no" \n')
     assert from_text(to_text(one)) == one
     assert "\n" not in to_text(one)
 
@@ -20,13 +20,15 @@ def test_other_text_is_refused(line):
 
 
 def test_answers_are_taken_once_and_in_order_before_their_frame():
-    said = [Circumstance(Kind.ANSWERED, s, 0, c) for s, c in ((512, "a"), (512, "b"), (2048, "c"))]
-    past = Circumstances(said)
-    assert [past.take_told(sample) for sample in (0, 512, 1024, 1536)] == [[], said[:2], [], []]
-    assert past.take_told(4096) == said[2:]
+    said = [
+        SideInput(SideInputKind.ANSWERED, s, 0, c) for s, c in ((512, "a"), (512, "b"), (2048, "c"))
+    ]
+    past = SideInputs(said)
+    assert [past.take_reported(sample) for sample in (0, 512, 1024, 1536)] == [[], said[:2], [], []]
+    assert past.take_reported(4096) == said[2:]
 
 
 def test_progress_is_the_furthest_sample():
-    past = Circumstances(Circumstance(Kind.HEARD, s) for s in (15_872, 31_744))
+    past = SideInputs(SideInput(SideInputKind.HEARD, s) for s in (15_872, 31_744))
     assert past.heard_until == 31_744
-    assert Circumstances([]).heard_until == 0
+    assert SideInputs([]).heard_until == 0

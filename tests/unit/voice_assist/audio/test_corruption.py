@@ -8,7 +8,7 @@ from bench.safety.sound.kinds import byte_swapped, crackle, talk
 from support.theatre_sound import speak, theatre_noise
 from tests.unit.voice_assist.pipeline.test_pipeline import commands, make, refusals, run
 from tests.unit.voice_assist.support import fake_speech
-from voice_assist.audio.corruption import damage, smoothness, spikes
+from voice_assist.audio.corruption import find_corruption, smoothness, spikes
 from voice_assist.types import RATE
 
 
@@ -28,18 +28,18 @@ def test_commands_are_not_damaged(command, voice, snr):
     sound = speak(command, voice, 150).astype(np.float64)
     noise = theatre_noise(len(sound) / RATE + 0.1, 0.1, 3)[: len(sound)].astype(np.float64)
     noise *= np.std(sound) / np.std(noise) * 10 ** (-snr / 20)
-    assert damage(np.clip(sound + noise, -1.0, 1.0).astype(np.float32)) == ""
+    assert find_corruption(np.clip(sound + noise, -1.0, 1.0).astype(np.float32)) == ""
 
 
 def test_shouted_commands_are_not_damaged():
     loud = np.clip(10.0 * speak("pull more", "en-us", 150), -1.0, 1.0)
-    assert damage(loud) == ""
+    assert find_corruption(loud) == ""
 
 
 @pytest.mark.parametrize("make_it", [byte_swapped, crackle])
 def test_what_broke_on_its_way_is_named(make_it):
     sound = np.clip(make_it(20.0, rng()), -1.0, 1.0).astype(np.float32)
-    found = [damage(part) for part in seconds(sound)]
+    found = [find_corruption(part) for part in seconds(sound)]
     assert np.mean([words != "" for words in found]) > 0.9
     assert all(words.startswith("damaged sound: ") for words in found if words)
 
@@ -47,13 +47,13 @@ def test_what_broke_on_its_way_is_named(make_it):
 def test_talk_is_not():
     spoken = [part for part in seconds(talk(20.0, rng())) if np.std(part) > 0.01]
     assert len(spoken) > 10
-    assert not any(damage(part.astype(np.float32)) for part in spoken)
+    assert not any(find_corruption(part.astype(np.float32)) for part in spoken)
 
 
 @pytest.mark.parametrize("length", [0, 1, 2, RATE])
 def test_silence_of_any_length_is_not(length):
     silence = np.zeros(length, np.float32)
-    assert damage(silence) == "" and smoothness(silence) == 1.0 and spikes(silence) == 0
+    assert find_corruption(silence) == "" and smoothness(silence) == 1.0 and spikes(silence) == 0
 
 
 def heard(words):

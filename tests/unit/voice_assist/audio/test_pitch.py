@@ -7,7 +7,7 @@ import pytest
 from support.theatre_sound import speak
 from tests.unit.voice_assist.pipeline.test_pipeline import commands, hear, make, refusals, run
 from tests.unit.voice_assist.support import fake_speech
-from voice_assist.audio.pitch import glide
+from voice_assist.audio.pitch import pitch_variation
 from voice_assist.config import load_voice_config
 from voice_assist.types import RATE
 
@@ -43,24 +43,24 @@ def with_noise(sound, snr):
 def test_bursts_of_alarms_are_tones(base, harmonics, snr):
     for steps in ((1.0,), (1.0, 1.26), (1.0, 1.26, 1.5), (1.0, 1.0, 1.0, 2.0, 2.0)):
         sound = with_noise(notes([base * step for step in steps], harmonics), snr)
-        assert glide(sound) < LEAST
+        assert pitch_variation(sound) < LEAST
 
 
 @pytest.mark.parametrize("command", ["tense", "release", "pull more", "pull less"])
 @pytest.mark.parametrize("voice", ["en-us", "en-gb+m3", "en-us+f3"])
 def test_voices_are_none(voice, command):
     sound = speak(command, voice, 150)
-    assert glide(sound) > 5.0 * LEAST
-    assert glide(with_noise(sound.astype(np.float64), 0)) > 5.0 * LEAST
+    assert pitch_variation(sound) > 5.0 * LEAST
+    assert pitch_variation(with_noise(sound.astype(np.float64), 0)) > 5.0 * LEAST
 
 
 @pytest.mark.parametrize("sound", [np.zeros(0), np.zeros(900), np.zeros(RATE)])
 def test_where_there_is_nothing_to_tell_it_is_no_tone(sound):
-    assert glide(sound.astype(np.float32)) == float("inf")
+    assert pitch_variation(sound.astype(np.float32)) == float("inf")
 
 
 def test_an_octave_up_between_two_steady_notes_is_still_a_tone():
-    assert glide(notes((300.0, 600.0), 4).astype(np.float32)) < 0.2
+    assert pitch_variation(notes((300.0, 600.0), 4).astype(np.float32)) < 0.2
 
 
 @pytest.fixture

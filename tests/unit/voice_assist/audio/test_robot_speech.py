@@ -3,7 +3,7 @@ import pytest
 
 from tests.unit.voice_assist.pipeline.test_pipeline import COMMANDS, commands, make, refusals, run
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
-from voice_assist.audio.robot_speech import Spoke, Talkback
+from voice_assist.audio.robot_speech import RobotSpeech, RobotSpeechChange
 from voice_assist.config import load_voice_config
 from voice_assist.types import Mode
 
@@ -17,7 +17,7 @@ def hear(text, *told, mode=Mode.ACTIVE, recognizer=None):
     """A sentence, and what is told of the loudspeaker at which second of it."""
     pipeline, clock = make(mode, recognizer)
     for at, is_speaking in told:
-        pipeline.robot_spoke(Spoke(is_speaking, START + at))
+        pipeline.robot_spoke(RobotSpeechChange(is_speaking, START + at))
     return run(pipeline, clock, frames(say(text), start=START))
 
 
@@ -58,13 +58,13 @@ def test_it_cannot_wake_what_its_own_stop_has_stopped():
 
 
 def test_a_beginning_told_again_lasts_longer():
-    talkback = Talkback(CONFIG)
-    talkback.tell(Spoke(True, 0.0))
-    talkback.tell(Spoke(True, 10.0))
-    assert talkback.is_in(10.0 + CONFIG.max_duration)
-    assert not talkback.is_in(10.1 + CONFIG.max_duration)
-    talkback.reset()
-    assert not talkback.is_in(0.0)
+    robot_speech = RobotSpeech(CONFIG)
+    robot_speech.update(RobotSpeechChange(True, 0.0))
+    robot_speech.update(RobotSpeechChange(True, 10.0))
+    assert robot_speech.is_in(10.0 + CONFIG.max_duration)
+    assert not robot_speech.is_in(10.1 + CONFIG.max_duration)
+    robot_speech.reset()
+    assert not robot_speech.is_in(0.0)
 
 
 OVER = "the now mumble 0.3 stop 0.3 mumble the now"

@@ -19,7 +19,7 @@ from voice_assist.enrolment.pipeline_probe import PipelineProbe
 from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile.active import PersonalRecognizer, personalise
 from voice_assist.profile.manifest import ACTIVE, COMMAND, REFUSED, TALK, Take
-from voice_assist.profile.profile import Profile, ProfileError, create_profile
+from voice_assist.profile.profile import ProfileError, VoiceProfile, create_profile
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
@@ -69,7 +69,7 @@ def config() -> EnrolmentConfig:
 
 
 @pytest.fixture(scope="module")
-def profile(voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognizer) -> Profile:
+def profile(voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognizer) -> VoiceProfile:
     made = create_profile("ada", base.model_hash, Path(voice.profile.folder))
     check = TakeCheck(config.checks, voice.commands, base)
     session = EnrolmentScript(made, config, voice.commands.phrases, check)
@@ -83,7 +83,7 @@ def profile(voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognize
 
 
 def test_a_profile_of_good_takes_is_active_with_report_and_thresholds(
-    profile: Profile, voice: VoiceConfig
+    profile: VoiceProfile, voice: VoiceConfig
 ) -> None:
     assert profile.manifest.state == ACTIVE, profile.manifest.why
     report = json.loads(profile.read("report.json"))
@@ -94,7 +94,7 @@ def test_a_profile_of_good_takes_is_active_with_report_and_thresholds(
 
 
 def test_with_the_profile_commands_are_taken_and_talk_does_nothing(
-    profile: Profile, voice: VoiceConfig, base: EmbeddedRecognizer
+    profile: VoiceProfile, voice: VoiceConfig, base: EmbeddedRecognizer
 ) -> None:
     in_force = dataclasses.replace(voice, profile=dataclasses.replace(voice.profile, name="ada"))
     personal = personalise(in_force.profile, base)
@@ -107,7 +107,7 @@ def test_with_the_profile_commands_are_taken_and_talk_does_nothing(
 
 
 def test_a_profile_of_wrong_words_is_refused_and_names_them(
-    profile: Profile, voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognizer
+    profile: VoiceProfile, voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognizer
 ) -> None:
     swapped = create_profile("eve", base.model_hash, Path(voice.profile.folder))
     other = {"pull more": "pull less", "pull less": "pull more"}

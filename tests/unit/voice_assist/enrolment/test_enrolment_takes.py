@@ -20,7 +20,7 @@ from voice_assist.enrolment.recording import record
 from voice_assist.enrolment.script import GOOD, UNLIKE, EnrolmentScript
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK
-from voice_assist.profile.profile import Profile, create_profile, open_profile
+from voice_assist.profile.profile import VoiceProfile, create_profile, open_profile
 from voice_assist.types import RATE, Frame, Samples, frozen_samples
 
 COMMANDS = load_voice_config().commands
@@ -102,12 +102,12 @@ def test_talk_needs_some_speech_and_the_room_none() -> None:
 
 
 @pytest.fixture
-def profile(tmp_path: Path) -> Profile:
+def profile(tmp_path: Path) -> VoiceProfile:
     return create_profile("ada", "ab" * 32, tmp_path / "profiles")
 
 
 def session(
-    profile: Profile, repetitions: int = 3, talk: float = 4.0, **scores: float
+    profile: VoiceProfile, repetitions: int = 3, talk: float = 4.0, **scores: float
 ) -> EnrolmentScript:
     config = dataclasses.replace(CONFIG, repetitions=repetitions, talk=talk, talk_piece=2.0)
     return EnrolmentScript(profile, config, COMMANDS.phrases, check(**scores))
@@ -128,7 +128,7 @@ def follow(script: EnrolmentScript, limit: int = 100) -> list[str]:
     return asked
 
 
-def test_the_script_asks_for_the_room_the_commands_in_turns_and_talk(profile: Profile) -> None:
+def test_the_script_asks_for_the_room_the_commands_in_turns_and_talk(profile: VoiceProfile) -> None:
     asked = follow(session(profile))
     assert asked[0] == ROOM
     assert asked[1:8] == list(COMMANDS.phrases)
@@ -137,7 +137,7 @@ def test_the_script_asks_for_the_room_the_commands_in_turns_and_talk(profile: Pr
     assert 2 <= len(asked[22:]) <= 3
 
 
-def test_what_is_there_is_not_asked_again(profile: Profile) -> None:
+def test_what_is_there_is_not_asked_again(profile: VoiceProfile) -> None:
     first = follow(session(profile), limit=9)
     again = open_profile("ada", profile.folder.parent)
     rest = follow(session(again))
@@ -147,7 +147,7 @@ def test_what_is_there_is_not_asked_again(profile: Profile) -> None:
     )
 
 
-def test_a_wrong_word_is_never_kept(profile: Profile) -> None:
+def test_a_wrong_word_is_never_kept(profile: VoiceProfile) -> None:
     script = session(profile, **{"stop": 9.0, "tense": -60.0})
     step = next(s for s in [script.next()] if s)
     script.offer(step, silence(3.0).astype(np.float32))
@@ -157,7 +157,7 @@ def test_a_wrong_word_is_never_kept(profile: Profile) -> None:
     assert [take.kind for take in profile.manifest.takes] == [ROOM]
 
 
-def test_what_is_unlike_twice_is_how_the_person_says_it(profile: Profile) -> None:
+def test_what_is_unlike_twice_is_how_the_person_says_it(profile: VoiceProfile) -> None:
     script = session(profile, tense=-60.0)
     step = script.next()
     assert step is not None
@@ -175,7 +175,9 @@ def write(folder: Path, name: str, sound: Samples) -> None:
     soundfile.write(folder / name, sound, RATE)
 
 
-def test_recordings_are_taken_over_by_their_names_once(profile: Profile, tmp_path: Path) -> None:
+def test_recordings_are_taken_over_by_their_names_once(
+    profile: VoiceProfile, tmp_path: Path
+) -> None:
     folder = tmp_path / "wavs"
     write(folder, "pull_more-1.wav", said("pull more"))
     write(folder, "stop-2.flac", said("stop"))

@@ -14,9 +14,9 @@ from voice_assist.errors import ManifestError
 from voice_assist.evaluation import command as evaluate_module
 from voice_assist.evaluation.command import Job, evaluate
 from voice_assist.evaluation.evaluator import (
-    Clip,
+    ClipOutcome,
     Evaluator,
-    Outcome,
+    LabelledClip,
     StreamClock,
     Taken,
     read_manifest,
@@ -219,7 +219,7 @@ def test_sound_damaged_behind_its_header_is_named_by_its_row(tmp_path):
     soundfile.write(tmp_path / "a.flac", say("stop"), RATE)
     whole = (tmp_path / "a.flac").read_bytes()
     (tmp_path / "a.flac").write_bytes(whole[:200] + bytes(len(whole) - 200))
-    clip = Clip(5, tmp_path / "a.flac", "stop", "stop")
+    clip = LabelledClip(5, tmp_path / "a.flac", "stop", "stop")
     evaluator = Evaluator(
         lambda clock: Pipeline(CONFIG, FakeRecognizer(), make_detector(), clock), Mode.ACTIVE
     )
@@ -249,7 +249,7 @@ def test_the_clock_adds_the_work_to_the_stream():
 
 def outcome(phrase, *commands):
     taken = tuple(Taken(c, c, 0.1 * (i + 1), 0.9) for i, c in enumerate(commands))
-    return Outcome(Clip(2, None, phrase, phrase), 36.0, taken, (), (), 0.5, 37.0)
+    return ClipOutcome(LabelledClip(2, None, phrase, phrase), 36.0, taken, (), (), 0.5, 37.0)
 
 
 def test_a_wrong_command_beside_the_right_one_is_a_confusion():
@@ -268,8 +268,14 @@ def test_rates_of_nothing_are_none():
 
 def test_percentiles_are_those_of_the_clips():
     outcomes = [
-        Outcome(
-            Clip(i, None, "stop", "stop"), 1.0, (Taken("stop", "stop", i / 1e3, 1.0),), (), (), 0, 1
+        ClipOutcome(
+            LabelledClip(i, None, "stop", "stop"),
+            1.0,
+            (Taken("stop", "stop", i / 1e3, 1.0),),
+            (),
+            (),
+            0,
+            1,
         )
         for i in range(101)
     ]

@@ -2,15 +2,15 @@
 import pytest
 
 from voice_assist.config import load_voice_config
-from voice_assist.intent.dialogue import AT_START, Answered, Heard, State, step
+from voice_assist.intent.dialogue import AT_START, Answered, CommandRecognized, DialogueState, step
 from voice_assist.types import Call, Halt, Mode, Rejection, RejectionReason, SetMode
 
 COMMANDS = load_voice_config().commands
-ACTIVE = State(Mode.ACTIVE, "hey robot")
+ACTIVE = DialogueState(Mode.ACTIVE, "hey robot")
 
 
 def after(state, phrase):
-    return step(state, Heard(COMMANDS.get(phrase)))
+    return step(state, CommandRecognized(COMMANDS.get(phrase)))
 
 
 def test_it_starts_in_standby():

@@ -4,9 +4,9 @@ import math
 import pytest
 
 from voice_assist.config import load_voice_config
-from voice_assist.intent.early_decision import Judge, Moment
+from voice_assist.intent.early_decision import DecisionContext, EarlyDecision
 from voice_assist.intent.mapper import Mapper
-from voice_assist.spotter.fusion import SecondWay
+from voice_assist.spotter.fusion import StopFusion
 from voice_assist.types import Hypothesis, Match, NoMatch
 
 CONFIG = load_voice_config(
@@ -20,8 +20,8 @@ CONFIG = load_voice_config(
 
 @pytest.fixture
 def judge():
-    alone = SecondWay(CONFIG.spotter, None)
-    return Judge(Mapper(CONFIG.commands), CONFIG.commands, CONFIG.recognizer.early, alone)
+    alone = StopFusion(CONFIG.spotter, None)
+    return EarlyDecision(Mapper(CONFIG.commands), CONFIG.commands, CONFIG.recognizer.early, alone)
 
 
 def heard(text, confidence=0.8):
@@ -29,7 +29,7 @@ def heard(text, confidence=0.8):
 
 
 def at(time, quiet=0.0, is_complete=False, is_whole=True):
-    return Moment(time, quiet, is_complete, is_whole)
+    return DecisionContext(time, quiet, is_complete, is_whole)
 
 
 def test_stop_needs_two_readings_in_a_row(judge):

@@ -22,7 +22,7 @@ from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, 
 from voice_assist.config import load_voice_config
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.spotter.fusion import SecondWay
+from voice_assist.spotter.fusion import StopFusion
 from voice_assist.spotter.spotter import Spotted
 from voice_assist.types import HearingFault
 
@@ -126,9 +126,9 @@ class Room:
     # --- in place of parts of the node
 
     @staticmethod
-    def pipeline(config, clock, recognizer, spotting, witness):
-        second = SecondWay(config.spotter, spotting)
-        return Pipeline(config, recognizer, make_detector(), clock, second, witness)
+    def pipeline(config, clock, recognizer, spotting, observer):
+        second = StopFusion(config.spotter, spotting)
+        return Pipeline(config, recognizer, make_detector(), clock, second, observer)
 
     def diagnostics(self, health, clock, deaf_after):
         def publish():

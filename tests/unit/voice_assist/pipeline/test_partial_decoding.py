@@ -4,9 +4,9 @@ import pytest
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
 from voice_assist.config import load_voice_config
-from voice_assist.pipeline.partial_decoding import Hearing
+from voice_assist.pipeline.partial_decoding import PartialDecoder
 from voice_assist.types import RATE, Frame, Hypothesis, Utterance, frozen_samples
-from voice_assist.vad.segmenter import Growth
+from voice_assist.vad.segmenter import PartialUtterance
 
 PINNED = {
     "recognizer__early__partial_interval": 0.096,
@@ -27,7 +27,7 @@ class Rig:
         self.late = 0.0
         self.quiet = 0.0
         self.speech_end = 0.0
-        self.hearing = Hearing(self.recognizer, early, lambda: self.now + self.late)
+        self.hearing = PartialDecoder(self.recognizer, early, lambda: self.now + self.late)
 
     def feed(self, is_speech, is_complete=False, seconds=None):
         """One frame; tells whether something can be decided."""
@@ -37,7 +37,7 @@ class Rig:
         samples = frozen_samples(np.zeros(round((seconds or self.now) * RATE)))
         utterance = Utterance(samples, 0.0, self.speech_end, is_complete)
         frame = Frame(samples[:512], 0, self.now - FRAME)
-        self.growth = Growth(utterance, self.quiet, True, 1.0)
+        self.growth = PartialUtterance(utterance, self.quiet, True, 1.0)
         return self.hearing(self.growth, frame, self.now)
 
     @property
@@ -144,13 +144,13 @@ def test_each_look_may_ask_what_loses():
     rig = Rig()
     asked = []
 
-    def transcribe(samples, loses):
-        asked.append(loses("the patient "))
+    def transcribe(samples, is_hopeless):
+        asked.append(is_hopeless("the patient "))
         return Hypothesis("the patient", 0.0, 0.0)
 
     rig.recognizer.transcribe = transcribe
-    rig.hearing = Hearing(
-        rig.recognizer, EARLY, lambda: rig.now, loses=lambda text: text.startswith("the ")
+    rig.hearing = PartialDecoder(
+        rig.recognizer, EARLY, lambda: rig.now, is_hopeless=lambda text: text.startswith("the ")
     )
     for _ in range(8):
         rig.feed(True)

@@ -26,7 +26,7 @@ from voice_assist.types import (
     NoMatch,
     Partial,
     SetMode,
-    never,
+    never_hopeless,
 )
 
 
@@ -323,8 +323,8 @@ class Lapsing(FakeRecognizer):
         super().__init__()
         self.word, self.lapses = word, 0
 
-    def transcribe(self, samples, loses=never):
-        heard = super().transcribe(samples, loses)
+    def transcribe(self, samples, is_hopeless=never_hopeless):
+        heard = super().transcribe(samples, is_hopeless)
         if self.word in heard.text and not self.lapses:
             self.lapses += 1
             return Hypothesis("", -1.5, 1.0)

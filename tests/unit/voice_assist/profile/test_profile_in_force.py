@@ -22,7 +22,7 @@ from voice_assist.profile.active import (
     with_profile,
 )
 from voice_assist.profile.manifest import ACTIVE, REFUSED
-from voice_assist.profile.profile import Profile, ProfileError, create_profile
+from voice_assist.profile.profile import ProfileError, VoiceProfile, create_profile
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.replay.replayer import restore_settings
@@ -36,7 +36,7 @@ def base() -> EmbeddedRecognizer:
 
 
 @pytest.fixture
-def profile(tmp_path: Path, base: EmbeddedRecognizer) -> Profile:
+def profile(tmp_path: Path, base: EmbeddedRecognizer) -> VoiceProfile:
     made = create_profile("ada", base.model_hash, tmp_path / "profiles")
     state = {"ctc.bias": base.model.get_parameter("ctc.bias").detach() + 1.0}
     made.put(model_file.NAME, model_file.to_bytes(state, base.model_hash))
@@ -46,7 +46,7 @@ def profile(tmp_path: Path, base: EmbeddedRecognizer) -> Profile:
     return made
 
 
-def config(profile: Profile, **changes: str) -> VoiceConfig:
+def config(profile: VoiceProfile, **changes: str) -> VoiceConfig:
     wanted = {"name": "ada", "folder": str(profile.folder.parent), **changes}
     return load_voice_config(**{f"profile__{key}": value for key, value in wanted.items()})
 
@@ -60,7 +60,7 @@ def test_nobody_is_the_base_itself(base: EmbeddedRecognizer) -> None:
 
 
 def test_an_active_profile_brings_its_weights_thresholds_and_digest(
-    profile: Profile, base: EmbeddedRecognizer
+    profile: VoiceProfile, base: EmbeddedRecognizer
 ) -> None:
     settings = config(profile)
     personal = personalise(settings.profile, base)
@@ -73,11 +73,11 @@ def test_an_active_profile_brings_its_weights_thresholds_and_digest(
     assert facts_of(personal) == {"profile": "ada", "profile_sha256": profile.digest}
 
 
-def test_one_switch_leads_back_to_the_base(profile: Profile, base: EmbeddedRecognizer) -> None:
+def test_one_switch_leads_back_to_the_base(profile: VoiceProfile, base: EmbeddedRecognizer) -> None:
     assert personalise(config(profile, name=NOBODY).profile, base) is base
 
 
-def test_a_refused_profile_is_not_used_and_says_why(profile: Profile) -> None:
+def test_a_refused_profile_is_not_used_and_says_why(profile: VoiceProfile) -> None:
     profile.judge(REFUSED, ("commands taken from talk: 2, allowed: up to 0",))
     with pytest.raises(ProfileError, match=r"failed its own check \(commands taken from talk: 2"):
         profile_in_force(config(profile).profile)
@@ -90,21 +90,21 @@ def test_an_unfinished_profile_is_not_used(tmp_path: Path) -> None:
 
 
 def test_a_profile_of_another_recogniser_is_not_used(
-    profile: Profile, base: EmbeddedRecognizer
+    profile: VoiceProfile, base: EmbeddedRecognizer
 ) -> None:
     profile.rebase("cd" * 32)
     with pytest.raises(ProfileError, match=r"on top of the recogniser cdcdcdcdcdcd, allowed: "):
         personalise(config(profile).profile, base)
 
 
-def test_damage_is_found_before_anything_is_heard(profile: Profile) -> None:
+def test_damage_is_found_before_anything_is_heard(profile: VoiceProfile) -> None:
     path = profile.folder / model_file.NAME
     path.write_bytes(path.read_bytes()[:-100])
     with pytest.raises(ProfileError, match=r"model.pt has the SHA-256"):
         profile_in_force(config(profile).profile)
 
 
-def test_a_pinned_profile_that_changed_is_not_used(profile: Profile) -> None:
+def test_a_pinned_profile_that_changed_is_not_used(profile: VoiceProfile) -> None:
     pinned = config(profile, sha256=profile.digest).profile
     found = profile_in_force(pinned)
     assert found is not None
@@ -114,12 +114,12 @@ def test_a_pinned_profile_that_changed_is_not_used(profile: Profile) -> None:
         profile_in_force(pinned)
 
 
-def test_a_missing_profile_names_those_that_are_there(profile: Profile) -> None:
+def test_a_missing_profile_names_those_that_are_there(profile: VoiceProfile) -> None:
     with pytest.raises(ProfileError, match=r"no profile 'bob' in .*, there: ada"):
         profile_in_force(config(profile, name="bob").profile)
 
 
-def test_a_name_that_no_profile_can_have_is_refused_at_start(profile: Profile) -> None:
+def test_a_name_that_no_profile_can_have_is_refused_at_start(profile: VoiceProfile) -> None:
     with pytest.raises(ConfigError, match=r"profile"):
         config(profile, name="../ada")
 
@@ -132,7 +132,7 @@ def test_settings_recorded_before_there_were_profiles_mean_nobody() -> None:
     assert settings.speaker.gate == "off"
 
 
-def test_deleting_asks_first(profile: Profile, capsys: pytest.CaptureFixture[str]) -> None:
+def test_deleting_asks_first(profile: VoiceProfile, capsys: pytest.CaptureFixture[str]) -> None:
     asked: list[str] = []
 
     def no(question: str) -> str:
@@ -149,7 +149,7 @@ def test_deleting_asks_first(profile: Profile, capsys: pytest.CaptureFixture[str
 
 
 def test_profiles_are_listed_and_shown_with_what_is_wrong(
-    profile: Profile, capsys: pytest.CaptureFixture[str]
+    profile: VoiceProfile, capsys: pytest.CaptureFixture[str]
 ) -> None:
     root = profile.folder.parent
     create_profile("bob", "ab" * 32, root)
@@ -164,7 +164,7 @@ def test_profiles_are_listed_and_shown_with_what_is_wrong(
         enroll.manage("show", None, root, False)
 
 
-def test_a_voiceprint_is_handed_on(profile: Profile) -> None:
+def test_a_voiceprint_is_handed_on(profile: VoiceProfile) -> None:
     profile.put("voiceprint.npz", b"print")
     settings = dataclasses.replace(config(profile))
     assert with_profile(settings)[1] == b"print"

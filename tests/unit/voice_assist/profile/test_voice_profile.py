@@ -13,8 +13,8 @@ import pytest
 from typed_config import ConfigError
 from voice_assist.profile.manifest import ACTIVE, COMMAND, RECORDING, REFUSED, Take
 from voice_assist.profile.profile import (
-    Profile,
     ProfileError,
+    VoiceProfile,
     create_profile,
     delete_profile,
     names,
@@ -42,7 +42,7 @@ def take(phrase: str = "tense") -> Take:
 
 
 @pytest.fixture
-def profile(tmp_path: Path) -> Profile:
+def profile(tmp_path: Path) -> VoiceProfile:
     made = create_profile("ada", BASE, tmp_path / "profiles")
     sound = np.linspace(-0.5, 0.5, 16000).astype(np.float32)
     made.add_take(sound, take("tense"))
@@ -51,13 +51,13 @@ def profile(tmp_path: Path) -> Profile:
     return made
 
 
-def test_only_the_owner_may_read_anything_of_it(profile: Profile) -> None:
+def test_only_the_owner_may_read_anything_of_it(profile: VoiceProfile) -> None:
     paths = [profile.folder.parent, profile.folder, *profile.folder.rglob("*")]
     modes = {path: stat.S_IMODE(path.stat().st_mode) for path in paths}
     assert all(mode == (0o700 if path.is_dir() else 0o600) for path, mode in modes.items())
 
 
-def test_takes_come_back_as_they_were_said(profile: Profile) -> None:
+def test_takes_come_back_as_they_were_said(profile: VoiceProfile) -> None:
     opened = open_profile("ada", profile.folder.parent)
     opened.check()
     assert [one.phrase for one in opened.manifest.takes] == ["tense", "release"]
@@ -68,21 +68,21 @@ def test_takes_come_back_as_they_were_said(profile: Profile) -> None:
 
 @pytest.mark.parametrize("name", ["profile.json", "takes/0002.wav", "model.pt"])
 def test_a_file_that_others_may_read_is_refused_with_what_to_do(
-    profile: Profile, name: str
+    profile: VoiceProfile, name: str
 ) -> None:
     (profile.folder / name).chmod(0o644)
     with pytest.raises(ProfileError, match=r"permissions 0644, allowed: 0600 \(chmod 600\)"):
         open_profile("ada", profile.folder.parent).check()
 
 
-def test_a_folder_that_others_may_enter_is_refused(profile: Profile) -> None:
+def test_a_folder_that_others_may_enter_is_refused(profile: VoiceProfile) -> None:
     profile.folder.chmod(0o755)
     with pytest.raises(ProfileError, match="0755, allowed: 0700"):
         open_profile("ada", profile.folder.parent)
 
 
 @pytest.mark.parametrize("name", ["takes/0001.wav", "model.pt"])
-def test_a_changed_file_is_named(profile: Profile, name: str) -> None:
+def test_a_changed_file_is_named(profile: VoiceProfile, name: str) -> None:
     path = profile.folder / name
     data = bytearray(path.read_bytes())
     data[-1] ^= 1
@@ -92,13 +92,13 @@ def test_a_changed_file_is_named(profile: Profile, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["takes/0001.wav", "model.pt"])
-def test_a_missing_file_is_named(profile: Profile, name: str) -> None:
+def test_a_missing_file_is_named(profile: VoiceProfile, name: str) -> None:
     (profile.folder / name).unlink()
     with pytest.raises(ProfileError, match=f"{name} is missing"):
         open_profile("ada", profile.folder.parent).check()
 
 
-def test_a_link_in_place_of_a_take_is_refused(profile: Profile, tmp_path: Path) -> None:
+def test_a_link_in_place_of_a_take_is_refused(profile: VoiceProfile, tmp_path: Path) -> None:
     path = profile.folder / "takes/0001.wav"
     elsewhere = tmp_path / "elsewhere.wav"
     path.rename(elsewhere)
@@ -107,7 +107,7 @@ def test_a_link_in_place_of_a_take_is_refused(profile: Profile, tmp_path: Path) 
         open_profile("ada", profile.folder.parent).check()
 
 
-def test_the_profile_of_somebody_else_is_refused(profile: Profile) -> None:
+def test_the_profile_of_somebody_else_is_refused(profile: VoiceProfile) -> None:
     profile.folder.rename(profile.folder.parent / "bob")
     with pytest.raises(ProfileError, match="is that of 'ada'"):
         open_profile("bob", profile.folder.parent)
@@ -120,18 +120,18 @@ def test_names_that_cannot_be_folders_are_refused(tmp_path: Path, name: str) -> 
     assert not list(tmp_path.iterdir())
 
 
-def test_a_profile_is_not_made_twice(profile: Profile) -> None:
+def test_a_profile_is_not_made_twice(profile: VoiceProfile) -> None:
     with pytest.raises(ProfileError, match="'ada' exists already"):
         create_profile("ada", BASE, profile.folder.parent)
 
 
-def test_a_file_that_the_manifest_does_not_name_is_not_read(profile: Profile) -> None:
+def test_a_file_that_the_manifest_does_not_name_is_not_read(profile: VoiceProfile) -> None:
     (profile.folder / "other.bin").write_bytes(b"?")
     with pytest.raises(ProfileError, match=r"has no file 'other.bin', only: model.pt"):
         profile.read("other.bin")
 
 
-def test_a_refusal_keeps_its_reasons(profile: Profile) -> None:
+def test_a_refusal_keeps_its_reasons(profile: VoiceProfile) -> None:
     profile.judge(REFUSED, ("takes: 3 of 21 right",))
     manifest = open_profile("ada", profile.folder.parent).manifest
     assert manifest.state == REFUSED
@@ -140,14 +140,14 @@ def test_a_refusal_keeps_its_reasons(profile: Profile) -> None:
         profile.judge(ACTIVE, ("but why?",))
 
 
-def test_what_was_dropped_is_gone(profile: Profile) -> None:
+def test_what_was_dropped_is_gone(profile: VoiceProfile) -> None:
     profile.drop("model.pt")
     assert not profile.has("model.pt")
     assert not (profile.folder / "model.pt").exists()
     open_profile("ada", profile.folder.parent).check()
 
 
-def test_deleting_leaves_nothing_even_of_a_damaged_profile(profile: Profile) -> None:
+def test_deleting_leaves_nothing_even_of_a_damaged_profile(profile: VoiceProfile) -> None:
     (profile.folder / "profile.json").write_bytes(b"\x00")
     assert delete_profile("ada", profile.folder.parent) == 4
     assert not profile.folder.exists()
@@ -168,7 +168,7 @@ def test_the_folder_is_the_users_own_unless_told(
 
 
 def test_a_broken_off_write_leaves_the_profile_as_it_was(
-    profile: Profile, monkeypatch: pytest.MonkeyPatch
+    profile: VoiceProfile, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = profile.digest
 
@@ -184,12 +184,12 @@ def test_a_broken_off_write_leaves_the_profile_as_it_was(
     assert opened.digest == before
 
 
-def test_a_manifest_with_an_unknown_key_is_damaged(profile: Profile) -> None:
+def test_a_manifest_with_an_unknown_key_is_damaged(profile: VoiceProfile) -> None:
     path = profile.folder / "profile.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), "extra": 1}))
     with pytest.raises(ProfileError, match=r"profile.json is damaged: profile.json.extra"):
         open_profile("ada", profile.folder.parent)
 
 
-def test_recording_is_the_first_state(profile: Profile) -> None:
+def test_recording_is_the_first_state(profile: VoiceProfile) -> None:
     assert profile.manifest.state == RECORDING

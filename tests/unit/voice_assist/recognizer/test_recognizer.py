@@ -77,11 +77,11 @@ def test_a_text_that_loses_keeps_its_true_beginning(embedded):
     sound = say("the surgeon and the nurse had seen it yesterday")
     whole, asked = embedded.transcribe(sound).text, []
 
-    def loses(beginning):
+    def is_hopeless(beginning):
         asked.append(beginning)
         return len(beginning) > 6
 
-    rough = embedded.transcribe(sound, loses)
+    rough = embedded.transcribe(sound, is_hopeless)
     assert len(asked[-1]) > 6
     assert all(whole.startswith(beginning.strip()) for beginning in asked)
     assert rough.text.startswith(asked[-1].strip())

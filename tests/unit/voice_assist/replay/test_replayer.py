@@ -10,15 +10,20 @@ import pytest
 import yaml
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
-from voice_assist.audio.robot_speech import Spoke
+from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, load_voice_config
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.replay import replayer as module
-from voice_assist.replay.recorded_spotter import RecalledSpotter
-from voice_assist.replay.replayer import Rehearing, Unhearable, rehear, restore_settings
-from voice_assist.side_inputs import Circumstance, Circumstances, Kind, from_text, to_text
-from voice_assist.spotter.fusion import SecondWay
+from voice_assist.replay.recorded_spotter import RecordedSpotter
+from voice_assist.replay.replayer import (
+    NotReplayable,
+    PipelineReplay,
+    replay_pipeline,
+    restore_settings,
+)
+from voice_assist.side_inputs import SideInput, SideInputKind, SideInputs, from_text, to_text
+from voice_assist.spotter.fusion import StopFusion
 from voice_assist.spotter.spotter import NEWEST, Spotted
 from voice_assist.types import FULL_SCALE, Decision, Match
 
@@ -50,18 +55,18 @@ class Live:
     def __init__(self, late=lambda frame: 0.0, unheard=lambda frame: False, spotter=None):
         self.now, self.late, self.unheard = 0.0, late, unheard
         self.notes, self.decisions, self.blocks = [], [], []
-        second = SecondWay(CONFIG.spotter, spotter)
-        args = FakeRecognizer(), make_detector(), lambda: self.now, second, self.witness
+        second = StopFusion(CONFIG.spotter, spotter)
+        args = FakeRecognizer(), make_detector(), lambda: self.now, second, self.observe
         self.pipeline = Pipeline(CONFIG, *args)
 
-    def witness(self, circumstance):
-        self.notes.append(to_text(circumstance))
+    def observe(self, side_input):
+        self.notes.append(to_text(side_input))
 
     def hear(self, sound):
         for frame in sound:
             self.blocks.append(recorded(frame))
             if self.unheard(frame):
-                self.witness(Circumstance(Kind.UNHEARD, frame.first_sample))
+                self.observe(SideInput(SideInputKind.UNHEARD, frame.first_sample))
                 continue
             self.now = frame.stamp + frame.duration + self.late(frame)
             found = [e for e in self.pipeline(frame) if isinstance(e, Decision)]
@@ -74,16 +79,16 @@ class Live:
 
 def again(live, notes=None, spotter=None):
     """The same sound by way of the recording."""
-    past = Circumstances(map(from_text, live.notes if notes is None else notes))
-    rehearing = FakeRehearing(CONFIG, FakeRecognizer(), spotter, past)
-    return [heard for block in live.blocks for heard in rehearing.hear(block)]
+    past = SideInputs(map(from_text, live.notes if notes is None else notes))
+    replayed = FakeReplay(CONFIG, FakeRecognizer(), spotter, past)
+    return [heard for block in live.blocks for heard in replayed.hear(block)]
 
 
-class FakeRehearing(Rehearing):
+class FakeReplay(PipelineReplay):
     """With an endpointing that needs no network."""
 
     def _build(self, recognizer):
-        second = SecondWay(self._config.spotter, self._spotter)
+        second = StopFusion(self._config.spotter, self._spotter)
         return Pipeline(self._config, recognizer, make_detector(), self._clock, second)
 
 
@@ -136,7 +141,7 @@ def test_what_was_decided_is_decided_again():
 
 def test_a_recording_says_how_far_hearing_came():
     live = Live().hear(frames(say("hey robot")))
-    past = Circumstances(map(from_text, live.notes))
+    past = SideInputs(map(from_text, live.notes))
     last = live.blocks[-1].first_sample
     assert last - 16_512 <= past.heard_until <= last
 
@@ -148,7 +153,7 @@ def test_skipped_looks_are_skipped_again():
     live = Live(late=lambda f: 2.0 if spells[f.first_sample // 8_000] else 0.0)
     live.hear(frames(say(TALK)))
     kinds = [from_text(note).kind for note in live.notes]
-    assert kinds.count(Kind.BEHIND) > 10
+    assert kinds.count(SideInputKind.BEHIND) > 10
     assert as_heard(again(live)) == as_decided(live.decisions)
     assert as_heard(again(live, notes=[])) != as_decided(live.decisions)
 
@@ -165,19 +170,19 @@ def test_frames_that_recognition_never_heard_are_left_out_again(seed):
 def test_a_gap_that_the_node_noticed_is_on_record():
     sound = frames(say(TALK))
     live = Live().hear(sound[:100] + sound[120:])
-    past = Circumstances(map(from_text, live.notes))
-    assert past.get(Kind.LOST, sound[120].first_sample)
+    past = SideInputs(map(from_text, live.notes))
+    assert past.get(SideInputKind.LOST, sound[120].first_sample)
     assert as_heard(again(live)) == as_decided(live.decisions)
 
 
 def test_answers_of_the_controller_are_given_again():
     live = Live().hear(frames(say("hey robot 0.8 tense 0.8")))
-    past = Circumstances(map(from_text, live.notes))
-    rehearing = FakeRehearing(CONFIG, FakeRecognizer(), None, past)
+    past = SideInputs(map(from_text, live.notes))
+    replayed = FakeReplay(CONFIG, FakeRecognizer(), None, past)
     for block in live.blocks:
-        rehearing.hear(block)
+        replayed.hear(block)
     reason = "tense, refused by the robot: nothing is grasped"
-    assert live.pipeline.state == rehearing._pipeline.state
+    assert live.pipeline.state == replayed._pipeline.state
     live.pipeline.set_mode(live.pipeline.state.mode, "tense")
     live.pipeline.answer(Answered("tense", False, "nothing is grasped"))
     assert live.pipeline.state.reason == reason
@@ -187,7 +192,7 @@ def test_what_was_told_of_the_robots_own_speech_is_told_again():
     live, sound = Live(), frames(say("hey robot 0.8 tense 0.8 tense"))
     early, middle = sound[: 2 * len(sound) // 3], sound[2 * len(sound) // 3 :]
     live.hear(early)
-    live.pipeline.robot_spoke(Spoke(True, middle[0].stamp))
+    live.pipeline.robot_spoke(RobotSpeechChange(True, middle[0].stamp))
     live.hear(middle)
     assert [isinstance(d.outcome, Match) for d in live.decisions] == [True, True, False]
     assert as_heard(again(live)) == as_decided(live.decisions)
@@ -224,7 +229,7 @@ def test_a_thread_that_lags_is_recalled_exactly(seed):
     thread, shown, notes = Laggard(Listening(fires), rng), [], []
     for frame in sound:
         shown.append(thread.see(frame, notes))
-    recalled = RecalledSpotter(Listening(fires), Circumstances(notes))
+    recalled = RecordedSpotter(Listening(fires), SideInputs(notes))
     for frame, (spotted, best) in zip(sound, shown, strict=True):
         recalled.feed(frame)
         assert recalled(frame) == spotted
@@ -244,7 +249,7 @@ class Laggard:
         self.waiting.append(frame)
         if self.rng.random() < 0.05:
             lost = self.waiting.pop(0)
-            notes.append(Circumstance(Kind.SPOTTER_DROPPED, lost.first_sample))
+            notes.append(SideInput(SideInputKind.SPOTTER_DROPPED, lost.first_sample))
         until = frame.first_sample + len(frame.samples)
         for _ in range(0 if self.is_deaf else self.rng.choice([0, 1, len(self.waiting)])):
             self._hear_one()
@@ -257,8 +262,8 @@ class Laggard:
     def _note(self, frame, until, notes):
         self.is_deaf = self.fails_at is not None and frame.first_sample > self.fails_at
         if self.is_deaf or self.until < until:
-            kind = Kind.SPOTTER_FAILED if self.is_deaf else Kind.SPOTTER_LATE
-            notes.append(Circumstance(kind, frame.first_sample, self.until))
+            kind = SideInputKind.SPOTTER_FAILED if self.is_deaf else SideInputKind.SPOTTER_LATE
+            notes.append(SideInput(kind, frame.first_sample, self.until))
 
     def _hear_one(self):
         if self.waiting:
@@ -341,28 +346,28 @@ def test_settings_that_cannot_be_used_are_an_error(change, words):
     section, key, value = change
     given = settings()
     given[section][key] = value
-    with pytest.raises(Unhearable, match=words):
-        rehear(given, [], None)
+    with pytest.raises(NotReplayable, match=words):
+        replay_pipeline(given, [], None)
 
 
 def test_a_note_that_is_none_is_an_error():
-    with pytest.raises(Unhearable, match="is no circumstance"):
-        rehear(settings(), ["nonsense"], None)
+    with pytest.raises(NotReplayable, match="is no side_input"):
+        replay_pipeline(settings(), ["nonsense"], None)
 
 
 @pytest.mark.parametrize(("length", "rate"), [(511, 16_000), (512, 8_000), (0, 16_000)])
 def test_a_block_that_is_no_frame_is_refused(length, rate):
-    rehearing = FakeRehearing(CONFIG, FakeRecognizer(), None, Circumstances([]))
-    with pytest.raises(Unhearable, match=f"{length} samples at {rate} Hz, allowed: 512"):
-        rehearing.hear(Block(np.zeros(length, np.int16), rate, 0, 0.0))
+    replayed = FakeReplay(CONFIG, FakeRecognizer(), None, SideInputs([]))
+    with pytest.raises(NotReplayable, match=f"{length} samples at {rate} Hz, allowed: 512"):
+        replayed.hear(Block(np.zeros(length, np.int16), rate, 0, 0.0))
 
 
 def test_a_mode_can_be_taken_over_and_nonsense_not():
-    rehearing = FakeRehearing(CONFIG, FakeRecognizer(), None, Circumstances([]))
-    rehearing.set_mode("active", "hey robot")
-    assert rehearing._pipeline.state.mode.value == "active"
-    with pytest.raises(Unhearable, match="allowed: standby, active"):
-        rehearing.set_mode("asleep", "")
+    replayed = FakeReplay(CONFIG, FakeRecognizer(), None, SideInputs([]))
+    replayed.set_mode("active", "hey robot")
+    assert replayed._pipeline.state.mode.value == "active"
+    with pytest.raises(NotReplayable, match="allowed: standby, active"):
+        replayed.set_mode("asleep", "")
 
 
 def test_a_folder_of_recordings_loads_its_model_once(monkeypatch):
@@ -378,7 +383,7 @@ def test_a_folder_of_recordings_loads_its_model_once(monkeypatch):
     given = settings()
     given["spotter"]["is_enabled"] = False
     try:
-        first, second = rehear(given, [], None), rehear(given, [], None)
+        first, second = replay_pipeline(given, [], None), replay_pipeline(given, [], None)
     finally:
         module._recognizer.cache_clear()
     assert loaded == ["embedded"] and first.model == second.model == "fake"

@@ -6,7 +6,7 @@ import pytest
 from voice_assist.config import load_voice_config
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.ros.recognition_watch import RecognitionStatus, RecognitionWatch
-from voice_assist.spotter.spotter import Look
+from voice_assist.spotter.spotter import SpotterScore
 
 CONFIG = load_voice_config()
 LIMIT, SPOTTER = CONFIG.recognizer.hung_after, CONFIG.spotter
@@ -21,7 +21,7 @@ class Spotting:
         self.looks = []
 
     def believe(self, score, time):
-        self.looks.append(Look(CLOCK + time, score, 0))
+        self.looks.append(SpotterScore(CLOCK + time, score, 0))
 
     def best(self, since):
         return max((k.score for k in self.looks if k.time >= since), default=float("-inf"))

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from voice_assist.audio.robot_speech import Spoke, Talkback
+from voice_assist.audio.robot_speech import RobotSpeech, RobotSpeechChange
 from voice_assist.config import load_voice_config
 from voice_assist.ros import robot_speech
 from voice_assist.ros.robot_speech import RobotSpeechTopic
@@ -38,22 +38,22 @@ def test_what_is_told_is_taken_once(topic):
     assert topic.name == "voice_assist/speaking"
     topic.now = 3.0
     topic.tell(True)
-    assert topic.topic.take() == [Spoke(True, 3.0)]
+    assert topic.topic.take() == [RobotSpeechChange(True, 3.0)]
     assert topic.topic.take() == []
 
 
 @given(TOLD)
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_however_often_it_is_told_no_more_than_two_are_left_that_mean_the_same(topic, told):
-    topic.now, everything, left = 0.0, Talkback(CONFIG), Talkback(CONFIG)
+    topic.now, everything, left = 0.0, RobotSpeech(CONFIG), RobotSpeech(CONFIG)
     for is_speaking, later in told:
         topic.now += later
         topic.tell(is_speaking)
-        everything.tell(Spoke(is_speaking, topic.now))
+        everything.update(RobotSpeechChange(is_speaking, topic.now))
     taken = topic.topic.take()
     assert len(taken) <= 2
     for spoke in taken:
-        left.tell(spoke)
+        left.update(spoke)
     for at in (
         0.0,
         0.3,

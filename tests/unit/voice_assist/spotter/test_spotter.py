@@ -11,7 +11,7 @@ from voice_assist.config import load_voice_config
 from voice_assist.errors import CommandsError, ModelError
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.spotter.features import STEP, Embedder
-from voice_assist.spotter.fusion import Belief, SecondWay
+from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.spotter.head import CONTEXT, read_head
 from voice_assist.spotter.spotter import Spotted, Spotter
 from voice_assist.training.data.voices import espeak
@@ -187,8 +187,8 @@ class Told:
     ],
 )
 def test_a_written_stop_needs_certainty_or_agreement(confidence, is_ready, spotted, stops):
-    second = SecondWay(RULE.spotter, Told(spotted))
-    assert second.confirms(Belief(confidence, is_ready, spotted), "stop") == stops
+    second = StopFusion(RULE.spotter, Told(spotted))
+    assert second.confirms(StopEvidence(confidence, is_ready, spotted), "stop") == stops
 
 
 @pytest.mark.parametrize(
@@ -196,7 +196,7 @@ def test_a_written_stop_needs_certainty_or_agreement(confidence, is_ready, spott
     [(None, 5.0, False), (3.0, 5.0, False), (5.0, -2.0, True), (5.0, -4.0, False)],
 )
 def test_the_spotter_overrules_only_near_the_recognisers_own_opinion(spotted, ratio, stops):
-    assert SecondWay(RULE.spotter, Told(spotted)).overrules(spotted, ratio) == stops
+    assert StopFusion(RULE.spotter, Told(spotted)).overrules(spotted, ratio) == stops
 
 
 def test_what_is_spotted_must_be_a_halt():
@@ -216,7 +216,7 @@ def test_a_damaged_model_is_named(tmp_path):
 
 def decisions(text, told, confidence=0.8, scores=None):
     recognizer = FakeRecognizer(scores, confidence)
-    second = SecondWay(RULE.spotter, told)
+    second = StopFusion(RULE.spotter, told)
     pipeline = Pipeline(RULE, recognizer, make_detector(), lambda: 0.0, second)
     events = [e for frame in frames(say(text)) for e in pipeline(frame)]
     return [e for e in events if isinstance(e, Decision)]

@@ -4,7 +4,7 @@ import threading
 import pytest
 
 from tests.unit.voice_assist.support.fake_speech import quiet_frame
-from voice_assist.side_inputs import Kind, ignore
+from voice_assist.side_inputs import SideInputKind, ignore
 from voice_assist.spotter.spotter import Spotted
 from voice_assist.spotter.thread import SpotterThread
 
@@ -40,10 +40,10 @@ class Scripted:
 def start():
     threads = []
 
-    def begin(spotter, capacity=4, patience=0.0, witness=ignore):
+    def begin(spotter, capacity=4, patience=0.0, observer=ignore):
         told, failed = [], []
         callbacks = told.append, failed.append
-        thread = SpotterThread(spotter, capacity, *callbacks, patience, witness)
+        thread = SpotterThread(spotter, capacity, *callbacks, patience, observer)
         thread.start()
         threads.append((thread, spotter))
         return thread, told, failed
@@ -99,7 +99,7 @@ def test_the_pipeline_cannot_reset_the_stream_of_the_thread(start):
 def test_the_pipeline_waits_for_the_thread_to_hear_the_frame(start):
     spotter = Scripted(Spotted(1.0, 9.0))
     noted = []
-    thread, _, _ = start(spotter, patience=WAIT, witness=noted.append)
+    thread, _, _ = start(spotter, patience=WAIT, observer=noted.append)
     threading.Timer(0.05, spotter.go.set).start()
     thread.feed(quiet_frame(0))
     assert thread(quiet_frame(0)) == Spotted(1.0, 9.0, is_sent=True)
@@ -121,13 +121,13 @@ def test_what_the_thread_heard_ahead_of_the_pipeline_stays_hidden(start):
 
 def test_a_late_thread_is_noted_frame_by_frame_and_not_waited_for_again(start):
     noted = []
-    thread, _, _ = start(Scripted(), patience=0.01, witness=noted.append)
+    thread, _, _ = start(Scripted(), patience=0.01, observer=noted.append)
     for first in (0, 512):
         thread.feed(quiet_frame(first))
         assert thread(quiet_frame(first)) is None
     assert [(n.kind, n.sample, n.heard_until) for n in noted] == [
-        (Kind.SPOTTER_LATE, 0, 0),
-        (Kind.SPOTTER_LATE, 512, 0),
+        (SideInputKind.SPOTTER_LATE, 0, 0),
+        (SideInputKind.SPOTTER_LATE, 512, 0),
     ]
 
 
@@ -148,7 +148,7 @@ def test_a_late_thread_does_not_keep_the_recogniser_from_deciding(start):
 def test_dropped_frames_and_a_failure_are_noted(start):
     noted = []
     spotter = Scripted(ValueError("bad sound"))
-    thread, _, _ = start(spotter, capacity=1, witness=noted.append)
+    thread, _, _ = start(spotter, capacity=1, observer=noted.append)
     for number in range(3):  # the thread may have taken one of them already
         thread.feed(quiet_frame(number * 512))
     spotter.go.set()
@@ -156,5 +156,7 @@ def test_dropped_frames_and_a_failure_are_noted(start):
     thread(quiet_frame(1024))
     thread(quiet_frame(1536))
     kinds = [n.kind for n in noted]
-    assert Kind.SPOTTER_DROPPED in kinds
-    assert kinds.count(Kind.SPOTTER_FAILED) == 1 and Kind.SPOTTER_LATE not in kinds
+    assert SideInputKind.SPOTTER_DROPPED in kinds
+    assert (
+        kinds.count(SideInputKind.SPOTTER_FAILED) == 1 and SideInputKind.SPOTTER_LATE not in kinds
+    )

@@ -7,7 +7,7 @@ Each word is one pitch that rises a little.
 import numpy as np
 
 from voice_assist.audio.source import FRAME, Framer
-from voice_assist.types import RATE, Hypothesis, frozen_samples, never
+from voice_assist.types import RATE, Hypothesis, frozen_samples, never_hopeless
 from voice_assist.vad.detector import EnergyDetector
 
 WORDS = (
@@ -64,7 +64,7 @@ class FakeRecognizer:
         self.confidence = confidence
         self.heard = []  # lengths of what was transcribed [s]
 
-    def transcribe(self, samples, loses=never):
+    def transcribe(self, samples, is_hopeless=never_hopeless):
         self.heard.append(len(samples) / RATE)
         text = " ".join(self._words(np.asarray(samples)))
         return Hypothesis(text, float(np.log(self.confidence)), 0.0 if text else 1.0)

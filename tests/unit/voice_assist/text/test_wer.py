@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from voice_assist.text.wer import Pair, align, distance, least_distance, wer
+from voice_assist.text.wer import AlignedPair, align, distance, least_distance, wer
 
 SENTENCES = st.lists(st.sampled_from(["pull", "more", "less", "stop"]), max_size=6)
 
@@ -52,11 +52,11 @@ def test_alignment_has_the_cost_of_the_distance_and_loses_no_word(a, b):
 
 def test_alignment_can_be_read():
     assert align(["pull", "more"], ["pull", "less"]) == (
-        Pair("equal", "pull", "pull"),
-        Pair("substitute", "more", "less"),
+        AlignedPair("equal", "pull", "pull"),
+        AlignedPair("substitute", "more", "less"),
     )
-    assert align(["stop"], []) == (Pair("delete", "stop", ""),)
-    assert align([], ["stop"]) == (Pair("insert", "", "stop"),)
+    assert align(["stop"], []) == (AlignedPair("delete", "stop", ""),)
+    assert align([], ["stop"]) == (AlignedPair("insert", "", "stop"),)
 
 
 def test_no_continuation_is_nearer_than_the_least_distance():

@@ -8,7 +8,7 @@ from whisper.model import ModelDimensions
 
 from voice_assist.recognizer.checkpoint import read_checkpoint
 from voice_assist.recognizer.embedded import restore
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.training.fit import average
 from voice_assist.training.fit.export import export
 
@@ -18,7 +18,7 @@ OTHER = ModelDimensions(80, 512, 32, 2, 1, 51864, 64, 32, 2, 1)
 
 def made(seed, dims=SMALL):
     torch.manual_seed(seed)
-    model = HybridWhisper(dims)
+    model = WhisperCtc(dims)
     model.initialise()
     return model.eval()
 

@@ -10,7 +10,7 @@ from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.checkpoint import read_checkpoint
 from voice_assist.recognizer.ctc import best_alignment, greedy_text
 from voice_assist.recognizer.embedded import MOST_ROUNDS, EmbeddedRecognizer, restore
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods
 from voice_assist.recognizer.vocabulary import BLANK, PROMPT, WHISPER_IDS, decode, encode
@@ -37,7 +37,7 @@ from voice_assist.training.fit.export import export
 from voice_assist.training.fit.objective import joint_loss
 from voice_assist.training.fit.start import start_from
 from voice_assist.training.fit.train_recognizer import Schedule
-from voice_assist.types import RATE, never
+from voice_assist.types import RATE, never_hopeless
 
 SMALL = ModelDimensions(80, 512, 32, 2, 2, 51864, 64, 32, 2, 1)
 
@@ -45,7 +45,7 @@ SMALL = ModelDimensions(80, 512, 32, 2, 2, 51864, 64, 32, 2, 1)
 @pytest.fixture(scope="module")
 def model():
     torch.manual_seed(0)
-    made = HybridWhisper(SMALL)
+    made = WhisperCtc(SMALL)
     made.initialise()
     return made.eval()
 
@@ -104,7 +104,7 @@ def test_draft_and_correction_write_what_greedy_decoding_writes(exported, draft)
         for seed in range(2):
             states = recognizer.model.encode(log_mel(torch.from_numpy(sound(seed=seed))[None]))
             ids, _ = greedy(recognizer.model, states, MOST_ROUNDS - 1)
-            written = recognizer._decode(states, draft, never).text
+            written = recognizer._decode(states, draft, never_hopeless).text
             assert written.startswith(decode(ids).strip())
 
 
@@ -121,7 +121,7 @@ def test_commands_are_greedy_whatever_the_draft(draft):
             ids, has_ended = greedy(recognizer.model, states, MOST_ROUNDS - 1)
             assert has_ended
             assert decode(ids) == text
-            assert recognizer._decode(states, draft, never).text == text
+            assert recognizer._decode(states, draft, never_hopeless).text == text
 
 
 def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported, monkeypatch):
@@ -138,7 +138,7 @@ def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported,
     monkeypatch.setattr(recognizer.model, "logits", never_agrees)
     with torch.inference_mode():
         states = recognizer.model.encode(log_mel(torch.from_numpy(sound(2.0))[None]))
-        heard = recognizer._decode(states, "ab" * 20, never)
+        heard = recognizer._decode(states, "ab" * 20, never_hopeless)
     assert len(read) == MOST_ROUNDS
     assert heard.text == "q" * (MOST_ROUNDS - 1) + ("ab" * 20)[MOST_ROUNDS - 1 :]
     assert heard.avg_logprob < -10
@@ -269,7 +269,7 @@ def test_items_with_long_pauses_never_outgrow_the_encoder():
 
 def test_training_steps_lower_the_loss():
     torch.manual_seed(0)
-    model = HybridWhisper(SMALL)
+    model = WhisperCtc(SMALL)
     model.initialise()
     optimiser = torch.optim.AdamW(model.parameters(), 3e-3)
     batch = next(
@@ -289,7 +289,7 @@ def test_a_broken_off_run_goes_on_where_it_stood(model, tmp_path):
     optimiser = torch.optim.AdamW(model.parameters(), 1e-3)
     average = Average(model)
     save_progress(tmp_path / "p.pt", model, optimiser, average, Progress(5, 2, 9.0, 0.4))
-    other = HybridWhisper(SMALL)
+    other = WhisperCtc(SMALL)
     restored = load_progress(
         tmp_path / "p.pt", other, torch.optim.AdamW(other.parameters()), Average(other)
     )

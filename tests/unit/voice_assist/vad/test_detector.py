@@ -10,7 +10,7 @@ from voice_assist.audio.source import FRAME, Framer
 from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import StreamClock
 from voice_assist.types import RATE, Decision, Match, Mode
-from voice_assist.vad.detector import LONG, REST, Deafened
+from voice_assist.vad.detector import LONG, REST, OverloadRecovery
 
 ROOM = 1e-3
 STEP = FRAME / RATE  # [s]
@@ -31,7 +31,7 @@ def frames(*sounds):
 
 def told(*sounds):
     """When deafening sound was told to be over [s]."""
-    watch = Deafened()
+    watch = OverloadRecovery()
     return [f.stamp + f.duration for f in frames(*sounds) if watch.is_over(f)]
 
 

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from tests.unit.voice_assist.support.fake_speech import frames, say, silence
 from voice_assist.config import load_voice_config
 from voice_assist.types import RATE
-from voice_assist.vad.detector import Either, EnergyDetector, make_detector
-from voice_assist.vad.endpointer import Analyzer, SpeechState
-from voice_assist.vad.segmenter import Cutter, last
+from voice_assist.vad.detector import EitherDetector, EnergyDetector, make_detector
+from voice_assist.vad.endpointer import Endpointer, SpeechState
+from voice_assist.vad.segmenter import Segmenter, last
 
 CONFIG = load_voice_config(
     audio__vad__start=0.5,
@@ -23,7 +23,7 @@ FRAME = 0.032
 
 
 def analyze(probabilities, config=CONFIG):
-    analyzer = Analyzer(config)
+    analyzer = Endpointer(config)
     return [analyzer(p, FRAME) for p in probabilities]
 
 
@@ -117,7 +117,7 @@ def test_starts_and_ends_take_turns(probabilities):
 
 
 def cut(sound, config=CONFIG):
-    cutter, analyzer, detector = Cutter(config), Analyzer(config), EnergyDetector(12.0)
+    cutter, analyzer, detector = Segmenter(config), Endpointer(config), EnergyDetector(12.0)
     return [g for f in frames(sound) if (g := cutter(f, analyzer(detector(f.samples), f.duration)))]
 
 
@@ -147,7 +147,7 @@ def test_talk_without_end_is_cut_and_its_rest_is_not_whole():
 
 
 def test_after_a_restart_only_the_rest_is_left():
-    cutter, analyzer, detector = Cutter(CONFIG), Analyzer(CONFIG), EnergyDetector(12.0)
+    cutter, analyzer, detector = Segmenter(CONFIG), Endpointer(CONFIG), EnergyDetector(12.0)
     sizes = []
     for f in frames(say("tense")):
         growth = cutter(f, analyzer(detector(f.samples), f.duration))
@@ -183,7 +183,7 @@ def test_energy_gets_used_to_a_steady_fan():
 
 def test_either_takes_the_surer_detector():
     low, high = EnergyDetector(60.0), EnergyDetector(9.0)
-    both = Either(low, high)
+    both = EitherDetector(low, high)
     assert max(both(f.samples) for f in frames(say("tense"))) > 0.99
     both.reset()
 

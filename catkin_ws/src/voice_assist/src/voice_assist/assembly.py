@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 from voice_assist.audio.microphone import Microphone, Pause
 from voice_assist.audio.portaudio import PortAudio
-from voice_assist.audio.source import Clock, Report, Source
+from voice_assist.audio.source import AudioSource, Clock, Report
 from voice_assist.audio.wav_file import WavFile
 from voice_assist.config import AudioConfig, SpotterConfig, VoiceConfig
 from voice_assist.errors import AudioError
 from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.side_inputs import Witness, ignore
-from voice_assist.spotter.fusion import SecondWay
+from voice_assist.side_inputs import Observer, ignore
+from voice_assist.spotter.fusion import StopFusion
 from voice_assist.vad.detector import make_detector
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def make_pipeline(
     clock: Clock,
     recognizer: Recognizer | None = None,
     spotting: Spotting | None = None,
-    witness: Witness = ignore,
+    observer: Observer = ignore,
     voiceprint: bytes | None = None,
 ) -> Pipeline:
     """The pipeline with the real detector and, unless others are given, real networks.
@@ -85,7 +85,7 @@ def make_pipeline(
         clock: Stamps the frames [s].
         recognizer: One that is loaded already.
         spotting: A spotter that runs elsewhere; None: the pipeline runs its own, if it is enabled.
-        witness: Told of all that comes in besides sound.
+        observer: Told of all that comes in besides sound.
         voiceprint: For the speaker gate; None: that of the profile in force, if it has one.
 
     Raises:
@@ -99,9 +99,9 @@ def make_pipeline(
     voiceprint = voiceprint or own
     if spotting is None and config.spotter.is_enabled:
         spotting, _ = make_spotter(config.spotter)
-    second, gate = SecondWay(config.spotter, spotting), _make_gate(config, voiceprint)
+    second, gate = StopFusion(config.spotter, spotting), _make_gate(config, voiceprint)
     detector = make_detector(config.audio.vad)
-    return Pipeline(config, recognizer, detector, clock, second, witness, gate)
+    return Pipeline(config, recognizer, detector, clock, second, observer, gate)
 
 
 def _make_gate(config: VoiceConfig, voiceprint: bytes | None) -> Gate | None:
@@ -112,7 +112,7 @@ def _make_gate(config: VoiceConfig, voiceprint: bytes | None) -> Gate | None:
     return make_gate(config.speaker, voiceprint)
 
 
-def make_source(config: AudioConfig, clock: Clock, pause: Pause, report: Report) -> Source:
+def make_source(config: AudioConfig, clock: Clock, pause: Pause, report: Report) -> AudioSource:
     """Microphone or recording; an audio topic is built by the node.
 
     Args:
@@ -121,7 +121,7 @@ def make_source(config: AudioConfig, clock: Clock, pause: Pause, report: Report)
         pause: Waits so many seconds; True: give up. `threading.Event.wait` does.
         report: Told what is wrong with the source; an empty text when all is well.
     """
-    makers: dict[str, Callable[[], Source]] = {
+    makers: dict[str, Callable[[], AudioSource]] = {
         "microphone": lambda: Microphone(config.microphone, PortAudio(), clock, pause, report),
         "wav": lambda: WavFile(
             config.wav.path,

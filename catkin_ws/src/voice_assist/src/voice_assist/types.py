@@ -14,10 +14,10 @@ RATE = 16_000  # [Hz] of all sound inside the package
 FULL_SCALE = 32767  # of 16-bit sound
 
 Samples = NDArray[np.float32]
-Loses = Callable[[str], bool]  # whether no text with this beginning is worth writing to its end
+IsHopeless = Callable[[str], bool]  # whether no text that begins so is worth writing to its end
 
 
-def never(beginning: str) -> bool:
+def never_hopeless(beginning: str) -> bool:
     """Every text is worth writing to its end."""
     return False
 

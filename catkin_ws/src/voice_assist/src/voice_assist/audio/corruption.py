@@ -13,9 +13,9 @@ import numpy as np
 
 from voice_assist.types import RATE, Samples
 
-LEAST_SMOOTHNESS = 0.2  # correlation of neighbouring samples; of a voice 0.7 and more, of bytes 0
+MIN_SMOOTHNESS = 0.2  # correlation of neighbouring samples; of a voice 0.7 and more, of bytes 0
 SPIKE = 0.4  # of full scale that a single sample stands out from both its neighbours
-MOST_SPIKES = 8.0  # [1/s] of the sound
+MAX_SPIKES = 8.0  # [1/s] of the sound
 
 
 def smoothness(sound: Samples) -> float:
@@ -31,15 +31,15 @@ def spikes(sound: Samples) -> int:
     return int(np.count_nonzero(size[1:-1] - np.maximum(size[:-2], size[2:]) >= SPIKE))
 
 
-def damage(sound: Samples) -> str:
+def find_corruption(sound: Samples) -> str:
     """Why sound (n,) cannot be relied on; empty: it can."""
     smooth = smoothness(sound)
-    if smooth < LEAST_SMOOTHNESS:
+    if smooth < MIN_SMOOTHNESS:
         return (
             f"damaged sound: neighbouring samples correlate by {smooth:.2f}, "
-            f"allowed from {LEAST_SMOOTHNESS:g}"
+            f"allowed from {MIN_SMOOTHNESS:g}"
         )
     rate = spikes(sound) / max(len(sound) / RATE, 0.1)
-    if rate > MOST_SPIKES:
-        return f"damaged sound: {rate:.0f} spikes a second, allowed up to {MOST_SPIKES:g}"
+    if rate > MAX_SPIKES:
+        return f"damaged sound: {rate:.0f} spikes a second, allowed up to {MAX_SPIKES:g}"
     return ""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from voice_assist.audio.microphone import Microphone
-from voice_assist.audio.source import Source, level_db
+from voice_assist.audio.source import AudioSource, level_db
 from voice_assist.types import Frame, HearingFault, Samples
 
 FULL = 0.999  # of full scale; a sample at or above it was clipped, or nearly
@@ -39,7 +39,7 @@ class SoundWatch:
         patience: Without a frame of use from which on nobody would be heard [s].
     """
 
-    def __init__(self, source: Source, patience: float) -> None:
+    def __init__(self, source: AudioSource, patience: float) -> None:
         self._source, self._patience = source, patience
         self._useless = 0.0  # [s] since the last frame of use
         self._overloaded = 0.0  # [s] of these

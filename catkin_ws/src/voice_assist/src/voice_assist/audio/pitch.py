@@ -24,7 +24,7 @@ _FAR = 200.0  # [cent] or more is another note
 _FEWEST = 3  # movements from which on they tell anything
 
 
-def glide(samples: Samples) -> float:
+def pitch_variation(samples: Samples) -> float:
     """How far the strongest partials move within a step, at the median of the loud ones.
 
     A tone's partials move by less than 1 cent, in noise 10 dB below it by less than 2; those of

@@ -14,14 +14,14 @@ from voice_assist.config.voice import RobotSpeechConfig
 
 
 @dataclass(frozen=True)
-class Spoke:
+class RobotSpeechChange:
     """A loudspeaker of the robot began to speak, or ended."""
 
     is_speaking: bool
     time: float  # [s] clock time at which it was told
 
 
-class Talkback:
+class RobotSpeech:
     """Follows what is told of the loudspeaker."""
 
     def __init__(self, config: RobotSpeechConfig) -> None:
@@ -33,12 +33,12 @@ class Talkback:
         """Nobody speaks, nor did."""
         self._until = float("-inf")  # [s] clock time up to which it may be heard
 
-    def tell(self, spoke: Spoke) -> None:
+    def update(self, change: RobotSpeechChange) -> None:
         """Follow; where its end is never told, it is taken for over after `max_duration`."""
-        if spoke.is_speaking:
-            self._until = spoke.time + self._config.max_duration
+        if change.is_speaking:
+            self._until = change.time + self._config.max_duration
         else:
-            self._until = min(self._until, spoke.time + self._config.tail)
+            self._until = min(self._until, change.time + self._config.tail)
 
     def is_in(self, speech_start: float) -> bool:
         """Whether it may be in speech that began at a clock time [s] and reaches until now."""

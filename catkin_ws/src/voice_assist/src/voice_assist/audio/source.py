@@ -18,10 +18,10 @@ Clock = Callable[[], float]  # [s]
 Report = Callable[[str], None]  # told in words of what goes wrong and right again
 
 
-class Source(Protocol):
+class AudioSource(Protocol):
     """A context manager that gives frames until the sound ends."""
 
-    def __enter__(self) -> Source:
+    def __enter__(self) -> AudioSource:
         """Open the source."""
         ...
 

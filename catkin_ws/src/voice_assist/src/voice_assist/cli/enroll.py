@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from voice_assist.audio.source import Source
+from voice_assist.audio.source import AudioSource
 from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandsConfig
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
@@ -19,8 +19,8 @@ from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import (
-    Profile,
     ProfileError,
+    VoiceProfile,
     create_profile,
     delete_profile,
     names,
@@ -124,7 +124,7 @@ def delete(name: str, folder: Path | None, sure: bool, ask: Callable[[str], str]
     return 0
 
 
-def _open_or_create(asked: EnrolRequest, base: Recognizer) -> Profile:
+def _open_or_create(asked: EnrolRequest, base: Recognizer) -> VoiceProfile:
     root = profiles_folder(asked.folder)
     if asked.name in names(root):
         return open_profile(asked.name, root)
@@ -179,7 +179,7 @@ def _guide(
                 "kept, the same command in a terminal goes on from there"
             ) from error
 
-    def source() -> Source:
+    def source() -> AudioSource:
         return make_source(voice.audio, time.time, pause, lambda _: None)
 
     console.print("Ctrl-C breaks it off; the same command goes on from there.", style="dim")
@@ -187,7 +187,7 @@ def _guide(
 
 
 def _learn(
-    profile: Profile,
+    profile: VoiceProfile,
     voice: VoiceConfig,
     config: EnrolmentConfig,
     base: Recognizer,
@@ -209,7 +209,7 @@ def _learn(
     return 0
 
 
-def _show(profile: Profile, console: Console) -> None:
+def _show(profile: VoiceProfile, console: Console) -> None:
     manifest = profile.manifest
     profile.check()
     console.print(f"{profile.folder}: {manifest.state}, made {manifest.created}", highlight=False)

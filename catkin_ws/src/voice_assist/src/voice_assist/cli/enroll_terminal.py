@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from voice_assist.audio.source import Source
+from voice_assist.audio.source import AudioSource
 from voice_assist.cli.level_meter import level_bar
 from voice_assist.enrolment.checks import Checked
 from voice_assist.enrolment.recording import record
@@ -17,7 +17,7 @@ from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile.manifest import COMMAND, ROOM
 from voice_assist.types import Frame, Samples
 
-MakeSource = Callable[[], Source]
+MakeSource = Callable[[], AudioSource]
 Ready = Callable[[EnrolmentStep], object]  # waits until the person is ready
 
 
@@ -43,7 +43,7 @@ def guide(script: EnrolmentScript, open_source: MakeSource, console: Console, re
         console.print(result_line(step, script.offer(step, samples)))
 
 
-def _record(source: Source, step: EnrolmentStep, console: Console) -> Samples:
+def _record(source: AudioSource, step: EnrolmentStep, console: Console) -> Samples:
     with source, Live(console=console, refresh_per_second=12, transient=True) as live:
         frames: Iterator[Frame] = iter(source)
         next(frames, None)  # the first one may hold the click of the microphone

@@ -21,7 +21,7 @@ from torch.nn import functional
 
 from voice_assist.config.enrolment import AdaptConfig
 from voice_assist.enrolment.examples import Example
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import encode
 from voice_assist.training.data.batches import IGNORED, teacher_tensors
@@ -35,7 +35,7 @@ _LENGTHS_OF_OTHERS = 0.2  # of the steps, so that talk, longer than any command,
 class Adapted:
     """What adaptation came to."""
 
-    state: dict[str, Tensor]  # the tensors that were trained, by their name in HybridWhisper
+    state: dict[str, Tensor]  # the tensors that were trained, by their name in WhisperCtc
     loss: float  # mean over the last ten steps
     seconds: float  # [s] of CPU time
 
@@ -48,7 +48,7 @@ class _Stored:
     text: list[int]
 
 
-def trained_names(model: HybridWhisper, frozen_blocks: int) -> list[str]:
+def trained_names(model: WhisperCtc, frozen_blocks: int) -> list[str]:
     """Names of the parameters that adaptation changes: all above the frozen encoder blocks.
 
     Token and position embeddings stay; a few takes say nothing about letters they do not hold.
@@ -60,7 +60,7 @@ def trained_names(model: HybridWhisper, frozen_blocks: int) -> list[str]:
 
 
 def adapt(
-    model: HybridWhisper, own: Sequence[Example], others: Sequence[Example], config: AdaptConfig
+    model: WhisperCtc, own: Sequence[Example], others: Sequence[Example], config: AdaptConfig
 ) -> Adapted:
     """Learn a voice.
 
@@ -95,14 +95,14 @@ def adapt(
     return Adapted(state, float(np.mean(losses[-10:])), time.process_time() - began)
 
 
-def _store(model: HybridWhisper, examples: Sequence[Example], blocks: int) -> list[_Stored]:
+def _store(model: WhisperCtc, examples: Sequence[Example], blocks: int) -> list[_Stored]:
     with torch.no_grad():
         return [
             _Stored(_below(model, example, blocks), encode(example.text)) for example in examples
         ]
 
 
-def _below(model: HybridWhisper, example: Example, blocks: int) -> Tensor:
+def _below(model: WhisperCtc, example: Example, blocks: int) -> Tensor:
     encoder = model.whisper.encoder
     hidden = functional.gelu(
         encoder.conv1(log_mel(torch.from_numpy(np.array(example.samples))[None]))
@@ -132,7 +132,7 @@ def _batches(
         yield batch
 
 
-def _loss(model: HybridWhisper, batch: Sequence[_Stored], blocks: int) -> Tensor:
+def _loss(model: WhisperCtc, batch: Sequence[_Stored], blocks: int) -> Tensor:
     """The loss of training (objective.joint_loss), from the stored states up."""
     encoder = model.whisper.encoder
     hidden = torch.stack([one.hidden for one in batch])

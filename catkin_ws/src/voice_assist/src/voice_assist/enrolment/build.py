@@ -23,7 +23,7 @@ from voice_assist.errors import VoiceError
 from voice_assist.profile import model_file, thresholds
 from voice_assist.profile.active import PersonalRecognizer, with_spellings
 from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED
-from voice_assist.profile.profile import Profile, ProfileError
+from voice_assist.profile.profile import ProfileError, VoiceProfile
 from voice_assist.profile.spellings import put_spellings
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.recognizer.recognizer import Recognizer
@@ -34,7 +34,7 @@ Report = Callable[[str], None]  # takes a line of text
 
 
 def build(
-    profile: Profile,
+    profile: VoiceProfile,
     voice: VoiceConfig,
     config: EnrolmentConfig,
     base: Recognizer,
@@ -92,7 +92,7 @@ def _plain(voice: VoiceConfig) -> VoiceConfig:
 
 
 def _learn_more(
-    profile: Profile, voice: VoiceConfig, personal: Recognizer, on_note: Report
+    profile: VoiceProfile, voice: VoiceConfig, personal: Recognizer, on_note: Report
 ) -> None:
     """Spellings, and the voiceprint of the speaker gate; the profile serves without it, too."""
     for refused in put_spellings(profile, personal, voice.commands):
@@ -107,7 +107,7 @@ def _learn_more(
 
 
 def _write(
-    profile: Profile,
+    profile: VoiceProfile,
     learned: Adapted | None,
     verdict: SelfCheckResult,
     problems: tuple[str, ...],

@@ -14,7 +14,7 @@ from numpy.random import Generator
 
 from voice_assist.profile.loudness import speech_of
 from voice_assist.recognizer.ctc import best_alignment
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import encode
 from voice_assist.training.data import texts, voices
@@ -69,7 +69,7 @@ def take_example(samples: Samples, text: str) -> Example:
     return Example(speech_of(samples, 0.03), text)
 
 
-def broken_off(model: HybridWhisper, example: Example, rng: Generator) -> Example | None:
+def broken_off(model: WhisperCtc, example: Example, rng: Generator) -> Example | None:
     """A take that ends in the middle, with the letters heard so far; None: it has no middle.
 
     Partial transcripts are made while a command is still being said; so a model that learned whole

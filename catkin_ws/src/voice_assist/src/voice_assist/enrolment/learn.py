@@ -19,7 +19,7 @@ from voice_assist.enrolment.examples import (
     varied,
 )
 from voice_assist.profile.manifest import COMMAND, TALK
-from voice_assist.profile.profile import Profile
+from voice_assist.profile.profile import VoiceProfile
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.recognizer.recognizer import LONGEST
 from voice_assist.types import RATE, Samples
@@ -66,7 +66,7 @@ class EnrolmentMaterial:
         )
 
 
-def material_of(profile: Profile) -> EnrolmentMaterial:
+def material_of(profile: VoiceProfile) -> EnrolmentMaterial:
     """Takes and talk of a profile.
 
     Raises:

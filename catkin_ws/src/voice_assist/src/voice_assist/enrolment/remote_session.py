@@ -16,7 +16,7 @@ from voice_assist.enrolment.checks import TakeCheck
 from voice_assist.enrolment.recording import record
 from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.errors import VoiceError
-from voice_assist.profile.profile import Profile, create_profile, names, open_profile
+from voice_assist.profile.profile import VoiceProfile, create_profile, names, open_profile
 from voice_assist.recognizer.recognizer import Recognizer
 from voice_assist.types import Frame
 
@@ -90,14 +90,14 @@ class EnrolmentService:
         checked = script.offer(step, record(self._listen(), step.seconds, lambda *_: None))
         return ActionResult(script.next() != step, "; ".join(checked.problems), script.next())
 
-    def _profile(self, name: str) -> Profile:
+    def _profile(self, name: str) -> VoiceProfile:
         if name in self._scripts:
             return self._scripts[name].profile
         if name in names(self._root):
             return open_profile(name, self._root)
         return create_profile(name, self._base.model_hash, self._root)
 
-    def _script(self, name: str, profile: Profile) -> EnrolmentScript:
+    def _script(self, name: str, profile: VoiceProfile) -> EnrolmentScript:
         if name not in self._scripts:
             phrases = self._voice.commands.phrases
             self._scripts[name] = EnrolmentScript(profile, self._config, phrases, self._check)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from voice_assist.config.enrolment import EnrolmentConfig
 from voice_assist.enrolment.checks import Checked
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK, Take
-from voice_assist.profile.profile import Profile, now
+from voice_assist.profile.profile import VoiceProfile, now
 from voice_assist.types import RATE, Samples
 
 GOOD, UNLIKE = "good", "kept though unlike the base's idea of it, as it was so again"
@@ -34,7 +34,7 @@ class EnrolmentScript:
     """Goes through the script; it keeps no state beside the profile, so it can go on any time."""
 
     def __init__(
-        self, profile: Profile, config: EnrolmentConfig, phrases: tuple[str, ...], check: Check
+        self, profile: VoiceProfile, config: EnrolmentConfig, phrases: tuple[str, ...], check: Check
     ) -> None:
         """Go on where the profile is.
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from voice_assist.config.speaker import SpeakerConfig
 from voice_assist.profile.manifest import COMMAND, TALK
-from voice_assist.profile.profile import Profile
+from voice_assist.profile.profile import VoiceProfile
 from voice_assist.speaker.cohort import read_cohort
 from voice_assist.speaker.network import VoiceNetwork
 from voice_assist.speaker.voiceprint import FILE, Voiceprint, make_voiceprint
 
 
-def put_voiceprint(profile: Profile, config: SpeakerConfig) -> Voiceprint:
+def put_voiceprint(profile: VoiceProfile, config: SpeakerConfig) -> Voiceprint:
     """Learn the voice of a profile and keep it there, in place of an older voiceprint.
 
     Raises:

@@ -24,9 +24,9 @@ from voice_assist.assembly import make_pipeline, make_recognizer
 from voice_assist.config import VoiceConfig
 from voice_assist.errors import ManifestError
 from voice_assist.evaluation.evaluator import (
-    Clip,
+    ClipOutcome,
     Evaluator,
-    Outcome,
+    LabelledClip,
     read_manifest,
     read_noises,
 )
@@ -74,7 +74,9 @@ def evaluate(config: VoiceConfig, job: Job) -> dict[str, Any]:
     return figures
 
 
-def _run(config: VoiceConfig, job: Job, clips: Sequence[Clip], jobs: int) -> Iterator[Outcome]:
+def _run(
+    config: VoiceConfig, job: Job, clips: Sequence[LabelledClip], jobs: int
+) -> Iterator[ClipOutcome]:
     if jobs == 1:
         _prepare(config, job)
         yield from map(_one, clips)
@@ -108,11 +110,11 @@ def _prepare(config: VoiceConfig, job: Job) -> None:
     _EVALUATORS[:] = [evaluator]
 
 
-def _one(clip: Clip) -> Outcome:
+def _one(clip: LabelledClip) -> ClipOutcome:
     return _EVALUATORS[0](clip)
 
 
-def _show(outcomes: Iterator[Outcome], total: int) -> Iterator[Outcome]:
+def _show(outcomes: Iterator[ClipOutcome], total: int) -> Iterator[ClipOutcome]:
     console = Console(stderr=True)
     yield from track(
         outcomes, "clips", total=total, console=console, disable=not sys.stderr.isatty()
@@ -148,8 +150,8 @@ def _check_writable(path: Path) -> None:
         raise ManifestError(f"{path} cannot be written: {error.strerror}") from error
 
 
-def _write_details(path: Path, outcomes: Sequence[Outcome]) -> None:
-    columns: dict[str, Callable[[Outcome], object]] = {
+def _write_details(path: Path, outcomes: Sequence[ClipOutcome]) -> None:
+    columns: dict[str, Callable[[ClipOutcome], object]] = {
         "row": lambda o: o.clip.row,
         "path": lambda o: o.clip.path,
         "transcript": lambda o: o.clip.transcript,

@@ -27,7 +27,7 @@ QUIET_DB = -75.0  # [dB] of full scale of that quiet
 
 
 @dataclass(frozen=True)
-class Clip:
+class LabelledClip:
     """One row of a manifest."""
 
     row: int  # in the file, the header is row 1
@@ -57,10 +57,10 @@ class Claim:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ClipOutcome:
     """What a clip came to."""
 
-    clip: Clip
+    clip: LabelledClip
     seconds: float  # of the clip, without the quiet around it
     taken: tuple[Taken, ...]
     heard: tuple[str, ...]  # transcripts of all decisions, refused ones too
@@ -127,7 +127,7 @@ class Evaluator:
         self._pipeline = make_pipeline(self._clock)
         self._mode, self._noises, self._snr_db = mode, noises, snr_db
 
-    def __call__(self, clip: Clip) -> Outcome:
+    def __call__(self, clip: LabelledClip) -> ClipOutcome:
         """Stream one clip.
 
         Raises:
@@ -155,7 +155,7 @@ class Evaluator:
         seconds = len(samples) / RATE
         streamed = len(stream) / RATE
         words = tuple(heard), tuple(why)
-        return Outcome(clip, seconds, tuple(taken), *words, spent, streamed, tuple(claims))
+        return ClipOutcome(clip, seconds, tuple(taken), *words, spent, streamed, tuple(claims))
 
     def warm_up(self) -> None:
         """Let torch compile and allocate what it does only once, so that no clip pays for it."""
@@ -186,7 +186,7 @@ class Evaluator:
         return np.asarray(stream, np.float32)
 
 
-def read_manifest(path: str | Path, commands: CommandsConfig) -> list[Clip]:
+def read_manifest(path: str | Path, commands: CommandsConfig) -> list[LabelledClip]:
     """Rows of a manifest, all checked.
 
     Args:
@@ -254,12 +254,14 @@ def _rows(path: Path) -> Iterator[tuple[int, tuple[str, str]]]:
         raise ManifestError(f"{path}: not a CSV file in UTF-8 ({error})") from error
 
 
-def _clip(folder: Path, row: int, name: str, transcript: str, phrases: dict[str, str]) -> Clip:
+def _clip(
+    folder: Path, row: int, name: str, transcript: str, phrases: dict[str, str]
+) -> LabelledClip:
     if not name.strip():
         raise ManifestError("the path is empty")
     path = folder / name.strip()
     open_sound(path).close()
-    return Clip(row, path, transcript, phrases.get(" ".join(normalize(transcript)), ""))
+    return LabelledClip(row, path, transcript, phrases.get(" ".join(normalize(transcript)), ""))
 
 
 def claims_of(decision: Decision) -> list[Claim]:

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from voice_assist.evaluation.evaluator import Outcome
+from voice_assist.evaluation.evaluator import ClipOutcome
 
 QUANTILES = {"p50": 50, "p95": 95, "p99": 99}
 
 
-def summarize(outcomes: Sequence[Outcome], phrases: Iterable[str]) -> dict[str, Any]:
+def summarize(outcomes: Sequence[ClipOutcome], phrases: Iterable[str]) -> dict[str, Any]:
     """Counts, rates and latencies, ready for JSON.
 
     A clip with a command is correct if that command was taken and no other, confused if another
@@ -37,7 +37,7 @@ def summarize(outcomes: Sequence[Outcome], phrases: Iterable[str]) -> dict[str, 
     }
 
 
-def verdict(outcome: Outcome) -> str:
+def verdict(outcome: ClipOutcome) -> str:
     """`correct`, `rejected` or the command that it was confused with; for a positive."""
     others = [t.command for t in outcome.taken if t.command != outcome.clip.phrase]
     if others:
@@ -45,7 +45,7 @@ def verdict(outcome: Outcome) -> str:
     return "correct" if outcome.taken else "rejected"
 
 
-def _command(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+def _command(outcomes: Sequence[ClipOutcome]) -> dict[str, Any]:
     verdicts = Counter(verdict(outcome) for outcome in outcomes)
     correct, rejected = verdicts.pop("correct", 0), verdicts.pop("rejected", 0)
     return {
@@ -56,7 +56,7 @@ def _command(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     }
 
 
-def _negatives(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+def _negatives(outcomes: Sequence[ClipOutcome]) -> dict[str, Any]:
     taken = Counter(t.command for outcome in outcomes for t in outcome.taken)
     hours = sum(outcome.seconds for outcome in outcomes) / 3600.0
     return {
@@ -68,7 +68,7 @@ def _negatives(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     }
 
 
-def _latency(positives: Sequence[Outcome], phrase: str) -> dict[str, float | None]:
+def _latency(positives: Sequence[ClipOutcome], phrase: str) -> dict[str, float | None]:
     """Of the clips of a phrase that were taken for it; the first time it was taken counts."""
     values = [
         1e3 * outcome.taken[0].latency

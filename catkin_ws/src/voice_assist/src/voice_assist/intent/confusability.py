@@ -29,7 +29,7 @@ ENGLISH: Final = "en-us"
 
 
 @dataclass(frozen=True)
-class Pair:
+class CommandPair:
     """Two commands by those of their spellings that are most alike."""
 
     one: str  # command
@@ -56,7 +56,7 @@ class Pair:
         )
 
 
-def closest_pairs(commands: CommandsConfig, language: str = ENGLISH) -> list[Pair]:
+def closest_pairs(commands: CommandsConfig, language: str = ENGLISH) -> list[CommandPair]:
     """Every two commands by their most alike spellings, the most alike first.
 
     Args:
@@ -73,7 +73,7 @@ def closest_pairs(commands: CommandsConfig, language: str = ENGLISH) -> list[Pai
 
 def nearest(
     text: str, commands: CommandsConfig, own: str = "", language: str = ENGLISH
-) -> Pair | None:
+) -> CommandPair | None:
     """What a new phrase or spelling is most like among the commands that exist.
 
     Args:
@@ -106,7 +106,7 @@ def objection(text: str, commands: CommandsConfig, own: str = "", language: str 
     return pair.told if pair is not None and pair.verdict == "too alike" else ""
 
 
-def told(pairs: Iterable[Pair], most: int = 12) -> Iterator[str]:
+def told(pairs: Iterable[CommandPair], most: int = 12) -> Iterator[str]:
     """Lines that show the most alike pairs, and the verdict over all of them."""
     pairs = list(pairs)
     if not can_pronounce():
@@ -136,13 +136,13 @@ def _spellings(command: CommandConfig) -> tuple[str, ...]:
 
 def _pairs(
     one: str, spellings: Iterable[str], other: str, others: Iterable[str], language: str
-) -> Iterator[Pair]:
+) -> Iterator[CommandPair]:
     theirs = [(b, normalize(b), sounds(b, language)) for b in others]
     for a in spellings:
         words, said = normalize(a), sounds(a, language)
         for b, their_words, their_sounds in theirs:
             x, y = " ".join(words), " ".join(their_words)
-            yield Pair(
+            yield CommandPair(
                 one,
                 other,
                 (a, b),
@@ -152,5 +152,5 @@ def _pairs(
             )
 
 
-def _alikeness(pair: Pair) -> tuple[float, float]:
+def _alikeness(pair: CommandPair) -> tuple[float, float]:
     return min(pair.sound, pair.letters), pair.sound

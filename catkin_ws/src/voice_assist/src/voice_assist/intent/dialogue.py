@@ -10,7 +10,7 @@ from voice_assist.types import Action, Call, Halt, Mode, Rejection, RejectionRea
 
 
 @dataclass(frozen=True)
-class State:
+class DialogueState:
     """All that the dialogue remembers."""
 
     mode: Mode
@@ -18,7 +18,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Heard:
+class CommandRecognized:
     """A command was recognised."""
 
     command: CommandConfig
@@ -34,18 +34,18 @@ class Answered:
 
 
 @dataclass(frozen=True)
-class Step:
+class DialogueStep:
     """Outcome of one event."""
 
-    state: State
+    state: DialogueState
     actions: tuple[Action, ...]  # to be done in this order
     rejection: Rejection | None = None  # why a command is not taken; None: it is
 
 
-AT_START = State(Mode.STANDBY, "start")
+AT_START = DialogueState(Mode.STANDBY, "start")
 
 
-def step(state: State, event: Heard | Answered) -> Step:
+def step(state: DialogueState, event: CommandRecognized | Answered) -> DialogueStep:
     """Next state and what to do; pure.
 
     A command counts only in its modes. A refusal by the controller leaves the mode as the spoken
@@ -55,23 +55,25 @@ def step(state: State, event: Heard | Answered) -> Step:
         return _answered(state, event)
     command = event.command
     if state.mode.value not in command.modes:
-        return Step(state, (), _wrong_mode(command, state.mode))
+        return DialogueStep(state, (), _wrong_mode(command, state.mode))
     actions: list[Action] = [Halt()] if command.is_halt else []
     if command.command:
         actions.append(Call(command.command))
     mode = state.mode if command.mode_after == "same" else Mode(command.mode_after)
     if mode is state.mode:
-        return Step(state, tuple(actions))
-    return Step(State(mode, command.phrase), (*actions, SetMode(mode, command.phrase)))
+        return DialogueStep(state, tuple(actions))
+    return DialogueStep(
+        DialogueState(mode, command.phrase), (*actions, SetMode(mode, command.phrase))
+    )
 
 
-def _answered(state: State, event: Answered) -> Step:
+def _answered(state: DialogueState, event: Answered) -> DialogueStep:
     if event.is_accepted:
-        return Step(state, ())
+        return DialogueStep(state, ())
     reason = f"{event.command}, refused by the robot: {event.message}"
     if state.reason != event.command:
-        return Step(state, ())
-    return Step(State(state.mode, reason), (SetMode(state.mode, reason),))
+        return DialogueStep(state, ())
+    return DialogueStep(DialogueState(state.mode, reason), (SetMode(state.mode, reason),))
 
 
 def _wrong_mode(command: CommandConfig, mode: Mode) -> Rejection:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from voice_assist.config import CommandsConfig, EarlyConfig
 from voice_assist.intent.mapper import Mapper
-from voice_assist.spotter.fusion import Belief, SecondWay
+from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.text.normalize import normalize
 from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason
 
@@ -20,24 +20,26 @@ _SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
 
 
 @dataclass(frozen=True)
-class Moment:
+class DecisionContext:
     """Where in an utterance a transcript was made."""
 
     time: float  # [s] stream time
     quiet: float  # [s] since the last speech
     is_complete: bool  # the end of the utterance is confirmed
     is_whole: bool  # the transcript is of the utterance from its very beginning
-    spotted: float | None = None  # [nat] the spotter's best score of late; None: nobody listens
+    spotted: float | None = (
+        None  # [nat] the spotter's best score recently; None: no spotter listens
+    )
 
 
-class Judge:
+class EarlyDecision:
     """Decides about the transcripts of one utterance, oldest first."""
 
     def __init__(
-        self, mapper: Mapper, commands: CommandsConfig, config: EarlyConfig, second: SecondWay
+        self, mapper: Mapper, commands: CommandsConfig, config: EarlyConfig, fusion: StopFusion
     ) -> None:
         """Start with a new utterance."""
-        self._mapper, self._config, self._second = mapper, config, second
+        self._mapper, self._config, self._stop_fusion = mapper, config, fusion
         self._halts = {c.phrase: c.min_confidence for c in commands.commands if c.is_halt}
         self.reset()
 
@@ -59,17 +61,17 @@ class Judge:
         """A halt was already taken from this utterance."""
         return self._has_halted
 
-    def __call__(self, heard: Hypothesis, moment: Moment) -> Match | NoMatch | None:
-        """Judge a transcript; None: wait for more."""
+    def __call__(self, heard: Hypothesis, context: DecisionContext) -> Match | NoMatch | None:
+        """What a transcript is taken for now; None: wait for more."""
         outcome = self._mapper(heard.text)
-        self._follow(heard, outcome, moment)
+        self._follow(heard, outcome, context)
         if isinstance(outcome, Match) and outcome.command in self._halts:
-            return self._halt(outcome, heard, moment)
-        if not moment.is_complete and not self._may_commit(outcome, heard, moment):
+            return self._halt(outcome, heard, context)
+        if not context.is_complete and not self._may_commit(outcome, heard, context):
             return None
         if not self._words:
             return None
-        if isinstance(outcome, Match) and (self.has_decided or not moment.is_whole):
+        if isinstance(outcome, Match) and (self.has_decided or not context.is_whole):
             return outcome.rejected(self._continues())
         if isinstance(outcome, NoMatch) and self.has_decided:
             return replace(outcome, rejection=self._continues())
@@ -79,7 +81,7 @@ class Judge:
         """A halt that stands alone in the last part of sound that somebody else talks in.
 
         Args:
-            part: Transcript of that part; None: it was not looked at.
+            part: Transcript of that part; None: it was not decoded.
             least: Confidence from which it counts [0, 1].
         """
         if part is None or self._has_halted:
@@ -97,47 +99,53 @@ class Judge:
             self._decided = phrase
         self._votes, self._words = 0, ()
 
-    def _follow(self, heard: Hypothesis, outcome: Match | NoMatch, moment: Moment) -> None:
+    def _follow(
+        self, heard: Hypothesis, outcome: Match | NoMatch, context: DecisionContext
+    ) -> None:
         is_halt = isinstance(outcome, Match) and outcome.command in self._halts
         is_vote = is_halt and heard.confidence >= self._config.vote_confidence
         self._votes = self._votes + 1 if is_vote else 0
         words = normalize(heard.text)
         if words != self._words:
-            self._words, self._unchanged_since = words, moment.time
+            self._words, self._unchanged_since = words, context.time
 
-    def _halt(self, outcome: Match, heard: Hypothesis, moment: Moment) -> Match | NoMatch | None:
+    def _halt(
+        self, outcome: Match, heard: Hypothesis, context: DecisionContext
+    ) -> Match | NoMatch | None:
         if self._has_halted:
             return None
         config, least = self._config, self._halts[outcome.command]
         if heard.confidence < least:
-            if not moment.is_complete:
+            if not context.is_complete:
                 return None
             return outcome.rejected(too_unsure(heard.confidence, least))
         is_now = config.is_enabled and (
             self._votes >= config.stop_agreement
             or heard.confidence >= config.stop_confidence
-            or self._is_pause(moment)
+            or self._is_pause(context)
         )
-        is_ready = is_now or moment.is_complete
-        belief = Belief(heard.confidence, is_ready, moment.spotted)
-        if self._second.confirms(belief, outcome.command):
+        is_ready = is_now or context.is_complete
+        evidence = StopEvidence(heard.confidence, is_ready, context.spotted)
+        if self._stop_fusion.confirms(evidence, outcome.command):
             return outcome
         words = "the recogniser is not sure, and the spotter did not hear it"
         unsure = Rejection(RejectionReason.HALT_UNSURE, words)
-        return outcome.rejected(unsure) if moment.is_complete else None
+        return outcome.rejected(unsure) if context.is_complete else None
 
-    def _may_commit(self, outcome: Match | NoMatch, heard: Hypothesis, moment: Moment) -> bool:
+    def _may_commit(
+        self, outcome: Match | NoMatch, heard: Hypothesis, context: DecisionContext
+    ) -> bool:
         """Whether a whole command is taken before the end of the utterance."""
         config = self._config
-        if not config.is_enabled or not isinstance(outcome, Match) or not moment.is_whole:
+        if not config.is_enabled or not isinstance(outcome, Match) or not context.is_whole:
             return False
         if self.has_decided or self._mapper.can_grow(heard.text):
             return False
-        is_still = moment.time - self._unchanged_since >= config.unchanged_for - _SLACK
-        return is_still or self._is_pause(moment)
+        is_still = context.time - self._unchanged_since >= config.unchanged_for - _SLACK
+        return is_still or self._is_pause(context)
 
-    def _is_pause(self, moment: Moment) -> bool:
-        return moment.quiet >= self._config.pause - _SLACK
+    def _is_pause(self, context: DecisionContext) -> bool:
+        return context.quiet >= self._config.pause - _SLACK
 
     def _continues(self) -> Rejection:
         first = f"{self._decided!r}" if self._decided else "a longer utterance"

@@ -1,62 +1,70 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What keeps a command that was heard from being taken; nothing here can refuse a halt."""
+"""What keeps a recognised command from being taken; nothing here can refuse a halt."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from voice_assist.audio.corruption import damage
-from voice_assist.audio.pitch import glide
-from voice_assist.audio.robot_speech import Talkback
+from voice_assist.audio.corruption import find_corruption
+from voice_assist.audio.pitch import pitch_variation
+from voice_assist.audio.robot_speech import RobotSpeech
 from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandConfig
 from voice_assist.intent.early_decision import too_unsure
 from voice_assist.types import Hypothesis, Rejection, RejectionReason, Samples
-from voice_assist.vad.segmenter import Growth
+from voice_assist.vad.segmenter import PartialUtterance
 
 if TYPE_CHECKING:
     from voice_assist.speaker.gate import Gate
 
 
-class Objections:
-    """Asked about each command that the words and the scores agree on."""
+class RejectionRules:
+    """Applied to each command that the words and the scores agree on, in this order."""
 
-    def __init__(self, config: VoiceConfig, talkback: Talkback, gate: Gate | None) -> None:
+    def __init__(self, config: VoiceConfig, robot_speech: RobotSpeech, gate: Gate | None) -> None:
         """Join them.
 
         Args:
             config: Of all stages.
-            talkback: When the robot itself speaks.
-            gate: Tells whose voice may not move the robot; None: any voice may.
+            robot_speech: When the robot itself speaks.
+            gate: Refuses motions in other voices; None: any voice may move the robot.
         """
-        self._config, self._talkback, self._gate = config.recognizer, talkback, gate
+        self._config, self._robot_speech, self._gate = config.recognizer, robot_speech, gate
 
     def __call__(
-        self, command: CommandConfig, heard: Hypothesis, sound: Samples, growth: Growth
+        self,
+        command: CommandConfig,
+        transcript: Hypothesis,
+        sound: Samples,
+        partial: PartialUtterance,
     ) -> Rejection | None:
         """Why a command is not taken; None: it is.
 
         Args:
-            command: That was heard.
-            heard: As what.
-            sound: That it was heard in, shape (n,).
-            growth: The utterance that it was said in.
+            command: That was recognised.
+            transcript: That it was recognised by.
+            sound: That it was recognised in, shape (n,).
+            partial: The utterance that it was said in.
         """
         wakes = command.mode_after == "active"
-        if (command.is_motion or wakes) and self._talkback.is_in(growth.utterance.speech_start):
+        if (command.is_motion or wakes) and self._robot_speech.is_in(
+            partial.utterance.speech_start
+        ):
             words = "the robot itself was speaking; say it again"
             return Rejection(RejectionReason.ROBOT_SPEAKING, words)
-        return self._of_motion(heard, sound, growth.clearness) if command.is_motion else None
+        return self._of_motion(transcript, sound, partial.clearness) if command.is_motion else None
 
-    def _of_motion(self, heard: Hypothesis, sound: Samples, clearness: float) -> Rejection | None:
+    def _of_motion(
+        self, transcript: Hypothesis, sound: Samples, clearness: float
+    ) -> Rejection | None:
         if clearness < self._config.motion_speech:
             return too_faint(clearness, self._config.motion_speech)
         least = self._config.motion_confidence
-        if heard.confidence < least:
-            return too_unsure(heard.confidence, least, " of the transcript")
-        if words := damage(sound):
+        if transcript.confidence < least:
+            return too_unsure(transcript.confidence, least, " of the transcript")
+        if words := find_corruption(sound):
             return Rejection(RejectionReason.DAMAGED_SOUND, words)
-        moved, least = glide(sound), self._config.motion_pitch_variation
+        moved, least = pitch_variation(sound), self._config.motion_pitch_variation
         if moved < least:
             words = f"a tone, no voice: its pitch moves by {moved:.2f} cent, a voice's by {least:g}"
             return Rejection(RejectionReason.TONE, words)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From frames of sound to decisions; the whole way, top to bottom."""
+"""From frames of sound to decisions; `Pipeline.__call__` is the whole way, top to bottom."""
 
 from __future__ import annotations
 
@@ -10,40 +10,42 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from voice_assist.audio.denoise import Denoiser
-from voice_assist.audio.robot_speech import Spoke, Talkback
+from voice_assist.audio.robot_speech import RobotSpeech, RobotSpeechChange
 from voice_assist.audio.source import GapWatch
 from voice_assist.config import VoiceConfig
-from voice_assist.config.calibration import log_odds
-from voice_assist.intent.dialogue import AT_START, Answered, Heard, State, step
-from voice_assist.intent.early_decision import Judge, Moment, too_unsure
+from voice_assist.intent.dialogue import (
+    AT_START,
+    Answered,
+    CommandRecognized,
+    DialogueState,
+    step,
+)
+from voice_assist.intent.early_decision import DecisionContext
 from voice_assist.intent.mapper import Mapper
-from voice_assist.intent.rejection_rules import Objections
-from voice_assist.pipeline.partial_decoding import Hearing
-from voice_assist.side_inputs import Circumstance, Kind, Witness, ignore
-from voice_assist.spotter.fusion import SecondWay
+from voice_assist.intent.rejection_rules import RejectionRules
+from voice_assist.pipeline.decider import Decider, Verdict
+from voice_assist.pipeline.partial_decoding import PartialDecoder
+from voice_assist.side_inputs import Observer, SideInput, SideInputKind, ignore
+from voice_assist.spotter.fusion import StopFusion
 from voice_assist.spotter.spotter import Spotted
-from voice_assist.text.normalize import is_negated, normalize
 from voice_assist.types import (
     RATE,
     Action,
     Decision,
     Frame,
     Halt,
-    Hypothesis,
     Lost,
     Match,
     Mode,
     NoMatch,
     Partial,
-    Rejection,
-    RejectionReason,
     Samples,
     Utterance,
     frozen_samples,
 )
-from voice_assist.vad.detector import Deafened, Detector
-from voice_assist.vad.endpointer import Analyzer
-from voice_assist.vad.segmenter import Cutter, Growth
+from voice_assist.vad.detector import Detector, OverloadRecovery
+from voice_assist.vad.endpointer import Endpointer
+from voice_assist.vad.segmenter import PartialUtterance, Segmenter
 
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
@@ -52,14 +54,13 @@ if TYPE_CHECKING:
 Event = Partial | Decision | Lost
 Clock = Callable[[], float]
 
-NEVER = 1000.0  # [nat] a `halt_score_threshold` that switches firing off
-_PROGRESS = RATE  # samples between two notes of how far hearing has come
-_KEPT_OF_NOISE = 0.5  # [s] before a look that heard nothing, which may begin a word
+_PROGRESS = RATE  # samples between two notes of how far recognition has come
+_KEPT_OF_NOISE = 0.5  # [s] before a decoder pass that found nothing, which may begin a word
 _KEPT_OF_PAUSE = 0.064  # [s] before a decision in a pause that may begin the next word
 
 
 class Pipeline:
-    """Hears a stream frame by frame, and decides."""
+    """Recognises commands in a stream, frame by frame."""
 
     def __init__(
         self,
@@ -67,8 +68,8 @@ class Pipeline:
         recognizer: Recognizer,
         detector: Detector,
         clock: Clock,
-        second: SecondWay | None = None,
-        witness: Witness = ignore,
+        stop_fusion: StopFusion | None = None,
+        observer: Observer = ignore,
         gate: Gate | None = None,
     ) -> None:
         """Join the stages.
@@ -76,53 +77,182 @@ class Pipeline:
         Args:
             config: Of all stages.
             recognizer: Makes text of sound.
-            detector: Tells speech from quiet.
+            detector: Gives the probability of speech.
             clock: The one that stamps the frames [s].
-            second: The spotter and the rule that joins it; without it the recogniser is alone.
-            witness: Told of all that comes in besides sound, or is not heard for lack of time.
-            gate: Tells whose voice may not move the robot; None: any voice may.
+            stop_fusion: The spotter and the rule that joins it; without it the recogniser is alone.
+            observer: Gets all inputs besides sound, and all sound that is skipped for lack of time.
+            gate: Refuses motions in other voices; None: any voice may move the robot.
         """
-        self._second = second or SecondWay(config.spotter, None)
-        self._config, self._clock, self._witness = config, clock, witness
-        self._next_sample = 0  # index of the sample that follows all those heard
-        self._recognizer, self._detector = recognizer, detector
-        self._gaps = GapWatch()
-        self._denoise = Denoiser(config.audio.denoise)
-        self._deafened = Deafened()
-        self._analyze = Analyzer(config.audio.vad)
-        self._cut = Cutter(config.audio.vad)
-        self._mapper = Mapper(config.commands)
-        early, loses = config.recognizer.early, self._mapper.cannot_become
-        self._hear = Hearing(recognizer, early, clock, witness, loses)
-        self._judge = Judge(self._mapper, config.commands, early, self._second)
-        self._halted = float("-inf")  # [s] clock time up to which sound has led to a halt
-        self._state = AT_START
-        self._talkback = Talkback(config.audio.robot_speech)
-        self._object = Objections(config, self._talkback, gate)
-        self._new_utterance()
+        self._config, self._clock, self._observer = config, clock, observer
+        self._next_sample = 0  # index of the sample that follows all those taken
+        self._recognizer = recognizer
+        self._gap_watch = GapWatch()
+        self._denoiser = Denoiser(config.audio.denoise)
+        self._overload_recovery = OverloadRecovery()
+        self._detector = detector
+        self._endpointer = Endpointer(config.audio.vad)
+        self._segmenter = Segmenter(config.audio.vad)
+        self._stop_fusion = stop_fusion or StopFusion(config.spotter, None)
+        mapper, early = Mapper(config.commands), config.recognizer.early
+        self._decoder = PartialDecoder(recognizer, early, clock, observer, mapper.cannot_become)
+        self._robot_speech = RobotSpeech(config.audio.robot_speech)
+        rejection_rules = RejectionRules(config, self._robot_speech, gate)
+        self._decider = Decider(config, mapper, self._decoder, self._stop_fusion, rejection_rules)
+        self._dialogue_state = AT_START
+        self._start_utterance()
+
+    def __call__(self, frame: Frame) -> tuple[Event, ...]:
+        """Take the next frame of the stream; gives what came of it, oldest first."""
+        events = self._check_stream(frame)
+        cleaned = self._denoiser(frame.samples)
+        if self._overload_recovery.is_over(frame):
+            self._detector.reset()
+        endpoint = self._endpointer(self._detector(cleaned), frame.duration)
+        if self._config.audio.denoise.mode == "on":
+            frame = replace(frame, samples=cleaned)
+        partial = self._segmenter(frame, endpoint)
+        if spotted := self._stop_fusion.update(frame):
+            events += self._decide_spotted(spotted, partial)
+        if partial is None:
+            return events
+        if self._decoder(partial, frame, _end(frame), self._window_alone(frame)):
+            events += (*self._transcribed(frame), *self._decide(partial, frame))
+            self._forget_noise(partial, _end(frame))
+        if partial.utterance.is_complete:
+            events += (Partial("", frame.stamp),) if self._shown else ()
+            self._start_utterance()
+        return events
+
+    # --- stages
+
+    def _check_stream(self, frame: Frame) -> tuple[Event, ...]:
+        """Note progress, and begin anew after a gap in the stream."""
+        self._next_sample = frame.first_sample + len(frame.samples)
+        if frame.first_sample // _PROGRESS != self._next_sample // _PROGRESS:
+            self._observer(SideInput(SideInputKind.HEARD, frame.first_sample))
+        lost = self._gap_watch(frame)
+        if lost is None:
+            return ()
+        self._observer(SideInput(SideInputKind.LOST, frame.first_sample))
+        self._detector.reset()
+        self._endpointer.reset()
+        self._segmenter.break_at(frame.stamp)
+        self._start_utterance()
+        return (Lost(lost, frame.stamp),)
+
+    def _window_alone(self, frame: Frame) -> float:
+        """Length of the last part that is decoded by itself too [s]; 0: none is."""
+        is_speaking = self._robot_speech.is_in(frame.stamp)
+        return self._config.audio.robot_speech.window if is_speaking else 0.0
+
+    def _transcribed(self, frame: Frame) -> tuple[Event, ...]:
+        """The transcript so far, where it has changed."""
+        text = self._decoder.transcript.text if self._decoder.transcript else ""
+        if text == self._shown:
+            return ()
+        self._shown = text
+        return (Partial(text, frame.stamp + frame.duration),)
+
+    def _decide(self, partial: PartialUtterance, frame: Frame) -> tuple[Event, ...]:
+        """What the newest transcript comes to, if it is decided now."""
+        transcript = self._decoder.transcript
+        if transcript is None:
+            return ()
+        is_whole = partial.is_whole and not self._decoder.is_window
+        spotted = self._stop_fusion.best(frame.stamp + frame.duration)
+        is_complete = partial.utterance.is_complete
+        context = DecisionContext(_end(frame), partial.quiet, is_complete, is_whole, spotted)
+        verdict = self._decider(transcript, partial, context)
+        return () if verdict is None else (self._conclude(verdict, partial),)
+
+    def _decide_spotted(
+        self, spotted: Spotted, partial: PartialUtterance | None
+    ) -> tuple[Event, ...]:
+        """The spotter fired alone; nothing new where the recogniser was quicker."""
+        verdict = self._decider.spotted(spotted)
+        if verdict is None:
+            return ()
+        silent = Utterance(frozen_samples(np.zeros(0)), spotted.time, spotted.time, False)
+        begun = partial or PartialUtterance(silent, 0.0, False, 0.0)
+        decision = self._conclude(verdict, begun)
+        if partial is None:  # endpointing has noticed no speech: what is said next is new
+            self._decider.start_utterance()
+        if spotted.is_sent:
+            left = tuple(a for a in decision.actions if not isinstance(a, Halt))
+            decision = replace(decision, actions=left)
+        return (decision,)
+
+    def _conclude(self, verdict: Verdict, partial: PartialUtterance) -> Decision:
+        """Let the dialogue act on it, and make ready for the rest of the utterance."""
+        mode, outcome, utterance = self._dialogue_state.mode, verdict.outcome, partial.utterance
+        actions: tuple[Action, ...] = ()
+        if isinstance(outcome, Match):
+            self._decider.accept(self._config.commands.get(outcome.command), partial)
+            outcome, actions = self._act(outcome)
+        if not utterance.is_complete:
+            self._segmenter.restart(_KEPT_OF_PAUSE if self._decoder.is_settled(partial) else 0.0)
+            self._decoder.restart(partial)
+        return Decision(
+            hypothesis=verdict.hypothesis,
+            outcome=outcome,
+            confidence=min(max(verdict.confidence, 0.0), 1.0),
+            mode=mode,
+            speech_start=utterance.speech_start,
+            speech_end=utterance.speech_end,
+            decided=self._clock(),
+            is_partial=not utterance.is_complete,
+            decided_by=verdict.decided_by,
+            actions=actions,
+        )
+
+    def _act(self, match: Match) -> tuple[Match | NoMatch, tuple[Action, ...]]:
+        command = self._config.commands.get(match.command)
+        outcome = step(self._dialogue_state, CommandRecognized(command))
+        self._dialogue_state = outcome.state
+        if outcome.rejection is not None:
+            return match.rejected(outcome.rejection), ()
+        return match, outcome.actions
+
+    def _forget_noise(self, partial: PartialUtterance, time: float) -> None:
+        """Keep long noise, which the detector takes for speech, from hiding a command in it.
+
+        Talk in which one pass found nothing is no noise: were it forgotten, its last word would
+        pass for all that was said.
+        """
+        length = len(partial.utterance.samples) / RATE
+        wordless = min(length, time - self._decoder.worded_at)
+        if wordless > self._config.recognizer.early.noise_after:
+            self._segmenter.forget(_KEPT_OF_NOISE)
+
+    def _start_utterance(self) -> None:
+        self._decider.start_utterance()
+        self._decoder.reset()
+        self._shown = ""
+
+    # --- inputs besides sound
 
     @property
-    def state(self) -> State:
+    def state(self) -> DialogueState:
         """Of the dialogue."""
-        return self._state
+        return self._dialogue_state
 
     def set_mode(self, mode: Mode, reason: str) -> None:
         """Put the dialogue into a mode."""
-        self._state = State(mode, reason)
+        self._dialogue_state = DialogueState(mode, reason)
 
     def answer(self, answered: Answered) -> tuple[Action, ...]:
-        """Tell the dialogue what the controller replied."""
-        told = answered.command, answered.is_accepted, answered.message
-        self._witness(Circumstance(Kind.ANSWERED, self._next_sample, 0, *told))
-        outcome = step(self._state, answered)
-        self._state = outcome.state
+        """Take the controller's reply to a command; gives what to do about it."""
+        reply = answered.command, answered.is_accepted, answered.message
+        self._observer(SideInput(SideInputKind.ANSWERED, self._next_sample, 0, *reply))
+        outcome = step(self._dialogue_state, answered)
+        self._dialogue_state = outcome.state
         return outcome.actions
 
-    def robot_spoke(self, spoke: Spoke) -> None:
-        """Tell that a loudspeaker of the robot's own speaks, or ended."""
-        told = Circumstance(Kind.SPEAKING, self._next_sample, is_speaking=spoke.is_speaking)
-        self._witness(replace(told, time=spoke.time))
-        self._talkback.tell(spoke)
+    def robot_spoke(self, change: RobotSpeechChange) -> None:
+        """Take that a loudspeaker of the robot's own speaks, or ended."""
+        spoken = SideInput(SideInputKind.SPEAKING, self._next_sample, time=change.time)
+        self._observer(replace(spoken, is_speaking=change.is_speaking))
+        self._robot_speech.update(change)
 
     def warm_up(self, samples: Samples) -> None:
         """Let the recogniser do once what it does only once, on any sound, shape (n,)."""
@@ -132,221 +262,18 @@ class Pipeline:
 
     def reset(self) -> None:
         """Forget the stream so far, and keep the mode."""
-        self._gaps = GapWatch()
-        self._denoise.reset()
-        self._deafened = Deafened()
+        self._gap_watch = GapWatch()
+        self._overload_recovery = OverloadRecovery()
+        self._denoiser.reset()
         self._detector.reset()
-        self._analyze.reset()
-        self._cut.reset()
-        self._second.reset()
-        self._talkback.reset()
-        self._halted = float("-inf")
-        self._new_utterance()
+        self._endpointer.reset()
+        self._segmenter.reset()
+        self._stop_fusion.reset()
+        self._robot_speech.reset()
+        self._decider.reset()
+        self._start_utterance()
 
-    def __call__(self, frame: Frame) -> tuple[Event, ...]:
-        """Take the next frame of the stream; gives what came of it, oldest first."""
-        self._next_sample = frame.first_sample + len(frame.samples)
-        if frame.first_sample // _PROGRESS != self._next_sample // _PROGRESS:
-            self._witness(Circumstance(Kind.HEARD, frame.first_sample))
-        events = self._check_gap(frame)
-        cleaned = self._denoise(frame.samples)
-        if self._deafened.is_over(frame):
-            self._detector.reset()
-        endpoint = self._analyze(self._detector(cleaned), frame.duration)
-        if self._config.audio.denoise.mode == "on":
-            frame = replace(frame, samples=cleaned)
-        growth = self._cut(frame, endpoint)
-        if spotted := self._second.hear(frame):
-            events += self._take_spotted(spotted, growth)
-        if growth is None:
-            return events
-        time = frame.first_sample / RATE + frame.duration
-        own = self._talkback.is_in(frame.stamp)
-        if self._hear(growth, frame, time, self._config.audio.robot_speech.window if own else 0.0):
-            events += (*self._partial(frame), *self._decide(growth, frame, time))
-            self._forget_noise(growth, time)
-        if growth.utterance.is_complete:
-            events += (Partial("", frame.stamp),) if self._shown else ()
-            self._new_utterance()
-        return events
 
-    # --- hear
-
-    def _check_gap(self, frame: Frame) -> tuple[Event, ...]:
-        lost = self._gaps(frame)
-        if lost is None:
-            return ()
-        self._witness(Circumstance(Kind.LOST, frame.first_sample))
-        self._detector.reset()
-        self._analyze.reset()
-        self._cut.break_at(frame.stamp)
-        self._new_utterance()
-        return (Lost(lost, frame.stamp),)
-
-    def _new_utterance(self) -> None:
-        self._judge.reset()
-        self._hear.reset()
-        self._shown = ""
-
-    def _partial(self, frame: Frame) -> tuple[Event, ...]:
-        text = self._hear.heard.text if self._hear.heard else ""
-        if text == self._shown:
-            return ()
-        self._shown = text
-        return (Partial(text, frame.stamp + frame.duration),)
-
-    def _forget_noise(self, growth: Growth, time: float) -> None:
-        """Keep long noise, which the detector takes for speech, from hiding a command in it.
-
-        Talk in which one look heard nothing is no noise: were it forgotten, its last word would
-        pass for all that was said.
-        """
-        length = len(growth.utterance.samples) / RATE
-        wordless = min(length, time - self._hear.worded_at)
-        if wordless > self._config.recognizer.early.noise_after:
-            self._cut.forget(_KEPT_OF_NOISE)
-
-    # --- decide
-
-    def _decide(self, growth: Growth, frame: Frame, time: float) -> tuple[Event, ...]:
-        utterance, heard = growth.utterance, self._hear.heard
-        if heard is None:
-            return ()
-        is_whole = growth.is_whole and not self._hear.is_window
-        spotted = self._second.best(frame.stamp + frame.duration)
-        moment = Moment(time, growth.quiet, utterance.is_complete, is_whole, spotted)
-        outcome = self._judge(heard, moment)
-        decided_by, part = "recognizer", self._hear.part
-        if part and (
-            over := self._judge.said_over(part, self._config.audio.robot_speech.stop_confidence)
-        ):
-            outcome, heard = over, part
-        if not isinstance(outcome, Match) and (fired := self._fire(growth, heard, spotted)):
-            outcome, decided_by = fired, "spotter"
-        if outcome is None:
-            if self._hear.is_settled(growth):
-                self._prepare(heard, growth)
-            return ()
-        worth = self._config.recognizer.confidence
-        confidence = worth.transcript(log_odds(heard.confidence))
-        if decided_by == "spotter" and spotted is not None:
-            confidence = worth.spotter(spotted)
-        elif isinstance(outcome, Match):
-            outcome, confidence = self._second_opinion(outcome, heard, growth)
-        return (self._conclude(outcome, heard, confidence, growth, decided_by),)
-
-    def _prepare(self, heard: Hypothesis, growth: Growth) -> None:
-        """Compute in the pause what a decision at its end will need."""
-        if isinstance(match := self._mapper(heard.text), Match):
-            self._second_opinion(match, heard, growth)
-
-    def _second_opinion(
-        self, match: Match, heard: Hypothesis, growth: Growth
-    ) -> tuple[Match | NoMatch, float]:
-        """The scores of whole commands may refuse one that is no halt; gives the confidence too."""
-        command, worth = (
-            self._config.commands.get(match.command),
-            self._config.recognizer.confidence,
-        )
-        confidence = worth.transcript(log_odds(heard.confidence))
-        if command.is_halt:
-            return match, confidence
-        if self._config.recognizer.second_opinion:
-            texts = self._config.commands.scored(match.command, normalize(heard.text))
-            told = self._hear.scores(tuple(texts.values()))
-            scores = {phrase: told[text] for phrase, text in texts.items()}
-            best, score = max(scores, key=scores.__getitem__), scores[match.command]
-            confidence = worth.scores(score)
-            if best != match.command:
-                words = f"it sounds more like {best!r}"
-                other = Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, words)
-                return match.rejected(other), confidence
-        if confidence < command.min_confidence:
-            return match.rejected(too_unsure(confidence, command.min_confidence)), confidence
-        if rejection := self._object(command, heard, self._hear.sound, growth):
-            return match.rejected(rejection), confidence
-        return match, confidence
-
-    def _fire(self, growth: Growth, heard: Hypothesis, spotted: float | None) -> Match | None:
-        """A halt that the transcript misses, but the scores are sure of, or the spotter is."""
-        if self._judge.has_halted or is_negated(normalize(heard.text)):
-            return None
-        if self._second.is_asking(spotted):
-            phrase = self._second.phrase
-            ratio = self._hear.scores(self._config.commands.phrases)[phrase]
-            if self._second.overrules(spotted, ratio):
-                return Match(phrase, self._mapper(heard.text).wer)
-        halts = [
-            c
-            for c in self._config.commands.commands
-            if c.is_halt and c.halt_score_threshold < NEVER
-        ]
-        if not (halts and self._hear.is_settled(growth) and self._config.recognizer.second_opinion):
-            return None
-        if self._judge.has_decided:
-            return None
-        scores = self._hear.scores(self._config.commands.phrases)
-        for halt in halts:
-            if scores[halt.phrase] > halt.halt_score_threshold:
-                return Match(halt.phrase, self._mapper(heard.text).wer)
-        return None
-
-    def _take_spotted(self, spotted: Spotted, growth: Growth | None) -> tuple[Event, ...]:
-        """The spotter fired alone; nothing new where the recogniser was quicker."""
-        if spotted.time - self._halted < self._config.spotter.rearm_after:
-            return ()
-        heard = self._hear.heard or Hypothesis("", 0.0, 0.0)
-        match = Match(self._second.phrase, self._mapper(heard.text).wer)
-        confidence = self._config.recognizer.confidence.spotter(spotted.score)
-        silent = Utterance(frozen_samples(np.zeros(0)), spotted.time, spotted.time, False)
-        begun = growth or Growth(silent, 0.0, False, 0.0)
-        decision = self._conclude(match, heard, confidence, begun, "spotter")
-        if growth is None:  # endpointing has noticed no speech: what is said next is new
-            self._judge.reset()
-        if spotted.is_sent:
-            left = tuple(a for a in decision.actions if not isinstance(a, Halt))
-            decision = replace(decision, actions=left)
-        return (decision,)
-
-    def _conclude(
-        self,
-        outcome: Match | NoMatch,
-        heard: Hypothesis,
-        confidence: float,
-        growth: Growth,
-        decided_by: str,
-    ) -> Decision:
-        """Let the dialogue act on it, and make ready for the rest of the utterance."""
-        mode = self._state.mode
-        actions: tuple[Action, ...] = ()
-        if isinstance(outcome, Match):
-            self._accept(outcome.command, growth)
-            outcome, actions = self._act(outcome)
-        utterance = growth.utterance
-        if not utterance.is_complete:
-            self._cut.restart(_KEPT_OF_PAUSE if self._hear.is_settled(growth) else 0.0)
-            self._hear.restart(growth)
-        return Decision(
-            hypothesis=heard,
-            outcome=outcome,
-            confidence=min(max(confidence, 0.0), 1.0),
-            mode=mode,
-            speech_start=utterance.speech_start,
-            speech_end=utterance.speech_end,
-            decided=self._clock(),
-            is_partial=not utterance.is_complete,
-            decided_by=decided_by,
-            actions=actions,
-        )
-
-    def _accept(self, phrase: str, growth: Growth) -> None:
-        self._judge.accept(phrase)
-        if self._config.commands.get(phrase).is_halt:
-            self._halted = growth.utterance.speech_end + growth.quiet
-
-    def _act(self, match: Match) -> tuple[Match | NoMatch, tuple[Action, ...]]:
-        outcome = step(self._state, Heard(self._config.commands.get(match.command)))
-        self._state = outcome.state
-        if outcome.rejection is not None:
-            return match.rejected(outcome.rejection), ()
-        return match, outcome.actions
+def _end(frame: Frame) -> float:
+    """Stream time of a frame's end [s]."""
+    return frame.first_sample / RATE + frame.duration

@@ -12,7 +12,7 @@ from torch import Tensor
 from voice_assist.config.profile import ProfileConfig
 from voice_assist.profile import model_file, spellings, thresholds
 from voice_assist.profile.manifest import ACTIVE, RECORDING
-from voice_assist.profile.profile import Profile, ProfileError, open_profile, profiles_folder
+from voice_assist.profile.profile import ProfileError, VoiceProfile, open_profile, profiles_folder
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.speaker.voiceprint import FILE
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
 
 
-def profile_in_force(config: ProfileConfig) -> Profile | None:
+def profile_in_force(config: ProfileConfig) -> VoiceProfile | None:
     """Open the profile; None: the base alone is asked for.
 
     Raises:
@@ -95,7 +95,7 @@ def with_profile(config: VoiceConfig) -> tuple[VoiceConfig, bytes | None]:
     return config, profile.read(FILE) if profile.has(FILE) else None
 
 
-def with_spellings(config: VoiceConfig, profile: Profile) -> VoiceConfig:
+def with_spellings(config: VoiceConfig, profile: VoiceProfile) -> VoiceConfig:
     """The settings with what the profile learned to be spellings of commands.
 
     Raises:
@@ -121,7 +121,7 @@ class PersonalRecognizer(EmbeddedRecognizer):
 
         Args:
             base: With a CTC head.
-            state: Adapted tensors by their name in HybridWhisper.
+            state: Adapted tensors by their name in WhisperCtc.
             profile: Name of whose they are.
             digest: SHA-256 of that profile.
         """

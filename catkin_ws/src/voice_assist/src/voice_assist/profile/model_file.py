@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from voice_assist.errors import ModelError
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.safe_weights import check_weights, read_weights
 
 NAME = "model.pt"  # in a profile
@@ -22,7 +22,7 @@ def to_bytes(state: dict[str, Tensor], base_sha256: str) -> bytes:
     """As torch.save writes it, by weights only; half precision halves the file.
 
     Args:
-        state: Adapted tensors by their name in HybridWhisper.
+        state: Adapted tensors by their name in WhisperCtc.
         base_sha256: Of the checkpoint that they belong to.
     """
     file = io.BytesIO()
@@ -31,7 +31,7 @@ def to_bytes(state: dict[str, Tensor], base_sha256: str) -> bytes:
     return file.getvalue()
 
 
-def read_model(data: bytes, model: HybridWhisper, base_sha256: str) -> dict[str, Tensor]:
+def read_model(data: bytes, model: WhisperCtc, base_sha256: str) -> dict[str, Tensor]:
     """Adapted tensors, each compared with the base's shape.
 
     Args:

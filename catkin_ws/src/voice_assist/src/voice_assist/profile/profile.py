@@ -53,7 +53,7 @@ def profiles_folder(given: str | Path | None = None) -> Path:
     return Path(data) / "voice_assist" / "profiles"
 
 
-class Profile:
+class VoiceProfile:
     """A profile's folder, and what its manifest says."""
 
     def __init__(self, folder: Path, manifest: Manifest, digest: str) -> None:
@@ -189,7 +189,7 @@ class Profile:
             raise ProfileError(f"{path} cannot be written: {error.strerror}") from error
 
 
-def create_profile(name: str, base_sha256: str, root: Path) -> Profile:
+def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
     """Make an empty profile.
 
     Args:
@@ -220,12 +220,12 @@ def create_profile(name: str, base_sha256: str, root: Path) -> Profile:
         takes=(),
         files=(),
     )
-    profile = Profile(folder, manifest, "")
+    profile = VoiceProfile(folder, manifest, "")
     profile._save(manifest)
     return profile
 
 
-def open_profile(name: str, root: Path) -> Profile:
+def open_profile(name: str, root: Path) -> VoiceProfile:
     """Open a profile; its files are checked as they are read, all of them by `check`.
 
     Raises:
@@ -245,7 +245,7 @@ def open_profile(name: str, root: Path) -> Profile:
         raise ProfileError(f"profile {name!r}: {MANIFEST} is damaged: {error}") from error
     if manifest.name != name:
         raise ProfileError(f"profile {name!r}: {MANIFEST} is that of {manifest.name!r}")
-    return Profile(folder, manifest, hashlib.sha256(data).hexdigest())
+    return VoiceProfile(folder, manifest, hashlib.sha256(data).hexdigest())
 
 
 def names(root: Path) -> list[str]:

@@ -22,7 +22,7 @@ from voice_assist.profile.manifest import COMMAND
 from voice_assist.text.normalize import is_negated, normalize
 
 if TYPE_CHECKING:
-    from voice_assist.profile.profile import Profile
+    from voice_assist.profile.profile import VoiceProfile
     from voice_assist.recognizer.recognizer import Recognizer
 
 NAME = "spellings.json"  # in a profile
@@ -91,7 +91,7 @@ def learn_spellings(
 
 
 def put_spellings(
-    profile: Profile,
+    profile: VoiceProfile,
     recognizer: Recognizer,
     commands: CommandsConfig,
     language: str = ENGLISH,

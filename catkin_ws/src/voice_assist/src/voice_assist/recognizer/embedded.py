@@ -12,7 +12,7 @@ from torch import Tensor
 
 from voice_assist.recognizer.checkpoint import Checkpoint
 from voice_assist.recognizer.ctc import greedy_text
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.recognizer import LONGEST, SHORTEST, believed
 from voice_assist.recognizer.scoring import (
@@ -28,7 +28,7 @@ from voice_assist.recognizer.vocabulary import (
     decode,
     encode,
 )
-from voice_assist.types import RATE, Hypothesis, Loses, Samples, never
+from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 EMBEDDING = "decoder.token_embedding.weight"
 FEWEST_FRAMES = 40  # of the spectrogram; shorter sound gets quiet appended
@@ -71,13 +71,13 @@ class EmbeddedRecognizer:
         self._device = device
         self._newest: _Listened | None = None
 
-    def transcribe(self, samples: Samples, loses: Loses = never) -> Hypothesis:
+    def transcribe(self, samples: Samples, is_hopeless: IsHopeless = never_hopeless) -> Hypothesis:
         """Text of the sound; see Recognizer."""
         if not is_audible(samples):
             return Hypothesis("", 0.0, 1.0)
         with torch.inference_mode():
             heard = self._listen(samples)
-            return self._decode(heard.states, heard.draft, loses)
+            return self._decode(heard.states, heard.draft, is_hopeless)
 
     def score(self, samples: Samples, phrases: Sequence[str]) -> dict[str, float]:
         """The decoder's and the CTC head's ratio, each to its own best other text, weighed.
@@ -88,7 +88,7 @@ class EmbeddedRecognizer:
             return dict.fromkeys(phrases, float("-inf"))
         with torch.inference_mode():
             heard = self._listen(samples)
-            written = self._decode(heard.states, heard.draft, never).text
+            written = self._decode(heard.states, heard.draft, never_hopeless).text
             texts = list(dict.fromkeys([*phrases, "", heard.draft.strip(), written]))
             read = decoder_likelihoods(self.model, heard.states, texts).tolist()
             aligned = ctc_likelihoods(heard.ctc.cpu(), texts).tolist()
@@ -110,7 +110,7 @@ class EmbeddedRecognizer:
         self._newest = _Listened(samples, states, ctc, greedy_text(ctc.cpu().numpy()))
         return self._newest
 
-    def _decode(self, states: Tensor, draft: str, loses: Loses) -> Hypothesis:
+    def _decode(self, states: Tensor, draft: str, is_hopeless: IsHopeless) -> Hypothesis:
         most = self.model.dims.n_text_ctx - len(PROMPT) - 1
         memory = self.model.remember(states)
         ids = encode(draft)[:most]
@@ -126,7 +126,7 @@ class EmbeddedRecognizer:
             if round_ == MOST_ROUNDS:
                 break
             ids = [*ids[:agreed], wanted[agreed], *_rest(ids, agreed, wanted[agreed])][:most]
-            if loses(decode(ids[: agreed + 1])):
+            if is_hopeless(decode(ids[: agreed + 1])):
                 written = written[: agreed + 1]  # how sure it is of the letters that stand
                 break
         read = [*ids, END][: len(written)]
@@ -135,9 +135,9 @@ class EmbeddedRecognizer:
         return believed(decode(ids).strip(), float(chosen.mean()), no_speech)
 
 
-def restore(checkpoint: Checkpoint) -> HybridWhisper:
+def restore(checkpoint: Checkpoint) -> WhisperCtc:
     """The compact model inside an exported checkpoint."""
-    model = HybridWhisper(checkpoint.dims)
+    model = WhisperCtc(checkpoint.dims)
     unused = min(set(range(max(WHISPER_IDS))) - set(WHISPER_IDS))
     rows = checkpoint.state[EMBEDDING][[*WHISPER_IDS, unused]]
     state = {**checkpoint.state, EMBEDDING: rows}

@@ -37,7 +37,7 @@ def encode_short(encoder: AudioEncoder, mel: Tensor) -> Tensor:
 Memory = dict[nn.Module | None, Tensor]  # by the linear map that made it
 
 
-class HybridWhisper(nn.Module):
+class WhisperCtc(nn.Module):
     """A Whisper of N_COMPACT tokens and a CTC head over characters.
 
     The last token stands for all of Whisper's tokens that are never used; its

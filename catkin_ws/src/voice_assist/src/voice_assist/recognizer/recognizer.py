@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from voice_assist.types import Hypothesis, Loses, Samples, never
+from voice_assist.types import Hypothesis, IsHopeless, Samples, never_hopeless
 
 SHORTEST = 0.1  # [s] shorter sound is heard as nothing
 LONGEST = 10.0  # [s] of longer sound, the last part is heard
@@ -19,13 +19,13 @@ class Recognizer(Protocol):
     name: str  # as asked for: "embedded", a Whisper model or a file
     model_hash: str  # SHA-256 of the checkpoint file, hexadecimal
 
-    def transcribe(self, samples: Samples, loses: Loses = never) -> Hypothesis:
+    def transcribe(self, samples: Samples, is_hopeless: IsHopeless = never_hopeless) -> Hypothesis:
         """Text of the sound, empty when nothing was said.
 
         Args:
             samples: float32 in [-1, 1], 16 kHz mono. Shape (n,).
-            loses: May be asked of beginnings of the text, each as it will stand; after a yes the
-                rest may be written roughly, which is quicker.
+            is_hopeless: May be asked of beginnings of the text, each as it will stand. After a yes
+                the rest may be written roughly, which is quicker.
         """
         ...
 

@@ -9,11 +9,11 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.vocabulary import BLANK, END, PROMPT, encode
 
 
-def decoder_likelihoods(model: HybridWhisper, states: Tensor, texts: Sequence[str]) -> Tensor:
+def decoder_likelihoods(model: WhisperCtc, states: Tensor, texts: Sequence[str]) -> Tensor:
     """Log-probability of each text and its end by the decoder.
 
     Args:

@@ -22,7 +22,7 @@ from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.recognizer import LONGEST, Recognizer, believed
 from voice_assist.recognizer.scoring import ratios
-from voice_assist.types import RATE, Hypothesis, Loses, Samples, never
+from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 MOST_TOKENS = 64  # written for one sound; ten seconds of talk need about 40
 QUIET = RATE  # samples of silence appended: models trained on 30 s expect an end
@@ -66,7 +66,7 @@ class OpenAIRecognizer:
         )
         self._task = ShortDecodingTask(self.model, options)
 
-    def transcribe(self, samples: Samples, loses: Loses = never) -> Hypothesis:
+    def transcribe(self, samples: Samples, is_hopeless: IsHopeless = never_hopeless) -> Hypothesis:
         """Text of the sound, always written to its end; see Recognizer."""
         if not is_audible(samples):
             return Hypothesis("", 0.0, 1.0)

@@ -6,18 +6,18 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import replace
 
-from voice_assist.side_inputs import Circumstances, Kind
+from voice_assist.side_inputs import SideInputKind, SideInputs
 from voice_assist.spotter.spotter import NEWEST, Spotted, Spotting
 from voice_assist.types import Frame
 
 
-class RecalledSpotter:
+class RecordedSpotter:
     """To a replay what SpotterThread is to the node, without a thread.
 
     It hears each frame at once, unless it is on record that the thread had not heard it yet.
     """
 
-    def __init__(self, spotter: Spotting, past: Circumstances) -> None:
+    def __init__(self, spotter: Spotting, past: SideInputs) -> None:
         """Start with a new stream.
 
         Args:
@@ -33,14 +33,14 @@ class RecalledSpotter:
 
     def feed(self, frame: Frame) -> None:
         """Bring a frame; it is heard no later than when the pipeline hears it."""
-        if self._past.get(Kind.SPOTTER_DROPPED, frame.first_sample) is None:
+        if self._past.get(SideInputKind.SPOTTER_DROPPED, frame.first_sample) is None:
             self._frames.append(frame)
 
     def __call__(self, frame: Frame) -> Spotted | None:
         """What was spotted up to that frame."""
         until = frame.first_sample + len(frame.samples)
-        failed = self._past.get(Kind.SPOTTER_FAILED, frame.first_sample)
-        late = failed or self._past.get(Kind.SPOTTER_LATE, frame.first_sample)
+        failed = self._past.get(SideInputKind.SPOTTER_FAILED, frame.first_sample)
+        late = failed or self._past.get(SideInputKind.SPOTTER_LATE, frame.first_sample)
         self._catch_up(min(late.heard_until, until) if late else until)
         self._is_deaf |= failed is not None
         self._shown_until = min(self._heard_until, until)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Recorded sound through the node's own pipeline again, in lock-step with the recorded stamps.
 
-The recorder's package finds `rehear` by its name in a setting; neither package imports the other.
+The recorder's package finds `replay_pipeline` by its name in a setting.
+Neither package imports the other.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from typed_config import ConfigError, load_yaml, with_present_keys
 from voice_assist.assembly import limit_torch, make_pipeline, make_spotter
-from voice_assist.audio.robot_speech import Spoke
+from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.audio.source import FRAME
 from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, voice_config
 from voice_assist.config.profile import NOBODY
@@ -24,8 +25,8 @@ from voice_assist.errors import VoiceError
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.pipeline import Event, Pipeline
 from voice_assist.profile.active import personalise
-from voice_assist.replay.recorded_spotter import RecalledSpotter
-from voice_assist.side_inputs import Circumstances, Kind, from_text
+from voice_assist.replay.recorded_spotter import RecordedSpotter
+from voice_assist.side_inputs import SideInputKind, SideInputs, from_text
 from voice_assist.types import RATE, Decision, Frame, Mode, frozen_samples
 
 if TYPE_CHECKING:
@@ -36,11 +37,11 @@ if TYPE_CHECKING:
 SWITCHED_OFF = {"speaker": {"gate": "off"}, "profile": {"name": "none"}}
 
 
-class Unhearable(VoiceError, ValueError):
+class NotReplayable(VoiceError, ValueError):
     """Recorded sound, settings or circumstances that the pipeline cannot take."""
 
 
-class Sound(Protocol):
+class RecordedSound(Protocol):
     """One recorded block of sound."""
 
     @property
@@ -61,7 +62,7 @@ class Sound(Protocol):
 
 
 @dataclass(frozen=True)
-class HeardAgain:
+class ReplayedDecision:
     """One decision, with the fields of the message voice_assist/Utterance."""
 
     transcript: str
@@ -90,7 +91,7 @@ class RecordedClock:
         return self.now
 
 
-class Rehearing:
+class PipelineReplay:
     """The pipeline of one run of the node."""
 
     def __init__(
@@ -98,7 +99,7 @@ class Rehearing:
         config: VoiceConfig,
         recognizer: Recognizer,
         spotter: Spotting | None,
-        past: Circumstances,
+        past: SideInputs,
     ) -> None:
         """Start as the node does: in standby, with nothing heard.
 
@@ -113,30 +114,30 @@ class Rehearing:
         self.warnings: tuple[str, ...] = ()
         self._config, self._past = config, past
         self._clock = RecordedClock()
-        self._spotter = RecalledSpotter(spotter, past) if spotter is not None else None
+        self._spotter = RecordedSpotter(spotter, past) if spotter is not None else None
         self._pipeline = self._build(recognizer)
 
     def _build(self, recognizer: Recognizer) -> Pipeline:
         return make_pipeline(self._config, self._clock, recognizer, self._spotter)
 
-    def hear(self, sound: Sound) -> list[HeardAgain]:
+    def hear(self, sound: RecordedSound) -> list[ReplayedDecision]:
         """Take the next block of sound, as it was published; gives what was decided with it.
 
         Raises:
-            Unhearable: It is no frame of the pipeline.
+            NotReplayable: It is no frame of the pipeline.
         """
         frame = _frame(sound)
-        for told in self._past.take_told(frame.first_sample):
-            if told.kind is Kind.SPEAKING:
-                self._pipeline.robot_spoke(Spoke(told.is_speaking, told.time))
+        for told in self._past.take_reported(frame.first_sample):
+            if told.kind is SideInputKind.SPEAKING:
+                self._pipeline.robot_spoke(RobotSpeechChange(told.is_speaking, told.time))
             else:
                 self._pipeline.answer(Answered(told.command, told.is_accepted, told.message))
         if self._spotter is not None:
             self._spotter.feed(frame)
-        if self._past.get(Kind.UNHEARD, frame.first_sample):
+        if self._past.get(SideInputKind.UNHEARD, frame.first_sample):
             return []
         self._clock.now = frame.stamp + frame.duration
-        if self._past.get(Kind.BEHIND, frame.first_sample):
+        if self._past.get(SideInputKind.BEHIND, frame.first_sample):
             self._clock.now += 2.0 * self._config.recognizer.early.max_backlog + 1.0
         return _decisions(self._pipeline(frame), frame.stamp + frame.duration)
 
@@ -144,12 +145,12 @@ class Rehearing:
         """Put the dialogue into a recorded mode, where what led to it was not recorded.
 
         Raises:
-            Unhearable: There is no such mode.
+            NotReplayable: There is no such mode.
         """
         try:
             self._pipeline.set_mode(Mode(mode), reason)
         except ValueError as error:
-            raise Unhearable(f"mode {mode!r}, allowed: standby, active") from error
+            raise NotReplayable(f"mode {mode!r}, allowed: standby, active") from error
 
     def heard_live(self, first_sample: int) -> bool:
         """Whether it is on record that the live pipeline decided on the frame of a sample."""
@@ -157,10 +158,12 @@ class Rehearing:
 
     def lost_live(self, first_sample: int) -> bool:
         """Whether the live pipeline, too, lacked the sound in front of a sample."""
-        return self._past.get(Kind.LOST, first_sample) is not None
+        return self._past.get(SideInputKind.LOST, first_sample) is not None
 
 
-def rehear(settings: Mapping[str, Any], notes: Sequence[str], model: str | None) -> Rehearing:
+def replay_pipeline(
+    settings: Mapping[str, Any], notes: Sequence[str], model: str | None
+) -> PipelineReplay:
     """A pipeline with recorded settings.
 
     Args:
@@ -169,18 +172,18 @@ def rehear(settings: Mapping[str, Any], notes: Sequence[str], model: str | None)
         model: Recogniser to use in place of the recorded one.
 
     Raises:
-        Unhearable: Settings, circumstances or models cannot be used.
+        NotReplayable: Settings, circumstances or models cannot be used.
     """
     try:
         config, warnings = restore_settings(settings, model)
         limit_torch(config)
-        past = Circumstances(from_text(note) for note in notes)
+        past = SideInputs(from_text(note) for note in notes)
         recognizer = _recognizer(config.recognizer.model, config.recognizer.device)
         config, recognizer, missing = _with_profile(config, recognizer)
         spotter, digest = make_spotter(config.spotter) if config.spotter.is_enabled else (None, "")
     except (VoiceError, ConfigError, ValueError) as error:
-        raise Unhearable(str(error)) from error
-    hearing = Rehearing(config, recognizer, spotter, past)
+        raise NotReplayable(str(error)) from error
+    hearing = PipelineReplay(config, recognizer, spotter, past)
     hearing.spotter_hash, hearing.warnings = digest, (*warnings, *missing)
     return hearing
 
@@ -243,20 +246,20 @@ def _recognizer(model: str, device: str) -> Recognizer:
     return load_recognizer(model, device)
 
 
-def _frame(sound: Sound) -> Frame:
+def _frame(sound: RecordedSound) -> Frame:
     if sound.rate != RATE or len(sound.samples) != FRAME:
         found = f"{len(sound.samples)} samples at {sound.rate} Hz"
-        raise Unhearable(f"a block of {found}, allowed: {FRAME} at {RATE} Hz")
+        raise NotReplayable(f"a block of {found}, allowed: {FRAME} at {RATE} Hz")
     return Frame(frozen_samples(sound.samples), sound.first_sample, sound.stamp)
 
 
-def _decisions(events: Iterable[Event], time: float) -> list[HeardAgain]:
+def _decisions(events: Iterable[Event], time: float) -> list[ReplayedDecision]:
     return [_heard(event, time) for event in events if isinstance(event, Decision)]
 
 
-def _heard(decision: Decision, time: float) -> HeardAgain:
+def _heard(decision: Decision, time: float) -> ReplayedDecision:
     rejection = decision.rejection
-    return HeardAgain(
+    return ReplayedDecision(
         transcript=decision.hypothesis.text,
         wer=dict(decision.outcome.wer),
         command=decision.command,

@@ -12,7 +12,7 @@ from voice_assist.msg import AudioChunk
 from voice_assist.msg import Mode as ModeMessage
 from voice_assist.msg import Utterance as UtteranceMessage
 from voice_assist.ros import messages
-from voice_assist.side_inputs import Circumstance, to_text
+from voice_assist.side_inputs import SideInput, to_text
 from voice_assist.types import Decision, Frame, Mode, Partial
 
 # [s] without heartbeats after a stop; more than the controller's watchdogs.voice_heartbeat_age.
@@ -40,7 +40,7 @@ class Publishers:
         """What is heard, unmodified."""
         self._audio.publish(messages.audio_chunk(frame))
 
-    def circumstance(self, circumstance: Circumstance) -> None:
+    def circumstance(self, circumstance: SideInput) -> None:
         """An input of hearing other than the sound, for the recording."""
         self._circumstances.publish(String(data=to_text(circumstance)))
 

@@ -10,7 +10,7 @@ from threading import Lock
 import rospy
 from std_msgs.msg import Bool
 
-from voice_assist.audio.robot_speech import Spoke
+from voice_assist.audio.robot_speech import RobotSpeechChange
 
 _KEPT = 2  # reports between two takes: the newest, and the one that it changed
 
@@ -21,10 +21,10 @@ class RobotSpeechTopic:
     def __init__(self, clock: Callable[[], float]) -> None:
         """Subscribe; `clock` stamps each report [s]."""
         self._clock, self._lock = clock, Lock()
-        self._reports: deque[Spoke] = deque(maxlen=_KEPT)
+        self._reports: deque[RobotSpeechChange] = deque(maxlen=_KEPT)
         rospy.Subscriber("voice_assist/speaking", Bool, self._hear)
 
-    def take(self) -> list[Spoke]:
+    def take(self) -> list[RobotSpeechChange]:
         """Reports since the last call, oldest first; a repeated report counts once."""
         with self._lock:
             reports = list(self._reports)
@@ -32,7 +32,7 @@ class RobotSpeechTopic:
         return reports
 
     def _hear(self, message: Bool) -> None:
-        spoke = Spoke(message.data, self._clock())
+        spoke = RobotSpeechChange(message.data, self._clock())
         with self._lock:
             is_again = self._reports and self._reports[-1].is_speaking == spoke.is_speaking
             if is_again and spoke.is_speaking:

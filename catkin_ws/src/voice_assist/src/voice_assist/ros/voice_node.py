@@ -22,7 +22,7 @@ from voice_assist.assembly import (
     make_spotter,
 )
 from voice_assist.audio.input_check import SoundWatch, at_full_scale
-from voice_assist.audio.source import Source, level_db
+from voice_assist.audio.source import AudioSource, level_db
 from voice_assist.config import (
     CONFIG_DIR,
     SECTIONS,
@@ -42,7 +42,7 @@ from voice_assist.ros.publishers import Publishers
 from voice_assist.ros.recognition_watch import RecognitionWatch
 from voice_assist.ros.robot_speech import RobotSpeechTopic
 from voice_assist.ros.topic_source import TopicSource
-from voice_assist.side_inputs import Circumstance, Kind
+from voice_assist.side_inputs import SideInput, SideInputKind
 from voice_assist.spotter.spotter import Spotted, Spotter
 from voice_assist.spotter.thread import SpotterThread
 from voice_assist.text.spoken_reply import spoken_reply
@@ -111,8 +111,8 @@ class VoiceNode:
         self._watch = RecognitionWatch(hang_watch, spotting, config.spotter)
         facts["spotter_sha256"] = self._health.spotter
         rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
-        witness = self._publish.circumstance
-        self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, witness)
+        observer = self._publish.circumstance
+        self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, observer)
         self._client = CommandClient(config.commands.answer_within, self._answers.put)
         self._robot_speech = RobotSpeechTopic(_now)
         self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
@@ -164,10 +164,10 @@ class VoiceNode:
                     self._frames.put_nowait(frame)
                 except Full:
                     self._health.dropped += 1  # the pipeline notices the gap
-                    self._publish.circumstance(Circumstance(Kind.UNHEARD, frame.first_sample))
+                    self._publish.circumstance(SideInput(SideInputKind.UNHEARD, frame.first_sample))
         self._frames.put(None)
 
-    def _source(self) -> Source:
+    def _source(self) -> AudioSource:
         if self._config.audio.source == "topic":
             return TopicSource(self._config.audio.topic, self._trouble)
         return make_source(self._config.audio, _now, self._over.wait, self._trouble)
@@ -269,8 +269,8 @@ class VoiceNode:
     def _in_thread(self, spotter: Spotter) -> SpotterThread:
         callbacks = self._spotted, self._spotter_failed
         patience = self._config.spotter.patience
-        witness = self._publish.circumstance
-        return SpotterThread(spotter, self._config.spotter.queue, *callbacks, patience, witness)
+        observer = self._publish.circumstance
+        return SpotterThread(spotter, self._config.spotter.queue, *callbacks, patience, observer)
 
     def _spotted(self, spotted: Spotted) -> None:
         """Stop at once, unless recognition just did; the pipeline takes the spotted word later."""

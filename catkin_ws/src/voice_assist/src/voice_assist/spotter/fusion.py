@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The rule by which recogniser and spotter come to a stop together.
 
-1. The spotter alone, from `alone` on.
+1. The spotter alone, from `alone` on (`Spotter`, latched for `rearm_after`).
 2. The recogniser alone, where it writes the word with a confidence of at least `sure`.
 3. The recogniser less sure of the word, where the spotter gave `agree` within `agree_within`.
 4. The spotter from `middle` on, where the word is at most `near` less likely to the recogniser than
@@ -19,16 +19,16 @@ from voice_assist.types import Frame
 
 
 @dataclass(frozen=True)
-class Belief:
-    """What the recogniser makes of a look in which it wrote the word."""
+class StopEvidence:
+    """What there is for a stop that the recogniser wrote."""
 
     confidence: float  # [0, 1]
     is_ready: bool  # it would stop by itself now: seen twice, sure, in a pause, or at the end
-    spotted: float | None  # [nat] the spotter's best of late; None: nobody listens
+    spotted: float | None  # [nat] the spotter's best score recently; None: no spotter listens
 
 
-class SecondWay:
-    """Asks the spotter, if there is one, and applies the rule."""
+class StopFusion:
+    """Joins recogniser and spotter, if there is one, by the rule above; `spotter.yaml` sets it."""
 
     def __init__(self, config: SpotterConfig, spotting: Spotting | None) -> None:
         """Without a spotter the recogniser is on its own."""
@@ -44,34 +44,34 @@ class SecondWay:
         if self._spotting is not None:
             self._spotting.reset()
 
-    def hear(self, frame: Frame) -> Spotted | None:
-        """What the spotter fires alone."""
+    def update(self, frame: Frame) -> Spotted | None:
+        """Let the spotter take a frame; gives what it fires alone (1)."""
         return None if self._spotting is None else self._spotting(frame)
 
     def best(self, now: float) -> float | None:
-        """The spotter's best score [nat] of late, at a clock time [s]; None: nobody listens."""
+        """The spotter's best recent score [nat] at a clock time [s]; None: no spotter listens."""
         if self._spotting is None:
             return None
         return self._spotting.best(now - self._config.agree_within)
 
-    def confirms(self, belief: Belief, phrase: str) -> bool:
+    def confirms(self, evidence: StopEvidence, phrase: str) -> bool:
         """Whether a halt that the recogniser wrote stops now (2, 3 and 5)."""
-        if belief.spotted is None or phrase != self.phrase:
-            return belief.is_ready
-        if belief.spotted >= self._config.middle:
+        if evidence.spotted is None or phrase != self.phrase:
+            return evidence.is_ready
+        if evidence.spotted >= self._config.middle:
             return True
-        is_sure = belief.confidence >= self._config.sure
-        return belief.is_ready and (is_sure or belief.spotted >= self._config.agree)
+        is_sure = evidence.confidence >= self._config.sure
+        return evidence.is_ready and (is_sure or evidence.spotted >= self._config.agree)
 
     def is_asking(self, spotted: float | None) -> bool:
-        """Whether the spotter believes enough to ask how likely the recogniser finds the word."""
+        """Whether the spotter is sure enough to ask for the recogniser's score of the word."""
         return spotted is not None and spotted >= self._config.middle
 
     def overrules(self, spotted: float | None, ratio: float) -> bool:
         """Whether the word stops though the recogniser wrote something else (4).
 
         Args:
-            spotted: The spotter's best of late [nat].
+            spotted: The spotter's best score recently [nat].
             ratio: Log-likelihood of the word less that of the recogniser's best other text [nat].
         """
         return self.is_asking(spotted) and ratio >= -self._config.near

@@ -24,7 +24,7 @@ Score = Callable[["Embeddings"], float]  # of (CONTEXT, WIDTH) embeddings, oldes
 
 
 @dataclass(frozen=True)
-class Look:
+class SpotterScore:
     """One opinion."""
 
     time: float  # [s] clock time at which the sound it is about ended
@@ -85,7 +85,7 @@ class Spotter:
     def reset(self) -> None:
         """Forget the stream so far, and what was fired."""
         with self._lock:
-            self._looks: deque[Look] = deque(maxlen=_KEPT)
+            self._looks: deque[SpotterScore] = deque(maxlen=_KEPT)
         self._latched_until = float("-inf")  # [s] clock time
         self._restart()
 
@@ -100,7 +100,7 @@ class Spotter:
         return fired
 
     @property
-    def looks(self) -> tuple[Look, ...]:
+    def looks(self) -> tuple[SpotterScore, ...]:
         """The newest opinions, oldest first."""
         with self._lock:
             return tuple(self._looks)
@@ -122,7 +122,7 @@ class Spotter:
         self._seen.append(embedding)
         newest = self._score(np.stack(self._seen))
         score = newest if self._before is None else (newest + self._before) / 2
-        look = Look(time, score, self._next_sample or 0)
+        look = SpotterScore(time, score, self._next_sample or 0)
         self._before = newest
         with self._lock:
             self._looks.append(look)

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import torch
 
-from voice_assist.side_inputs import Circumstance, Kind, Witness, ignore
+from voice_assist.side_inputs import Observer, SideInput, SideInputKind, ignore
 from voice_assist.spotter.spotter import NEWEST, Spotted, Spotting
 from voice_assist.types import Frame
 
@@ -32,7 +32,7 @@ class SpotterThread:
         on_spotted: Callable[[Spotted], None],
         on_failure: Callable[[Exception], None],
         patience: float,
-        witness: Witness = ignore,
+        observer: Observer = ignore,
     ) -> None:
         """Prepare; `start` begins.
 
@@ -42,10 +42,10 @@ class SpotterThread:
             on_spotted: Called in the thread at once.
             on_failure: Called in the thread as it ends by an error.
             patience: Longest wait of the pipeline for the thread [s].
-            witness: Told of frames that it was late for, or never heard.
+            observer: Told of frames that it was late for, or never heard.
         """
         self._spotter, self._capacity, self._patience = spotter, capacity, patience
-        self._on_spotted, self._on_failure, self._witness = on_spotted, on_failure, witness
+        self._on_spotted, self._on_failure, self._observer = on_spotted, on_failure, observer
         self._ready = threading.Condition()
         self._frames: deque[Frame] = deque()
         self._spotted: deque[tuple[int, Spotted]] = deque()  # for the pipeline, and since when
@@ -68,7 +68,7 @@ class SpotterThread:
         with self._ready:
             if len(self._frames) >= self._capacity:
                 lost = self._frames.popleft()
-                self._witness(Circumstance(Kind.SPOTTER_DROPPED, lost.first_sample))
+                self._observer(SideInput(SideInputKind.SPOTTER_DROPPED, lost.first_sample))
                 self.dropped += 1
             self._frames.append(frame)
             self._ready.notify_all()
@@ -116,8 +116,8 @@ class SpotterThread:
         if self._is_deaf or (self._heard_until >= until and not self.has_failed):
             return
         self._is_deaf = self.has_failed
-        kind = Kind.SPOTTER_FAILED if self.has_failed else Kind.SPOTTER_LATE
-        self._witness(Circumstance(kind, frame.first_sample, self._heard_until))
+        kind = SideInputKind.SPOTTER_FAILED if self.has_failed else SideInputKind.SPOTTER_LATE
+        self._observer(SideInput(kind, frame.first_sample, self._heard_until))
 
     def _run(self) -> None:
         torch.set_num_threads(1)  # holds for the thread that says it; two would wait for each other

@@ -11,7 +11,7 @@ Step = Literal["equal", "substitute", "insert", "delete"]
 
 
 @dataclass(frozen=True)
-class Pair:
+class AlignedPair:
     """One step of an alignment."""
 
     step: Step
@@ -43,24 +43,24 @@ def least_distance(reference: Sequence[str], beginning: Sequence[str]) -> int:
     return min(row[-1] for row in _table(reference, beginning))
 
 
-def align(reference: Sequence[str], heard: Sequence[str]) -> tuple[Pair, ...]:
+def align(reference: Sequence[str], heard: Sequence[str]) -> tuple[AlignedPair, ...]:
     """One best alignment, first word first; substitutions are preferred."""
     table = _table(reference, heard)
     row, column = len(reference), len(heard)
-    pairs: list[Pair] = []
+    pairs: list[AlignedPair] = []
     while row or column:
         cost = table[row][column]
         is_equal = row and column and reference[row - 1] == heard[column - 1]
         if row and column and table[row - 1][column - 1] == cost - (not is_equal):
             row, column = row - 1, column - 1
             step: Step = "equal" if is_equal else "substitute"
-            pairs.append(Pair(step, reference[row], heard[column]))
+            pairs.append(AlignedPair(step, reference[row], heard[column]))
         elif column and table[row][column - 1] == cost - 1:
             column -= 1
-            pairs.append(Pair("insert", "", heard[column]))
+            pairs.append(AlignedPair("insert", "", heard[column]))
         else:
             row -= 1
-            pairs.append(Pair("delete", reference[row], ""))
+            pairs.append(AlignedPair("delete", reference[row], ""))
     return tuple(reversed(pairs))
 
 

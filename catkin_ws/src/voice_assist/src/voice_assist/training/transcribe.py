@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import END, PROMPT, decode
 from voice_assist.training.data.noise import Surroundings, background
@@ -37,7 +37,7 @@ class TranscriptTally:
         return self.right / max(self.n, 1)
 
 
-def greedy(model: HybridWhisper, mel: Tensor, letters: int = LETTERS) -> list[str]:
+def greedy(model: WhisperCtc, mel: Tensor, letters: int = LETTERS) -> list[str]:
     """Greedy transcripts of a batch, shape (batch, 80, frames)."""
     states = model.encode(mel)
     tokens = torch.tensor([PROMPT] * len(mel))
@@ -53,7 +53,7 @@ def greedy(model: HybridWhisper, mel: Tensor, letters: int = LETTERS) -> list[st
 
 
 @torch.inference_mode()
-def transcripts(model: HybridWhisper, sounds: Sequence[Samples], quiet: float = 0.25) -> list[str]:
+def transcripts(model: WhisperCtc, sounds: Sequence[Samples], quiet: float = 0.25) -> list[str]:
     """Greedy transcripts of clips of any lengths, each amid a little quiet."""
     order = sorted(range(len(sounds)), key=lambda i: len(sounds[i]))
     written = [""] * len(sounds)

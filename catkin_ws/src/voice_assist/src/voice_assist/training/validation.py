@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.training.data.corpus import Corpus
 from voice_assist.training.data.noise import Surroundings
 from voice_assist.training.data.synthesis import TrainingClip
@@ -43,7 +43,7 @@ class ValidationFigures:
         return numbers
 
 
-def measure(model: HybridWhisper, corpus: Corpus, thin: int = 2) -> ValidationFigures:
+def measure(model: WhisperCtc, corpus: Corpus, thin: int = 2) -> ValidationFigures:
     """Transcribe clips never trained on.
 
     Args:
@@ -72,7 +72,7 @@ def measure(model: HybridWhisper, corpus: Corpus, thin: int = 2) -> ValidationFi
 
 
 def _read(
-    model: HybridWhisper,
+    model: WhisperCtc,
     clips: Sequence[TrainingClip],
     snr: float | None,
     around: Surroundings,

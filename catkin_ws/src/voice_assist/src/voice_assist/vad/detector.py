@@ -60,7 +60,7 @@ class EnergyDetector:
         return 1.0 / (1.0 + math.exp(min(-_STEEPNESS * (level - reference), 60.0)))
 
 
-class Either:
+class EitherDetector:
     """The surer of two detectors."""
 
     def __init__(self, first: Detector, second: Detector) -> None:
@@ -85,7 +85,7 @@ def make_detector(config: VadConfig) -> Detector:
     from voice_assist.vad.silero import SileroDetector
 
     silero = SileroDetector()
-    return silero if config.detector == "silero" else Either(silero, energy)
+    return silero if config.detector == "silero" else EitherDetector(silero, energy)
 
 
 LOUD_DB = -6.0  # of full scale, RMS of a frame; speech that is not clipped stays below
@@ -94,7 +94,7 @@ LONG = 0.5  # [s] of loud frames that are too much for the detector
 REST = 0.2  # [s] of quiet ones, longer than the closure of a consonant
 
 
-class Deafened:
+class OverloadRecovery:
     """Is shown one frame after the other."""
 
     def __init__(self) -> None:

@@ -32,7 +32,7 @@ class Endpoint:
     clearness: float  # highest probability of speech in this utterance, [0, 1]
 
 
-class Analyzer:
+class Endpointer:
     """Follows the probability of speech with three thresholds and two times.
 
     One is for the beginning. Where an utterance ends, and goes on after all, is measured by the

@@ -16,7 +16,7 @@ _KEPT_FRAMES = 4  # of the quiet that ended an utterance, since the next one may
 
 
 @dataclass(frozen=True, eq=False)
-class Growth:
+class PartialUtterance:
     """An utterance with its newest frame."""
 
     utterance: Utterance
@@ -25,7 +25,7 @@ class Growth:
     clearness: float  # highest probability of speech in it, [0, 1]
 
 
-class Cutter:
+class Segmenter:
     """Keeps the sound of the utterance in progress, with some from before its first speech."""
 
     def __init__(self, config: VadConfig) -> None:
@@ -47,7 +47,7 @@ class Cutter:
         self.reset()
         self._broken_at = stamp
 
-    def __call__(self, frame: Frame, endpoint: Endpoint) -> Growth | None:
+    def __call__(self, frame: Frame, endpoint: Endpoint) -> PartialUtterance | None:
         """Take a frame; gives the utterance it belongs to, or none in quiet."""
         if not self._is_open:
             self._remember(frame)
@@ -61,10 +61,10 @@ class Cutter:
         is_complete = endpoint.is_end or self._length() >= self._config.max_utterance
         samples = frozen_samples(np.concatenate([f.samples for f in self._frames]))
         utterance = Utterance(samples, self._speech_start, self._speech_end, is_complete)
-        growth = Growth(utterance, endpoint.quiet, self._is_whole, endpoint.clearness)
+        partial = PartialUtterance(utterance, endpoint.quiet, self._is_whole, endpoint.clearness)
         if is_complete:
             self._end(frame, endpoint)
-        return growth
+        return partial
 
     def restart(self, keep: float) -> None:
         """Go on with the rest of the utterance only, after a decision about its beginning.

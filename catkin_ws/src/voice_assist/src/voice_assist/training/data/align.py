@@ -11,7 +11,7 @@ import torch
 from numpy.typing import NDArray
 
 from voice_assist.recognizer.ctc import best_alignment
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import encode
 from voice_assist.training.data.mixture import Aligned, WordTime
@@ -25,7 +25,7 @@ STEP = 0.02  # [s] between encoder states
 WORST = -1.5  # mean log-probability per state below which a clip is left out
 
 
-def align_clips(model: HybridWhisper, clips: Sequence[TrainingClip], cache: Path) -> list[Aligned]:
+def align_clips(model: WhisperCtc, clips: Sequence[TrainingClip], cache: Path) -> list[Aligned]:
     """Word times of all clips that align well.
 
     Args:
@@ -46,7 +46,7 @@ def align_clips(model: HybridWhisper, clips: Sequence[TrainingClip], cache: Path
 
 
 @torch.inference_mode()
-def _times(model: HybridWhisper, clip: TrainingClip) -> NDArray[np.floating]:
+def _times(model: WhisperCtc, clip: TrainingClip) -> NDArray[np.floating]:
     """Time of each character [s], empty where the clip does not align."""
     nothing = np.zeros(0)
     if not clip.text or len(clip.samples) < RATE // 10:
@@ -60,7 +60,7 @@ def _times(model: HybridWhisper, clip: TrainingClip) -> NDArray[np.floating]:
     return np.asarray(frames) * STEP - 0.1
 
 
-def long_logprobs(model: HybridWhisper, sound: Samples) -> NDArray[np.float32]:
+def long_logprobs(model: WhisperCtc, sound: Samples) -> NDArray[np.float32]:
     """CTC log-probabilities of sound of any length, read through windows.
 
     Args:

@@ -18,11 +18,11 @@ import torch
 
 from voice_assist.recognizer.checkpoint import find_checkpoint, read_checkpoint
 from voice_assist.recognizer.embedded import restore
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.training.fit.export import export
 
 
-def average(models: Sequence[HybridWhisper]) -> HybridWhisper:
+def average(models: Sequence[WhisperCtc]) -> WhisperCtc:
     """Mean of the weights, each model counting as much.
 
     Args:

@@ -10,7 +10,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 
 AVERAGE_DECAY = 0.998
 
@@ -28,11 +28,11 @@ class Progress:
 class Average:
     """Exponential moving average of a model's weights, used for measuring."""
 
-    def __init__(self, model: HybridWhisper) -> None:
+    def __init__(self, model: WhisperCtc) -> None:
         """Start from the model's present weights."""
         self.weights = {k: v.detach().clone() for k, v in model.state_dict().items()}
 
-    def update(self, model: HybridWhisper, step: int) -> None:
+    def update(self, model: WhisperCtc, step: int) -> None:
         """Move towards the model's weights; faster in the first steps."""
         keep = min(AVERAGE_DECAY, (1 + step) / (10 + step))
         held = list(self.weights.values())
@@ -42,7 +42,7 @@ class Average:
 
 def save_progress(
     path: Path,
-    model: HybridWhisper,
+    model: WhisperCtc,
     optimiser: torch.optim.Optimizer,
     average: Average,
     progress: Progress,
@@ -61,7 +61,7 @@ def save_progress(
 
 def load_progress(
     path: Path,
-    model: HybridWhisper,
+    model: WhisperCtc,
     optimiser: torch.optim.Optimizer,
     average: Average,
 ) -> Progress:

@@ -11,13 +11,13 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.vocabulary import GARBAGE, N_VOCAB, WHISPER_IDS
 
 EMBEDDING = "decoder.token_embedding.weight"
 
 
-def full_state(model: HybridWhisper) -> dict[str, Tensor]:
+def full_state(model: WhisperCtc) -> dict[str, Tensor]:
     """Whisper's state dict over the full vocabulary.
 
     Every unused token gets the garbage row, so that the full softmax equals the
@@ -31,7 +31,7 @@ def full_state(model: HybridWhisper) -> dict[str, Tensor]:
     return state
 
 
-def export(model: HybridWhisper, path: Path) -> None:
+def export(model: WhisperCtc, path: Path) -> None:
     """Write the checkpoint in half precision, compressed, all or nothing.
 
     Args:

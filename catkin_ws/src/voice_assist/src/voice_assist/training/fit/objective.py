@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.vocabulary import BLANK
 from voice_assist.training.data.batches import IGNORED, Batch
 from voice_assist.training.precision import cheap_numbers
@@ -27,7 +27,7 @@ class JointLoss:
     decoder: float
 
 
-def joint_loss(model: HybridWhisper, batch: Batch) -> JointLoss:
+def joint_loss(model: WhisperCtc, batch: Batch) -> JointLoss:
     """Hybrid CTC/attention loss (Watanabe et al. 2017), in bfloat16 where safe."""
     with cheap_numbers():
         states = model.encode(batch.mel)

@@ -11,7 +11,7 @@ from whisper.model import ModelDimensions
 
 from voice_assist.recognizer.checkpoint import Checkpoint, find_checkpoint, read_checkpoint
 from voice_assist.recognizer.embedded import restore
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.vocabulary import WHISPER_IDS
 from voice_assist.training.fit.curriculum import CONTINUED, FINE_TUNED, STAGES, TrainingStage
 
@@ -37,13 +37,13 @@ SMALL = ModelDimensions(
 class Start:
     """A model to train, and the lessons that it still needs."""
 
-    model: HybridWhisper
+    model: WhisperCtc
     stages: Sequence[TrainingStage]
 
 
 def start_anew(dims: ModelDimensions = SMALL) -> Start:
     """An untrained model; its weights depend on torch's seed."""
-    model = HybridWhisper(dims)
+    model = WhisperCtc(dims)
     model.initialise()
     return Start(model, STAGES)
 
@@ -65,7 +65,7 @@ def start_from(name: str, lesson: str = "mending") -> Start:
     return Start(_narrowed(checkpoint), FINE_TUNED)
 
 
-def _narrowed(checkpoint: Checkpoint) -> HybridWhisper:
+def _narrowed(checkpoint: Checkpoint) -> WhisperCtc:
     """An English Whisper model cut to short sound, to the letters and to a short decoder.
 
     All tokens that it will never write begin as their mean.
@@ -80,7 +80,7 @@ def _narrowed(checkpoint: Checkpoint) -> HybridWhisper:
     garbage = full[is_unused].mean(dim=0, keepdim=True)
     state[EMBEDDING] = torch.cat([full[list(WHISPER_IDS)], garbage])
     sizes = {"n_audio_ctx": SMALL.n_audio_ctx, "n_text_ctx": SMALL.n_text_ctx}
-    model = HybridWhisper(replace(checkpoint.dims, **sizes, n_text_layer=layers))
+    model = WhisperCtc(replace(checkpoint.dims, **sizes, n_text_layer=layers))
     model.whisper.load_state_dict(state)
     return model
 

@@ -17,7 +17,7 @@ import torch
 from whisper.model import disable_sdpa
 
 from typed_config import package_folder, repository
-from voice_assist.recognizer.hybrid import HybridWhisper
+from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.training.data.align import align_clips
 from voice_assist.training.data.batches import Batch, Batches
 from voice_assist.training.data.corpus import Corpus, load_corpus
@@ -54,7 +54,7 @@ class TrainingRun:
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / "progress.pt"
         self.progress = load_progress(path, self.model, self.optimiser, self.average)
-        self.measured = HybridWhisper(self.model.dims).eval()
+        self.measured = WhisperCtc(self.model.dims).eval()
 
     def train(self) -> None:
         """Step until the schedule ends, measuring and saving on the way."""
@@ -108,7 +108,7 @@ class TrainingRun:
         at = (progress.step, progress.seconds)
         LOG.info("step %d, %.0f s: ctc %.3f, decoder %.3f, rate %.1e", *at, ctc, decoder, rate)
 
-    def _averaged(self) -> HybridWhisper:
+    def _averaged(self) -> WhisperCtc:
         self.measured.load_state_dict(self.average.weights)
         return self.measured
 

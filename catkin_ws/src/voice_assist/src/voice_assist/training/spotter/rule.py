@@ -11,7 +11,7 @@ import numpy as np
 
 from voice_assist.config import SpotterConfig
 from voice_assist.evaluation.exact_bounds import share_interval
-from voice_assist.spotter.fusion import Belief, SecondWay
+from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.training.spotter.trials import NEVER, SpotterTrial
 
 _SURE = (0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
@@ -44,13 +44,13 @@ class Count:
 
 def fired_at(trial: SpotterTrial, config: SpotterConfig) -> float | None:
     """Time of the stop that a clip leads to [s] from its begin; None: none."""
-    rule = SecondWay(config, None)
+    rule = StopFusion(config, None)
     times = [time for time, score in trial.looks if score >= config.alone][:1]
     for heard in trial.heard:
         if heard.confidence < 0.0:
             fires = rule.overrules(heard.spotted, heard.ratio)
         else:
-            belief = Belief(heard.confidence, heard.is_ready, heard.spotted)
+            belief = StopEvidence(heard.confidence, heard.is_ready, heard.spotted)
             fires = rule.confirms(belief, config.phrase)
         if fires:
             times.append(heard.time)

@@ -20,7 +20,7 @@ from voice_assist.config import SpotterConfig, VoiceConfig
 from voice_assist.evaluation.evaluator import AFTER, BEFORE, QUIET_DB
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.recognizer.recognizer import Recognizer
-from voice_assist.spotter.fusion import Belief, SecondWay
+from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.spotter.head import CONTEXT, read_head
 from voice_assist.spotter.spotter import Spotter
 from voice_assist.training.spotter.embed import LongEmbedder
@@ -38,7 +38,7 @@ class TrialEvidence:
     time: float  # [s] from the begin of the clip
     spotted: float  # [nat] the spotter's recent best
     confidence: float  # [0, 1] with which it wrote the word; below 0: it wrote something else
-    is_ready: bool  # see Belief
+    is_ready: bool  # see StopEvidence
     ratio: float  # [nat] of the word where it wrote something else
 
 
@@ -54,7 +54,7 @@ class SpotterTrial:
     looks: tuple[tuple[float, float], ...]  # time [s] from the begin of the clip, score [nat]
 
 
-class EvidenceRecorder(SecondWay):
+class EvidenceRecorder(StopFusion):
     """Writes down what it is asked, and never fires."""
 
     def __init__(self, config: SpotterConfig, spotter: Spotter, floor: float) -> None:
@@ -71,11 +71,11 @@ class EvidenceRecorder(SecondWay):
         self._now = 0.0
 
     def best(self, now: float) -> float | None:
-        """See SecondWay; keeps the moment."""
+        """See StopFusion; keeps the moment."""
         self._now = now
         return super().best(now)
 
-    def confirms(self, belief: Belief, phrase: str) -> bool:
+    def confirms(self, belief: StopEvidence, phrase: str) -> bool:
         """Keep what the recogniser believes of the word."""
         if phrase == self.phrase:
             spotted = _finite(belief.spotted)

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From the newest transcript of an utterance to a command, a refusal, or nothing yet.
+
+Every stop is taken in `Decider.stop`, every other command in `Decider.command`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from voice_assist.config import CommandConfig, VoiceConfig
+from voice_assist.config.calibration import log_odds
+from voice_assist.intent.early_decision import DecisionContext, EarlyDecision, too_unsure
+from voice_assist.intent.mapper import Mapper
+from voice_assist.intent.rejection_rules import RejectionRules
+from voice_assist.text.normalize import is_negated, normalize
+from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason
+
+if TYPE_CHECKING:
+    from voice_assist.pipeline.partial_decoding import PartialDecoder
+    from voice_assist.spotter.fusion import StopFusion
+    from voice_assist.spotter.spotter import Spotted
+    from voice_assist.vad.segmenter import PartialUtterance
+
+RECOGNIZER, SPOTTER = "recognizer", "spotter"  # who decided
+NEVER = 1000.0  # [nat] a `halt_score_threshold` that switches halts by score off
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What an utterance is taken for, before the dialogue acts on it."""
+
+    outcome: Match | NoMatch
+    hypothesis: Hypothesis
+    confidence: float
+    decided_by: str
+
+
+class Decider:
+    """Decides about the transcripts of one utterance after the other."""
+
+    def __init__(
+        self,
+        config: VoiceConfig,
+        mapper: Mapper,
+        decoder: PartialDecoder,
+        stop_fusion: StopFusion,
+        rejection_rules: RejectionRules,
+    ) -> None:
+        """Join the rules.
+
+        Args:
+            config: Of all stages.
+            mapper: Transcript to command.
+            decoder: Holds the newest transcript, and scores phrases in its sound.
+            stop_fusion: Joins recogniser and spotter.
+            rejection_rules: What keeps a motion from being taken.
+        """
+        self._config, self._recognizer_config = config, config.recognizer
+        self._mapper, self._decoder, self._stop_fusion = mapper, decoder, stop_fusion
+        self._rejection_rules = rejection_rules
+        early = config.recognizer.early
+        self._early_decision = EarlyDecision(mapper, config.commands, early, stop_fusion)
+        commands = config.commands.commands
+        self._halts = {c.phrase: c for c in commands if c.is_halt}
+        self._halted_until = float("-inf")  # [s] clock time up to which sound has led to a halt
+
+    def reset(self) -> None:
+        """Forget the stream so far."""
+        self._halted_until = float("-inf")
+        self.start_utterance()
+
+    def start_utterance(self) -> None:
+        """What is said next belongs to a new utterance."""
+        self._early_decision.reset()
+
+    def accept(self, command: CommandConfig, partial: PartialUtterance) -> None:
+        """Note that a command was taken from an utterance."""
+        self._early_decision.accept(command.phrase)
+        if command.is_halt:
+            self._halted_until = partial.utterance.speech_end + partial.quiet
+
+    def __call__(
+        self, transcript: Hypothesis, partial: PartialUtterance, context: DecisionContext
+    ) -> Verdict | None:
+        """Decide about the newest transcript; None: wait for more."""
+        outcome = self._early_decision(transcript, context)
+        stop = self.stop(outcome, transcript, partial, context.spotted)
+        if stop is not None:
+            return stop
+        if isinstance(outcome, Match):
+            return self.command(outcome, transcript, partial)
+        if outcome is not None:
+            worth = self._recognizer_config.confidence.transcript
+            return Verdict(outcome, transcript, worth(log_odds(transcript.confidence)), RECOGNIZER)
+        if self._decoder.is_settled(partial):
+            self._prepare(transcript, partial)
+        return None
+
+    def stop(
+        self,
+        outcome: Match | NoMatch | None,
+        transcript: Hypothesis,
+        partial: PartialUtterance,
+        spotted: float | None,
+    ) -> Verdict | None:
+        """A stop by the first way that holds; None: no stop.
+
+        1. The last part of the sound says it over the robot's own voice.
+        2. The transcript says it (confirmed by `StopFusion.confirms`).
+        3. The spotter or the scores are sure of it, where the transcript names no command.
+
+        The spotter alone stops by `spotted`.
+        """
+        worth = self._recognizer_config.confidence
+        part = self._decoder.part
+        least = self._config.audio.robot_speech.stop_confidence
+        over = self._early_decision.said_over(part, least)
+        if part is not None and over is not None:
+            return Verdict(over, part, worth.transcript(log_odds(part.confidence)), RECOGNIZER)
+        confidence = worth.transcript(log_odds(transcript.confidence))
+        if isinstance(outcome, Match):
+            is_halt = outcome.command in self._halts
+            return Verdict(outcome, transcript, confidence, RECOGNIZER) if is_halt else None
+        unwritten = self._unwritten_stop(transcript, partial, spotted)
+        if unwritten is None:
+            return None
+        confidence = confidence if spotted is None else worth.spotter(spotted)
+        return Verdict(unwritten, transcript, confidence, SPOTTER)
+
+    def spotted(self, spotted: Spotted) -> Verdict | None:
+        """The stop that the spotter fired alone; None: the recogniser was quicker."""
+        if spotted.time - self._halted_until < self._config.spotter.rearm_after:
+            return None
+        transcript = self._decoder.transcript or Hypothesis("", 0.0, 0.0)
+        match = Match(self._stop_fusion.phrase, self._mapper(transcript.text).wer)
+        confidence = self._recognizer_config.confidence.spotter(spotted.score)
+        return Verdict(match, transcript, confidence, SPOTTER)
+
+    def command(self, match: Match, transcript: Hypothesis, partial: PartialUtterance) -> Verdict:
+        """A command that is no halt, or why it is not taken, by the scores of whole commands."""
+        command, worth = self._config.commands.get(match.command), self._recognizer_config
+        confidence = worth.confidence.transcript(log_odds(transcript.confidence))
+        rejection = None
+        if worth.second_opinion:
+            best, score = self._best_scored(match, transcript)
+            confidence = worth.confidence.scores(score)
+            if best != match.command:
+                words = f"it sounds more like {best!r}"
+                rejection = Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, words)
+        if rejection is None and confidence < command.min_confidence:
+            rejection = too_unsure(confidence, command.min_confidence)
+        if rejection is None:
+            rejection = self._rejection_rules(command, transcript, self._decoder.sound, partial)
+        outcome = match if rejection is None else match.rejected(rejection)
+        return Verdict(outcome, transcript, confidence, RECOGNIZER)
+
+    def _best_scored(self, match: Match, transcript: Hypothesis) -> tuple[str, float]:
+        """The command that the sound is most like, and the score [nat] of the one taken."""
+        texts = self._config.commands.scored(match.command, normalize(transcript.text))
+        by_text = self._decoder.scores(tuple(texts.values()))
+        scores = {phrase: by_text[text] for phrase, text in texts.items()}
+        return max(scores, key=scores.__getitem__), scores[match.command]
+
+    def _prepare(self, transcript: Hypothesis, partial: PartialUtterance) -> None:
+        """Compute in the pause what a decision at its end will need."""
+        match = self._mapper(transcript.text)
+        if isinstance(match, Match) and match.command not in self._halts:
+            self.command(match, transcript, partial)
+
+    def _unwritten_stop(
+        self, transcript: Hypothesis, partial: PartialUtterance, spotted: float | None
+    ) -> Match | None:
+        """A halt that the transcript misses, but the spotter is sure of, or the scores are."""
+        if self._early_decision.has_halted or is_negated(normalize(transcript.text)):
+            return None
+        if self._stop_fusion.is_asking(spotted):
+            phrase = self._stop_fusion.phrase
+            ratio = self._decoder.scores(self._config.commands.phrases)[phrase]
+            if self._stop_fusion.overrules(spotted, ratio):
+                return Match(phrase, self._mapper(transcript.text).wer)
+        return self._scored_stop(transcript) if self._decoder.is_settled(partial) else None
+
+    def _scored_stop(self, transcript: Hypothesis) -> Match | None:
+        """A halt whose score alone is above its `halt_score_threshold`."""
+        halts = [h for h in self._halts.values() if h.halt_score_threshold < NEVER]
+        is_asked = halts and self._recognizer_config.second_opinion
+        if not is_asked or self._early_decision.has_decided:
+            return None
+        scores = self._decoder.scores(self._config.commands.phrases)
+        for halt in halts:
+            if scores[halt.phrase] > halt.halt_score_threshold:
+                return Match(halt.phrase, self._mapper(transcript.text).wer)
+        return None
