@@ -15,7 +15,7 @@ def test_text_and_back_is_the_same(kind):
     "line", ["", "{}", "[]", '{"kind": "tired", "sample": 1}', '{"kind": "lost"}']
 )
 def test_other_text_is_refused(line):
-    with pytest.raises(ValueError, match="is no circumstance of hearing"):
+    with pytest.raises(ValueError, match="is no side input"):
         from_text(line)
 
 

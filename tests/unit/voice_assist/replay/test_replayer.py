@@ -351,7 +351,7 @@ def test_settings_that_cannot_be_used_are_an_error(change, words):
 
 
 def test_a_note_that_is_none_is_an_error():
-    with pytest.raises(NotReplayable, match="is no side_input"):
+    with pytest.raises(NotReplayable, match="is no side input"):
         replay_pipeline(settings(), ["nonsense"], None)
 
 

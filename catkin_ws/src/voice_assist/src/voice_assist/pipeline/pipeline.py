@@ -99,6 +99,7 @@ class Pipeline:
         rejection_rules = RejectionRules(config, self._robot_speech, gate)
         self._decider = Decider(config, mapper, self._decoder, self._stop_fusion, rejection_rules)
         self._dialogue_state = AT_START
+        self._shown = ""  # the transcript published last
         self._start_utterance()
 
     def __call__(self, frame: Frame) -> tuple[Event, ...]:

@@ -38,7 +38,7 @@ SWITCHED_OFF = {"speaker": {"gate": "off"}, "profile": {"name": "none"}}
 
 
 class NotReplayable(VoiceError, ValueError):
-    """Recorded sound, settings or circumstances that the pipeline cannot take."""
+    """Recorded sound, settings or side inputs that the pipeline cannot take."""
 
 
 class RecordedSound(Protocol):
@@ -168,11 +168,11 @@ def replay_pipeline(
 
     Args:
         settings: The node's private parameters; empty: those of the package's files today.
-        notes: Recorded circumstances of this run of the node, as text.
+        notes: Recorded side inputs of this run of the node, as text.
         model: Recogniser to use in place of the recorded one.
 
     Raises:
-        NotReplayable: Settings, circumstances or models cannot be used.
+        NotReplayable: Settings, side inputs or models cannot be used.
     """
     try:
         config, warnings = restore_settings(settings, model)
