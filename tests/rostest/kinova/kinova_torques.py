@@ -27,7 +27,7 @@ class KinovaTorques(unittest.TestCase):
         cls.true, cls.most, cls.invalid, cls.gripped = 0.0, 0.0, None, False
         rospy.Subscriber("simulation/tension", WrenchStamped, cls.on_true)
         rospy.Subscriber("simulation/gripped", Bool, lambda m: setattr(cls, "gripped", m.data))
-        rospy.Subscriber("robot/tension_invalid", String, cls.on_invalid)
+        rospy.Subscriber("robot/tension_invalid_reason", String, cls.on_invalid)
         cls.robot = RobotClient()
         cls.home_tool = rospy.ServiceProxy("robot/home_tool", Trigger)
         cls.home_tool.wait_for_service(START_LIMIT)
