@@ -18,6 +18,7 @@ from rst_control.errors import (
     OutsideWorkspace,
     TrocarDrift,
 )
+from rst_control.planning.free_space import NoWay
 from rst_control.planning.insertion import Insertion
 from rst_control.planning.planner import Planner
 from rst_control.types import Reason, Rejected
@@ -28,6 +29,7 @@ REASONS: Final[dict[type[Infeasible], Reason]] = {
     OutsideWorkspace: Reason.WORKSPACE,
     InsertionOutOfRange: Reason.INSERTION_DEPTH,
     Collision: Reason.COLLISION,
+    NoWay: Reason.COLLISION,
     NearSingular: Reason.SINGULAR,
 }
 
@@ -61,11 +63,14 @@ class Verifier:
         try:
             return command.plan(context)
         except Infeasible as error:
-            cause = error.reasons[0] if isinstance(error, NoGrasp) else error
-            return Rejected(_reason(cause), f'cannot "{command.phrase}": {error}')
+            return Rejected(_reason(error), f'cannot "{command.phrase}": {error}')
 
 
-def _reason(cause: Infeasible) -> Reason:
-    if isinstance(cause, LimitOfCommand):
-        return cause.reason
-    return REASONS.get(type(cause), Reason.UNREACHABLE)
+def _reason(error: Infeasible) -> Reason:
+    """The limit that is broken; of several ways to grasp, where all break the same one."""
+    if isinstance(error, LimitOfCommand):
+        return error.reason
+    if isinstance(error, NoGrasp):
+        reasons = {_reason(cause) for cause in error.reasons}
+        return reasons.pop() if len(reasons) == 1 else Reason.NO_GRASP
+    return REASONS.get(type(error), Reason.UNREACHABLE)
