@@ -244,7 +244,7 @@ class Search:
         outcome = self._mapper(text)
         if not isinstance(outcome, Match):
             return dialogue.DialogueStep(state, (), outcome.rejection)
-        return dialogue.step(state, dialogue.CommandRecognized(COMMANDS.get(outcome.command)))
+        return dialogue.step(state, dialogue.CommandRecognized(SPOKEN.get(outcome.command)))
 
     def _queue(self, command, is_spoken):
         posted = _Posted()

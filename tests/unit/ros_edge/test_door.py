@@ -215,8 +215,8 @@ def test_a_caller_without_a_name_is_an_unnamed_node(served):
 class Actions(GuardedServer):
     """An action server without topics."""
 
-    def __init__(self, door):
-        self._limiter, self.lock, self.started = door, threading.RLock(), True
+    def __init__(self, limiter):
+        self._limiter, self.lock, self.started = limiter, threading.RLock(), True
         self.status_list, self.last_cancel = [], genpy.Time()
         self.taken, self.refused = [], []
         self.ActionResultType = AssistResult

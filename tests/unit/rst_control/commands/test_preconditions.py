@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from rst_control.commands.preconditions import Preconditions, mode_refusal
 from rst_control.commands.request import Situation
 from rst_control.commands.table import COMMANDS
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.types import Reason
+from rst_control.types import Reason, State
 from tests.unit.rst_control.support.situations import NOW, measurement, mode_of, situation
 
 MOTIONS = [COMMANDS["tense"], COMMANDS["release"], COMMANDS["pull more"], COMMANDS["pull less"]]
@@ -112,3 +114,9 @@ def test_tension_of_a_measurement_is_the_length_of_the_force(joints):
     assert not measured.position.flags.writeable
     with pytest.raises(ValueError, match="not finite"):
         measurement(np.full(10, np.nan))
+
+
+def test_a_command_of_standby_alone_is_refused_once_active():
+    only = replace(COMMANDS["tense"], counts_in=frozenset({State.STANDBY}))
+    assert mode_refusal(only, mode_of()).reason is Reason.WRONG_MODE
+    assert mode_refusal(only, mode_of(is_active=False)) is None

@@ -171,6 +171,13 @@ def test_commands_of_the_mode_have_no_phases(verify, joints, words):
     assert plan.phases == ()
 
 
+def test_plans_are_made_of_the_kinds_of_phases_in_the_row_of_their_command(verify, joints, tensed):
+    plans = [tensed, verify(request("withdraw"), situation(joints)).plan]
+    plans += [verify(request(w), holding(tensed)).plan for w in ("release", "pull more")]
+    for plan in plans:
+        assert {phase.kind for phase in plan.phases} <= set(plan.command.phases), plan.command
+
+
 # Why each command is refused.
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shows the first motion and asks before it: what moves is seen before it moves for the first time.
+"""Shows the first motion and asks before it, so that a person has seen the path before it is taken.
 
 Until a person has confirmed, every command that would move the robot is planned, verified and
 shown, and then refused. The confirmation is for the command that was shown last, from the place

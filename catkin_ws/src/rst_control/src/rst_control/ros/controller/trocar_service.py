@@ -111,11 +111,11 @@ class TrocarService:
     def _turn_away(self, request: genpy.Message) -> Reply | None:
         """Refuse a call of somebody who may not call, or calls too often; None: take it."""
         admission = self._limiter.admit(caller_of(request))
-        objection = admission.refusal
-        if objection is not None and admission.is_news:
-            rospy.logwarn("refused: %s", objection.words)
+        refusal = admission.refusal
+        if refusal is not None and admission.is_news:
+            rospy.logwarn("refused: %s", refusal.words)
         time.sleep(admission.pause)
-        return Reply.refused(objection) if objection is not None else None
+        return Reply.refused(refusal) if refusal is not None else None
 
     def _on(self, act: Callable[[], Reply]) -> Callable[[TriggerRequest], TriggerResponse]:
         def answer(request: TriggerRequest) -> TriggerResponse:
