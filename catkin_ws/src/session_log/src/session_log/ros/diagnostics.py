@@ -62,7 +62,7 @@ class RecorderDiagnostics:
 
 
 def free_space(path: str) -> int:
-    """Free space of the disk that holds a file [B]; zero if it cannot be told."""
+    """Free space of the disk that holds a file [B]; zero if it is unknown."""
     try:
         info = os.statvfs(path)
     except OSError:

@@ -47,7 +47,7 @@ class TopicSubscriber:
 
     def close(self) -> None:
         """Stop receiving."""
-        for subscriber in list(self._subscribers.values()):  # a look may still add to them
+        for subscriber in list(self._subscribers.values()):  # a search may still add to them
             subscriber.unregister()
 
     def _receive(self, topic: str, message: rospy.AnyMsg) -> None:
@@ -74,7 +74,7 @@ class TopicSubscriber:
 
 
 class Discovery:
-    """Looks for new topics at the master, again and again."""
+    """Searches the master for new topics, periodically."""
 
     def __init__(self, subscriber: TopicSubscriber, name: str, period: float) -> None:
         self._subscriber, self._period = subscriber, period
@@ -84,23 +84,23 @@ class Discovery:
         self._thread = threading.Thread(target=self._run, name="discovery", daemon=True)
 
     def start(self) -> None:
-        """Begin to look."""
+        """Begin to search."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Look no more."""
+        """Stop the search."""
         self._stopped.set()
 
     def _run(self) -> None:
         while not self._stopped.is_set():
-            self.error = self._look()
+            self.error = self._search()
             self._stopped.wait(self._period)
 
-    def _look(self) -> str:
+    def _search(self) -> str:
         try:
             for topic, _ in self._master.getPublishedTopics(""):
                 self._subscriber.subscribe(topic)
-        except Exception as error:  # top of the thread: the next look may succeed
+        except Exception as error:  # top of the thread: the next search may succeed
             return f"cannot look for new topics: {error}"
         return ""
 

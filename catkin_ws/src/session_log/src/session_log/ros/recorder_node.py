@@ -30,7 +30,7 @@ URDF_TOPIC = "/robot_description"
 
 
 class Announcer:
-    """Tells the system whether it is recorded, to which file, and up to when that is complete."""
+    """Publishes whether the system is recorded, to which file, and up to when that is complete."""
 
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
@@ -79,8 +79,8 @@ class ParameterWatcher:
         source = TopicSource(URDF_TOPIC, String._type, String._md5sum, String._full_text, "", True)
         self._urdf = recorder.register(source)
 
-    def look(self) -> None:
-        """Compare with the last look and record what changed."""
+    def check(self) -> None:
+        """Compare with the last check and record what changed."""
         try:
             parameters = self._master.getParam("/")
         except (OSError, rosgraph.MasterException) as error:
@@ -134,14 +134,14 @@ class RecorderNode:
         self._discovery = Discovery(self._topics, rospy.get_name(), config.discovery_period)
         self._missing = ready_when(config.wait_for, self._topics)
         self._deadline = time.monotonic() + config.wait_timeout
-        self._next_look = 0.0
+        self._next_check = 0.0
         self._is_ready = not config.wait_for
         self._diagnostics = RecorderDiagnostics(self._recorder, config)
         self._announcer = Announcer(self._recorder)
         self._parameters = ParameterWatcher(self._recorder)
         self._next_report = 0.0
         self._ended = threading.Event()
-        self._turns = threading.Thread(target=self._tell, name="turns", daemon=True)
+        self._turns = threading.Thread(target=self._run_turns, name="turns", daemon=True)
         add_facts(self._recorder, config, started)
 
     def run(self) -> None:
@@ -154,7 +154,7 @@ class RecorderNode:
         self._turns.start()
         rospy.spin()  # signals come to this thread: it must hold no lock that closing needs
 
-    def _tell(self) -> None:
+    def _run_turns(self) -> None:
         while not self._ended.is_set():
             try:
                 self._turn()
@@ -179,9 +179,9 @@ class RecorderNode:
         print(f"session_log: {status.written} messages in {status.path or 'no file'}", flush=True)
 
     def _turn(self) -> None:
-        if time.monotonic() >= self._next_look:
-            self._next_look = time.monotonic() + self._config.parameters_period
-            self._parameters.look()
+        if time.monotonic() >= self._next_check:
+            self._next_check = time.monotonic() + self._config.parameters_period
+            self._parameters.check()
         self._check_ready()
         is_news = self._announcer.announce(self._is_ready, self._diagnostics.problem)
         if is_news or time.monotonic() >= self._next_report:

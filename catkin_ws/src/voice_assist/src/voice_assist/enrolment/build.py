@@ -113,7 +113,7 @@ def _write(
     problems: tuple[str, ...],
     effort: report.Effort,
 ) -> None:
-    """All that was learned; of a refused profile too, so that it can be looked at."""
+    """Write all that was learned; of a refused profile too, for inspection."""
     if learned is None:
         profile.drop(model_file.NAME)
     else:

@@ -15,7 +15,7 @@ def put_voiceprint(profile: VoiceProfile, config: SpeakerConfig) -> Voiceprint:
     """Learn the voice of a profile and keep it there, in place of an older voiceprint.
 
     Raises:
-        VoiceprintError: The takes are too few, or do not tell the voice from others.
+        VoiceprintError: The takes are too few, or do not distinguish the voice from others.
         ModelError: The network or the background voices are missing.
         ProfileError: A take cannot be read, or the voiceprint not be written.
     """

@@ -17,7 +17,7 @@ from voice_assist.training.fit.curriculum import CONTINUED, FINE_TUNED, STAGES, 
 
 EMBEDDING = "decoder.token_embedding.weight"
 POSITIONS = {"encoder.positional_embedding": 512, "decoder.positional_embedding": 192}
-TEXT_LAYERS = 1  # kept of a Whisper decoder: letters need little, and each more costs 3 ms a look
+TEXT_LAYERS = 1  # kept of a Whisper decoder: letters need little, and each more costs 3 ms a pass
 
 SMALL = ModelDimensions(
     n_mels=80,

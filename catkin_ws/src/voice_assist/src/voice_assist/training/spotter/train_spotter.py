@@ -23,7 +23,7 @@ from voice_assist.spotter.head import CONTEXT, PATH, Head, Member
 from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.spotter.dataset import LOG, NEGATIVE, SpotterAmounts, Steps, load_steps
 
-_LOOKS = 4  # steps from the end of a word on in which it shall be found, 0.32 s
+_WINDOWS = 4  # steps from the end of a word on in which it shall be found, 0.32 s
 _WORDS, _NEGATIVES = 128, 1024  # of a batch
 _MINE_EVERY = 300  # steps
 _HARD = 0.5  # of the negatives of a batch come from the hardest
@@ -33,13 +33,13 @@ _SHARES = {"human": 0.6, "synthetic": 0.4}  # of the words of a batch
 
 @dataclass(frozen=True, eq=False)
 class EmbeddingTable:
-    """All steps in one tensor, with padding in front of each stream so that every look is whole."""
+    """All steps in one tensor, with padding before each stream so that every window is whole."""
 
     embeddings: Tensor  # (rows, WIDTH), scaled, float32
-    words: dict[str, NDArray[np.int64]]  # kind: row of each word's first look
+    words: dict[str, NDArray[np.int64]]  # kind: row of each word's first window
     negatives: NDArray[np.int64]  # rows
 
-    def looks(self, rows: NDArray[np.int64]) -> Tensor:
+    def windows(self, rows: NDArray[np.int64]) -> Tensor:
         """What the head sees at rows; from any shape to (*shape, CONTEXT, WIDTH)."""
         index = torch.from_numpy(rows[..., None] + np.arange(1 - CONTEXT, 1))
         return self.embeddings[index]
@@ -98,14 +98,14 @@ def _loss(
     firsts = np.concatenate(
         [rng.choice(table.words[kind], count) for kind, count in counts.items()]
     )
-    rows = firsts[:, None] + np.arange(-1, _LOOKS)  # one more, for the mean of two looks
+    rows = firsts[:, None] + np.arange(-1, _WINDOWS)  # one more, for the mean of two windows
     hard = rng.choice(hardest, round(_HARD * _NEGATIVES))
     negatives = np.concatenate([hard, rng.choice(table.negatives, _NEGATIVES - len(hard))])
-    seen = torch.cat([table.looks(rows).flatten(0, 1), table.looks(negatives)])
+    seen = torch.cat([table.windows(rows).flatten(0, 1), table.windows(negatives)])
     odds = member(seen)
     said = odds[: rows.size].reshape(rows.shape)
     smooth = (said[:, 1:] + said[:, :-1]) / 2
-    best = torch.logsumexp(2 * smooth, 1) / 2 - math.log(_LOOKS) / 2
+    best = torch.logsumexp(2 * smooth, 1) / 2 - math.log(_WINDOWS) / 2
     return softplus(-best).mean() + 2 * softplus(odds[rows.size :]).mean()
 
 
@@ -114,7 +114,7 @@ def _mine(member: Member, table: EmbeddingTable) -> NDArray[np.int64]:
     member.eval()
     with torch.inference_mode():
         found = [
-            member(table.looks(rows))
+            member(table.windows(rows))
             for rows in np.array_split(table.negatives, len(table.negatives) // 8192 + 1)
         ]
     member.train()
@@ -125,10 +125,10 @@ def _mine(member: Member, table: EmbeddingTable) -> NDArray[np.int64]:
 
 
 def _firsts(labels: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Index of the first look of each word."""
+    """Index of the first window of each word."""
     numbers, firsts = np.unique(labels, return_index=True)
     found = firsts[numbers >= 0].astype(np.int64)
-    return found[found + _LOOKS <= len(labels)]
+    return found[found + _WINDOWS <= len(labels)]
 
 
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
