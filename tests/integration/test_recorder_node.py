@@ -59,8 +59,8 @@ def recorder(ros, folder, screen=None, script=PACKAGE / "scripts" / "recorder", 
     settings = dict(load_yaml(PACKAGE / "config" / "recorder.yaml"))
     settings |= {"folder": str(folder), "name": ".", **changes}
     ros.master.setParam("/recorder", settings)
-    errors = screen.open("wb") if screen else None
-    process = ros.start([sys.executable, str(script), str(folder)], stderr=errors)
+    streams = {"stderr": screen.open("wb")} if screen else {}
+    process = ros.start(sys.executable, str(script), str(folder), **streams)
     try:
         yield process
     finally:
@@ -73,7 +73,7 @@ def recorder(ros, folder, screen=None, script=PACKAGE / "scripts" / "recorder", 
 def talk(ros, *words):
     """Start the process that talks; returns it with its output as a pipe."""
     command = [sys.executable, recorder_talker.__file__, *words]
-    return ros.start(command, stdout=subprocess.PIPE, text=True)
+    return ros.start(*command, stdout=subprocess.PIPE, text=True)
 
 
 def lines(process):
@@ -175,7 +175,7 @@ def test_a_recording_is_played_for_viewers_that_open_no_files(ros, session):
     listener = talk(ros, "listen")
     wait_until(listener.stdout.readline, "the listener")
     play = [sys.executable, str(PACKAGE / "scripts" / "play"), str(session[0])]
-    player = ros.start([*play, "--rate", "2"], stdout=subprocess.DEVNULL)
+    player = ros.start(*play, "--rate", "2", stdout=subprocess.DEVNULL)
     (heard,) = lines(listener)
     assert heard["joints"] == [float(k) for k in range(1500)]
     assert (heard["name"], heard["odd"]) == ("joint_7", True)
@@ -187,7 +187,7 @@ def test_a_recording_is_not_played_into_a_running_system(ros, session):
     robot = talk(ros, "until_killed")
     wait_until(lambda: ["/joint_states", "sensor_msgs/JointState"] in topics(ros), "the robot")
     play = [sys.executable, str(PACKAGE / "scripts" / "play"), str(session[0])]
-    refused = ros.start(play, stderr=subprocess.PIPE, text=True)
+    refused = ros.start(*play, stderr=subprocess.PIPE, text=True)
     assert "someone publishes /joint_states" in refused.communicate(timeout=PATIENCE)[1]
     assert refused.returncode == 1
     robot.kill()
@@ -265,7 +265,7 @@ def test_a_wrong_setting_is_named_and_ends_the_node(ros, tmp_path):
 def test_the_launch_file_records_into_the_folder_it_is_given(ros, tmp_path):
     folder = tmp_path / "mine"
     launch = ros.start(
-        ["roslaunch", "--wait", str(ROOT / "launch" / "record.launch"), f"folder:={folder}"],
+        *("roslaunch", "--wait", str(ROOT / "launch" / "record.launch"), f"folder:={folder}"),
         stdout=subprocess.DEVNULL,
     )
     try:

@@ -41,14 +41,16 @@ class Host:
         self._running = []
         self.master = rosgraph.Master("/test", uri)
 
-    def start(self, *words, beside=None):
-        """Begin a process; `beside` holds variables for its environment alone."""
+    def start(self, *words, beside=None, **streams):
+        """Begin a process; `beside` holds variables for its environment alone.
+
+        What it prints goes to the log, unless `streams` says otherwise, as Popen takes it.
+        """
         process = subprocess.Popen(
             words,
-            stdout=self._log,
-            stderr=subprocess.STDOUT,
             start_new_session=True,
             env={**self.environment, **(beside or {})},
+            **{"stdout": self._log, "stderr": subprocess.STDOUT, **streams},
         )
         self._running.append(process)
         return process
