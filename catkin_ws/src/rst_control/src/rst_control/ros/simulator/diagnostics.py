@@ -7,9 +7,9 @@ import time
 
 import numpy as np
 import rospy
-import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
 
 from rst_control.config import SceneConfig
 from rst_control.ros.simulator.pace import SimulationPace
@@ -96,9 +96,8 @@ class SimulatorDiagnostics:
         return DiagnosticStatus.OK, "keeping up"
 
 
-def broadcast_places(scene: SceneConfig) -> tf2_ros.StaticTransformBroadcaster:
+def publish_places(scene: SceneConfig) -> rospy.Publisher:
     """Publish the trocar as frame `rcm` and the middle of the tissue as frame `phantom`."""
-    broadcaster = tf2_ros.StaticTransformBroadcaster()
     transforms = []
     for name, place in (("rcm", scene.trocar), ("phantom", scene.tissue.centre)):
         transform = TransformStamped()
@@ -108,5 +107,6 @@ def broadcast_places(scene: SceneConfig) -> tf2_ros.StaticTransformBroadcaster:
         translation.x, translation.y, translation.z = place
         transform.transform.rotation.w = 1.0
         transforms.append(transform)
-    broadcaster.sendTransform(transforms)
-    return broadcaster
+    publisher = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
+    publisher.publish(TFMessage(transforms))
+    return publisher

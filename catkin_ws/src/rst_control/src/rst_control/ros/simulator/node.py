@@ -26,7 +26,7 @@ from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.kinova.stand_in_interface import DriverInterface
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
-from rst_control.ros.simulator.diagnostics import SimulatorDiagnostics, broadcast_places
+from rst_control.ros.simulator.diagnostics import SimulatorDiagnostics, publish_places
 from rst_control.ros.simulator.fast_interface import SetpointInterface
 from rst_control.ros.simulator.markers import SimulatorMarkers
 from rst_control.ros.simulator.messages import Stamper
@@ -86,7 +86,7 @@ class SimulatorNode:
         period = self._steps * self.robot.time_step
         self.pace = SimulationPace(period, simulator.real_time_factor, time.monotonic, time.sleep)
         self._diagnostics = SimulatorDiagnostics(self.robot, self.pace, period, config.scene)
-        self._places = broadcast_places(config.scene)
+        self._places = publish_places(config.scene)
 
     def run(self) -> None:
         """Simulate until the node is shut down."""
