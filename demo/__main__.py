@@ -17,7 +17,7 @@ import soundfile
 from rich.console import Console
 from rich.table import Table
 
-from demo.check import Verdict, verdicts, worst_rcm_error
+from demo.check import StepVerdict, verdicts, worst_rcm_error
 from demo.film import Camera, take_picture, write_film
 from demo.script import Script, load_script
 from demo.sound import render
@@ -86,7 +86,7 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
 
 def _session(
     script: Script, folder: Path, options: argparse.Namespace, console: Console
-) -> list[Verdict]:
+) -> list[StepVerdict]:
     """Bring the system up, play the script into it and judge what came of it."""
     with ExitStack() as stack:
         microphone = None if options.microphone or options.wav else _virtual(stack, console)
@@ -171,7 +171,7 @@ def _wait_until(moment: float, system: System, timeline: Timeline) -> None:
         time.sleep(min(0.05, max(moment - timeline.now(), 0.0)))
 
 
-def _listen(system: System, timeline: Timeline) -> list[Verdict]:
+def _listen(system: System, timeline: Timeline) -> list[StepVerdict]:
     timeline.say('Listening to you: say "hey robot", then "tense". Ctrl-C ends the session.')
     while system.is_running():
         time.sleep(0.2)
@@ -188,7 +188,7 @@ def _report(folder: Path, console: Console) -> None:
         console.print(f"Session, recording and report: {folder}")
 
 
-def _conclude(results: Sequence[Verdict], folder: Path, console: Console) -> int:
+def _conclude(results: Sequence[StepVerdict], folder: Path, console: Console) -> int:
     table = Table(title="What the script asked for")
     for column in ("said", "effect", "happened", "seen"):
         table.add_column(column)

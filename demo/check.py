@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from demo.script import Script, Step
+from demo.script import Script, ScriptStep
 
 STEP = 0.02  # [N] least change of tension that counts as more or less
 SLACK = 0.05  # [N] tension that counts as none
@@ -16,7 +16,7 @@ REST = 1e-4  # [m/s] path speed that counts as rest
 
 
 @dataclass(frozen=True)
-class State:
+class ControllerSample:
     """The controller at one moment of the script."""
 
     time: float  # [s] since the first sound
@@ -30,7 +30,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Heard:
+class HeardUtterance:
     """One decision of the recogniser."""
 
     time: float  # [s] since the first sound
@@ -42,45 +42,45 @@ class Heard:
 class Observed:
     """All that was seen of the session, in order of time."""
 
-    states: list[State] = field(default_factory=list)
-    heard: list[Heard] = field(default_factory=list)
+    states: list[ControllerSample] = field(default_factory=list)
+    heard: list[HeardUtterance] = field(default_factory=list)
 
-    def between(self, begin: float, end: float) -> list[State]:
+    def between(self, begin: float, end: float) -> list[ControllerSample]:
         """States within [begin, end)."""
         return [s for s in self.states if begin <= s.time < end]
 
 
 @dataclass(frozen=True)
-class Verdict:
+class StepVerdict:
     """Whether one step happened."""
 
-    step: Step
+    step: ScriptStep
     happened: bool
     found: str  # what was seen, in words
 
 
-def verdicts(script: Script, observed: Observed) -> list[Verdict]:
+def verdicts(script: Script, observed: Observed) -> list[StepVerdict]:
     """Judge every step of the script."""
     return [_judge(script, i, observed) for i in range(len(script.steps))]
 
 
-def _judge(script: Script, index: int, observed: Observed) -> Verdict:
+def _judge(script: Script, index: int, observed: Observed) -> StepVerdict:
     step, end = script.steps[index], script.end_of(index)
     states = observed.between(step.at, end)
     if not states:
-        return Verdict(step, False, "the controller said nothing")
+        return StepVerdict(step, False, "the controller said nothing")
     commands = [h.command for h in observed.heard if step.at <= h.time + EARLY < end and h.command]
     before = observed.between(step.at - 0.5, step.at) or states[:1]
     happened = _effect_seen(step, states, before[-1], commands)
     last = states[-1]
     words = f"taken: {', '.join(commands) or 'nothing'}; then {last.state}, {last.tension:.2f} N"
-    return Verdict(step, happened, words)
+    return StepVerdict(step, happened, words)
 
 
 def _effect_seen(
-    step: Step,
-    states: Sequence[State],
-    before: State,
+    step: ScriptStep,
+    states: Sequence[ControllerSample],
+    before: ControllerSample,
     commands: Sequence[str],
 ) -> bool:
     last = states[-1]

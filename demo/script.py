@@ -23,7 +23,7 @@ EFFECTS = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Speech:
+class ScriptSpeech:
     """How the script is spoken."""
 
     surgeon: str = text()  # espeak-ng voice
@@ -34,7 +34,7 @@ class Speech:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class ScriptStep:
     """One thing said and what must come of it."""
 
     at: float = number(0.0, 600.0, "s")
@@ -47,9 +47,9 @@ class Step:
 class Script:
     """The whole session."""
 
-    speech: Speech
+    speech: ScriptSpeech
     duration: float = number(1.0, 600.0, "s")
-    steps: tuple[Step, ...] = items(1)
+    steps: tuple[ScriptStep, ...] = items(1)
 
     def end_of(self, index: int) -> float:
         """Time by which the effect of a step must be seen [s]."""

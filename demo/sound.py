@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from demo.script import Script, Speech
+from demo.script import Script, ScriptSpeech
 from support.theatre_sound import LEVEL, RATE, speak, theatre_noise
 
 
@@ -23,7 +23,7 @@ def render(script: Script, lead: float = 0.0) -> NDArray[np.float32]:
     Raises:
         RuntimeError: espeak-ng is missing or refuses a voice.
     """
-    speech: Speech = script.speech
+    speech: ScriptSpeech = script.speech
     sound = theatre_noise(lead + script.duration, LEVEL * 10 ** (-speech.snr_db / 20), speech.seed)
     for step in script.steps:
         voice = speech.surgeon if step.speaker == "surgeon" else speech.people

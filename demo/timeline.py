@@ -14,7 +14,7 @@ from rich.live import Live
 from rich.text import Text
 from std_msgs.msg import String
 
-from demo.check import Heard, Observed, State
+from demo.check import ControllerSample, HeardUtterance, Observed
 from demo.first_sound import FirstSound
 from rst_control.msg import ControllerState, Event
 from voice_assist.msg import AudioChunk, Mode, Utterance
@@ -122,7 +122,7 @@ class Timeline:
         start = message.speech_start.to_sec() - self._zero
         delay = (message.decision - message.speech_end).to_sec()
         with self._lock:
-            self.observed.heard.append(Heard(start, message.transcript, message.command))
+            self.observed.heard.append(HeardUtterance(start, message.transcript, message.command))
         wer = dict(zip(message.phrases, message.wer, strict=False))
         if message.command:
             outcome = (
@@ -172,7 +172,7 @@ class Timeline:
 
     def _on_state(self, message: ControllerState) -> None:
         self._state = message
-        state = State(
+        state = ControllerSample(
             time=message.header.stamp.to_sec() - self._zero,
             state=message.state,
             active=message.assistance_enabled,

@@ -16,21 +16,21 @@ from pathlib import Path
 import rospy
 from rich.console import Console
 
-from paper import session, triangulation
 from paper.config import (
     ExperimentConfig,
-    VoiceConfig,
+    PaperVoiceConfig,
     chosen_voices,
     load_experiment,
 )
-from paper.demonstration import shown
 from paper.folders import finish, is_finished, set_aside, settings_of
-from paper.outcomes import Outcome, judge, kept
-from paper.recording import read_recording
-from paper.results import Told, figures
-from paper.show import show, show_tissue, write
-from paper.speaker import installed_voices
-from paper.trials import read
+from paper.judging.outcomes import PhraseOutcome, judge, kept
+from paper.judging.recording import read_recording
+from paper.judging.results import VoiceResult, figures
+from paper.judging.show import show, show_tissue, write
+from paper.judging.trials import read
+from paper.play import session, triangulation
+from paper.play.demonstration import shown
+from paper.play.speaker import installed_voices
 from session_log.cli import CONFIG as REPORT
 from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
@@ -80,7 +80,7 @@ def _count(word: str) -> int:
 
 
 def _play_all(
-    voices: Sequence[VoiceConfig],
+    voices: Sequence[PaperVoiceConfig],
     config: ExperimentConfig,
     repetitions: int,
     out: Path,
@@ -105,7 +105,7 @@ def _play_all(
     return status
 
 
-def _child(name: str, voice: VoiceConfig, repetitions: int, out: Path) -> int:
+def _child(name: str, voice: PaperVoiceConfig, repetitions: int, out: Path) -> int:
     command = [sys.executable, "-m", "paper", "--session", name, "--voices", voice.name]
     command += ["--repetitions", str(repetitions), "--out", str(out)]
     process = subprocess.Popen(command, cwd=ROOT)
@@ -121,7 +121,7 @@ def _child(name: str, voice: VoiceConfig, repetitions: int, out: Path) -> int:
 
 def _play(
     name: str,
-    voice: VoiceConfig,
+    voice: PaperVoiceConfig,
     config: ExperimentConfig,
     repetitions: int,
     out: Path,
@@ -147,14 +147,14 @@ def _play(
 
 
 def _conclude(
-    voices: Sequence[VoiceConfig],
+    voices: Sequence[PaperVoiceConfig],
     config: ExperimentConfig,
     out: Path,
     is_full: bool,
     console: Console,
 ) -> None:
     """Show and write what there is."""
-    found = [Told(v, tuple(_outcomes(out / v.name, config))) for v in voices]
+    found = [VoiceResult(v, tuple(_outcomes(out / v.name, config))) for v in voices]
     told = [t for t in found if t.repetitions]
     if not told:
         console.print("No phrase was played: there is nothing to show.")
@@ -174,7 +174,7 @@ def _conclude(
     _report(out, console)
 
 
-def _outcomes(folder: Path, config: ExperimentConfig) -> list[Outcome]:
+def _outcomes(folder: Path, config: ExperimentConfig) -> list[PhraseOutcome]:
     """What came of a session, also of one that was interrupted."""
     outcomes = kept(folder)
     if outcomes or not read(folder):

@@ -22,7 +22,7 @@ FILE = Path(__file__).resolve().parent / "experiment.yaml"
 
 
 @dataclass(frozen=True, kw_only=True)
-class VoiceConfig:
+class PaperVoiceConfig:
     """One synthetic speaker."""
 
     name: str = text()
@@ -49,8 +49,8 @@ class ExperimentConfig:
     rest_within: float = number(1.0, 120.0, "s")
     motion: float = number(1e-6, 0.02, "rad")
     braking: float = number(0.1, 0.99, "")
-    voices: tuple[VoiceConfig, ...] = items(1, 50)
-    prompter: VoiceConfig
+    voices: tuple[PaperVoiceConfig, ...] = items(1, 50)
+    prompter: PaperVoiceConfig
     talk: tuple[str, ...] = text()
 
     def __post_init__(self) -> None:
@@ -75,7 +75,7 @@ def load_experiment(path: Path = FILE) -> ExperimentConfig:
 
 def chosen_voices(
     config: ExperimentConfig, wanted: str, installed: frozenset[str]
-) -> tuple[VoiceConfig, ...]:
+) -> tuple[PaperVoiceConfig, ...]:
     """Choose the speakers.
 
     Args:

@@ -8,13 +8,13 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-from paper.config import ExperimentConfig, VoiceConfig
+from paper.config import ExperimentConfig, PaperVoiceConfig
 
 FINISHED = "finished.json"
 ASIDE = "unfinished"  # folder beside that of the experiment
 
 
-def settings_of(config: ExperimentConfig, voice: VoiceConfig, repetitions: int) -> str:
+def settings_of(config: ExperimentConfig, voice: PaperVoiceConfig, repetitions: int) -> str:
     """All that decides how the session of a voice goes, as JSON."""
     settings = asdict(config)
     del settings["voices"]

@@ -11,7 +11,7 @@ from typing import Any
 
 from genpy.dynamic import generate_dynamic
 
-from session_log.types import TopicSource
+from session_log.types import MessageSource
 
 ROOT = Path(__file__).resolve().parents[1]
 SEPARATOR = "\n" + "=" * 80 + "\nMSG: "
@@ -39,10 +39,10 @@ def class_of(datatype: str) -> Any:
 
 def source_of(
     topic: str, datatype: str, publisher: str = "/test", is_latched: bool = False
-) -> TopicSource:
+) -> MessageSource:
     """The source of a topic, as the recorder would describe it."""
     kind = class_of(datatype)
-    return TopicSource(
+    return MessageSource(
         topic, datatype, kind._md5sum, definition_of(datatype), publisher, is_latched
     )
 

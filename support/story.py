@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from session_log.mcap_file.writer import SessionWriter
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 from support.message_classes import class_of, serialise, source_of
 from support.story_script import (
     COMMANDS,
@@ -45,7 +45,7 @@ class Story:
     def __init__(self, duration: float = END, rate: int = 500, seed: int = 1) -> None:
         self.rng = np.random.default_rng(seed)
         self.duration, self.rate = duration, rate
-        self.sources: dict[str, TopicSource] = {}
+        self.sources: dict[str, MessageSource] = {}
         self.counts: dict[str, int] = {}
         self.messages: list[Message] = []
 

@@ -40,7 +40,7 @@ class Surgeon:
 
 
 @dataclass(frozen=True, eq=False)
-class Said:
+class EnrolledSpeech:
     """One recording of a surgeon."""
 
     text: str
@@ -48,13 +48,13 @@ class Said:
 
 
 @dataclass(frozen=True, eq=False)
-class Material:
+class SurgeonMaterial:
     """All that one surgeon said."""
 
-    enrolled: tuple[Said, ...]  # MOST of each command, one of each after the other
-    tested: tuple[Said, ...]  # TESTED of each command, in another room and on another day
-    talk: tuple[Said, ...]  # free talk that is enrolled
-    other: tuple[Said, ...]  # talk and near misses that are not
+    enrolled: tuple[EnrolledSpeech, ...]  # MOST of each command, one of each after the other
+    tested: tuple[EnrolledSpeech, ...]  # TESTED of each command, in another room and on another day
+    talk: tuple[EnrolledSpeech, ...]  # free talk that is enrolled
+    other: tuple[EnrolledSpeech, ...]  # talk and near misses that are not
 
 
 def surgeons() -> tuple[Surgeon, ...]:
@@ -68,7 +68,7 @@ def surgeons() -> tuple[Surgeon, ...]:
     return tuple(sorted(cast, key=lambda s: hashlib.sha256(str(s).encode()).digest()))
 
 
-def material(surgeon: Surgeon, seed: int = 0) -> Material:
+def material(surgeon: Surgeon, seed: int = 0) -> SurgeonMaterial:
     """Speak all that a surgeon says; the same each time."""
     key = hashlib.sha256(f"{surgeon} {seed}".encode()).digest()
     rng = Random(key)
@@ -88,13 +88,15 @@ def material(surgeon: Surgeon, seed: int = 0) -> Material:
     cache = ROOT / ".cache" / "enrolment" / "spoken"
     sounds = _spoken(prompts, cache / f"{key.hex()[:24]}.npz")
     rooms = build_rooms([], chance, count=2)
-    found: dict[str, list[Said]] = {"enrolled": [], "tested": [], "talk": [], "other": []}
+    found: dict[str, list[EnrolledSpeech]] = {"enrolled": [], "tested": [], "talk": [], "other": []}
     for (text, where), sound in zip(lines, sounds, strict=True):
         is_enrolled = where in ("enrolled", "talk")
         room = rooms[0 if is_enrolled else 1]
         snr = chance.uniform(20.0, 35.0) if is_enrolled else chance.uniform(12.0, 35.0)
-        found[where].append(Said(text, _recorded(sound, room, snr, chance)))
-    return Material(*(tuple(found[name]) for name in ("enrolled", "tested", "talk", "other")))
+        found[where].append(EnrolledSpeech(text, _recorded(sound, room, snr, chance)))
+    return SurgeonMaterial(
+        *(tuple(found[name]) for name in ("enrolled", "tested", "talk", "other"))
+    )
 
 
 def _spoken(prompts: list[Prompt], cache: Path) -> list[NDArray[np.int16]]:

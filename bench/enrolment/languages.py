@@ -19,7 +19,7 @@ from random import Random
 
 import numpy as np
 
-from bench.voice.material.held_out_voices import Voice
+from bench.voice.material.held_out_voices import SyntheticVoice
 from session_log.report.bounds import at_least, at_most
 from support.figures import Figure
 from typed_config import load_config, load_yaml
@@ -47,7 +47,7 @@ class Set:
     name: str
     file: str  # of config/
     language: str  # of espeak-ng
-    cast: tuple[Voice, ...]
+    cast: tuple[SyntheticVoice, ...]
     talk: tuple[str, ...]  # that is no command
     said: tuple[tuple[str, str], ...] = ()  # how a phrase is written for a voice, where it differs
 
@@ -58,9 +58,9 @@ SETS = (
         "commands_de.yaml",
         "de",
         (
-            *(Voice("espeak", name) for name in ("de", "de+f3", "de+m5")),
-            *(Voice("mbrola", f"mb-de{n}") for n in (4, 5, 6)),
-            Voice("pico", "de-DE"),
+            *(SyntheticVoice("espeak", name) for name in ("de", "de+f3", "de+m5")),
+            *(SyntheticVoice("mbrola", f"mb-de{n}") for n in (4, 5, 6)),
+            SyntheticVoice("pico", "de-DE"),
         ),
         (
             "wir haben mehr Zeit als gestern|bitte die Lampe etwas weiter nach links|heute nicht",
@@ -73,9 +73,9 @@ SETS = (
         "commands_es.yaml",
         "es",
         (
-            *(Voice("espeak", name) for name in ("es", "es-419+f2", "es+m3")),
-            Voice("mbrola", "mb-es1"),
-            Voice("pico", "es-ES"),
+            *(SyntheticVoice("espeak", name) for name in ("es", "es-419+f2", "es+m3")),
+            SyntheticVoice("mbrola", "mb-es1"),
+            SyntheticVoice("pico", "es-ES"),
         ),
         (
             "tenemos más tiempo que ayer|la lámpara un poco más a la izquierda|hoy no|buenos días",
@@ -89,11 +89,11 @@ SETS = (
         "endoscope_commands.yaml",
         "en-us",
         (
-            Voice("espeak", "en-gb-x-gbcwmd"),
-            *(Voice("flite", name) for name in ("awb", "rms")),
-            Voice("rhvoice", "alan"),
-            Voice("pico", "en-US"),
-            *(Voice("mbrola", f"mb-{name}") for name in ("us1", "us2", "en1")),
+            SyntheticVoice("espeak", "en-gb-x-gbcwmd"),
+            *(SyntheticVoice("flite", name) for name in ("awb", "rms")),
+            SyntheticVoice("rhvoice", "alan"),
+            SyntheticVoice("pico", "en-US"),
+            *(SyntheticVoice("mbrola", f"mb-{name}") for name in ("us1", "us2", "en1")),
         ),
         (
             "we go left at the next corner|the lower right quadrant|zoom call at noon|good morning",
@@ -105,7 +105,7 @@ SETS = (
 
 
 @dataclass(frozen=True)
-class Clip:
+class PhraseClip:
     """What was said, and by whom."""
 
     phrase: str  # command; empty: none
@@ -139,14 +139,14 @@ class Ear:
         return command.phrase if is_sure else ""
 
 
-class Tally:
+class PhraseTally:
     """Counts of what came of clips."""
 
     def __init__(self) -> None:
         """Nothing so far."""
         self.counts: Counter[str] = Counter()
 
-    def add(self, ear: Ear, clips: Sequence[Clip]) -> None:
+    def add(self, ear: Ear, clips: Sequence[PhraseClip]) -> None:
         """Let an ear hear clips."""
         for clip in clips:
             taken = ear(clip.samples)
@@ -184,7 +184,7 @@ def _measure_set(one: Set, recognizer: Recognizer) -> Iterator[Figure]:
     commands = _commands(one)
     config = replace(load_voice_config(), commands=commands)
     names = ("own voice before", "own voice after", "others after", "talk before", "talk after")
-    tallies = {name: Tally() for name in names}
+    tallies = {name: PhraseTally() for name in names}
     base, learned, refused = Ear(config, commands, recognizer), 0, 0
     tried = {voice: _clips(one, commands, voice, TRIED, seed=2) for voice in one.cast}
     strange = {voice: clips[: STRANGE * len(commands.phrases)] for voice, clips in tried.items()}
@@ -219,7 +219,7 @@ def _measure_set(one: Set, recognizer: Recognizer) -> Iterator[Figure]:
 def _adapted_set(one: Set, recognizer: Recognizer) -> Iterator[Figure]:
     config, commands = load_voice_config(), _commands(one)
     names = ("own voice adapted", "others adapted", "talk adapted")
-    tallies, seconds = {name: Tally() for name in names}, []
+    tallies, seconds = {name: PhraseTally() for name in names}, []
     tried = {voice: _clips(one, commands, voice, TRIED, seed=2) for voice in one.cast}
     persons = [voice for voice in one.cast if voice.engine == "mbrola"][:PERSONS]
     for person in persons:
@@ -241,7 +241,10 @@ def _adapted_set(one: Set, recognizer: Recognizer) -> Iterator[Figure]:
 
 
 def _adapted(
-    takes: Sequence[Clip], talk: Sequence[Clip], commands: CommandsConfig, recognizer: Recognizer
+    takes: Sequence[PhraseClip],
+    talk: Sequence[PhraseClip],
+    commands: CommandsConfig,
+    recognizer: Recognizer,
 ) -> tuple[Recognizer, float]:
     """The recogniser as enrolment adapts it, and the CPU time that it took [s]."""
     from voice_assist.config.enrolment import load_enrolment_config
@@ -264,7 +267,9 @@ def _commands(one: Set) -> CommandsConfig:
     return load_config(CommandsConfig, load_yaml(CONFIG_DIR / one.file), one.file)
 
 
-def _clips(one: Set, commands: CommandsConfig, voice: Voice, each: int, seed: int) -> list[Clip]:
+def _clips(
+    one: Set, commands: CommandsConfig, voice: SyntheticVoice, each: int, seed: int
+) -> list[PhraseClip]:
     """Renderings of every phrase, all phrases once before any comes again."""
     rng, said = Random(f"{voice}{seed}"), dict(one.said)
     plan = [
@@ -274,14 +279,14 @@ def _clips(one: Set, commands: CommandsConfig, voice: Voice, each: int, seed: in
     ]
     sounds = speak([prompt for _, prompt in plan])
     pairs = zip(plan, sounds, strict=True)
-    return [Clip(phrase, _room(s, rng)) for (phrase, _), s in pairs if s is not None]
+    return [PhraseClip(phrase, _room(s, rng)) for (phrase, _), s in pairs if s is not None]
 
 
-def _talk(one: Set, voice: Voice) -> list[Clip]:
+def _talk(one: Set, voice: SyntheticVoice) -> list[PhraseClip]:
     rng = Random(f"{voice} talks")
     texts = [text for line in one.talk for text in line.split("|")]
     sounds = speak([Prompt(text, voice.engine, voice.name, *_style(rng)) for text in texts])
-    return [Clip("", _room(s, rng)) for s in sounds if s is not None]
+    return [PhraseClip("", _room(s, rng)) for s in sounds if s is not None]
 
 
 def _style(rng: Random) -> tuple[float, float]:

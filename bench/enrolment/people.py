@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 from bench.common.resumable import MINUTES, share_of
 from bench.enrolment import pieces
-from bench.enrolment.cast import Said
-from bench.voice.material.synthesis import DEV, Spoken, recorded
+from bench.enrolment.cast import EnrolledSpeech
+from bench.voice.material.synthesis import DEV, SpokenClip, recorded
 from session_log.report.bounds import at_most
 from support.figures import ROOT, Figure
 from voice_assist.audio.wav_file import read_sound
@@ -46,7 +46,7 @@ def measure(began: float) -> list[Figure]:
     Args:
         began: When the whole measurement did, by the steady clock [s].
     """
-    said: dict[str, list[Spoken]] = defaultdict(list)
+    said: dict[str, list[SpokenClip]] = defaultdict(list)
     for clip in recorded(DEV):
         said[clip.voice].append(clip)
     speakers = [
@@ -67,7 +67,7 @@ def measure(began: float) -> list[Figure]:
     return _figures(found)
 
 
-def _one(name: str, clips: list[Spoken]) -> Person:
+def _one(name: str, clips: list[SpokenClip]) -> Person:
     shared = pieces.bench()
     stops = [_said(c) for c in clips if c.text == WORD]
     words = [_said(c) for c in clips if c.text != WORD][:_WORDS]
@@ -87,8 +87,8 @@ def _one(name: str, clips: list[Spoken]) -> Person:
     return Person(name, len(stops), before.right, right, len(words), false.another, profile_false)
 
 
-def _said(clip: Spoken) -> Said:
-    return Said(clip.text, read_sound(ROOT / clip.path))
+def _said(clip: SpokenClip) -> EnrolledSpeech:
+    return EnrolledSpeech(clip.text, read_sound(ROOT / clip.path))
 
 
 def _figures(found: list[Person]) -> list[Figure]:

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from bench.common.resumable import digest, remembered, source
-from bench.enrolment.cast import Material as Recorded
-from bench.enrolment.cast import Said, Surgeon, material
+from bench.enrolment.cast import EnrolledSpeech, Surgeon, material
+from bench.enrolment.cast import SurgeonMaterial as Recorded
 from support.figures import ROOT
 from voice_assist.config import CONFIG_DIR, VoiceConfig, load_voice_config
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
@@ -39,7 +39,7 @@ class Counts:
 
 
 @dataclass(frozen=True)
-class Piece:
+class EnrolmentPiece:
     """A surgeon after so many repetitions; 0: the base."""
 
     surgeon: str
@@ -53,14 +53,14 @@ class Piece:
     memory: float = 0.0  # [MB] largest resident set
 
     @staticmethod
-    def from_json(data: dict[str, Any]) -> Piece:
+    def from_json(data: dict[str, Any]) -> EnrolmentPiece:
         """What was written of it."""
         counts = {k: Counts(**data[k]) for k in ("tested", "talk", "near", "stranger")}
-        return Piece(**{**data, **counts})
+        return EnrolmentPiece(**{**data, **counts})
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class EnrolmentBench:
     """What every piece needs, loaded once."""
 
     voice: VoiceConfig
@@ -71,7 +71,7 @@ class Bench:
 
 
 @cache
-def bench() -> Bench:
+def bench() -> EnrolmentBench:
     """The shipped model and settings."""
     voice, config = load_voice_config(), load_enrolment_config()
     base = load_recognizer()
@@ -79,13 +79,15 @@ def bench() -> Bench:
         raise TypeError(f"{type(base).__name__}, allowed: the embedded recogniser")
     phrases = voice.commands.phrases
     others = learn.others_for(phrases, config.adapt)
-    return Bench(voice, config, base, others, TakeCheck(config.checks, voice.commands, base))
+    return EnrolmentBench(
+        voice, config, base, others, TakeCheck(config.checks, voice.commands, base)
+    )
 
 
-def piece(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> Piece:
+def piece(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> EnrolmentPiece:
     """Measure a surgeon, or find it measured."""
     path = _path(surgeon, repetitions)
-    return Piece.from_json(
+    return EnrolmentPiece.from_json(
         remembered(path, lambda: asdict(_measure(surgeon, stranger, repetitions)))
     )
 
@@ -108,9 +110,11 @@ def key() -> str:
     return digest(sha, wanted, len(settings) and source(adapt, examples, learn))
 
 
-def enrolled(said: Sequence[Said], repetitions: int, is_fit: Callable[[Said], bool]) -> list[Said]:
+def enrolled(
+    said: Sequence[EnrolledSpeech], repetitions: int, is_fit: Callable[[EnrolledSpeech], bool]
+) -> list[EnrolledSpeech]:
     """The first takes of each command that pass the check; the others are said again."""
-    kept: list[Said] = []
+    kept: list[EnrolledSpeech] = []
     for one in said:
         count = sum(take.text == one.text for take in kept)
         if count < repetitions and is_fit(one):
@@ -118,7 +122,9 @@ def enrolled(said: Sequence[Said], repetitions: int, is_fit: Callable[[Said], bo
     return kept
 
 
-def spoken(takes: Sequence[Said], talk: Sequence[Said]) -> learn.EnrolmentMaterial:
+def spoken(
+    takes: Sequence[EnrolledSpeech], talk: Sequence[EnrolledSpeech]
+) -> learn.EnrolmentMaterial:
     """As a profile would hold them."""
     return learn.EnrolmentMaterial(
         tuple(learn.LabelledTake(f"{i}", take.text, take.samples) for i, take in enumerate(takes)),
@@ -126,7 +132,7 @@ def spoken(takes: Sequence[Said], talk: Sequence[Said]) -> learn.EnrolmentMateri
     )
 
 
-def count(ear: PipelineProbe, said: Sequence[Said], phrases: Sequence[str]) -> Counts:
+def count(ear: PipelineProbe, said: Sequence[EnrolledSpeech], phrases: Sequence[str]) -> Counts:
     """Hear all of it."""
     taken = [(set(ear(one.samples).taken), one.text) for one in said]
     right = sum(found == {text} for found, text in taken)
@@ -134,13 +140,13 @@ def count(ear: PipelineProbe, said: Sequence[Said], phrases: Sequence[str]) -> C
     return Counts(len(said), right, another)
 
 
-def _measure(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> Piece:
+def _measure(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> EnrolmentPiece:
     shared = bench()
     recorded, phrases = material(surgeon), shared.voice.commands.phrases
     if repetitions == 0:
         return _heard(PipelineProbe(shared.voice, shared.base), surgeon, recorded, (), phrases)
 
-    def is_fit(said: Said) -> bool:
+    def is_fit(said: EnrolledSpeech) -> bool:
         checked = shared.check(COMMAND, said.text, said.samples)
         return checked.is_good or checked.is_unlike  # the second time it is taken as it is
 
@@ -161,12 +167,12 @@ def _heard(
     ear: PipelineProbe,
     surgeon: Surgeon,
     recorded: Recorded,
-    stranger: Sequence[Said],
+    stranger: Sequence[EnrolledSpeech],
     phrases: Sequence[str],
-) -> Piece:
+) -> EnrolmentPiece:
     half, one_each = len(recorded.other) // 2, len(phrases)  # talk first, then near misses
     first = count(ear, recorded.tested[:one_each], phrases)
-    return Piece(
+    return EnrolmentPiece(
         surgeon=str(surgeon),
         repetitions=0,
         tested=_sum(first, count(ear, recorded.tested[one_each:], phrases)),

@@ -20,7 +20,7 @@ import torch
 from bench.common.resumable import MINUTES, share_of
 from bench.enrolment import people
 from bench.enrolment.cast import Surgeon, surgeons
-from bench.enrolment.pieces import Counts, Piece, is_done, piece
+from bench.enrolment.pieces import Counts, EnrolmentPiece, is_done, piece
 from session_log.report.bounds import at_most
 from support.figures import RESULTS, Figure
 
@@ -75,7 +75,9 @@ def _is_whole(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> bool:
 
 
 def _of(
-    repetitions: int, pairs: Sequence[tuple[Piece, Piece]], strangers: Sequence[Counts]
+    repetitions: int,
+    pairs: Sequence[tuple[EnrolmentPiece, EnrolmentPiece]],
+    strangers: Sequence[Counts],
 ) -> list[Figure]:
     """Figures after so many repetitions; `strangers` is what the base hears of their voices."""
     of = f"{repetitions} repetitions"

@@ -36,7 +36,7 @@ TARGETS: dict[str, Targets] = {"hard": (60.0, 0.6), "driver_soft": (None, 2.6)} 
 
 
 @dataclass(frozen=True)
-class Stop:
+class BrakedStop:
     """One braking."""
 
     speed: float  # [m/s] of the tip when told to stop
@@ -113,7 +113,7 @@ def _reckless(config: MotionConfig) -> MotionConfig:
     return replace(config, limits=replace(config.limits, layers=layers))
 
 
-def _figures(name: str, targets: Targets, stops: list[Stop]) -> list[Figure]:
+def _figures(name: str, targets: Targets, stops: list[BrakedStop]) -> list[Figure]:
     time, distance = targets
     speeds = [s.speed * 1e3 for s in stops]
     note = f"({len(stops)} stops, the tip at {min(speeds):.1f} to {max(speeds):.1f} mm/s)"
@@ -128,7 +128,7 @@ def _figures(name: str, targets: Targets, stops: list[Stop]) -> list[Figure]:
     ]
 
 
-def _stops(rig: Rig, count: int) -> list[Stop]:
+def _stops(rig: Rig, count: int) -> list[BrakedStop]:
     """Set off along random paths and stop each at a random moment."""
     rng, stops = np.random.default_rng(6), []
     rig.wake()
@@ -155,7 +155,7 @@ def _stops(rig: Rig, count: int) -> list[Stop]:
     return stops
 
 
-def _stop(rig: Rig, phase: Phase) -> Stop:
+def _stop(rig: Rig, phase: Phase) -> BrakedStop:
     rcm: list[float] = []
     before = rig.tip
     rig.run(rig.period)
@@ -170,4 +170,4 @@ def _stop(rig: Rig, phase: Phase) -> Stop:
     rig.executor.stop(Cause(Reason.STOP_TOPIC, "bench"))
     while rig.robot.now < told + 1.5 and (rig.is_moving or rig.robot.now < still[0] + 0.02):
         rig.tick(look)
-    return Stop(speed, still[0] - told, float(np.linalg.norm(rig.tip - start)), max(rcm))
+    return BrakedStop(speed, still[0] - told, float(np.linalg.norm(rig.tip - start)), max(rcm))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.common.rig import Rig
-from bench.motion.bullet_witness import BulletWitness, Sight
+from bench.motion.bullet.witness import BulletWitness, Sight
 from rst_control.commands.request import Request, Situation
 from rst_control.commands.table import COMMANDS
 from rst_control.commands.verifier import Verifier
@@ -54,7 +54,7 @@ def measure(config: MotionConfig, simulation: SimulationConfig, count: int) -> l
     verify.warm_up()
     times, refusals, objections, plans = [], Counter[str](), Counter[str](), []
     with BulletWitness(config) as witness:
-        judge = Judge(planner, witness)
+        judge = InsertionJudge(planner, witness)
         for q in outside_starts(planner, count, seed=7):
             begin = time.perf_counter()
             decision = verify(Request(COMMANDS["insert"]), situation(q))
@@ -113,7 +113,7 @@ def situation(q: Array, **more: bool) -> Situation:
     return Situation(measured, NOW, setpoint=joints, mode=ACTIVE)
 
 
-class Judge:
+class InsertionJudge:
     """Looks at plans through PyBullet.
 
     Args:
@@ -194,7 +194,7 @@ class Judge:
         return profile
 
 
-class Run:
+class InsertionRun:
     """One session in PyBullet, looked at after every step of the physics.
 
     Args:
@@ -230,12 +230,12 @@ class Run:
         self.error = max(self.error, float(np.linalg.norm(rcm_error(first, along, trocar))))
 
 
-def carry_out(config: MotionConfig, simulation: SimulationConfig, q: Array) -> Run:
+def carry_out(config: MotionConfig, simulation: SimulationConfig, q: Array) -> InsertionRun:
     """Start at q (9,) [rad], then insert, tense, release and withdraw."""
     settings = replace(simulation.simulator, start_position=tuple(float(v) for v in q))
     with Rig(config, replace(simulation, simulator=settings)) as rig:
         rig.wake()
-        run = Run(rig)
+        run = InsertionRun(rig)
         for words in ("insert", "tense", "release", "withdraw"):
             run.finish(words)
         return run

@@ -18,7 +18,7 @@ SESSION = ("tense", "pull more", "pull less", "release")
 
 
 @dataclass(frozen=True)
-class Run:
+class LockStepRun:
     """One session."""
 
     digest: str  # of all joint positions at 1 kHz, and of the tension after each command
@@ -52,7 +52,7 @@ def measure(config: MotionConfig, simulation: SimulationConfig, runs: int) -> li
     ]
 
 
-def run(config: MotionConfig, simulation: SimulationConfig) -> Run:
+def run(config: MotionConfig, simulation: SimulationConfig) -> LockStepRun:
     """Take tissue, pull more, pull less and let go, in a world of its own.
 
     Raises:
@@ -73,7 +73,7 @@ def run(config: MotionConfig, simulation: SimulationConfig) -> Run:
             if pending.ended.result(0).kind != "succeeded":
                 raise RuntimeError(f'"{words}" {pending.ended.result(0)}')
             digest.update(rig.robot.force.tobytes())
-        return Run(
+        return LockStepRun(
             digest.hexdigest(),
             rig.robot.now - start,
             time.perf_counter() - wall,

@@ -10,7 +10,6 @@ from dataclasses import replace
 from bench.motion import (
     braking,
     executed,
-    feasibility_gate,
     insertion,
     inverse,
     paths,
@@ -19,6 +18,7 @@ from bench.motion import (
     tick,
     triangulate,
 )
+from bench.motion.gate import feasibility
 from rst_control.config import load_motion_config, load_simulation_config
 from support.figures import Figure
 
@@ -38,7 +38,7 @@ def measure() -> list[Figure]:
         ("control tick", lambda: tick.measure(motion, simulation, count(20_000, 1000))),
         (
             "feasibility gate",
-            lambda: feasibility_gate.measure(motion, simulation, count(10_000), count(40, 2)),
+            lambda: feasibility.measure(motion, simulation, count(10_000), count(40, 2)),
         ),
         ("braking", lambda: braking.measure(motion, simulation, count(60, 5))),
         ("tension", lambda: tension.measure(motion, simulation, count(1000, 25))),

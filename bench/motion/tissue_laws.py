@@ -35,7 +35,7 @@ TOLERANCE = 0.02  # [N]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class PullOutcome:
     """One pull from zero."""
 
     target: float  # [N]
@@ -96,7 +96,9 @@ def _stiffer(stiffness: float, target: float, rng: np.random.Generator) -> Law:
     return lambda s: stiffness * max(0.0, s) + (STIFFER - 1.0) * max(0.0, stiffness * s - bend)
 
 
-def pull(config: ControllerConfig, law: Law, target: float, rng: np.random.Generator) -> Outcome:
+def pull(
+    config: ControllerConfig, law: Law, target: float, rng: np.random.Generator
+) -> PullOutcome:
     """Pull from zero until it rests."""
     speed, dt = config.speed, 1.0 / config.rate
     bounds = MotionBounds(speed.pull_speed, speed.acceleration, speed.jerk)
@@ -114,14 +116,14 @@ def pull(config: ControllerConfig, law: Law, target: float, rng: np.random.Gener
     outside = np.flatnonzero(np.abs(force - target) > TOLERANCE)
     travel = (places[-1] - places[loaded]) / speed.pull_speed
     beyond = float((outside[-1] - loaded) * dt) - travel
-    return Outcome(target, float(force.max()), float(abs(force[-1] - target)), beyond)
+    return PullOutcome(target, float(force.max()), float(abs(force[-1] - target)), beyond)
 
 
 def _stiffness(rng: np.random.Generator) -> float:
     return float(np.exp(rng.uniform(*np.log(RANGE))))
 
 
-def _figures(name: str, outcomes: list[Outcome], is_sudden: bool) -> list[Figure]:
+def _figures(name: str, outcomes: list[PullOutcome], is_sudden: bool) -> list[Figure]:
     overshoot = 100.0 * max(o.peak / o.target - 1.0 for o in outcomes)
     note = f"({len(outcomes)} first pulls with a noisy late sensor)"
     target = None if is_sudden else 5.0

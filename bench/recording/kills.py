@@ -21,7 +21,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
 from session_log.recording.recorder import Recorder
-from session_log.types import TopicSource
+from session_log.types import MessageSource
 from support.figures import ROOT, Figure
 from typed_config import load_config, load_yaml
 
@@ -89,7 +89,9 @@ def flood() -> list[Figure]:
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / "flood.mcap"
         recorder = Recorder(lambda: SessionWriter(path), config, time.time_ns)
-        tally = recorder.register(TopicSource("/t", "std_msgs/String", "992c", "string data", "/p"))
+        tally = recorder.register(
+            MessageSource("/t", "std_msgs/String", "992c", "string data", "/p")
+        )
         recorder.start()
         began, data = time.monotonic(), bytes(traffic.SIZE)
         for _ in range(FLOOD):

@@ -28,14 +28,14 @@ def record(path: Path) -> None:
     from session_log.config import RecorderConfig
     from session_log.mcap_file.writer import SessionWriter
     from session_log.recording.recorder import Recorder
-    from session_log.types import TopicSource
+    from session_log.types import MessageSource
     from typed_config import load_config, load_yaml
 
     package = Path(__file__).resolve().parents[2] / "catkin_ws" / "src" / "session_log"
     config = load_config(RecorderConfig, load_yaml(package / "config" / "recorder.yaml"))
     recorder = Recorder(lambda: SessionWriter(path), config, time.time_ns)
     sources = [
-        TopicSource(f"/t{i}", "std_msgs/String", "992c", "string data", "/p") for i in range(4)
+        MessageSource(f"/t{i}", "std_msgs/String", "992c", "string data", "/p") for i in range(4)
     ]
     sizes, rates = (SIZE, SIZE, 80, SOUND_SIZE), (RATE, RATE, RATE, SOUND_RATE)
     recorder.start()

@@ -19,7 +19,7 @@ ANSWER_TIME = 10.0  # [s] allowed for its next diagnostics
 COMMANDS = ("hey robot", "tense", "pull more", "pull less", "release")
 
 
-class Watcher:
+class ProcessWatcher:
     """Keeps the newest state and diagnostics of the controller."""
 
     def __init__(self) -> None:
@@ -68,7 +68,7 @@ def main() -> None:
     """Answer each line of the input with one of the output."""
     rospy.init_node("watcher", disable_signals=True)
     rospy.wait_for_service("rst_control/command", START_TIME)
-    watcher = Watcher()
+    watcher = ProcessWatcher()
     threading.Thread(target=watcher.work, daemon=True).start()
     for _ in sys.stdin:
         print(json.dumps(watcher.totals()), flush=True)

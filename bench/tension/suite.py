@@ -51,7 +51,7 @@ OPEN, CLOSED = 0.6, 0.0  # [rad] between the jaws
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class TensionTrial:
     """A grasp, a pull, and what is wrong with the arm's torques and masses."""
 
     q: Array  # (2, 9), [rad] before and under the pull
@@ -89,7 +89,7 @@ class LoadedArm(RobotPhysics):
         return reading.effort[:7]
 
 
-class Bench:
+class TensionBench:
     """Draws trials and lets the estimator judge them.
 
     Args:
@@ -110,7 +110,7 @@ class Bench:
         """End PyBullet."""
         self._arm.close()
 
-    def trials(self, count: int) -> Iterator[Trial]:
+    def trials(self, count: int) -> Iterator[TensionTrial]:
         """Grasps all over the workspace, each pulled another way."""
         rng, error, made = self._rng, self._config.error, 0
         for pose in random_poses(self._motion, 20 * count, seed=5):
@@ -122,7 +122,7 @@ class Bench:
             if not (first.is_solved and last.is_solved):
                 continue
             made += 1
-            yield Trial(
+            yield TensionTrial(
                 q=np.array([first.q, last.q]),
                 pull=pull,
                 force=rng.uniform(0.0, MOST_PULL),
@@ -138,7 +138,7 @@ class Bench:
         raise RuntimeError(f"only {made} of {count} grasps could be solved")
 
     def told(
-        self, trial: Trial, is_tared: bool, has_lean: bool, seal: float = 0.0
+        self, trial: TensionTrial, is_tared: bool, has_lean: bool, seal: float = 0.0
     ) -> tuple[float, float, str]:
         """Error of the estimate [N], its standard deviation as told [N], and why no trust."""
         config = replace(self._config, pull_direction=tuple(trial.pull.tolist()))
@@ -155,7 +155,7 @@ class Bench:
                 found = estimator.update(reading, self._trocar)
         return found.tension - trial.force, found.sigma, found.tension_invalid_reason
 
-    def ignoring_the_trocar(self, trial: Trial) -> float:
+    def ignoring_the_trocar(self, trial: TensionTrial) -> float:
         """Error [N] where a tared estimator takes all load for the pull's."""
         before, under = (self._motors(trial, stage, True, 0.0) for stage in (0, 1))
         seen = under - self._dynamics(trial.q[1]) - before + self._dynamics(trial.q[0])
@@ -174,7 +174,7 @@ class Bench:
         turned: Array = np.cos(angle) * along + np.sin(angle) * np.cross(across, along)
         return turned
 
-    def _motors(self, trial: Trial, stage: int, has_lean: bool, seal: float) -> Array:
+    def _motors(self, trial: TensionTrial, stage: int, has_lean: bool, seal: float) -> Array:
         """What the arm reports without noise: PyBullet's motors and all that is wrong with them."""
         q = trial.q[stage]
         shaft = Configuration(self._planner.model, q).frames[forward.SHAFT]
@@ -190,7 +190,7 @@ class Bench:
 
 def measure() -> list[Figure]:
     """Pull in many postures and ways, with a tare and without, with a trocar's load and without."""
-    bench = Bench(load_motion_config(), load_torque_tension())
+    bench = TensionBench(load_motion_config(), load_torque_tension())
     try:
         trials = list(bench.trials(TRIALS))
         cases = {

@@ -11,9 +11,9 @@ import soundfile
 
 from bench.common import resumable
 from bench.voice.hearing import pieces
-from bench.voice.hearing.pieces import Record
+from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.mixing import chunks, trials_of
-from bench.voice.material.synthesis import DEV, TALK, Spoken, recorded
+from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded
 from bench.voice.outcomes import motions, rate
 from bench.voice.trials import STOP
 from support.figures import ROOT, Figure
@@ -41,14 +41,14 @@ def measure() -> list[Figure]:
     return figures
 
 
-def measured() -> list[Record]:
+def measured() -> list[SceneRecord]:
     """All clips in which nobody says "stop", armed; none where there are no recordings."""
     return pieces.measured("armed", {"": chunks(trials_of(clips()))})[""]
 
 
 def of_commands(
     name: str,
-    records: Sequence[Record],
+    records: Sequence[SceneRecord],
     motion: float | None = None,
     stop: float | None = None,
 ) -> list[Figure]:
@@ -74,7 +74,7 @@ def of_commands(
     return figures
 
 
-def fired(records: Sequence[Record]) -> list[dict[str, Any]]:
+def fired(records: Sequence[SceneRecord]) -> list[dict[str, Any]]:
     """Every command taken where none was said, with what was said and by whom."""
     return [
         {
@@ -91,12 +91,12 @@ def fired(records: Sequence[Record]) -> list[dict[str, Any]]:
     ]
 
 
-def clips() -> list[Spoken]:
+def clips() -> list[SpokenClip]:
     """All of them."""
     return [clip for clip in recorded(TALK, DEV) if clip.text not in STOP]
 
 
-def _kinds(clips: Sequence[Spoken]) -> list[str]:
+def _kinds(clips: Sequence[SpokenClip]) -> list[str]:
     """Kind of each: words of `dev`, talk that nobody wrote down, or what wakes other devices."""
     words = {clip.path for clip in recorded(DEV)}
     return [
@@ -104,10 +104,10 @@ def _kinds(clips: Sequence[Spoken]) -> list[str]:
     ]
 
 
-def _hours(records: Sequence[Record]) -> float:
+def _hours(records: Sequence[SceneRecord]) -> float:
     return sum(r.label["seconds"] for r in records) / 3600.0
 
 
-def _length(clips: Sequence[Spoken]) -> float:
+def _length(clips: Sequence[SpokenClip]) -> float:
     """Of all clips [h]."""
     return sum(soundfile.info(ROOT / clip.path).duration for clip in clips) / 3600.0

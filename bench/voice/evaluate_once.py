@@ -26,7 +26,7 @@ FOLDER = RESULTS / "voice"
 
 
 @dataclass(frozen=True)
-class Row:
+class EvaluatedClip:
     """What a clip came to."""
 
     path: str
@@ -43,7 +43,7 @@ class Evaluated:
 
     name: str
     figures: Mapping[str, Any]  # as `make evaluate` writes them
-    rows: tuple[Row, ...]
+    rows: tuple[EvaluatedClip, ...]
 
     @property
     def hours(self) -> float:
@@ -80,11 +80,11 @@ def evaluated(
     return Evaluated(name, json.loads(out.read_text(encoding="utf-8")), read_rows(details))
 
 
-def read_rows(path: Path) -> tuple[Row, ...]:
+def read_rows(path: Path) -> tuple[EvaluatedClip, ...]:
     """Lines of the details that an evaluation wrote."""
     with path.open(newline="", encoding="utf-8") as file:
         return tuple(
-            Row(
+            EvaluatedClip(
                 path=line["path"],
                 transcript=line["transcript"],
                 command=line["command"],

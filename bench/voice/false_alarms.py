@@ -18,8 +18,8 @@ from bench.common import resumable
 from bench.common.resumable import digest
 from bench.voice.hearing import pieces
 from bench.voice.hearing.fingerprint import outline
-from bench.voice.hearing.pieces import Label, Record
-from bench.voice.hearing.replay_stream import Scene
+from bench.voice.hearing.pieces import Label, SceneRecord
+from bench.voice.hearing.replay_stream import SoundScene
 from bench.voice.material import theatre_noise
 from bench.voice.outcomes import rate_at_most
 from support.figures import Figure
@@ -45,7 +45,7 @@ class NoiseChunk:
         """Digest of all this, and of how its kind sounds."""
         return f"{self.kind}-{self.seed:04d}-{digest(astuple(self), _outline(self.kind))}"
 
-    def scenes(self) -> Iterator[tuple[Label, Scene]]:
+    def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
         """One."""
         sound = theatre_noise.make(self.kind, self.seconds, self.seed)
         label: Label = {"kind": self.kind, "seed": self.seed, "seconds": len(sound) / RATE}
@@ -54,7 +54,7 @@ class NoiseChunk:
             spans = ((0.0, self.seconds),)
         elif self.kind == theatre_noise.QUOTING:  # and the lab's speech output tells so
             spans = theatre_noise.when_quoting(self.seconds, self.seed)
-        yield label, Scene(sound, Mode.ACTIVE, robot_speaks=spans)
+        yield label, SoundScene(sound, Mode.ACTIVE, robot_speaks=spans)
 
 
 @cache
@@ -121,7 +121,7 @@ def _plan(kinds: Sequence[str]) -> list[NoiseChunk]:
     return [NoiseChunk(kinds[i % len(kinds)], i // len(kinds)) for i in range(count)]
 
 
-def _figure(name: str, records: Sequence[Record], target: float | None = None) -> Figure:
+def _figure(name: str, records: Sequence[SceneRecord], target: float | None = None) -> Figure:
     taken = Counter(command for r in records for command in r.heard.taken)
     hours = _hours(records)
     which = "".join(f", {command}: {count}" for command, count in taken.items())
@@ -129,11 +129,11 @@ def _figure(name: str, records: Sequence[Record], target: float | None = None) -
     return Figure(name, float(taken.total()), "commands", target, note=note)
 
 
-def _hours(records: Sequence[Record]) -> float:
+def _hours(records: Sequence[SceneRecord]) -> float:
     return sum(r.heard.streamed for r in records) / 3600.0
 
 
-def _fired(records: Sequence[Record]) -> list[dict[str, object]]:
+def _fired(records: Sequence[SceneRecord]) -> list[dict[str, object]]:
     return [
         {
             "kind": record.label["kind"],

@@ -11,13 +11,13 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from bench.common import resumable
-from bench.voice.evaluate_once import THIN, Evaluated, Row
+from bench.voice.evaluate_once import THIN, Evaluated, EvaluatedClip
 from bench.voice.hearing import pieces
-from bench.voice.hearing.pieces import Record
+from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material import clips
 from bench.voice.material.confusable_phrases import ALL, NAMED, TRAINED, plan
 from bench.voice.material.held_out_voices import natives, spread
-from bench.voice.material.mixing import Trial, chunks, trials_of
+from bench.voice.material.mixing import StreamedTrial, chunks, trials_of
 from bench.voice.material.synthesis import spoken
 from bench.voice.outcomes import motions
 from session_log.report.bounds import at_most
@@ -47,7 +47,7 @@ def measure() -> list[Figure]:
     ]
 
 
-def figures(records: Sequence[Record]) -> list[Figure]:
+def figures(records: Sequence[SceneRecord]) -> list[Figure]:
     """What was taken of phrases that are no command."""
     moved = motions()
     told, same = _apart(records)
@@ -69,7 +69,7 @@ def figures(records: Sequence[Record]) -> list[Figure]:
     return [f for f in found if f.unit]
 
 
-def of_named(records: Sequence[Record]) -> list[Figure]:
+def of_named(records: Sequence[SceneRecord]) -> list[Figure]:
     """The list of the requirement, each phrase in every held-out voice."""
     told, same = _apart(records)
     name = "tents, dense, least ... terminal in every voice"
@@ -83,13 +83,13 @@ def of_named(records: Sequence[Record]) -> list[Figure]:
     return [f for f in found if f.unit]
 
 
-def is_same(record: Record) -> bool:
+def is_same(record: SceneRecord) -> bool:
     """Whether it has the sounds of a command in the voice that says it."""
     label = record.label
     return same_as_command(label["text"], label["engine"], label["voice"])
 
 
-def taken(records: Iterable[Record]) -> list[dict[str, Any]]:
+def taken(records: Iterable[SceneRecord]) -> list[dict[str, Any]]:
     """Every phrase that was taken for a command, motions first."""
     found = [
         {
@@ -110,32 +110,34 @@ def taken(records: Iterable[Record]) -> list[dict[str, Any]]:
     return sorted(found, key=lambda one: (not one["is_motion"], one["said"]))
 
 
-def measured() -> dict[str, list[Record]]:
+def measured() -> dict[str, list[SceneRecord]]:
     """Phrases and the requirement's own list through the pipeline, armed."""
     plans = {name: chunks(trials) for name, trials in _trials().items()}
     return pieces.measured("near", plans)
 
 
-def _trials() -> dict[str, list[Trial]]:
+def _trials() -> dict[str, list[StreamedTrial]]:
     prompts = plan(clips.SEED, max(1, FULL // (2 * THIN)))
     own = spread(NAMED, natives().present, 1, SEED)
     return {PHRASES: trials_of(spoken(prompts)), OWN: trials_of(spoken(own))}
 
 
-def _apart(records: Sequence[Record]) -> tuple[list[Record], list[Record]]:
+def _apart(records: Sequence[SceneRecord]) -> tuple[list[SceneRecord], list[SceneRecord]]:
     """Those that can be told from a command, and those that sound the same."""
     told = [r for r in records if not is_same(r)]
     return told, [r for r in records if is_same(r)]
 
 
-def _row(record: Record) -> Row:
+def _row(record: SceneRecord) -> EvaluatedClip:
     label, heard = record.label, record.heard
     claims = (Claim(s.command, s.confidence, s.origin, s.is_taken) for s in heard.said if s.command)
-    return Row(label["path"], label["text"], "", heard.taken, label["seconds"], tuple(claims))
+    return EvaluatedClip(
+        label["path"], label["text"], "", heard.taken, label["seconds"], tuple(claims)
+    )
 
 
 def _share(
-    name: str, records: Sequence[Record], commands: Iterable[str], target: float | None = None
+    name: str, records: Sequence[SceneRecord], commands: Iterable[str], target: float | None = None
 ) -> Figure:
     """A figure without a unit where there are no records."""
     if not records:

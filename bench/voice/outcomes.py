@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from scipy.stats import chi2
 
-from bench.voice.hearing.pieces import Record
+from bench.voice.hearing.pieces import SceneRecord
 from session_log.report.bounds import CONFIDENCE, at_least, at_most
 from support.figures import Figure
 from voice_assist.config import load_voice_config
@@ -53,7 +53,7 @@ def verdict(said: str, taken: Iterable[str]) -> Verdict:
 
 
 @dataclass(frozen=True)
-class Tally:
+class TrialTally:
     """Verdicts of some trials."""
 
     n: int
@@ -76,43 +76,43 @@ class Tally:
         }
 
 
-def tally(records: Iterable[Record]) -> Tally:
+def tally(records: Iterable[SceneRecord]) -> TrialTally:
     """Count trials, each of which says a command."""
     found = Counter(verdict(r.label["text"], r.heard.taken) for r in records)
     wrong = found["wrong"] + found["opposite"]
-    return Tally(found.total(), found["right"], found["nothing"], wrong, found["opposite"])
+    return TrialTally(found.total(), found["right"], found["nothing"], wrong, found["opposite"])
 
 
-def by(records: Sequence[Record], key: Callable[[Record], str]) -> dict[str, Tally]:
+def by(records: Sequence[SceneRecord], key: Callable[[SceneRecord], str]) -> dict[str, TrialTally]:
     """A tally for each group, by its name."""
-    groups: dict[str, list[Record]] = {}
+    groups: dict[str, list[SceneRecord]] = {}
     for record in records:
         groups.setdefault(key(record), []).append(record)
     return {name: tally(groups[name]) for name in sorted(groups)}
 
 
-def engine(record: Record) -> str:
+def engine(record: SceneRecord) -> str:
     """Engine that spoke it."""
     return str(record.label["engine"])
 
 
-def text(record: Record) -> str:
+def text(record: SceneRecord) -> str:
     """What was said."""
     return str(record.label["text"])
 
 
-def voice(record: Record) -> str:
+def voice(record: SceneRecord) -> str:
     """Engine and voice that spoke it."""
     return f"{record.label['engine']}:{record.label['voice']}"
 
 
-def right(name: str, count: Tally, target: float | None = None) -> Figure:
+def right(name: str, count: TrialTally, target: float | None = None) -> Figure:
     """Share that was right."""
     note = f"({count.right} of {count.n}, at least {at_least(count.right, count.n):.4f} with 95 %)"
     return Figure(f"{name}: right", count.right / count.n, "of all", target, False, note)
 
 
-def others(name: str, count: Tally, targets: bool = False) -> list[Figure]:
+def others(name: str, count: TrialTally, targets: bool = False) -> list[Figure]:
     """Share of another command, and how many of these go against what was said."""
     most = at_most(count.wrong, count.n)
     note = f"({count.wrong} of {count.n}, at most {most:.4f} with 95 %)"
@@ -125,7 +125,7 @@ def others(name: str, count: Tally, targets: bool = False) -> list[Figure]:
     ]
 
 
-def latencies(records: Iterable[Record]) -> dict[str, list[float]]:
+def latencies(records: Iterable[SceneRecord]) -> dict[str, list[float]]:
     """Times from the end of speech to the first decision of the trials that were right [ms]."""
     found: dict[str, list[float]] = {}
     for record in records:
@@ -157,7 +157,7 @@ def rate(name: str, count: int, hours: float, target: float | None = None) -> Fi
     return Figure(name, count / hours, "per h", target, note=note)
 
 
-def misses(records: Iterable[Record]) -> list[dict[str, Any]]:
+def misses(records: Iterable[SceneRecord]) -> list[dict[str, Any]]:
     """Trials that were not right, to be listened to."""
     return [
         {

@@ -43,7 +43,7 @@ Scores = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Speaker:
+class GateSpeaker:
     """One that the gate never heard."""
 
     source: str
@@ -110,7 +110,7 @@ class _Memory:
         return self._network(speech) if known is None else known
 
 
-def _heard(speaker: Speaker, embed: _Memory) -> Speaker:
+def _heard(speaker: GateSpeaker, embed: _Memory) -> GateSpeaker:
     """The same with all embeddings that are needed, each computed once."""
     takes = [p for take in speaker.enrolled for p in piece_up(spoken(take), PIECE)]
     return replace(
@@ -121,13 +121,13 @@ def _heard(speaker: Speaker, embed: _Memory) -> Speaker:
     )
 
 
-def _speakers() -> Iterator[Speaker]:
+def _speakers() -> Iterator[GateSpeaker]:
     for (source, _), clips in speech_of(SPEECH, ("dev", "false_accept_dev")):
         first, rest = _halves(clips)
         enrolled = _cut(first[: round(ENROLLED * RATE)], TAKE)
         tried = {seconds: _cut(rest, seconds)[:MOST] for seconds in LENGTHS}
         if len(enrolled) >= 2 and tried[1.0]:
-            yield Speaker(source, enrolled, tried)
+            yield GateSpeaker(source, enrolled, tried)
 
 
 def _halves(clips: Sequence[Samples]) -> tuple[Samples, Samples]:
@@ -155,7 +155,9 @@ def _noisy(sound: Samples, seed: int) -> Samples:
     return mixed.astype(np.float32)
 
 
-def _trials(group: Sequence[Speaker], heard: Sequence[Sequence[Vector]], cohort: Cohort) -> Trials:
+def _trials(
+    group: Sequence[GateSpeaker], heard: Sequence[Sequence[Vector]], cohort: Cohort
+) -> Trials:
     """Every utterance against every voice of its own source."""
     own: list[float] = []
     other: list[float] = []
@@ -181,7 +183,7 @@ def _rates(name: str, trials: Trials) -> list[Figure]:
 
 
 def _profiles(
-    speakers: Sequence[Speaker], embed: _Memory, cohort: Cohort, digest: str
+    speakers: Sequence[GateSpeaker], embed: _Memory, cohort: Cohort, digest: str
 ) -> list[Figure]:
     """What happens at each voiceprint's own threshold."""
     config = load_voice_config(speaker__gate="on", speaker__min_enrolled=ENOUGH).speaker
@@ -213,7 +215,7 @@ def _profiles(
     return figures
 
 
-def _cost(speakers: Sequence[Speaker], cohort: Cohort) -> list[Figure]:
+def _cost(speakers: Sequence[GateSpeaker], cohort: Cohort) -> list[Figure]:
     embed, times = VoiceNetwork(), []
     for speaker in speakers[:60]:
         begin = time.perf_counter()

@@ -10,10 +10,10 @@ from bench.common import resumable
 from bench.voice import outcomes
 from bench.voice.evaluate_once import THIN
 from bench.voice.hearing import pieces
-from bench.voice.hearing.pieces import Record
+from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.hearing.replay_stream import WAYS
-from bench.voice.material.mixing import Trial, chunks, trials_of, twice
-from bench.voice.material.synthesis import DEV, Spoken, recorded
+from bench.voice.material.mixing import StreamedTrial, chunks, trials_of, twice
+from bench.voice.material.synthesis import DEV, SpokenClip, recorded
 from bench.voice.outcomes import latencies, quantiles, right, tally
 from bench.voice.trials import STOP, WHOLE, clips_of
 from support.figures import Figure
@@ -50,12 +50,12 @@ def measure() -> list[Figure]:
     return figures
 
 
-def people() -> list[Spoken]:
+def people() -> list[SpokenClip]:
     """People who say "stop"; none where there are no recordings."""
     return [clip for clip in recorded(DEV) if clip.text in STOP]
 
 
-def _plans(thin: int) -> Iterator[tuple[str, list[Trial]]]:
+def _plans(thin: int) -> Iterator[tuple[str, list[StreamedTrial]]]:
     synthetic = list(clips_of(STOP))
     yield f"stop, synthetic, {TWICE}", twice(synthetic)
     yield from _conditions("stop, synthetic", trials_of(synthetic)[::thin])
@@ -66,7 +66,9 @@ def _plans(thin: int) -> Iterator[tuple[str, list[Trial]]]:
         print("no human speech in ../shared/speech: people left out")
 
 
-def _conditions(who: str, trials: Sequence[Trial]) -> Iterator[tuple[str, list[Trial]]]:
+def _conditions(
+    who: str, trials: Sequence[StreamedTrial]
+) -> Iterator[tuple[str, list[StreamedTrial]]]:
     for way in WAYS:
         yield f"{who}, quiet, {_ears(way)}", [replace(t, way=way) for t in trials]
     background, snr = HARD
@@ -83,7 +85,7 @@ def _ears(way: str) -> str:
     return "both ways" if way == "both" else f"{way} alone"
 
 
-def _latency(name: str, records: Sequence[Record]) -> list[Figure]:
+def _latency(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
     times = latencies(records).get("stop")
     if not times:
         return []

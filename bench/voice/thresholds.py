@@ -24,7 +24,7 @@ from bench.voice import trials as voice_trials
 from bench.voice.calibration import reliability
 from bench.voice.evaluate_once import THIN
 from bench.voice.hearing import pieces
-from bench.voice.hearing.pieces import Record
+from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.mixing import chunks
 from bench.voice.outcomes import motions
 from support.figures import Figure
@@ -42,7 +42,7 @@ LEAST_SLOPE = 0.05  # [1/nat] less is what chance makes of few claims
 
 
 @dataclass(frozen=True)
-class Claim:
+class VoicedClaim:
     """A decision whose words were a command's."""
 
     command: str
@@ -75,7 +75,7 @@ def measure() -> list[Figure]:
     return figures
 
 
-def claims_of(records: Iterable[Record]) -> list[Claim]:
+def claims_of(records: Iterable[SceneRecord]) -> list[VoicedClaim]:
     """All claims of scenes; right where the scene says the command.
 
     Their evidence is found back from their confidence, so it ends where the curve in force is
@@ -95,17 +95,19 @@ def claims_of(records: Iterable[Record]) -> list[Claim]:
             curve: Calibration = getattr(worth, source)
             evidence = (log_odds(sure) - curve.offset) / curve.slope
             is_right = one.command == record.label["text"]
-            found.append(Claim(one.command, source, evidence, one.confidence, is_right, voice))
+            found.append(
+                VoicedClaim(one.command, source, evidence, one.confidence, is_right, voice)
+            )
     return found
 
 
-def halves(claims: Sequence[Claim]) -> tuple[list[Claim], list[Claim]]:
+def halves(claims: Sequence[VoicedClaim]) -> tuple[list[VoicedClaim], list[VoicedClaim]]:
     """Claims of one half of the voices, chosen by a digest of their names, and of the other."""
     first = {v for v in {c.voice for c in claims} if hashlib.sha256(v.encode()).digest()[0] % 2}
     return [c for c in claims if c.voice in first], [c for c in claims if c.voice not in first]
 
 
-def fit(claims: Sequence[Claim]) -> Calibration:
+def fit(claims: Sequence[VoicedClaim]) -> Calibration:
     """The curve of greatest likelihood, with the softened targets of Platt (1999, eq. 12).
 
     Args:
@@ -134,7 +136,7 @@ def least(command: str) -> float:
 
 
 def _of_command(
-    command: str, claims: Sequence[Claim], curves: Mapping[str, Calibration]
+    command: str, claims: Sequence[VoicedClaim], curves: Mapping[str, Calibration]
 ) -> list[Figure]:
     """What a threshold by risk keeps of right and of wrong claims; of halts nothing is chosen."""
     if load_voice_config().commands.get(command).is_halt:
@@ -151,8 +153,8 @@ def _error(confidence: Sequence[float], right: Sequence[bool]) -> float:
     return reliability(confidence, right).error
 
 
-def _records() -> list[Record]:
-    found: list[Record] = []
+def _records() -> list[SceneRecord]:
+    found: list[SceneRecord] = []
     trials = {name: chunks(some) for name, some in voice_trials.conditions(THIN).items() if some}
     for records in pieces.measured("trials", trials).values():
         found += records

@@ -17,10 +17,10 @@ from bench.common import resumable
 from bench.voice import outcomes
 from bench.voice.evaluate_once import THIN
 from bench.voice.hearing import pieces
-from bench.voice.hearing.pieces import Record
-from bench.voice.material.held_out_voices import Voice, foreigners, natives, spread
-from bench.voice.material.mixing import Trial, chunks, trials_of
-from bench.voice.material.synthesis import Spoken, spoken
+from bench.voice.hearing.pieces import SceneRecord
+from bench.voice.material.held_out_voices import SyntheticVoice, foreigners, natives, spread
+from bench.voice.material.mixing import StreamedTrial, chunks, trials_of
+from bench.voice.material.synthesis import SpokenClip, spoken
 from bench.voice.outcomes import by, latencies, others, quantiles, right, tally
 from session_log.report.bounds import at_least
 from support.figures import Figure
@@ -65,7 +65,7 @@ def measure() -> list[Figure]:
 
 
 @cache
-def clips_of(commands: tuple[str, ...]) -> tuple[Spoken, ...]:
+def clips_of(commands: tuple[str, ...]) -> tuple[SpokenClip, ...]:
     """A group of commands in all held-out native voices.
 
     Args:
@@ -77,14 +77,14 @@ def clips_of(commands: tuple[str, ...]) -> tuple[Spoken, ...]:
 
 
 @cache
-def foreign() -> tuple[Spoken, ...]:
+def foreign() -> tuple[SpokenClip, ...]:
     """All commands in the voices of other languages."""
-    cast: Sequence[Voice] = foreigners().present
+    cast: Sequence[SyntheticVoice] = foreigners().present
     commands = (*MOTIONS, *STOP, *OTHERS)
     return tuple(spoken(spread(commands, cast, FOREIGN_EACH, SEED))) if cast else ()
 
 
-def conditions(thin: int) -> dict[str, list[Trial]]:
+def conditions(thin: int) -> dict[str, list[StreamedTrial]]:
     """Trials by their condition.
 
     Args:
@@ -104,7 +104,7 @@ def full() -> int:
     return sum(map(len, conditions(min(THIN, WHOLE)).values()))
 
 
-def _of_condition(condition: str, records: Sequence[Record]) -> list[Figure]:
+def _of_condition(condition: str, records: Sequence[SceneRecord]) -> list[Figure]:
     figures = []
     for group, name in NAMES.items():
         some = [r for r in records if r.label["text"] in group]
@@ -126,7 +126,7 @@ def _of_condition(condition: str, records: Sequence[Record]) -> list[Figure]:
     return figures
 
 
-def _latency(records: Sequence[Record]) -> list[Figure]:
+def _latency(records: Sequence[SceneRecord]) -> list[Figure]:
     figures = []
     for command, times in latencies(records).items():
         is_stop = command in STOP
@@ -137,7 +137,7 @@ def _latency(records: Sequence[Record]) -> list[Figure]:
     return figures
 
 
-def _table(records: Sequence[Record]) -> dict[str, Any]:
+def _table(records: Sequence[SceneRecord]) -> dict[str, Any]:
     """Counts with bounds by engine, by command, and of both, and by voice."""
     keys = {
         "by_engine": outcomes.engine,

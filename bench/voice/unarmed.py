@@ -15,7 +15,7 @@ from typing import Any
 from bench.common import resumable
 from bench.voice.armed import of_commands
 from bench.voice.hearing import pieces
-from bench.voice.hearing.pieces import Record
+from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.theatre_talk import SECONDS, TalkChunk, Who, deck
 from bench.voice.outcomes import motions
 from bench.voice.trials import STOP
@@ -49,7 +49,7 @@ def measure() -> list[Figure]:
     return figures
 
 
-def fired(record: Record) -> list[dict[str, Any]]:
+def fired(record: SceneRecord) -> list[dict[str, Any]]:
     """Every command taken in a piece, with the utterance that was last begun before it."""
     found = []
     for one in record.heard.said:
@@ -73,7 +73,7 @@ def fired(record: Record) -> list[dict[str, Any]]:
     return found
 
 
-def reaching(records: Sequence[Record]) -> int:
+def reaching(records: Sequence[SceneRecord]) -> int:
     """Motions taken while no "stop" is latched: what the robot would not refuse as halted.
 
     The controller latches every "stop", in standby too, and refuses all motion until the next
@@ -89,7 +89,7 @@ def reaching(records: Sequence[Record]) -> int:
     return count
 
 
-def _reaching(records: Sequence[Record]) -> Figure:
+def _reaching(records: Sequence[SceneRecord]) -> Figure:
     note = '(the others came after a "stop", which halts it until "hey robot")'
     return Figure("talk, unarmed: motions to a robot not halted", reaching(records), "", note=note)
 
@@ -103,7 +103,7 @@ def _plan() -> list[TalkChunk]:
     return [TalkChunk(who[i % len(who)], i // len(who)) for i in range(count)]
 
 
-def _armed(who: str, records: Sequence[Record]) -> list[Figure]:
+def _armed(who: str, records: Sequence[SceneRecord]) -> list[Figure]:
     """How long a "hey robot" that nobody said has left it armed, until a piece was over."""
     hours = sum(r.heard.armed for r in records) / 3600.0
     note = "(until its piece of three minutes is over)"

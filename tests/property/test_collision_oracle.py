@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench.motion.bullet_bodies import BulletBodies
+from bench.motion.bullet.bodies import BulletBodies
 from rst_control.description.facts import load_facts
 from rst_control.kinematics import forward
 from rst_control.planning import collision_kernels as kernels

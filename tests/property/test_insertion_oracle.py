@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from bench.common.rig import random_poses
-from bench.motion.bullet_witness import BulletWitness
-from bench.motion.insertion import Judge, outside_starts, situation
+from bench.motion.bullet.witness import BulletWitness
+from bench.motion.insertion import InsertionJudge, outside_starts, situation
 from rst_control.commands.verifier import Verifier
 from rst_control.errors import Infeasible
 from rst_control.planning.plan import PhaseKind
@@ -24,7 +24,7 @@ RCM_WORST = 2e-6  # [m], of which 1 um is PyBullet's single precision
 @pytest.fixture(scope="module")
 def judge(planner, motion_config):
     with BulletWitness(motion_config) as witness:
-        yield Judge(planner, witness)
+        yield InsertionJudge(planner, witness)
 
 
 @pytest.fixture(scope="module")

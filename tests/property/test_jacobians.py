@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from bench.motion.gate_oracle import Kdl
+from bench.motion.gate.oracle import Kdl
 from rst_control.errors import Infeasible
 from rst_control.kinematics import constrained_ik, continuation, forward, manipulability
 from rst_control.kinematics.configuration import Configuration

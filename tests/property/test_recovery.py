@@ -16,15 +16,15 @@ from mcap.reader import make_reader
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.recover import recover
 from session_log.mcap_file.writer import SessionWriter
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 
 NOW = 1_795_200_000_000_000_000  # [ns]
 SOURCES = [
-    TopicSource(
+    MessageSource(
         "/joint_states", "a/Joints", "1" * 32, "Header header\nfloat64[] position", "/robot"
     ),
-    TopicSource("/event", "a/Event", "2" * 32, "string kind", "/controller", is_latched=True),
-    TopicSource("/sound", "a/Sound", "3" * 32, "int16[] samples", "/voice"),
+    MessageSource("/event", "a/Event", "2" * 32, "string kind", "/controller", is_latched=True),
+    MessageSource("/sound", "a/Sound", "3" * 32, "int16[] samples", "/voice"),
 ]
 COUNT = 90
 EXAMPLES = 150

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from bench.common.rig import Rig
-from bench.motion.insertion import Run, outside_starts
+from bench.motion.insertion import InsertionRun, outside_starts
 from rst_control.config import load_motion_config, load_simulation_config
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.planner import Planner
@@ -34,7 +34,7 @@ def test_in_to_the_tissue_and_out_again_with_the_shaft_in_the_trocar():
         assert rig.executor.snapshot.insertion < 0.0
         assert "hey robot" in rig.finish("insert")
         rig.wake()
-        run = Run(rig)
+        run = InsertionRun(rig)
         for words in ("insert", "tense", "release", "withdraw"):
             run.finish(words)
         assert run.failure == ""

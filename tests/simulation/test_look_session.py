@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.common.rig import Rig
-from bench.motion.insertion import Run
+from bench.motion.insertion import InsertionRun
 from rst_control.commands.camera_step import STEPS
 from rst_control.config import load_motion_config, load_simulation_config
 from rst_control.types import State
@@ -25,7 +25,7 @@ def rig():
 
 
 def test_eight_directions_and_closer_and_back_with_the_shaft_in_the_trocar(rig):
-    run, start = Run(rig), rig.executor.snapshot.setpoint
+    run, start = InsertionRun(rig), rig.executor.snapshot.setpoint
     for phrase, step in STEPS.items():
         if phrase != "look wider":
             run.finish(phrase)

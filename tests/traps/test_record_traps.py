@@ -9,9 +9,9 @@ from mcap.reader import make_reader
 
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 
-SOURCE = TopicSource(
+SOURCE = MessageSource(
     "/t", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data", "/w"
 )
 BEGIN = 1_795_200_000 * 10**9  # [ns]

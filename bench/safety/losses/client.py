@@ -96,7 +96,7 @@ def _client() -> None:
         client.send_goal(AssistGoal(words, float(tension), 0.0))
 
 
-class Room:
+class SpeechSource:
     """A quiet room on the topic `audio_in` in which somebody may speak; a context manager."""
 
     def __init__(self) -> None:
@@ -107,7 +107,7 @@ class Room:
         self._spoken: dict[str, NDArray[np.float32]] = {}
         self._thread = threading.Thread(target=self._run, daemon=True)
 
-    def __enter__(self) -> Room:
+    def __enter__(self) -> SpeechSource:
         self._thread.start()
         return self
 

@@ -22,21 +22,21 @@ DEMANDED = 0.1  # [s] from a loss, or from a stop, to the last movement
 
 
 @dataclass(frozen=True)
-class Trace:
+class JointTrace:
     """What was seen of joints, or of set-points, in order."""
 
     times: Array  # (n,), [s] of time.monotonic(), as the sender stamped them
     positions: Array  # (n, k), [rad]
 
-    def between(self, since: float, until: float) -> Trace:
+    def between(self, since: float, until: float) -> JointTrace:
         """The part from the last sample up to `since` to the last one up to `until` [s]."""
         first = max(0, int(np.searchsorted(self.times, since, side="right")) - 1)
         last = int(np.searchsorted(self.times, until, side="right"))
-        return Trace(self.times[first:last], self.positions[first:last])
+        return JointTrace(self.times[first:last], self.positions[first:last])
 
 
 @dataclass(frozen=True)
-class Rule:
+class LossRule:
     """What the documentation says of the loss of a part."""
 
     words: str
@@ -52,7 +52,7 @@ class Rule:
 
 
 @dataclass(frozen=True)
-class Loss:
+class PartLoss:
     """One part lost in one motion, and all that followed."""
 
     victim: str
@@ -72,9 +72,9 @@ class Loss:
     finished: bool = False  # the motion came to its own end as the part was lost
 
     @staticmethod
-    def from_json(row: dict[str, Any]) -> Loss:
+    def from_json(row: dict[str, Any]) -> PartLoss:
         """Of a row that was kept."""
-        return Loss(**{**row, "objections": tuple(row["objections"])})
+        return PartLoss(**{**row, "objections": tuple(row["objections"])})
 
     @property
     def aside(self) -> str:
@@ -89,7 +89,7 @@ def ways_of(victim: str) -> tuple[str, str]:
     return ("hang", "crash") if victim == "recogniser" else ("SIGKILL", "SIGSTOP")
 
 
-def left(victim: str, losses: Sequence[Loss], wanted: Mapping[str, int]) -> list[str]:
+def left(victim: str, losses: Sequence[PartLoss], wanted: Mapping[str, int]) -> list[str]:
     """Ways that are still to be taken, once for each time, those most wanting first.
 
     Args:
@@ -104,7 +104,7 @@ def left(victim: str, losses: Sequence[Loss], wanted: Mapping[str, int]) -> list
     return [way for way in order for _ in range(missing[way])]
 
 
-def last_movement(trace: Trace, since: float, until: float) -> float:
+def last_movement(trace: JointTrace, since: float, until: float) -> float:
     """Time from a moment to the last movement [s]; 0: none; infinity: it did not end.
 
     Args:
@@ -122,7 +122,7 @@ def last_movement(trace: Trace, since: float, until: float) -> float:
     return float("inf") if rest > until - SETTLED else max(0.0, rest - since)
 
 
-def last_joint(trace: Trace, since: float, until: float) -> int | None:
+def last_joint(trace: JointTrace, since: float, until: float) -> int | None:
     """Index of the joint that moved last; None: none moved."""
     seen = trace.between(since, until)
     if len(seen.times) < 2:
@@ -133,7 +133,7 @@ def last_joint(trace: Trace, since: float, until: float) -> int | None:
     return int(away[int(np.flatnonzero(away.any(axis=1))[-1])].argmax())
 
 
-def drift(trace: Trace, since: float, until: float) -> float:
+def drift(trace: JointTrace, since: float, until: float) -> float:
     """Largest way of any joint from where it was at `since` [rad]; 0 where nothing was seen."""
     seen = trace.between(since, until)
     if len(seen.times) < 2:
@@ -141,7 +141,7 @@ def drift(trace: Trace, since: float, until: float) -> float:
     return float(np.abs(seen.positions - seen.positions[0]).max())
 
 
-def speed(trace: Trace, moment: float, span: float = 0.05) -> float:
+def speed(trace: JointTrace, moment: float, span: float = 0.05) -> float:
     """Of the fastest joint over the time before a moment [rad/s]; 0 where nothing was seen."""
     seen = trace.between(moment - span, moment)
     if len(seen.times) < 2:
@@ -150,7 +150,7 @@ def speed(trace: Trace, moment: float, span: float = 0.05) -> float:
     return float(way / (seen.times[-1] - seen.times[0]))
 
 
-def blindness(trace: Trace, since: float, until: float) -> str:
+def blindness(trace: JointTrace, since: float, until: float) -> str:
     """Why nothing can be said of a stretch of time; empty: it was seen whole."""
     times = trace.between(since, until).times
     edges = np.concatenate([[since], times[times > since], [until]])
@@ -158,7 +158,7 @@ def blindness(trace: Trace, since: float, until: float) -> str:
     return f"nothing was seen for {longest * 1e3:.0f} ms" if longest > GAP else ""
 
 
-def objections(loss: Loss, rule: Rule) -> list[str]:
+def objections(loss: PartLoss, rule: LossRule) -> list[str]:
     """What of a loss is not as documented; empty: all is."""
     found = list(loss.objections)
     limit = rule.limit_of(loss.motion)
@@ -175,7 +175,7 @@ def objections(loss: Loss, rule: Rule) -> list[str]:
     return found
 
 
-def figures(losses: Sequence[Loss], rules: dict[str, Rule], planned: int) -> list[Figure]:
+def figures(losses: Sequence[PartLoss], rules: dict[str, LossRule], planned: int) -> list[Figure]:
     """Figures beside their targets, victim by victim.
 
     Args:
@@ -208,7 +208,7 @@ def figures(losses: Sequence[Loss], rules: dict[str, Rule], planned: int) -> lis
     return found
 
 
-def _of_one(name: str, losses: Sequence[Loss], rule: Rule) -> list[Figure]:
+def _of_one(name: str, losses: Sequence[PartLoss], rule: LossRule) -> list[Figure]:
     judged = [(loss, objections(loss, rule)) for loss in losses]
     wrong = [(loss, objected) for loss, objected in judged if objected]
     note = ""

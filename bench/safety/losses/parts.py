@@ -30,7 +30,7 @@ SIGNALS = {  # by which a part is lost; the last two mean something to losses_vo
 
 
 @dataclass(frozen=True)
-class Plan:
+class StartPlan:
     """How a part is started."""
 
     node: str  # its name; empty for the master
@@ -46,7 +46,7 @@ class Part:
         log: File that takes what it says.
     """
 
-    def __init__(self, plan: Plan, log: Path) -> None:
+    def __init__(self, plan: StartPlan, log: Path) -> None:
         self._plan, self._log = plan, log
         self._launch: subprocess.Popen[bytes] | None = None
         self.pid = 0  # of the process that does the work
@@ -160,7 +160,7 @@ class Parts:
         os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
         os.environ["ROS_LOG_DIR"] = str(folder / "ros_logs")
         self._log = log
-        self._parts = {"roscore": self._part(Plan("", ("roscore", "-p", str(port))))}
+        self._parts = {"roscore": self._part(StartPlan("", ("roscore", "-p", str(port))))}
 
     def __enter__(self) -> Parts:
         self["roscore"].start()
@@ -177,17 +177,19 @@ class Parts:
         """Start a part by one launch file with its arguments."""
         words = [f"{key}:={value}" for key, value in arguments.items()]
         command = ("roslaunch", "--wait", str(ROOT / "launch" / file), *words)
-        self._start(name, Plan(node, command, is_kept=name != "recorder"))
+        self._start(name, StartPlan(node, command, is_kept=name != "recorder"))
 
     def run(self, name: str, node: str, command: tuple[str, ...]) -> None:
         """Start a part by a command, as the launch files do."""
-        self._start(name, Plan(node, ("rosrun", "rst_control", "respawn", *command), is_kept=True))
+        self._start(
+            name, StartPlan(node, ("rosrun", "rst_control", "respawn", *command), is_kept=True)
+        )
 
-    def _start(self, name: str, plan: Plan) -> None:
+    def _start(self, name: str, plan: StartPlan) -> None:
         self._parts[name] = self._part(plan)
         self._parts[name].start()
 
-    def _part(self, plan: Plan) -> Part:
+    def _part(self, plan: StartPlan) -> Part:
         return Part(plan, self._log)
 
 

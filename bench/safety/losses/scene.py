@@ -13,8 +13,8 @@ import rospy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty, Float64, String, Time
 
-from bench.safety.losses.client import ActionClient, Room
-from bench.safety.losses.judge import Trace
+from bench.safety.losses.client import ActionClient, SpeechSource
+from bench.safety.losses.judge import JointTrace
 from rst_control.msg import ControllerState, Event
 from rst_control.ros.common.wall_clock import wall_offset
 from rst_control.srv import Command, CommandResponse
@@ -33,7 +33,7 @@ PULL = 0.6  # [N] of one pull by an action goal
 FRESH = 0.3  # [s] that a state of the controller, or a heartbeat, is true for
 
 
-class Watcher:
+class JointWatcher:
     """Keeps what the controller and the robot send, by their stamps: nobody here may be late."""
 
     def __init__(self) -> None:
@@ -57,11 +57,11 @@ class Watcher:
         ]
         self._stop = rospy.Publisher("rst_control/stop", Empty, queue_size=1, tcp_nodelay=True)
 
-    def joints(self) -> Trace:
+    def joints(self) -> JointTrace:
         """Of the joints, as the robot says."""
         return _trace(self._joints)
 
-    def setpoints(self) -> Trace:
+    def setpoints(self) -> JointTrace:
         """What the controller sent."""
         return _trace(self._setpoints)
 
@@ -117,7 +117,7 @@ class Watcher:
         return rospy.Subscriber(name, JointState, keep, tcp_nodelay=True)
 
 
-class Lead:
+class CommandLead:
     """Gives commands: by hand, as an action, or spoken.
 
     Args:
@@ -125,10 +125,10 @@ class Lead:
         rng: Chooses.
     """
 
-    def __init__(self, watcher: Watcher, rng: np.random.Generator) -> None:
+    def __init__(self, watcher: JointWatcher, rng: np.random.Generator) -> None:
         self._watcher, self._rng = watcher, rng
         self._command: rospy.ServiceProxy | None = None
-        self.room: Room | None = None  # where commands are spoken
+        self.room: SpeechSource | None = None  # where commands are spoken
         self.client: ActionClient | None = None  # that sends goals
 
     def say(self, words: str) -> CommandResponse:
@@ -244,8 +244,8 @@ class Lead:
         raise RuntimeError(f'"{words}", spoken {REPEATS} times, was not obeyed')
 
 
-def _trace(kept: deque[tuple[float, tuple[float, ...]]]) -> Trace:
+def _trace(kept: deque[tuple[float, tuple[float, ...]]]) -> JointTrace:
     some = list(kept)
     times = np.array([moment for moment, _ in some])
     positions = np.array([joints for _, joints in some]).reshape(len(some), len(JOINTS))
-    return Trace(times, positions)
+    return JointTrace(times, positions)

@@ -15,10 +15,10 @@ import numpy as np
 import rospy
 
 from bench.safety.losses import judge
-from bench.safety.losses.client import ActionClient, Room
-from bench.safety.losses.judge import Loss, Rule, Trace
+from bench.safety.losses.client import ActionClient, SpeechSource
+from bench.safety.losses.judge import JointTrace, LossRule, PartLoss
 from bench.safety.losses.parts import START_TIME, Part, Parts
-from bench.safety.losses.scene import FRESH, Lead, Watcher
+from bench.safety.losses.scene import FRESH, CommandLead, JointWatcher
 from rst_control.config import load_motion_config
 from rst_control.types import JOINTS
 from support.waiting import wait_until
@@ -38,18 +38,18 @@ EASING = ("release", "pull less")
 _CONFIG = load_motion_config().controller
 _UNRECORDED = _CONFIG.recording.heartbeat_age
 RULES = {
-    "controller": Rule("held by the robot side", 0.1),
-    "robot": Rule("joint states stale: brakes", 0.1, finishes=0.1, may_end=True),
-    "voice": Rule("a spoken motion brakes", 0.1),
-    "recogniser": Rule("the voice node stops the robot", 0.5, demanded=0.5),
-    "recorder": Rule("with on_loss: stop, what advances brakes", 0.1, spares=EASING),
-    "roscore": Rule("all motion brakes", 0.1),
-    "client": Rule("its goal brakes", 0.1),
+    "controller": LossRule("held by the robot side", 0.1),
+    "robot": LossRule("joint states stale: brakes", 0.1, finishes=0.1, may_end=True),
+    "voice": LossRule("a spoken motion brakes", 0.1),
+    "recogniser": LossRule("the voice node stops the robot", 0.5, demanded=0.5),
+    "recorder": LossRule("with on_loss: stop, what advances brakes", 0.1, spares=EASING),
+    "roscore": LossRule("all motion brakes", 0.1),
+    "client": LossRule("its goal brakes", 0.1),
 }
 
 
 @contextmanager
-def stage_for(victim: str, seed: int, log: Path) -> Iterator[Stage]:
+def stage_for(victim: str, seed: int, log: Path) -> Iterator[LossStage]:
     """The parts that the loss of one of them needs, and somebody who gives commands.
 
     Args:
@@ -61,15 +61,15 @@ def stage_for(victim: str, seed: int, log: Path) -> Iterator[Stage]:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         parts = stack.enter_context(Parts(folder, log))
         rospy.init_node("losses", anonymous=True, disable_signals=True)
-        watcher, rng = Watcher(), np.random.default_rng((6, seed))
-        lead = Lead(watcher, rng)
+        watcher, rng = JointWatcher(), np.random.default_rng((6, seed))
+        lead = CommandLead(watcher, rng)
         on_loss = "stop" if victim == "recorder" else "ignore"
         parts.launch("robot", "/robot", "robot.launch")
         parts.launch("controller", "/controller", "controller.launch", on_recording_loss=on_loss)
         if victim == "recorder":
             parts.launch("recorder", "/recorder", "record.launch", sessions=folder)
         if victim in SPOKEN:
-            lead.room = stack.enter_context(Room())
+            lead.room = stack.enter_context(SpeechSource())
         if victim == "voice":
             parts.launch("voice", "/voice_assist", "voice.launch", source="topic")
         if victim == "recogniser":
@@ -80,12 +80,12 @@ def stage_for(victim: str, seed: int, log: Path) -> Iterator[Stage]:
             stack.callback(lead.client.end)
             lead.client.start()
         part = lead.client or parts[victim]
-        stage = Stage(victim, part, watcher, lead, rng)
+        stage = LossStage(victim, part, watcher, lead, rng)
         wait_until(stage.is_back, "all parts speak", START_TIME)
         yield stage
 
 
-class Stage:
+class LossStage:
     """A running system of which one part is lost.
 
     Args:
@@ -100,8 +100,8 @@ class Stage:
         self,
         victim: str,
         part: Part | ActionClient,
-        watcher: Watcher,
-        lead: Lead,
+        watcher: JointWatcher,
+        lead: CommandLead,
         rng: np.random.Generator,
     ) -> None:
         self._victim, self._part, self._rule = victim, part, RULES[victim]
@@ -115,7 +115,7 @@ class Stage:
         beats &= self._victim != "recorder" or now - watcher.recorded_at < FRESH
         return watcher.hears_robot and watcher.now() is not None and watcher.can_stop and beats
 
-    def lose(self, way: str) -> Loss:
+    def lose(self, way: str) -> PartLoss:
         """Lose the part in a motion, and see the system come back.
 
         Raises:
@@ -129,7 +129,7 @@ class Stage:
         rest = time.monotonic()
         finished = limit is not None and 0.0 <= self._watcher.finished_at - lost <= limit
         trace, seen = self._trace(), lost + WATCHED  # now, for streams are not kept for ever
-        arm = judge.last_movement(Trace(trace.times, trace.positions[:, :-2]), lost, seen)
+        arm = judge.last_movement(JointTrace(trace.times, trace.positions[:, :-2]), lost, seen)
         if goes_on:
             seen = lost + UNTIL_STOP[0] + WATCHED
         words = [self._unrecorded(lost)] if self._victim == "recorder" else []
@@ -155,7 +155,7 @@ class Stage:
             moved = self._drift(way, rest, returned, time.monotonic())
         blind = "" if self._rule.may_end else judge.blindness(trace, lost, seen)
         last = judge.last_joint(trace, lost, rest)
-        return Loss(
+        return PartLoss(
             victim=self._victim,
             way=way,
             motion=motion,
@@ -250,11 +250,11 @@ class Stage:
                 rest = returned + self._rule.finishes
         return judge.drift(trace, rest, until)
 
-    def _trace(self) -> Trace:
+    def _trace(self) -> JointTrace:
         """What is judged."""
         return self._watcher.setpoints() if self._victim == "robot" else self._watcher.joints()
 
 
-def _after(trace: Trace, moment: float) -> Trace:
+def _after(trace: JointTrace, moment: float) -> JointTrace:
     first = int(np.searchsorted(trace.times, moment, side="right"))
-    return Trace(trace.times[first:], trace.positions[first:])
+    return JointTrace(trace.times[first:], trace.positions[first:])

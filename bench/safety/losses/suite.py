@@ -26,7 +26,7 @@ from pathlib import Path
 
 from bench.common import resumable
 from bench.safety.losses import judge
-from bench.safety.losses.judge import Loss, left, ways_of
+from bench.safety.losses.judge import PartLoss, left, ways_of
 from bench.safety.losses.stage import RULES, stage_for
 from support.figures import RESULTS, ROOT, Figure
 from voice_assist.config import load_voice_config
@@ -80,8 +80,8 @@ def _kept(victim: str) -> Path:
     return FOLDER / f"{victim}.jsonl"
 
 
-def _so_far(victim: str) -> list[Loss]:
-    return [Loss.from_json(row) for row in resumable.rows_of(_kept(victim), key(victim))]
+def _so_far(victim: str) -> list[PartLoss]:
+    return [PartLoss.from_json(row) for row in resumable.rows_of(_kept(victim), key(victim))]
 
 
 def _log(victim: str) -> Path:

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
-from bench.safety.network.relay import NAMESPACES, TUN, Link, to_line
+from bench.safety.network.relay import NAMESPACES, TUN, RelayLink, to_line
 
 ROBOT, VOICE, VOICE_MOVED = "10.77.0.1", "10.77.0.2", "10.77.0.3"
 DEVICE = "rst0"
@@ -159,7 +159,7 @@ class Relay:
         self._child = Child([*words, str(seed)], {})
         self._child.hear()
 
-    def set(self, link: Link) -> float:
+    def set(self, link: RelayLink) -> float:
         """Bring conditions into force; returns when they are [s], time.monotonic()."""
         self._child.tell(to_line(link))
         return float(str(self._child.hear()))

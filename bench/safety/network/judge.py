@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.safety.stops.judge import Course
+from bench.safety.stops.judge import SetpointCourse
 from support.figures import Figure
 
 Array = NDArray[np.float64]
@@ -25,14 +25,14 @@ TOO_LATE = (
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class NetworkTrial:
     """One fault of the network, and all that was seen of the robot until it was armed again."""
 
     fault: str
     moment: float  # [s] from which the time allowed counts
     since: str  # what happened then: "fault" or "stop said"; "command said": nothing may set off
-    setpoints: Course  # from before the moment until just before "hey robot"
-    measured: Course
+    setpoints: SetpointCourse  # from before the moment until just before "hey robot"
+    measured: SetpointCourse
     halted: bool  # just before "hey robot"
     reason: str  # why it was halted, in the controller's words
     rearmed: float | None  # [s] from the good network to "hey robot" accepted; None: it never was
@@ -40,7 +40,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class NetworkVerdict:
     """What a trial came to."""
 
     fault: str
@@ -50,7 +50,7 @@ class Verdict:
     objections: tuple[str, ...]  # empty: as it should be
 
 
-def tool_speeds(course: Course) -> Array:
+def tool_speeds(course: SetpointCourse) -> Array:
     """Norm of the velocities of arm and wrist, yaw for both fingers [rad/s]. Shape (n,)."""
     v = course.velocities
     yaw = 0.5 * (v[:, 8] - v[:, 9])  # both fingers count positive when they open
@@ -58,7 +58,7 @@ def tool_speeds(course: Course) -> Array:
     return speeds
 
 
-def jaw_speeds(course: Course) -> Array:
+def jaw_speeds(course: SetpointCourse) -> Array:
     """Speed at which the jaws open or close [rad/s]. Shape (n,)."""
     speeds: Array = np.abs(course.velocities[:, 8] + course.velocities[:, 9])
     return speeds
@@ -83,7 +83,7 @@ def rest(stamps: Array, speeds: Array, moment: float, still: float) -> float | N
     return float(stamps[ended] - moment) if ended < len(stamps) else float("inf")
 
 
-def judge(trial: Trial) -> Verdict:
+def judge(trial: NetworkTrial) -> NetworkVerdict:
     """What a trial came to."""
     course, moment = trial.setpoints, trial.moment
     held = rest(course.stamps, tool_speeds(course), moment, STILL)
@@ -93,12 +93,12 @@ def judge(trial: Trial) -> Verdict:
     measured = rest(shown.stamps, speeds, moment, MEASURED_STILL)
     if trial.since == "command said":
         objections = [*_late(course, moment), *_recovery(trial)]
-        return Verdict(trial.fault, None, None, None, tuple(objections))
+        return NetworkVerdict(trial.fault, None, None, None, tuple(objections))
     objections = [*_hold(trial, held), *_afterwards(trial, held, jaws), *_recovery(trial)]
-    return Verdict(trial.fault, held, jaws, measured, tuple(objections))
+    return NetworkVerdict(trial.fault, held, jaws, measured, tuple(objections))
 
 
-def _hold(trial: Trial, held: float | None) -> list[str]:
+def _hold(trial: NetworkTrial, held: float | None) -> list[str]:
     found = []
     if held is not None and held > ALLOWED:
         found.append(f"moved for {held * 1e3:.0f} ms, allowed {ALLOWED * 1e3:.0f} ms")
@@ -109,7 +109,7 @@ def _hold(trial: Trial, held: float | None) -> list[str]:
     return found
 
 
-def _afterwards(trial: Trial, held: float | None, jaws: float | None) -> list[str]:
+def _afterwards(trial: NetworkTrial, held: float | None, jaws: float | None) -> list[str]:
     """Objections to what came after it rested, until "hey robot"."""
     course = trial.setpoints
     begin = trial.moment + max(ALLOWED, held or 0.0, jaws or 0.0)
@@ -123,7 +123,7 @@ def _afterwards(trial: Trial, held: float | None, jaws: float | None) -> list[st
     return [f"moved again, by {moved:.2g} rad at once"] if moved > DRIFT else []
 
 
-def _late(course: Course, said: float) -> list[str]:
+def _late(course: SetpointCourse, said: float) -> list[str]:
     """Objection to a motion that a command set off too late after it was said at a time [s]."""
     moving = np.linalg.norm(course.velocities, axis=1) > STILL
     begun = np.nonzero(moving[1:] & ~moving[:-1])[0] + 1
@@ -131,7 +131,7 @@ def _late(course: Course, said: float) -> list[str]:
     return [f"set off {late[0]:.1f} s after it was said"] if late else []
 
 
-def _recovery(trial: Trial) -> list[str]:
+def _recovery(trial: NetworkTrial) -> list[str]:
     if trial.rearmed is None:
         return ['"hey robot" was never accepted again']
     if trial.moved is None:
@@ -141,7 +141,7 @@ def _recovery(trial: Trial) -> list[str]:
     return []
 
 
-def figures(trials: Sequence[Trial], void: int, note: str) -> list[Figure]:
+def figures(trials: Sequence[NetworkTrial], void: int, note: str) -> list[Figure]:
     """Figures of all trials, fault by fault.
 
     Args:
@@ -156,7 +156,9 @@ def figures(trials: Sequence[Trial], void: int, note: str) -> list[Figure]:
     return [*found, Figure("two hosts: trials made anew", void, "", note=note)]
 
 
-def _of_one(name: str, trials: Sequence[Trial], verdicts: Sequence[Verdict]) -> list[Figure]:
+def _of_one(
+    name: str, trials: Sequence[NetworkTrial], verdicts: Sequence[NetworkVerdict]
+) -> list[Figure]:
     bad = [verdict for verdict in verdicts if verdict.objections]
     first = f"(the first: {'; '.join(bad[0].objections)})" if bad else ""
     count = Figure(f"{name}: trials", len(trials), "", note=f"(counted from: {trials[0].since})")

@@ -36,7 +36,7 @@ _CLONE_NEWNET = 0x40000000  # linux/sched.h
 
 
 @dataclass(frozen=True)
-class Conditions:
+class LinkConditions:
     """What happens to packets of one direction."""
 
     loss: float = 0.0  # [0, 1] chance of each to be lost; 1: the way is cut
@@ -44,11 +44,11 @@ class Conditions:
 
 
 @dataclass(frozen=True)
-class Link:
+class RelayLink:
     """Both directions."""
 
-    to_robot: Conditions = Conditions()
-    to_voice: Conditions = Conditions()
+    to_robot: LinkConditions = LinkConditions()
+    to_voice: LinkConditions = LinkConditions()
 
 
 class Way:
@@ -59,7 +59,7 @@ class Way:
     """
 
     def __init__(self, seed: int) -> None:
-        self.conditions = Conditions()
+        self.conditions = LinkConditions()
         self._random = random.Random(seed)
         self._waiting: list[tuple[float, int, bytes]] = []  # a heap, by the time due
         self._count = 0
@@ -86,15 +86,15 @@ class Way:
         return self._waiting[0][0] if self._waiting else float("inf")
 
 
-def to_line(link: Link) -> str:
+def to_line(link: RelayLink) -> str:
     """Conditions as one line for the relay."""
     return json.dumps(asdict(link))
 
 
-def from_line(line: str) -> Link:
+def from_line(line: str) -> RelayLink:
     """Conditions as the relay reads them."""
     given = json.loads(line)
-    return Link(*(Conditions(**given[name]) for name in ("to_robot", "to_voice")))
+    return RelayLink(*(LinkConditions(**given[name]) for name in ("to_robot", "to_voice")))
 
 
 def main() -> None:

@@ -24,10 +24,10 @@ import numpy as np
 import rospy
 
 from bench.safety.network.hosts import ROBOT, VOICE, VOICE_MOVED, Child, Relay, on, readdress
-from bench.safety.network.judge import ALLOWED, STILL, Trial, rest
-from bench.safety.network.relay import Conditions, Link
-from bench.safety.stops.judge import Course
-from bench.safety.stops.system import LIMIT, READY_TIME, Watcher
+from bench.safety.network.judge import ALLOWED, STILL, NetworkTrial, rest
+from bench.safety.network.relay import LinkConditions, RelayLink
+from bench.safety.stops.judge import SetpointCourse
+from bench.safety.stops.system import LIMIT, READY_TIME, StopWatcher
 from rst_control.types import JOINTS
 from support.figures import ROOT
 from support.launched_system import System
@@ -41,8 +41,8 @@ SAID = 0.8  # [s] after a fault within which "stop" is said, by chance
 GIVEN_UP = 30.0  # [s] after which the robot is not waited for any more
 ATTEMPTS = 5  # to set off
 RETRY = 0.3  # [s] between two times "hey robot" is said
-CUT, WELL = Conditions(loss=1.0), Conditions()
-LATE, LOSSY = Conditions(delay=0.5), Conditions(loss=0.2)
+CUT, WELL = LinkConditions(loss=1.0), LinkConditions()
+LATE, LOSSY = LinkConditions(delay=0.5), LinkConditions(loss=0.2)
 
 
 @dataclass(frozen=True)
@@ -50,21 +50,21 @@ class Fault:
     """One way in which a network is bad."""
 
     name: str
-    link: Link
+    link: RelayLink
     since: str  # from which the time allowed counts, see network_judge.Trial
     is_before: bool = False  # it is there before the command is said
     moves_host: bool = False  # the voice's host gets another address
 
 
 FAULTS = (
-    Fault("link cut", Link(CUT, CUT), "fault"),
-    Fault("500 ms delay that begins in motion", Link(LATE, LATE), "fault"),
-    Fault("500 ms delay from before", Link(LATE, LATE), "stop said", is_before=True),
-    Fault("20 % loss, stop said", Link(LOSSY, LOSSY), "stop said"),
-    Fault("nothing from voice to robot", Link(CUT, WELL), "fault"),
-    Fault("nothing from robot to voice, stop said", Link(WELL, CUT), "stop said"),
-    Fault("another address", Link(), "fault", moves_host=True),
-    Fault("command said while cut", Link(CUT, CUT), "command said", is_before=True),
+    Fault("link cut", RelayLink(CUT, CUT), "fault"),
+    Fault("500 ms delay that begins in motion", RelayLink(LATE, LATE), "fault"),
+    Fault("500 ms delay from before", RelayLink(LATE, LATE), "stop said", is_before=True),
+    Fault("20 % loss, stop said", RelayLink(LOSSY, LOSSY), "stop said"),
+    Fault("nothing from voice to robot", RelayLink(CUT, WELL), "fault"),
+    Fault("nothing from robot to voice, stop said", RelayLink(WELL, CUT), "stop said"),
+    Fault("another address", RelayLink(), "fault", moves_host=True),
+    Fault("command said while cut", RelayLink(CUT, CUT), "command said", is_before=True),
 )
 
 
@@ -125,7 +125,7 @@ class VoiceHost:
         return child
 
 
-class Session:
+class NetworkSession:
     """Faults of the network between a voice and a robot in motion.
 
     Args:
@@ -135,19 +135,19 @@ class Session:
     """
 
     def __init__(self, relay: Relay, voice: VoiceHost, seed: int) -> None:
-        self.watcher, self._relay, self._voice = Watcher(), relay, voice
+        self.watcher, self._relay, self._voice = StopWatcher(), relay, voice
         self._rng = np.random.default_rng(seed)
         self._wall = time.time() - time.monotonic()
         self.void = 0
 
-    def trial(self, fault: Fault) -> Trial:
+    def trial(self, fault: Fault) -> NetworkTrial:
         """Make the network bad while the robot moves, and good again."""
         while True:
             self._arm()
             moment = self._at_rest(fault) if fault.is_before else self._in_motion(fault)
             if moment is not None:
                 time.sleep(LASTS)
-            good = self._relay.set(Link())
+            good = self._relay.set(RelayLink())
             if fault.moves_host and moment is not None:
                 self._voice.restart()
             if moment is not None:
@@ -157,12 +157,14 @@ class Session:
                     break
             self.void += 1
         rearmed, moved = self._recover(fault, good)
-        return Trial(
+        return NetworkTrial(
             fault.name, moment + self._wall, fault.since, *seen, rearmed=rearmed, moved=moved
         )
 
     @staticmethod
-    def _was_over(fault: Fault, moment: float, setpoints: Course, _: Course, halted: bool) -> bool:
+    def _was_over(
+        fault: Fault, moment: float, setpoints: SetpointCourse, _: SetpointCourse, halted: bool
+    ) -> bool:
         """Whether the motion ended by itself about when the fault began: that shows nothing."""
         ended = rest(setpoints.stamps, setpoints.speeds, moment, STILL)
         return fault.since == "fault" and not halted and (ended is None or ended < ALLOWED)
@@ -189,11 +191,11 @@ class Session:
         time.sleep(2 * fault.link.to_robot.delay + float(self._rng.uniform(0.1, PHASE)))
         return self._voice.say("stop")
 
-    def _seen(self) -> tuple[Course, Course, bool, str]:
+    def _seen(self) -> tuple[SetpointCourse, SetpointCourse, bool, str]:
         """Set-points, joint states, whether it is halted, and why."""
         state, kept = self.watcher.state, list(self.watcher.joints)
         order = [kept[-1][1].name.index(name) for name in JOINTS] if kept else []
-        measured = Course(
+        measured = SetpointCourse(
             np.array([message.header.stamp.to_sec() for _, message in kept]),
             np.array([message.position for _, message in kept])[:, order],
             np.array([message.velocity for _, message in kept])[:, order],
@@ -295,8 +297,8 @@ def _launch(system: System, folder: Path, age: str) -> None:
 
 def _run(relay: Relay, namespace: str, result: Path, count: int, interval: float) -> None:
     voice = VoiceHost(namespace, interval)
-    session = Session(relay, voice, SEED)
-    trials: list[Trial] = []
+    session = NetworkSession(relay, voice, SEED)
+    trials: list[NetworkTrial] = []
     try:
         for number in range(count):
             for fault in FAULTS:

@@ -24,7 +24,7 @@ from pathlib import Path
 
 from bench.safety.network import judge
 from bench.safety.network.hosts import Hosts, missing, on
-from bench.safety.network.judge import Trial
+from bench.safety.network.judge import NetworkTrial
 from support.figures import ROOT, Figure
 
 TRIALS = os.environ.get("TRIALS", "10")
@@ -57,6 +57,6 @@ def measure() -> list[Figure]:
     return judge.figures(trials, void, note)
 
 
-def _read(result: Path) -> tuple[list[Trial], int]:
+def _read(result: Path) -> tuple[list[NetworkTrial], int]:
     trials, void = pickle.loads(result.read_bytes())  # written by the process just ended
     return list(trials), int(void)

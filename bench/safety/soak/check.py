@@ -31,7 +31,7 @@ RESTING = 0.01  # [rad/s] as watchdogs.at_rest_speed
 
 
 @dataclass(frozen=True, eq=False)
-class Bounds:
+class SoakBounds:
     """What may not be passed."""
 
     joints: ServoLimits
@@ -45,7 +45,7 @@ class Bounds:
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class CheckedTick:
     """One tick as it was."""
 
     now: float  # [s]
@@ -86,7 +86,7 @@ class Extremes:
 class Checker:
     """Remembers one tick, and names what must not be."""
 
-    bounds: Bounds
+    bounds: SoakBounds
     trocar_pose: Callable[[Array], TrocarPose]
     violations: list[Violation] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)
@@ -99,7 +99,7 @@ class Checker:
     _rested: float = 0.0  # [s] since when nothing should move
     _place: tuple[Array, TrocarPose] | None = None
 
-    def __call__(self, moment: Moment) -> None:
+    def __call__(self, moment: CheckedTick) -> None:
         """Check one tick."""
         self.ticks += 1
         self._check_life(moment)
@@ -117,14 +117,14 @@ class Checker:
             "extremes": asdict(self.extremes),
         }
 
-    def _note(self, kind: str, moment: Moment, words: str) -> None:
+    def _note(self, kind: str, moment: CheckedTick, words: str) -> None:
         self.counts[kind] += 1
         if len(self.violations) < KEPT:
             self.violations.append(Violation(kind, moment.now, words))
 
     # Mode.
 
-    def _check_life(self, moment: Moment) -> None:
+    def _check_life(self, moment: CheckedTick) -> None:
         was, mode = moment.before.mode, moment.after.mode
         way = f"{_words(was)} to {_words(mode)}, orders {moment.said}"
         if mode.state is State.MOVING:
@@ -141,7 +141,7 @@ class Checker:
         if is_up and was.mode_after is not State.ACTIVE and not woken:
             self._note("mode: braking led elsewhere than it should", moment, way)
 
-    def _is_woken(self, moment: Moment) -> bool:
+    def _is_woken(self, moment: CheckedTick) -> bool:
         """A "hey robot" stands that no later stop has made void; it may wait for the robot."""
         if moment.was_stopped:
             self._woken_until = -np.inf
@@ -149,7 +149,7 @@ class Checker:
             self._woken_until = moment.now + self.bounds.waking
         return moment.now <= self._woken_until
 
-    def _check_start(self, moment: Moment) -> None:
+    def _check_start(self, moment: CheckedTick) -> None:
         plan = moment.after.plan
         is_new, self._plan = plan is not None and plan is not self._plan, plan
         if plan is None or not is_new or moment.is_recorded:
@@ -159,7 +159,7 @@ class Checker:
 
     # Set-points.
 
-    def _check_setpoint(self, moment: Moment) -> None:
+    def _check_setpoint(self, moment: CheckedTick) -> None:
         self._follow_stop(moment)
         sent, last = moment.setpoint, self._sent
         if sent is None:
@@ -179,7 +179,7 @@ class Checker:
             return
         self._check_course(moment, sent, last, moved)
 
-    def _is_taken_anew(self, moment: Moment, sent: Setpoint) -> bool:
+    def _is_taken_anew(self, moment: CheckedTick, sent: Setpoint) -> bool:
         """The set-point was set to where the joints were measured, which is no motion."""
         measured = moment.after.measurement
         return (
@@ -188,14 +188,16 @@ class Checker:
             and np.array_equal(sent.position, measured.position)
         )
 
-    def _check_limits(self, moment: Moment, sent: Setpoint) -> None:
+    def _check_limits(self, moment: CheckedTick, sent: Setpoint) -> None:
         limits = self.bounds.joints
         beyond = np.maximum(limits.lower - sent.position, sent.position - limits.upper)
         if (worst := int(beyond.argmax())) >= 0 and beyond[worst] > ROUNDING:
             words = f"{limits.names[worst]} by {beyond[worst]:.2e} rad"
             self._note("joint limits: set-point beyond them", moment, words)
 
-    def _check_course(self, moment: Moment, sent: Setpoint, last: Setpoint, moved: Array) -> None:
+    def _check_course(
+        self, moment: CheckedTick, sent: Setpoint, last: Setpoint, moved: Array
+    ) -> None:
         bounds = self.bounds
         periods = max(1, min(bounds.max_periods, round((sent.stamp - last.stamp) / bounds.period)))
         time = periods * bounds.period
@@ -214,7 +216,7 @@ class Checker:
         if not place.rcm_error <= bounds.rcm:
             self._note("RCM: set-point", moment, f"{place.rcm_error * 1e3:.3f} mm off")
 
-    def _follow_stop(self, moment: Moment) -> None:
+    def _follow_stop(self, moment: CheckedTick) -> None:
         is_still = moment.after.mode.state not in IN_MOTION
         if moment.was_stopped and self._stopped is None:
             self._stopped = self.ticks
@@ -231,7 +233,7 @@ class Checker:
 
     # The robot.
 
-    def _check_robot(self, moment: Moment) -> None:
+    def _check_robot(self, moment: CheckedTick) -> None:
         bounds, place = self.bounds, self._placed(moment.position)
         self.extremes.rcm = max(self.extremes.rcm, place.rcm_error)
         self.extremes.tension = max(self.extremes.tension, moment.tension)
@@ -251,7 +253,7 @@ class Checker:
             self._place = position, self.trocar_pose(position)
         return self._place[1]
 
-    def _check_rest(self, moment: Moment) -> None:
+    def _check_rest(self, moment: CheckedTick) -> None:
         """At rest the joints come to stand once the servo has played what was sent."""
         if moment.after.mode.state in IN_MOTION or moment.is_servo_braking:
             self._rested = moment.now

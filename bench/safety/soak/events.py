@@ -53,7 +53,7 @@ TALK = (
 
 
 @dataclass(frozen=True)
-class Event:
+class SoakEvent:
     """One thing that happens."""
 
     kind: Kind
@@ -65,7 +65,7 @@ class Event:
 
 
 @dataclass(frozen=True)
-class Standing:
+class SoakStanding:
     """What a sensible person knows of the robot."""
 
     is_active: bool  # voice and controller are
@@ -92,7 +92,7 @@ class Chance:
         """Ticks that a verification waits for its turn."""
         return int(self._rng.integers(0, 4))
 
-    def event(self, standing: Standing) -> Event:
+    def event(self, standing: SoakStanding) -> SoakEvent:
         """The next event."""
         kinds = list(SHARES)
         kind = kinds[int(self._rng.choice(len(kinds), p=list(SHARES.values())))]
@@ -100,14 +100,14 @@ class Chance:
             way = WAYS[int(self._rng.integers(len(WAYS)))]
             words = self._command(standing, SPOKEN)
             words = words.capitalize() if self._rng.uniform() < 0.5 else words
-            return Event("say", way.format(words))
+            return SoakEvent("say", way.format(words))
         if kind == "talk":
-            return Event("talk", str(self._rng.choice(TALK)))
+            return SoakEvent("talk", str(self._rng.choice(TALK)))
         if kind == "hand":
             return self._by_hand(standing)
-        return Event("stop", "stop") if kind == "stop" else self._fault()
+        return SoakEvent("stop", "stop") if kind == "stop" else self._fault()
 
-    def _command(self, standing: Standing, among: tuple[str, ...]) -> str:
+    def _command(self, standing: SoakStanding, among: tuple[str, ...]) -> str:
         if self._rng.uniform() >= SENSIBLE:
             return str(self._rng.choice(among))
         if standing.is_latched or not standing.is_active:
@@ -118,18 +118,18 @@ class Chance:
             return "tense"
         return str(self._rng.choice(("pull more", "pull less", "pull more", "release")))
 
-    def _by_hand(self, standing: Standing) -> Event:
+    def _by_hand(self, standing: SoakStanding) -> SoakEvent:
         if self._rng.uniform() < 0.1:
-            return Event("hand", str(self._rng.choice(NOWHERE)))
+            return SoakEvent("hand", str(self._rng.choice(NOWHERE)))
         words = self._command(standing, GIVEN)
         tension = distance = 0.0
         if (what := self._rng.uniform()) < 0.25:
             tension = float(self._rng.choice((0.1, 0.3, 0.5, 1.5, 2.0, 2.3, 50.0, -1.0, np.nan)))
         elif what < 0.45:
             distance = float(self._rng.choice((0.0005, 0.002, 0.01, 0.03, 1.0, -0.1, np.inf)))
-        return Event("hand", words, tension, distance)
+        return SoakEvent("hand", words, tension, distance)
 
-    def _fault(self) -> Event:
+    def _fault(self) -> SoakEvent:
         fault: Fault = FAULTS[int(self._rng.integers(len(FAULTS)))]
         rng, size = self._rng, np.zeros(0)
         duration = float(10.0 ** rng.uniform(-2.5, 0.0))
@@ -145,4 +145,4 @@ class Chance:
             size = rng.normal(size=10) * 10.0 ** rng.uniform(-2.5, -0.5)
         elif fault in ("recorder lost", "heartbeat lost"):
             duration = float(rng.uniform(0.1, 8.0))
-        return Event("fault", fault, duration=duration, size=size)
+        return SoakEvent("fault", fault, duration=duration, size=size)

@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bench.safety.soak.events import Event
-from bench.safety.soak.robot import Link, ServoRobot
-from bench.safety.soak.voice import Voice
+from bench.safety.soak.events import SoakEvent
+from bench.safety.soak.robot import SensorLink, ServoRobot
+from bench.safety.soak.voice import SoakVoice
 from rst_control.types import JOINT_COUNT, Setpoint
 
 Undo = Callable[[], None]
@@ -24,14 +24,14 @@ class Faults:
         voice: Whose heartbeat may end.
     """
 
-    def __init__(self, robot: ServoRobot, link: Link, voice: Voice) -> None:
+    def __init__(self, robot: ServoRobot, link: SensorLink, voice: SoakVoice) -> None:
         self._robot, self._link, self._voice = robot, link, voice
         self.is_late = False  # the control loop does not come to its turn
         self.is_unrecorded = False  # the recorder's heartbeat is missing
         self.is_raising = False  # the next tick raises
         self._ends: list[tuple[float, Undo]] = []
 
-    def begin(self, event: Event) -> None:
+    def begin(self, event: SoakEvent) -> None:
         """Let it break now."""
         robot, link = self._robot, self._link
         match event.words:
@@ -65,7 +65,9 @@ class Faults:
             end[1]()
             self._ends.remove(end)
 
-    def _set(self, what: object, name: str, value: object, normal: object, event: Event) -> None:
+    def _set(
+        self, what: object, name: str, value: object, normal: object, event: SoakEvent
+    ) -> None:
         setattr(what, name, value)
         end = self._robot.now + event.duration
         self._ends.append((end, lambda: setattr(what, name, normal)))

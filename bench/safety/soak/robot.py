@@ -98,7 +98,7 @@ class ServoRobot:
         self.force = self.tissue.advance(tip)
 
 
-class Link:
+class SensorLink:
     """What the controller sees of the robot, and what becomes of that when something breaks.
 
     Joint states that stop leave the last ones standing, and after a quarter of a second the robot

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from bench.common.rig import with_tissue
-from bench.safety.soak.check import Bounds, Checker, Moment
-from bench.safety.soak.events import Chance, Event, Standing
+from bench.safety.soak.check import CheckedTick, Checker, SoakBounds
+from bench.safety.soak.events import Chance, SoakEvent, SoakStanding
 from bench.safety.soak.faults import Faults
-from bench.safety.soak.robot import Link, ServoRobot
-from bench.safety.soak.voice import Voice
+from bench.safety.soak.robot import SensorLink, ServoRobot
+from bench.safety.soak.voice import SoakVoice
 from rst_control.admission.command_queue import CommandQueue, PendingCommand
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.assembly import make_executor
@@ -55,7 +55,7 @@ class Stretch:
     seconds: float  # of session time
 
 
-class Session:
+class SoakSession:
     """Everything of one stretch; time goes on only by `tick`.
 
     Args:
@@ -71,12 +71,12 @@ class Session:
         self.period = 1.0 / config.controller.rate
         context = ActiveTrocarContext(TrocarContext(config, model))
         self.robot = ServoRobot(settings, model, START)
-        self.link = Link(self.robot)
+        self.link = SensorLink(self.robot)
         self.executor = make_executor(config, context, self.robot.clear_fault)
         self.watch = RecordingWatch(config.controller.recording, lambda: self.robot.now)
         verify = RecordedOnly(context.verify, self.watch)
         self.queue = CommandQueue(self.executor, verify, lambda: self.robot.now)
-        self.voice = Voice(load_voice_config().commands, self.queue, self.executor)
+        self.voice = SoakVoice(load_voice_config().commands, self.queue, self.executor)
         self.check = Checker(make_bounds(config), context.trocar_pose)
         self.faults = Faults(self.robot, self.link, self.voice)
         self.chance, self.counts = Chance(self.rng), Counter[str]()
@@ -103,7 +103,7 @@ class Session:
                 due += self.chance.gap()
             self.tick()
 
-    def happen(self, event: Event) -> None:
+    def happen(self, event: SoakEvent) -> None:
         """Let one thing happen before the next tick."""
         self.counts[f"{event.kind}: {event.words if event.kind == 'fault' else ''}".rstrip()] += 1
         if event.kind in ("say", "talk"):
@@ -141,13 +141,13 @@ class Session:
         return {"counts": dict(self.counts), **self.check.report()}
 
     @property
-    def _standing(self) -> Standing:
+    def _standing(self) -> SoakStanding:
         view = self.executor.snapshot
         is_active = view.mode.is_active and self.voice.is_active
         outside = view.trocar_pose.is_outside
-        return Standing(is_active, view.mode.is_latched, view.is_tissue_held, outside)
+        return SoakStanding(is_active, view.mode.is_latched, view.is_tissue_held, outside)
 
-    def _hear(self, event: Event) -> None:
+    def _hear(self, event: SoakEvent) -> None:
         if not self.voice.is_alive:
             return
         said = self.voice.hear(event.words)
@@ -197,9 +197,9 @@ class Session:
         self.check(self._moment(before, setpoint))
         self._said, self._was_stopped = [], False
 
-    def _moment(self, before: ControllerSnapshot, setpoint: Setpoint | None) -> Moment:
+    def _moment(self, before: ControllerSnapshot, setpoint: Setpoint | None) -> CheckedTick:
         robot = self.robot
-        return Moment(
+        return CheckedTick(
             now=robot.now,
             before=before,
             after=self.executor.snapshot,
@@ -224,10 +224,10 @@ class Session:
             self.counts[f"diary: {entry.kind}"] += 1
 
 
-def make_bounds(config: MotionConfig) -> Bounds:
+def make_bounds(config: MotionConfig) -> SoakBounds:
     """What may not be passed under these settings."""
     controller = config.controller
-    return Bounds(
+    return SoakBounds(
         joints=servo_limits(config.limits),
         acceleration=_acceleration(config.limits),
         rcm=config.rcm.measured_tolerance,
@@ -247,7 +247,7 @@ def _acceleration(limits: LimitsConfig) -> np.ndarray:
 def carried_out(stretch: Stretch) -> dict[str, Any]:
     """Do one stretch; what it came to, for JSON."""
     began, worked, before = time.perf_counter(), time.process_time(), resident()
-    session = Session(stretch, load_robot())
+    session = SoakSession(stretch, load_robot())
     session.run(stretch.seconds)
     wall = time.perf_counter() - began
     cpu = time.process_time() - worked

@@ -21,14 +21,14 @@ NODE = "/voice_assist"
 
 
 @dataclass(frozen=True)
-class Said:
+class SoakSpeech:
     """What a transcript came to."""
 
     command: str  # that was taken; empty: none
     has_acted: bool
 
 
-class Voice:
+class SoakVoice:
     """Hears transcripts; calls one command after the other, as `command_client` does.
 
     Args:
@@ -45,11 +45,11 @@ class Voice:
         self._calls: deque[str] = deque()
         self._pending: PendingCommand | None = None
 
-    def hear(self, transcript: str) -> Said:
+    def hear(self, transcript: str) -> SoakSpeech:
         """One utterance."""
         outcome = self._mapper(transcript)
         if not isinstance(outcome, Match):
-            return Said("", has_acted=False)
+            return SoakSpeech("", has_acted=False)
         done = step(self.state, CommandRecognized(self._commands.get(outcome.command)))
         self.state = done.state
         for action in done.actions:
@@ -58,7 +58,7 @@ class Voice:
                 self._calls.clear()
             elif isinstance(action, Call):
                 self._calls.append(action.command)
-        return Said(outcome.command, bool(done.actions))
+        return SoakSpeech(outcome.command, bool(done.actions))
 
     def call(self) -> str:
         """Give the next command where the last one was answered; which one, or an empty string."""

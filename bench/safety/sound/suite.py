@@ -43,7 +43,7 @@ WARM = 2 * len(KINDS)  # pieces before memory is first looked at
 
 
 @dataclass
-class Tally:
+class SoundTally:
     """What was counted."""
 
     seconds: float = 0.0
@@ -67,7 +67,7 @@ class Garbage:
         audio = self._config.audio
         source = Microphone(audio.microphone, PortAudio(), time.time, lambda _: True, print)
         self._watch = SoundWatch(source, audio.deaf_after)
-        self._framer, self.tally = Framer(), Tally()
+        self._framer, self.tally = Framer(), SoundTally()
 
     @property
     def moved(self) -> int:
@@ -119,7 +119,7 @@ def measure() -> list[Figure]:
     return figures(garbage.tally, garbage.moved) + ends.figures(*garbage.hearer)
 
 
-def figures(tally: Tally, moved: int) -> list[Figure]:
+def figures(tally: SoundTally, moved: int) -> list[Figure]:
     """All that was counted."""
     of_kind = Counter({f"{command} in {kind}": n for (kind, command), n in tally.taken.items()})
     heard = sum(is_heard for _, is_heard in tally.stops)
@@ -153,7 +153,7 @@ def figures(tally: Tally, moved: int) -> list[Figure]:
     ]
 
 
-def _count(tally: Tally, wanted: str) -> int:
+def _count(tally: SoundTally, wanted: str) -> int:
     return sum(n for (_, command), n in tally.taken.items() if command == wanted)
 
 

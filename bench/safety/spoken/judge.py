@@ -17,7 +17,7 @@ from voice_assist.types import RATE, Samples
 
 
 @dataclass(frozen=True)
-class Piece:
+class SoundPiece:
     """Sound as it was sent."""
 
     stamp: float  # [s] of its first sample
@@ -36,7 +36,7 @@ class SpokenStop:
     joints: float  # [s] the same, of arm and jaws as the robot reports them
 
 
-def end_of_word(pieces: Sequence[Piece], clip: Samples) -> float:
+def end_of_word(pieces: Sequence[SoundPiece], clip: Samples) -> float:
     """When the speech of a clip that was sent ended [s], by the stamp of the piece it ends in.
 
     Its end is looked for in the clip alone: where that has a background of its own, the end of this

@@ -24,13 +24,13 @@ import numpy as np
 import rospy
 
 from bench.safety.losses import judge
-from bench.safety.losses.client import Room
+from bench.safety.losses.client import SpeechSource
 from bench.safety.losses.parts import START_TIME, Parts
-from bench.safety.losses.scene import FRESH, Lead, Watcher
+from bench.safety.losses.scene import FRESH, CommandLead, JointWatcher
 from bench.safety.spoken import judge as spoken_judge
-from bench.safety.spoken.judge import Piece, SpokenStop
+from bench.safety.spoken.judge import SoundPiece, SpokenStop
 from bench.voice.material.held_out_voices import natives, spread
-from bench.voice.material.synthesis import Spoken, spoken
+from bench.voice.material.synthesis import SpokenClip, spoken
 from bench.voice.stop import people
 from rst_control.msg import Event
 from rst_control.ros.common.wall_clock import wall_offset
@@ -67,7 +67,7 @@ def measure() -> list[Figure]:
     return spoken_judge.figures(stops)
 
 
-def _clips(rng: np.random.Generator) -> list[tuple[str, Spoken]]:
+def _clips(rng: np.random.Generator) -> list[tuple[str, SpokenClip]]:
     cast = natives().present
     synthetic = spoken(spread(("stop",), cast, math.ceil(TRIALS / len(cast)), SEED))
     humans = people()
@@ -79,12 +79,12 @@ def _clips(rng: np.random.Generator) -> list[tuple[str, Spoken]]:
     return found
 
 
-class _Sounds(Room):
+class _Sounds(SpeechSource):
     """A room in which a recording may be played, and that knows when its sound was sent."""
 
     def __init__(self) -> None:
         super().__init__()
-        self._sent: deque[Piece] = deque(maxlen=SENT)
+        self._sent: deque[SoundPiece] = deque(maxlen=SENT)
         self._hearing = rospy.Subscriber("audio_in", AudioChunk, self._keep)
 
     def play(self, sound: Samples) -> None:
@@ -92,13 +92,13 @@ class _Sounds(Room):
         with self._lock:
             self._to_say = sound
 
-    def since(self, moment: float) -> list[Piece]:
+    def since(self, moment: float) -> list[SoundPiece]:
         """What was sent from a moment [s] on."""
         return [piece for piece in list(self._sent) if piece.stamp >= moment]
 
     def _keep(self, chunk: AudioChunk) -> None:
         samples = np.array(chunk.samples, np.float32) / 32768.0
-        self._sent.append(Piece(chunk.header.stamp.to_sec() - wall_offset(), samples))
+        self._sent.append(SoundPiece(chunk.header.stamp.to_sec() - wall_offset(), samples))
 
 
 class _Trials:
@@ -110,13 +110,13 @@ class _Trials:
         lead: Gives commands by hand.
     """
 
-    def __init__(self, room: _Sounds, watcher: Watcher, lead: Lead) -> None:
+    def __init__(self, room: _Sounds, watcher: JointWatcher, lead: CommandLead) -> None:
         self._room, self._watcher, self._lead = room, watcher, lead
         self._rng = np.random.default_rng(SEED)
         self._stops: deque[float] = deque(maxlen=SENT)  # [s] when the controller had them
         self._events = rospy.Subscriber("rst_control/event", Event, self._on_event)
 
-    def say(self, who: str, clip: Spoken) -> SpokenStop:
+    def say(self, who: str, clip: SpokenClip) -> SpokenStop:
         """Bring the robot into motion and say one "stop".
 
         Raises:
@@ -176,7 +176,7 @@ def _running() -> Iterator[_Trials]:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         parts = stack.enter_context(Parts(folder, folder / "parts.log"))
         rospy.init_node("spoken_stops", anonymous=True, disable_signals=True)
-        watcher = Watcher()
+        watcher = JointWatcher()
         parts.launch("robot", "/robot", "robot.launch")
         parts.launch("controller", "/controller", "controller.launch", on_recording_loss="ignore")
         room = stack.enter_context(_Sounds())
@@ -187,4 +187,4 @@ def _running() -> Iterator[_Trials]:
             return watcher.hears_robot and watcher.now() is not None and watcher.can_stop and beats
 
         wait_until(is_there, "all parts speak", START_TIME)
-        yield _Trials(room, watcher, Lead(watcher, np.random.default_rng(SEED)))
+        yield _Trials(room, watcher, CommandLead(watcher, np.random.default_rng(SEED)))

@@ -18,7 +18,7 @@ ANSWER_TIME = 10.0  # [s] for all to have sent theirs
 
 
 @dataclass(frozen=True)
-class Order:
+class StopOrder:
     """What a client is to do."""
 
     way: str  # one of WAYS
@@ -78,7 +78,7 @@ class Clients:
         """
         pipes = self._pipes[: len(at)]
         for pipe, moment in zip(pipes, at, strict=True):
-            pipe.send(Order(way, moment))
+            pipe.send(StopOrder(way, moment))
         return self._answers(pipes, ANSWER_TIME)
 
     def _answers(self, pipes: list[Connection], limit: float) -> list[float]:
@@ -119,7 +119,7 @@ def _client(number: int, pipe: Connection) -> None:
     }
     pipe.send(time.monotonic())
     while True:
-        order: Order | None = pipe.recv()
+        order: StopOrder | None = pipe.recv()
         if order is None:
             return
         time.sleep(max(0.0, order.at - time.monotonic()))

@@ -18,7 +18,7 @@ DRIFT = 1e-9  # [rad] by which a set-point may differ from the one before, at re
 
 
 @dataclass(frozen=True)
-class Course:
+class SetpointCourse:
     """Set-points that were sent, in order."""
 
     stamps: Array  # (n,), [s] when each was due
@@ -33,7 +33,7 @@ class Course:
 
 
 @dataclass(frozen=True)
-class Stop:
+class JudgedStop:
     """One message that asked for a stop, and what became of it."""
 
     situation: str
@@ -45,7 +45,7 @@ class Stop:
     objection: str  # why it counts as missed; empty: it was obeyed
 
 
-def latency(course: Course, received: float) -> float | None:
+def latency(course: SetpointCourse, received: float) -> float | None:
     """Time from a stop to the first set-point due after it that is slower than the one before [s].
 
     Returns:
@@ -59,7 +59,7 @@ def latency(course: Course, received: float) -> float | None:
     return float(course.stamps[last + 1 + slower[0]] - received) if len(slower) else float("inf")
 
 
-def rest(course: Course, received: float) -> float | None:
+def rest(course: SetpointCourse, received: float) -> float | None:
     """Time from a stop until the set-points rest for good [s]; None where they rested before."""
     after = np.nonzero((course.stamps > received) & (course.speeds > STILL))[0]
     if not len(after):
@@ -68,7 +68,7 @@ def rest(course: Course, received: float) -> float | None:
     return float(course.stamps[ended] - received) if ended < len(course.stamps) else float("inf")
 
 
-def objection(course: Course, received: float, allowed: float) -> str:
+def objection(course: SetpointCourse, received: float, allowed: float) -> str:
     """Why a stop was not obeyed, by the set-points alone; empty: it was.
 
     Args:
@@ -90,7 +90,7 @@ def objection(course: Course, received: float, allowed: float) -> str:
     return "" if moved <= DRIFT else f"set-points moved by {moved:.2g} rad after the rest"
 
 
-def figures(name: str, stops: Sequence[Stop], planned: int, period: float) -> list[Figure]:
+def figures(name: str, stops: Sequence[JudgedStop], planned: int, period: float) -> list[Figure]:
     """Figures of a set of stops beside their targets.
 
     Args:
@@ -118,7 +118,7 @@ def figures(name: str, stops: Sequence[Stop], planned: int, period: float) -> li
     return [*found, Figure(f"{name}: RCM error while stopping, max", rcm * 1e6, "um", 10.0)]
 
 
-def _counts(stops: Sequence[Stop]) -> str:
+def _counts(stops: Sequence[JudgedStop]) -> str:
     many = sum(stop.clients > 1 for stop in stops)
     by = Counter(f"{stop.situation}" for stop in stops)
     ways = Counter(stop.way for stop in stops)
@@ -126,7 +126,7 @@ def _counts(stops: Sequence[Stop]) -> str:
     return f"({'; '.join(parts)}; {many} of many clients at once)"
 
 
-def _first(missed: Sequence[Stop]) -> str:
+def _first(missed: Sequence[JudgedStop]) -> str:
     if not missed:
         return ""
     return f"(the first: {missed[0].situation}, by {missed[0].way}: {missed[0].objection})"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.common.rig import Rig
-from bench.safety.stops.judge import Course, Stop, latency, objection, rest
+from bench.safety.stops.judge import JudgedStop, SetpointCourse, latency, objection, rest
 from rst_control.admission.command_queue import PendingCommand
 from rst_control.planning.plan import PhaseKind
 from rst_control.types import Cause, Reason, Setpoint, State
@@ -23,7 +23,7 @@ MANY = 0.02  # share of the moments at which as many clients stop at once: half 
 LOW, HIGH = 0.5, 1.5  # [N] between which pulls are kept
 
 
-class Stage:
+class StopStage:
     """A rig whose set-points are kept, and that can be brought into any state.
 
     Args:
@@ -88,39 +88,39 @@ class Stage:
             self.rig.tick()
 
 
-def _reaching(stage: Stage) -> None:
+def _reaching(stage: StopStage) -> None:
     stage.ready(is_holding=False)
     stage.set_off("tense")
     stage.wait(4.0)
 
 
-def _closing(stage: Stage) -> None:
+def _closing(stage: StopStage) -> None:
     stage.ready(is_holding=False)
     stage.set_off("tense")
     stage.rig.until(lambda: stage.rig.executor.snapshot.phase == PhaseKind.CLOSE.value)
     stage.wait(0.6)
 
 
-def _pulling(stage: Stage) -> None:
+def _pulling(stage: StopStage) -> None:
     stage.ready(is_holding=True)
     stage.pull()
     stage.wait(0.5)
 
 
-def _retargeting(stage: Stage) -> None:
+def _retargeting(stage: StopStage) -> None:
     _pulling(stage)
     if stage.state is State.MOVING:
         stage.rig.give("pull less" if stage.rig.executor.snapshot.tension > LOW else "pull more")
         stage.wait(0.02)
 
 
-def _releasing(stage: Stage) -> None:
+def _releasing(stage: StopStage) -> None:
     stage.ready(is_holding=True)
     stage.set_off("release")
     stage.wait(2.5)
 
 
-def _braking(stage: Stage) -> None:
+def _braking(stage: StopStage) -> None:
     _pulling(stage)
     if stage.rng.random() < 0.5:
         stage.rig.executor.stop(Cause(Reason.STOP_TOPIC, "the first of two"))
@@ -129,24 +129,24 @@ def _braking(stage: Stage) -> None:
     stage.wait(0.05)
 
 
-def _standby(stage: Stage) -> None:
+def _standby(stage: StopStage) -> None:
     stage.ready()
     stage.rig.give("terminate")
 
 
-def _halted(stage: Stage) -> None:
+def _halted(stage: StopStage) -> None:
     stage.ready()
     stage.rig.executor.stop(Cause(Reason.STOP_TOPIC, "the first of two"))
     stage.rig.tick()
 
 
-def _faulted(stage: Stage) -> None:
+def _faulted(stage: StopStage) -> None:
     stage.ready()
     stage.rig.executor.crashed(ArithmeticError("made up by the bench"))
     stage.rig.tick()
 
 
-def _verifying(stage: Stage) -> None:
+def _verifying(stage: StopStage) -> None:
     """A command has come and is not verified yet, or was and waits for the tick of the stop."""
     stage.ready()
     holds = stage.rig.executor.snapshot.is_tissue_held
@@ -155,13 +155,13 @@ def _verifying(stage: Stage) -> None:
         _verify(stage)
 
 
-def _verify(stage: Stage) -> None:
+def _verify(stage: StopStage) -> None:
     pending = stage.rig.queue.next(0.0)
     if pending is not None:
         stage.rig.queue.check(pending)
 
 
-SITUATIONS: dict[str, Callable[[Stage], None]] = {
+SITUATIONS: dict[str, Callable[[StopStage], None]] = {
     "standby": _standby,
     "active": lambda stage: stage.ready(),
     "reaching": _reaching,
@@ -176,7 +176,7 @@ SITUATIONS: dict[str, Callable[[Stage], None]] = {
 }
 
 
-def one_stop(stage: Stage, situation: str) -> list[Stop]:
+def one_stop(stage: StopStage, situation: str) -> list[JudgedStop]:
     """Bring a situation about, stop at a random moment, and watch what comes of it."""
     stage.waiting = None
     SITUATIONS[situation](stage)
@@ -198,7 +198,7 @@ def one_stop(stage: Stage, situation: str) -> list[Stop]:
     course = course_of([*old, *stage.sent])
     missed = _not_latched(stage, noted, clients)
     return [
-        Stop(
+        JudgedStop(
             situation=situation,
             way="in process",
             clients=clients,
@@ -211,7 +211,7 @@ def one_stop(stage: Stage, situation: str) -> list[Stop]:
     ]
 
 
-def _not_latched(stage: Stage, noted: int, clients: int) -> str:
+def _not_latched(stage: StopStage, noted: int, clients: int) -> str:
     """Why the controller itself did not obey; empty: it did."""
     if noted != clients:
         return f"{noted} of {clients} stops in the event log"
@@ -223,12 +223,12 @@ def _not_latched(stage: Stage, noted: int, clients: int) -> str:
     return ""
 
 
-def course_of(setpoints: list[Setpoint | None]) -> Course:
+def course_of(setpoints: list[Setpoint | None]) -> SetpointCourse:
     """Set-points as arrays; where none was sent, nothing is in it. Empty arrays where none was."""
     sent = [setpoint for setpoint in setpoints if setpoint is not None]
     if not sent:
-        return Course(np.empty(0), np.empty((0, 10)), np.empty((0, 10)))
-    return Course(
+        return SetpointCourse(np.empty(0), np.empty((0, 10)), np.empty((0, 10)))
+    return SetpointCourse(
         np.array([setpoint.stamp for setpoint in sent]),
         np.array([setpoint.position for setpoint in sent]),
         np.array([setpoint.velocity for setpoint in sent]),

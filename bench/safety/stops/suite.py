@@ -22,8 +22,8 @@ import numpy as np
 from bench.common import resumable
 from bench.common.rig import Rig
 from bench.safety.stops import judge
-from bench.safety.stops.judge import Stop
-from bench.safety.stops.scenes import SITUATIONS, Stage, one_stop
+from bench.safety.stops.judge import JudgedStop
+from bench.safety.stops.scenes import SITUATIONS, StopStage, one_stop
 from rst_control.config import PACKAGE, load_motion_config, load_simulation_config
 from support.figures import Figure
 
@@ -57,20 +57,20 @@ def key() -> str:
     return digest.hexdigest()[:16]
 
 
-def gather(folder: Path, count: int) -> tuple[list[Stop], list[str]]:
+def gather(folder: Path, count: int) -> tuple[list[JudgedStop], list[str]]:
     """Stops of as many chunks as it takes, kept ones first; and what could not be brought about.
 
     Args:
         folder: Where chunks are kept.
         count: Stops to have at least.
     """
-    stops: list[Stop] = []
+    stops: list[JudgedStop] = []
     failures: list[str] = []
     jobs = ((n, folder / f"{n:05d}.json") for n in range(count))  # a chunk has one stop or more
     with resumable.pool(resumable.JOBS, _quieten) as pool:
         for path in resumable.carried_out("stops", jobs, run_chunk, pool):
             found, failed = json.loads(path.read_text(encoding="utf-8"))
-            stops += [Stop(**fields) for fields in found]
+            stops += [JudgedStop(**fields) for fields in found]
             failures += failed
             if len(stops) >= count:
                 break
@@ -87,12 +87,12 @@ def run_chunk(number: int) -> tuple[list[dict[str, Any]], list[str]]:
     motion, simulation = load_motion_config(), load_simulation_config()
     order = [name for _ in range(-(-CHUNK // len(SITUATIONS))) for name in SITUATIONS]
     waiting = [str(name) for name in rng.permutation(order[:CHUNK])]
-    stops: list[Stop] = []
+    stops: list[JudgedStop] = []
     failures: list[str] = []
     while waiting:
         with Rig(motion, simulation, is_light=True) as rig:
             rig.wake()
-            stage, failed = Stage(rig, rng), 0
+            stage, failed = StopStage(rig, rng), 0
             while waiting and failed < FRESH_AFTER:
                 situation = waiting.pop()
                 try:

@@ -27,7 +27,7 @@ from sensor_msgs.msg import JointState
 
 from bench.safety.stops import judge
 from bench.safety.stops.clients import WAYS, Clients
-from bench.safety.stops.judge import Course, Stop, latency, objection, rest
+from bench.safety.stops.judge import JudgedStop, SetpointCourse, latency, objection, rest
 from rst_control.assembly import make_trocar_context
 from rst_control.config import load_motion_config
 from rst_control.kinematics.configuration import planning_joints
@@ -55,7 +55,7 @@ TRIES = 5  # to grasp: a watchdog may halt the robot where the machine pauses
 RESTING = ("active", "halted", "faulted")
 
 
-class Watcher:
+class StopWatcher:
     """Keeps what the controller and the robot send."""
 
     def __init__(self) -> None:
@@ -74,10 +74,10 @@ class Watcher:
         """Times at which the controller received the stops in its event log [s]."""
         return [e.header.stamp.to_sec() for e in list(self.events) if e.kind == "stop_received"]
 
-    def course(self) -> tuple[Course, list[float]]:
+    def course(self) -> tuple[SetpointCourse, list[float]]:
         """Set-points of the last seconds, and when each arrived here [s]."""
         kept = list(self.setpoints)
-        course = Course(
+        course = SetpointCourse(
             np.array([message.header.stamp.to_sec() for _, message in kept]),
             np.array([message.position for _, message in kept]),
             np.array([message.velocity for _, message in kept]),
@@ -111,7 +111,7 @@ class Watcher:
         return rospy.Subscriber(name, JointState, keep, tcp_nodelay=True)
 
 
-class Session:
+class StopSession:
     """The robot, led from motion to motion, and stopped in each.
 
     Args:
@@ -120,7 +120,7 @@ class Session:
     """
 
     def __init__(self, clients: Clients, seed: int) -> None:
-        self.watcher, self._clients = Watcher(), clients
+        self.watcher, self._clients = StopWatcher(), clients
         self._rng = np.random.default_rng(seed)
         self._command = rospy.ServiceProxy("rst_control/command", Command)
         self._goals = actionlib.SimpleActionClient("rst_control/execute", AssistAction)
@@ -147,7 +147,7 @@ class Session:
             self._note_halt()
         raise RuntimeError(f"no tissue was grasped in {TRIES} tries: {self.halts}")
 
-    def stops(self, way: str, count: int) -> list[Stop]:
+    def stops(self, way: str, count: int) -> list[JudgedStop]:
         """Stop by one way, with as many clients at once, in motion or at rest."""
         is_moving = way == "cancel" or self._rng.random() > AT_REST  # at rest nothing is to cancel
         self._wake()
@@ -163,7 +163,9 @@ class Session:
             return []
         return self._judged(way, count, received, sent)
 
-    def _judged(self, way: str, count: int, received: list[float], sent: list[float]) -> list[Stop]:
+    def _judged(
+        self, way: str, count: int, received: list[float], sent: list[float]
+    ) -> list[JudgedStop]:
         (course, arrivals), state = self.watcher.course(), self.watcher.state
         missed = "" if state is not None and state.halted else "not halted after the stop"
         if not received:
@@ -194,12 +196,12 @@ class Session:
         ended: float | None,
         rcm: float,
         words: str,
-    ) -> Stop:
+    ) -> JudgedStop:
         situation = "at rest" if late is None else "in motion"
-        return Stop(situation, way, count, late, ended, rcm, words)
+        return JudgedStop(situation, way, count, late, ended, rcm, words)
 
     def _note_arrival(
-        self, course: Course, arrivals: list[float], received: float, sent: float
+        self, course: SetpointCourse, arrivals: list[float], received: float, sent: float
     ) -> None:
         late = latency(course, received)
         if late is None or not np.isfinite(late):
@@ -265,12 +267,12 @@ def measure() -> list[Figure]:
         system.launch(ROOT / "launch" / "robot.launch")
         system.launch(ROOT / "launch" / "controller.launch", on_recording_loss="ignore")
         with Clients(CLIENTS) as clients:
-            return _measured(system, Session(clients, SEED))
+            return _measured(system, StopSession(clients, SEED))
 
 
-def _measured(system: System, session: Session) -> list[Figure]:
+def _measured(system: System, session: StopSession) -> list[Figure]:
     session.grasp()
-    stops: list[Stop] = []
+    stops: list[JudgedStop] = []
     begin, done = time.monotonic(), 0
     while len(stops) < STOPS:
         if not system.is_running():

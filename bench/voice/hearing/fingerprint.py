@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from bench.common import resumable
 from bench.common.resumable import code, digest
-from bench.voice.hearing.replay_stream import Listener, Scene
+from bench.voice.hearing.replay_stream import SceneListener, SoundScene
 from support.theatre_sound import LEVEL, speak, theatre_noise
 from voice_assist.assembly import make_recognizer, make_spotter
 from voice_assist.config import CONFIG_DIR, load_voice_config
@@ -41,20 +41,20 @@ UNHEARD = {"recognizer__hung_after": 0.35}  # of the node alone; as when rows we
 
 def decisions(model: str) -> list[list[object]]:
     """Decisions on each clip: command, whether it was taken, origin, text, rounded confidence."""
-    listener = Listener(model)
+    listener = SceneListener(model)
     return [
         [[s.command, s.is_taken, s.origin, s.text, round(s.confidence, 1)] for s in heard.said]
         for heard in map(listener, scenes())
     ]
 
 
-def scenes() -> Iterator[Scene]:
+def scenes() -> Iterator[SoundScene]:
     """The clips: every phrase in two voices, in quiet and in noise, armed and in standby."""
     for i, phrase in enumerate(PHRASES):
         for voice in VOICES:
             for snr in SNRS:
                 mode = Mode.STANDBY if i % 4 == 3 else Mode.ACTIVE
-                yield Scene(_in_noise(speak(phrase, voice, 150), snr, i), mode)
+                yield SoundScene(_in_noise(speak(phrase, voice, 150), snr, i), mode)
 
 
 def fingerprint(decided: Sequence[object]) -> str:

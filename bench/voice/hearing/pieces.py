@@ -20,7 +20,7 @@ from typing import Any, Protocol
 
 from bench.common import resumable
 from bench.voice.hearing.fingerprint import identity
-from bench.voice.hearing.replay_stream import Heard, Listener, Scene
+from bench.voice.hearing.replay_stream import SceneListener, SceneResult, SoundScene
 from support.figures import RESULTS
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
@@ -38,22 +38,22 @@ class Chunk(Protocol):
         """Tells the piece from all others of its part, and changes when its content does."""
         ...
 
-    def scenes(self) -> Iterator[tuple[Label, Scene]]:
+    def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
         """What to stream."""
         ...
 
 
 @dataclass(frozen=True)
-class Record:
+class SceneRecord:
     """A scene and what it came to."""
 
     label: Label
-    heard: Heard
+    heard: SceneResult
 
 
 def measured(
     part: str, plans: Mapping[str, Sequence[Chunk]], model: str = MODEL
-) -> dict[str, list[Record]]:
+) -> dict[str, list[SceneRecord]]:
     """Stream the pieces that are not there yet; gives all that are, in the order of the plans.
 
     Args:
@@ -91,10 +91,10 @@ def up_to(part: str, plan: Sequence[Chunk], count: int, model: str = MODEL) -> l
     return [*plan[:count], *done]
 
 
-def read(path: Path) -> list[Record]:
+def read(path: Path) -> list[SceneRecord]:
     """Records of a piece."""
     data = json.loads(path.read_text(encoding="utf-8"))
-    return [Record(one["label"], Heard.from_json(one["heard"])) for one in data]
+    return [SceneRecord(one["label"], SceneResult.from_json(one["heard"])) for one in data]
 
 
 def restore(part: str, folder: Path = FOLDER, model: str = MODEL) -> int:
@@ -157,12 +157,12 @@ def _pool(model: str, jobs: int) -> Executor:
     return resumable.pool(jobs, _prepare, model)
 
 
-_LISTENERS: list[Listener] = []  # one per process, built by its start
+_LISTENERS: list[SceneListener] = []  # one per process, built by its start
 
 
 def _prepare(model: str) -> None:
     limit_torch(load_voice_config())
-    _LISTENERS[:] = [Listener(model)]
+    _LISTENERS[:] = [SceneListener(model)]
 
 
 def _stream(chunk: Chunk) -> list[dict[str, Any]]:

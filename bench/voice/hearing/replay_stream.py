@@ -34,7 +34,7 @@ _IMPOSSIBLE = -1000.0  # [nat] of a phrase to who hears nothing
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class SoundScene:
     """A stretch of sound, and how it is listened to."""
 
     sound: Samples  # (n,), 16 kHz in [-1, 1]
@@ -45,7 +45,7 @@ class Scene:
 
 
 @dataclass(frozen=True)
-class Said:
+class SceneDecision:
     """One decision."""
 
     at: float  # [s] in the scene, with the time to compute it
@@ -59,10 +59,10 @@ class Said:
 
 
 @dataclass(frozen=True)
-class Heard:
+class SceneResult:
     """What a scene came to."""
 
-    said: tuple[Said, ...]
+    said: tuple[SceneDecision, ...]
     streamed: float  # [s] of sound
     compute: float  # [s] of CPU
     armed: float  # [s] of sound heard in active mode
@@ -77,9 +77,9 @@ class Heard:
         return asdict(self)
 
     @staticmethod
-    def from_json(data: dict[str, Any]) -> Heard:
+    def from_json(data: dict[str, Any]) -> SceneResult:
         """Of what to_json gave."""
-        return Heard(**{**data, "said": tuple(Said(**one) for one in data["said"])})
+        return SceneResult(**{**data, "said": tuple(SceneDecision(**one) for one in data["said"])})
 
 
 class Deaf:
@@ -96,7 +96,7 @@ class Deaf:
         return dict.fromkeys(phrases, _IMPOSSIBLE)
 
 
-class Listener:
+class SceneListener:
     """Streams scenes, one pipeline per way.
 
     Time is the stream's plus the CPU time of the work, so that what else runs on the machine
@@ -110,13 +110,13 @@ class Listener:
         self._clock = StreamClock(time.process_time)
         self._pipelines: dict[Way, Pipeline] = {}
 
-    def __call__(self, scene: Scene) -> Heard:
+    def __call__(self, scene: SoundScene) -> SceneResult:
         """Stream a scene from a fresh start."""
         pipeline = self._pipeline(scene.way)
         pipeline.reset()
         pipeline.set_mode(scene.mode, "bench")
         began, compute = self._clock() + 1.0, self._clock.compute
-        said: list[Said] = []
+        said: list[SceneDecision] = []
         armed = 0
         told = [(began + at, i == 0) for span in scene.robot_speaks for i, at in enumerate(span)]
         for frame in Framer().push(whole_frames(scene.sound), began):
@@ -132,7 +132,7 @@ class Listener:
             said += [_said(event, began) for event in events if isinstance(event, Decision)]
         streamed = len(whole_frames(scene.sound)) / RATE
         spent = self._clock.compute - compute
-        return Heard(tuple(said), streamed, spent, armed * FRAME / RATE)
+        return SceneResult(tuple(said), streamed, spent, armed * FRAME / RATE)
 
     def _pipeline(self, way: Way) -> Pipeline:
         if way not in self._pipelines:
@@ -156,7 +156,7 @@ def _of_way(config: VoiceConfig, way: Way) -> VoiceConfig:
     return load_voice_config(recognizer__model=config.recognizer.model, spotter__is_enabled=False)
 
 
-def _said(decision: Decision, began: float) -> Said:
+def _said(decision: Decision, began: float) -> SceneDecision:
     outcome = decision.outcome
     is_taken = isinstance(outcome, Match)
     command, why = "", ""
@@ -166,7 +166,7 @@ def _said(decision: Decision, began: float) -> Said:
         why = outcome.rejection.words
         if outcome.wer.get(outcome.nearest_command) == 0.0:
             command = outcome.nearest_command
-    return Said(
+    return SceneDecision(
         round(decision.decided - began, 4),
         command,
         is_taken,

@@ -19,7 +19,7 @@ RATES, PITCHES = (0.85, 1.2), (0.35, 0.65)
 
 
 @dataclass(frozen=True, order=True)
-class Voice:
+class SyntheticVoice:
     """One synthetic voice."""
 
     engine: Engine
@@ -34,30 +34,34 @@ class Voice:
 class Cast:
     """Voices asked for."""
 
-    present: tuple[Voice, ...]
-    missing: tuple[Voice, ...]  # not installed here
+    present: tuple[SyntheticVoice, ...]
+    missing: tuple[SyntheticVoice, ...]  # not installed here
 
 
 @cache
 def natives() -> Cast:
     """Held-out English voices; each speaks the same number of trials."""
     _, variants = espeak_variants()
-    asked = [Voice("espeak", f"{voices.HELD_OUT_ACCENT}+{variant}") for variant in variants]
-    asked += [Voice("flite", name) for name in voices.HELD_OUT_FLITE]
-    asked += [Voice("festival", name) for name in voices.HELD_OUT_FESTIVAL]
-    asked += [Voice("rhvoice", name) for name in voices.HELD_OUT_RHVOICE]
-    asked += [Voice("pico", name) for name in voices.PICO]
-    asked += [Voice("mbrola", name) for name in voices.MBROLA_NATIVE]
+    asked = [
+        SyntheticVoice("espeak", f"{voices.HELD_OUT_ACCENT}+{variant}") for variant in variants
+    ]
+    asked += [SyntheticVoice("flite", name) for name in voices.HELD_OUT_FLITE]
+    asked += [SyntheticVoice("festival", name) for name in voices.HELD_OUT_FESTIVAL]
+    asked += [SyntheticVoice("rhvoice", name) for name in voices.HELD_OUT_RHVOICE]
+    asked += [SyntheticVoice("pico", name) for name in voices.PICO]
+    asked += [SyntheticVoice("mbrola", name) for name in voices.MBROLA_NATIVE]
     return _sorted_out(asked)
 
 
 @cache
 def foreigners() -> Cast:
     """Voices of other languages that speak English."""
-    return _sorted_out([Voice("mbrola", name) for name in voices.MBROLA_FOREIGN])
+    return _sorted_out([SyntheticVoice("mbrola", name) for name in voices.MBROLA_FOREIGN])
 
 
-def spread(texts: Sequence[str], cast: Sequence[Voice], each: int, seed: int) -> list[Prompt]:
+def spread(
+    texts: Sequence[str], cast: Sequence[SyntheticVoice], each: int, seed: int
+) -> list[Prompt]:
     """Each text by each voice so many times, each time at another rate and pitch.
 
     Args:
@@ -79,7 +83,7 @@ def spread(texts: Sequence[str], cast: Sequence[Voice], each: int, seed: int) ->
     return sorted(prompts, key=lambda p: (p.engine, p.voice, p.text, p.rate))
 
 
-def _sorted_out(asked: Sequence[Voice]) -> Cast:
+def _sorted_out(asked: Sequence[SyntheticVoice]) -> Cast:
     present = tuple(voice for voice in asked if _speaks(voice))
     missing = tuple(voice for voice in asked if voice not in present)
     if missing:
@@ -88,7 +92,7 @@ def _sorted_out(asked: Sequence[Voice]) -> Cast:
     return Cast(present, missing)
 
 
-def _speaks(voice: Voice) -> bool:
+def _speaks(voice: SyntheticVoice) -> bool:
     """Whether the voice is there; flite and RHVoice would quietly take another for it."""
     try:
         if voice.engine == "flite" and voice.name not in _flite_voices():

@@ -13,10 +13,10 @@ import numpy as np
 from bench.common.resumable import digest, share_of
 from bench.voice.hearing.fingerprint import outline
 from bench.voice.hearing.pieces import Label
-from bench.voice.hearing.replay_stream import Scene, Way
+from bench.voice.hearing.replay_stream import SoundScene, Way
 from bench.voice.material import clips as voice_sets
 from bench.voice.material import theatre_noise
-from bench.voice.material.synthesis import Spoken
+from bench.voice.material.synthesis import SpokenClip
 from support.figures import ROOT
 from voice_assist.audio.mixing import add_noise, end_of_speech
 from voice_assist.audio.wav_file import read_sound
@@ -31,12 +31,12 @@ PER_CHUNK = 60  # clips: half a minute of work
 
 
 @dataclass(frozen=True)
-class Trial:
+class StreamedTrial:
     """One clip as it is streamed."""
 
-    clip: Spoken
+    clip: SpokenClip
     index: int  # seeds the chance in it
-    again: Spoken | None = None  # said after a short gap
+    again: SpokenClip | None = None  # said after a short gap
     background: Background = ""
     snr: float = 0.0  # [dB] of the speech over the background
     mode: str = Mode.ACTIVE.value
@@ -47,14 +47,14 @@ class Trial:
 class ClipChunk:
     """Some trials in one piece."""
 
-    trials: tuple[Trial, ...]
+    trials: tuple[StreamedTrial, ...]
 
     def name(self) -> str:
         """Digest of all that is streamed, and how."""
         sound, _, _ = stream_of(self.trials[0])
         return digest([astuple(trial) for trial in self.trials], outline(sound))
 
-    def scenes(self) -> Iterator[tuple[Label, Scene]]:
+    def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
         """One per trial."""
         for trial in self.trials:
             sound, end, seconds = stream_of(trial)
@@ -68,10 +68,10 @@ class ClipChunk:
                 "seconds": seconds,
             }
             told = ((0.0, len(sound) / RATE),) if trial.background == "speaking" else ()
-            yield label, Scene(sound, Mode(trial.mode), way=trial.way, robot_speaks=told)
+            yield label, SoundScene(sound, Mode(trial.mode), way=trial.way, robot_speaks=told)
 
 
-def chunks(trials: Sequence[Trial]) -> list[ClipChunk]:
+def chunks(trials: Sequence[StreamedTrial]) -> list[ClipChunk]:
     """Trials in pieces, SHARE of them; in an order by chance, so that a part is like the whole."""
     mixed = list(trials)
     Random(0).shuffle(mixed)
@@ -79,15 +79,15 @@ def chunks(trials: Sequence[Trial]) -> list[ClipChunk]:
     return [ClipChunk(tuple(some[i : i + PER_CHUNK])) for i in range(0, len(some), PER_CHUNK)]
 
 
-def trials_of(clips: Sequence[Spoken]) -> list[Trial]:
+def trials_of(clips: Sequence[SpokenClip]) -> list[StreamedTrial]:
     """Each clip once, in quiet, armed."""
-    return [Trial(clip, index) for index, clip in enumerate(clips)]
+    return [StreamedTrial(clip, index) for index, clip in enumerate(clips)]
 
 
-def twice(clips: Sequence[Spoken]) -> list[Trial]:
+def twice(clips: Sequence[SpokenClip]) -> list[StreamedTrial]:
     """Each clip followed by another of the same voice and text, or by itself where it has none."""
-    following: dict[Spoken, Spoken] = {}
-    groups: dict[tuple[str, str, str], list[Spoken]] = {}
+    following: dict[SpokenClip, SpokenClip] = {}
+    groups: dict[tuple[str, str, str], list[SpokenClip]] = {}
     for clip in clips:
         groups.setdefault((clip.engine, clip.voice, clip.text), []).append(clip)
     for group in groups.values():
@@ -95,7 +95,7 @@ def twice(clips: Sequence[Spoken]) -> list[Trial]:
     return [replace(trial, again=following[trial.clip]) for trial in trials_of(clips)]
 
 
-def stream_of(trial: Trial) -> tuple[Samples, float, float]:
+def stream_of(trial: StreamedTrial) -> tuple[Samples, float, float]:
     """Sound of a trial, the end of the first word's speech in it and the clip's length [s]."""
     rng = np.random.default_rng(trial.index)
     first = read_sound(ROOT / trial.clip.path)

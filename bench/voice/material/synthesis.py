@@ -23,7 +23,7 @@ from voice_assist.types import RATE
 
 
 @dataclass(frozen=True, order=True)
-class Spoken:
+class SpokenClip:
     """One sound file."""
 
     path: str  # relative to the repository
@@ -36,7 +36,7 @@ HUMAN = "human"
 DEV, TALK = "dev", "false_accept_dev"  # splits that training never used
 
 
-def spoken(prompts: Sequence[Prompt]) -> list[Spoken]:
+def spoken(prompts: Sequence[Prompt]) -> list[SpokenClip]:
     """Speak prompts, or find them spoken; those that an engine cannot say are left out.
 
     Args:
@@ -48,13 +48,13 @@ def spoken(prompts: Sequence[Prompt]) -> list[Spoken]:
     if not index.is_file():
         _speak(prompts, folder, index)
     with index.open(newline="", encoding="utf-8") as file:
-        return [Spoken(**line) for line in csv.DictReader(file)]
+        return [SpokenClip(**line) for line in csv.DictReader(file)]
 
 
-def recorded(*splits: str) -> list[Spoken]:
+def recorded(*splits: str) -> list[SpokenClip]:
     """People of some splits, in the order of their manifest; none where it is absent."""
     return [
-        Spoken(
+        SpokenClip(
             os.path.relpath(row.path, ROOT),
             normalise_text(row.transcript),
             HUMAN,
@@ -73,12 +73,12 @@ def _speak(prompts: Sequence[Prompt], folder: Path, index: Path) -> None:
         path = folder / f"{number:05d}.wav"
         soundfile.write(path, clip.samples, RATE)
         engine, _, voice = clip.speaker.partition(":")
-        found.append(Spoken(str(path.relative_to(ROOT)), clip.text, engine, voice))
+        found.append(SpokenClip(str(path.relative_to(ROOT)), clip.text, engine, voice))
     if len(found) < len(prompts):
         print(f"{len(prompts) - len(found)} of {len(prompts)} prompts gave no sound")
     unfinished = index.with_suffix(".tmp")
     with unfinished.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
-        table.writerow(field.name for field in fields(Spoken))
+        table.writerow(field.name for field in fields(SpokenClip))
         table.writerows(astuple(one) for one in found)
     unfinished.rename(index)

@@ -16,11 +16,11 @@ from scipy.signal import fftconvolve
 from bench.common.resumable import digest
 from bench.voice.hearing.fingerprint import outline
 from bench.voice.hearing.pieces import Label
-from bench.voice.hearing.replay_stream import Scene
+from bench.voice.hearing.replay_stream import SoundScene
 from bench.voice.material import theatre_noise
 from bench.voice.material.confusable_phrases import DENIED, IN_A_SENTENCE
 from bench.voice.material.held_out_voices import natives, spread
-from bench.voice.material.synthesis import DEV, TALK, Spoken, recorded, spoken
+from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded, spoken
 from support.figures import ROOT
 from voice_assist.audio.mixing import speech_power
 from voice_assist.audio.wav_file import read_sound
@@ -53,15 +53,15 @@ class TalkChunk:
         """Digest of who talks, of all that can be said, and of a stretch of it as it sounds."""
         return f"{self.who}-{self.seed:04d}-{digest(astuple(self), _sound_digest(self.who))}"
 
-    def scenes(self) -> Iterator[tuple[Label, Scene]]:
+    def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
         """One."""
         sound, spans = talk(self.who, self.seed, self.seconds)
         label: Label = {"who": self.who, "seed": self.seed, "seconds": len(sound) / RATE}
         label["spans"] = [(round(at, 2), clip.text, clip.voice, clip.path) for at, clip in spans]
-        yield label, Scene(sound, Mode.STANDBY, keeps_mode=False)
+        yield label, SoundScene(sound, Mode.STANDBY, keeps_mode=False)
 
 
-def talk(who: Who, seed: int, seconds: float) -> tuple[Samples, list[tuple[float, Spoken]]]:
+def talk(who: Who, seed: int, seconds: float) -> tuple[Samples, list[tuple[float, SpokenClip]]]:
     """Utterances by chance, each at its own level and speed and in its own room, over noises.
 
     Returns:
@@ -86,7 +86,7 @@ def talk(who: Who, seed: int, seconds: float) -> tuple[Samples, list[tuple[float
 
 
 @cache
-def deck(who: Who) -> tuple[Spoken, ...]:
+def deck(who: Who) -> tuple[SpokenClip, ...]:
     """All that can be said: phrases in every held-out voice, or people but for their "stop"."""
     if who == "human":
         return tuple(clip for clip in recorded(TALK, DEV) if clip.text not in texts.COMMANDS)

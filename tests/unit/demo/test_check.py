@@ -3,11 +3,11 @@ from pathlib import Path
 
 import pytest
 
-from demo.check import Heard, Observed, State, verdicts, worst_rcm_error
-from demo.script import Script, Speech, Step, load_script
+from demo.check import ControllerSample, HeardUtterance, Observed, verdicts, worst_rcm_error
+from demo.script import Script, ScriptSpeech, ScriptStep, load_script
 from typed_config import ConfigError
 
-SPEECH = Speech(surgeon="en", people="en", words_per_minute=150, snr_db=15.0, seed=1)
+SPEECH = ScriptSpeech(surgeon="en", people="en", words_per_minute=150, snr_db=15.0, seed=1)
 
 
 def session(say, effect, heard, before, after, moving=()):
@@ -15,7 +15,7 @@ def session(say, effect, heard, before, after, moving=()):
     script = Script(
         speech=SPEECH,
         duration=5.0,
-        steps=(Step(at=1.0, speaker="surgeon", say=say, effect=effect),),
+        steps=(ScriptStep(at=1.0, speaker="surgeon", say=say, effect=effect),),
     )
     observed = Observed()
     base = {
@@ -27,14 +27,14 @@ def session(say, effect, heard, before, after, moving=()):
         "path_speed": 0.0,
         "rcm_error": 0.0,
     }
-    observed.states.append(State(time=0.9, **{**base, **before}))
+    observed.states.append(ControllerSample(time=0.9, **{**base, **before}))
     for i, speed in enumerate(moving):
         observed.states.append(
-            State(time=1.5 + 0.1 * i, **{**base, "path_speed": speed, "rcm_error": 2e-6})
+            ControllerSample(time=1.5 + 0.1 * i, **{**base, "path_speed": speed, "rcm_error": 2e-6})
         )
-    observed.states.append(State(time=4.9, **{**base, **after}))
+    observed.states.append(ControllerSample(time=4.9, **{**base, **after}))
     if heard is not None:
-        observed.heard.append(Heard(1.1, heard, heard))
+        observed.heard.append(HeardUtterance(1.1, heard, heard))
     return script, observed
 
 
@@ -75,7 +75,7 @@ def test_silence_of_the_controller_is_a_step_that_did_not_happen():
 @pytest.mark.parametrize(("start", "happened"), [(0.85, True), (0.7, False), (4.9, False)])
 def test_speech_may_be_told_a_moment_early_and_belongs_to_its_step(start, happened):
     script, observed = session("hey robot", "cleared", None, {"halted": True}, {})
-    observed.heard.append(Heard(start, "hey robot", "hey robot"))
+    observed.heard.append(HeardUtterance(start, "hey robot", "hey robot"))
     assert [v.happened for v in verdicts(script, observed)] == [happened]
 
 

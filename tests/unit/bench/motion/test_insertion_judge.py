@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.motion.bullet_witness import BulletWitness
-from bench.motion.insertion import Judge
+from bench.motion.bullet.witness import BulletWitness
+from bench.motion.insertion import InsertionJudge
 from rst_control.planning.free_space import Approach
 from rst_control.planning.insertion import Insertion
 from rst_control.planning.plan import PhaseKind
@@ -23,7 +23,7 @@ LOOKS = 40
 @pytest.fixture
 def judge(planner, motion_config):
     with BulletWitness(motion_config) as witness:
-        yield Judge(planner, witness)
+        yield InsertionJudge(planner, witness)
 
 
 @pytest.fixture(scope="module")

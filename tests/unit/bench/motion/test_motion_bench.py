@@ -14,9 +14,9 @@ pytest.importorskip("PyKDL")
 from bench.common.ideal_robot import LightRobot
 from bench.common.rig import Rig, random_poses
 from bench.motion import inverse, paths, tension, triangulate
-from bench.motion.gate_cases import Cases
-from bench.motion.gate_oracle import Judge
-from bench.motion.near_cases import with_clearance, with_manipulability
+from bench.motion.gate.cases import Cases
+from bench.motion.gate.near_cases import with_clearance, with_manipulability
+from bench.motion.gate.oracle import GateJudge
 from rst_control.commands.request import Accepted
 from rst_control.config import load_motion_config, load_simulation_config
 from rst_control.simulation.pybullet_robot import PybulletRobot
@@ -28,7 +28,7 @@ MOTION, SIMULATION = load_motion_config(), load_simulation_config()
 
 @pytest.fixture(scope="module")
 def judge():
-    return Judge()
+    return GateJudge()
 
 
 @pytest.fixture(scope="module")

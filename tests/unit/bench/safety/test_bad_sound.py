@@ -18,7 +18,7 @@ def garbage():
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_moves_nothing_and_a_stop_after_it_is_heard(garbage, kind, monkeypatch):
     monkeypatch.setattr(suite, "PIECE", 4.0)
-    tally = garbage.tally = suite.Tally()
+    tally = garbage.tally = suite.SoundTally()
     garbage.hear(kind, 1)
     assert garbage.moved == 0, tally.taken
     assert tally.stops == [(kind, True)]

@@ -10,9 +10,9 @@ from bench.common import resumable
 from bench.safety.losses.judge import (
     GAP,
     STILL,
-    Loss,
-    Rule,
-    Trace,
+    JointTrace,
+    LossRule,
+    PartLoss,
     blindness,
     drift,
     figures,
@@ -25,8 +25,8 @@ from bench.safety.losses.judge import (
 
 PERIOD = 0.002
 CRUISE = 0.05  # [rad/s]
-HOLDS = Rule("held", 0.1)
-GOES_ON = Rule("what eases goes on", 0.1, spares=("release",))
+HOLDS = LossRule("held", 0.1)
+GOES_ON = LossRule("what eases goes on", 0.1, spares=("release",))
 
 
 def trace(rest_at=1.04, end=3.0, resumes_at=None, way=1e-3):
@@ -36,7 +36,7 @@ def trace(rest_at=1.04, end=3.0, resumes_at=None, way=1e-3):
     positions[:, 3] = CRUISE * np.minimum(times, rest_at)
     if resumes_at is not None:
         positions[:, 7] = way * np.clip((times - resumes_at) / 0.1, 0.0, 1.0)
-    return Trace(times, positions)
+    return JointTrace(times, positions)
 
 
 def loss(**changes):
@@ -56,7 +56,7 @@ def loss(**changes):
         "objections": (),
         "load": 3.0,
     }
-    return Loss(**{**fields, **changes})
+    return PartLoss(**{**fields, **changes})
 
 
 def by_name(losses, rules, planned=None):
@@ -101,27 +101,27 @@ def test_the_joint_that_moved_last_is_named():
 def test_slow_motion_counts_as_motion():
     times = np.arange(0.0, 3.0, PERIOD)
     slow = np.outer(np.minimum(times, 1.5), np.full(10, 5e-4))  # 0.5 mrad/s
-    assert last_movement(Trace(times, slow), 1.0, 2.0) == pytest.approx(0.46, abs=0.01)
+    assert last_movement(JointTrace(times, slow), 1.0, 2.0) == pytest.approx(0.46, abs=0.01)
 
 
 def test_set_points_that_end_at_once_moved_nothing_after_it():
     whole = trace(rest_at=9.0)
-    ended = Trace(whole.times[whole.times < 1.0], whole.positions[whole.times < 1.0])
+    ended = JointTrace(whole.times[whole.times < 1.0], whole.positions[whole.times < 1.0])
     assert last_movement(ended, 1.0, 2.0) == 0.0
 
 
 def test_a_trace_with_a_hole_says_nothing():
     whole = trace()
     seen = (whole.times < 1.1) | (whole.times > 1.1 + 1.5 * GAP)
-    holed = Trace(whole.times[seen], whole.positions[seen])
+    holed = JointTrace(whole.times[seen], whole.positions[seen])
     assert blindness(whole, 1.0, 2.0) == ""
     assert blindness(holed, 1.0, 2.0).startswith("nothing was seen for 9")
-    late = Trace(whole.times[whole.times < 1.5], whole.positions[whole.times < 1.5])
+    late = JointTrace(whole.times[whole.times < 1.5], whole.positions[whole.times < 1.5])
     assert blindness(late, 1.0, 2.0).startswith("nothing was seen for 50")
 
 
 def test_an_empty_trace_is_blind_and_not_at_rest_for_sure():
-    empty = Trace(np.empty(0), np.empty((0, 10)))
+    empty = JointTrace(np.empty(0), np.empty((0, 10)))
     assert last_movement(empty, 1.0, 2.0) == 0.0
     assert blindness(empty, 1.0, 2.0) == "nothing was seen for 1000 ms"
     assert drift(empty, 1.0, 2.0) == speed(empty, 1.0) == 0.0
@@ -132,7 +132,7 @@ def test_motion_that_resumes_is_seen_even_where_it_comes_back():
     times = np.arange(0.0, 3.0, PERIOD)
     there_and_back = np.zeros((len(times), 10))
     there_and_back[:, 2] = 1e-3 * np.exp(-(((times - 2.0) / 0.05) ** 2))
-    assert drift(Trace(times, there_and_back), 1.2, 2.9) == pytest.approx(1e-3)
+    assert drift(JointTrace(times, there_and_back), 1.2, 2.9) == pytest.approx(1e-3)
     assert drift(trace(), 1.2, 2.5) == 0.0
 
 
@@ -174,7 +174,7 @@ def test_each_fault_is_named(changes, rule, words):
 
 def test_a_loss_that_is_as_documented_may_still_miss_the_demand():
     slow = loss(victim="voice", alone=0.55)
-    rules = {"voice": Rule("0.5 s after the heartbeat", 0.6)}
+    rules = {"voice": LossRule("0.5 s after the heartbeat", 0.6)}
     found = by_name([slow, loss(victim="voice", alone=0.51)], rules)
     assert found["voice, SIGKILL: not as documented"].is_met
     assert found["voice, SIGKILL: loss to last movement max"].is_met is False
@@ -183,7 +183,7 @@ def test_a_loss_that_is_as_documented_may_still_miss_the_demand():
 
 
 def test_a_part_of_which_less_is_demanded_is_judged_by_that():
-    rules = {"recogniser": Rule("stopped by the voice node", 0.5, demanded=0.5)}
+    rules = {"recogniser": LossRule("stopped by the voice node", 0.5, demanded=0.5)}
     found = by_name([loss(victim="recogniser", way="hang", alone=0.45)], rules)
     assert found["recogniser, hang: loss to last movement max"].is_met
     assert found["arm and jaws at rest in time by the loss alone"].is_met
@@ -239,7 +239,7 @@ def test_what_is_kept_is_read_again_infinity_included(tmp_path):
     rows, kept = tmp_path / "robot.jsonl", loss(alone=float("inf"), objections=("one", "two"))
     resumable.append(rows, "a", asdict(kept))
     (row,) = resumable.rows_of(rows, "a")
-    assert Loss.from_json(row) == kept
+    assert PartLoss.from_json(row) == kept
 
 
 def test_a_loss_beside_other_work_or_at_the_end_of_its_motion_is_taken_again() -> None:

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from bench.safety.network import hosts, suite
-from bench.safety.network.judge import Trial, figures, judge, rest
-from bench.safety.network.relay import Conditions, Link, Way, from_line, to_line
-from bench.safety.stops.judge import Course
+from bench.safety.network.judge import NetworkTrial, figures, judge, rest
+from bench.safety.network.relay import LinkConditions, RelayLink, Way, from_line, to_line
+from bench.safety.stops.judge import SetpointCourse
 
 PERIOD = 0.002
 FAULT = 1.0  # [s]
@@ -23,7 +23,7 @@ def course(brakes=FAULT + 0.14, brake_time=0.045, resumes=END, joint=3, end=END)
     speed = np.where(speed > 1e-9, speed, 0.0) + np.where(stamps > resumes, 0.1, 0.0)
     velocities = np.zeros((len(stamps), 10))
     velocities[:, joint] = speed
-    return Course(stamps, np.cumsum(velocities, axis=0) * PERIOD, velocities)
+    return SetpointCourse(stamps, np.cumsum(velocities, axis=0) * PERIOD, velocities)
 
 
 def trial(**changes):
@@ -39,7 +39,7 @@ def trial(**changes):
         "rearmed": 1.5,
         "moved": 1.8,
     }
-    return Trial(**{**fields, **changes})
+    return NetworkTrial(**{**fields, **changes})
 
 
 def test_a_robot_that_rests_in_time_and_comes_back_is_as_it_should_be():
@@ -152,9 +152,9 @@ def test_a_good_link_carries_all_in_order_and_at_once():
 
 def test_a_link_that_is_cut_carries_nothing_not_even_what_was_on_its_way():
     way = Way(1)
-    way.conditions = Conditions(delay=0.5)
+    way.conditions = LinkConditions(delay=0.5)
     way.take(b"before", 0.0)
-    way.conditions = Conditions(loss=1.0)
+    way.conditions = LinkConditions(loss=1.0)
     assert carried(way, PACKETS) == []
 
 
@@ -162,7 +162,7 @@ def test_loss_is_about_as_much_as_asked_for_and_the_same_for_the_same_seed():
     counts = []
     for seed in (1, 1, 2):
         way = Way(seed)
-        way.conditions = Conditions(loss=0.2)
+        way.conditions = LinkConditions(loss=0.2)
         counts.append(carried(way, PACKETS))
     assert 0.17 < 1 - len(counts[0]) / len(PACKETS) < 0.23
     assert counts[0] == counts[1] != counts[2]
@@ -170,16 +170,16 @@ def test_loss_is_about_as_much_as_asked_for_and_the_same_for_the_same_seed():
 
 def test_a_delayed_packet_comes_when_it_is_due_and_no_sooner():
     way = Way(1)
-    way.conditions = Conditions(delay=0.5)
+    way.conditions = LinkConditions(delay=0.5)
     way.take(b"late", 1.0)
     assert way.due(1.499) == [] and way.next_due == pytest.approx(1.5)
     assert way.due(1.5) == [b"late"] and way.next_due == float("inf")
 
 
 def test_conditions_reach_the_relay_as_they_are():
-    link = Link(Conditions(0.2, 0.5), Conditions(1.0))
+    link = RelayLink(LinkConditions(0.2, 0.5), LinkConditions(1.0))
     assert from_line(to_line(link)) == link
-    assert from_line(to_line(replace(link, to_voice=Conditions()))) != link
+    assert from_line(to_line(replace(link, to_voice=LinkConditions()))) != link
 
 
 @pytest.mark.parametrize("lacking", ["iproute2", "root"])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from bench.safety.soak import suite
-from bench.safety.soak.check import SETTLED, Bounds, Checker, Moment
-from bench.safety.soak.events import FAULTS, TALK, Chance, Standing
+from bench.safety.soak.check import SETTLED, CheckedTick, Checker, SoakBounds
+from bench.safety.soak.events import FAULTS, TALK, Chance, SoakStanding
 from bench.safety.soak.session import Stretch, carried_out, make_bounds
 from rst_control.commands.request import Plan
 from rst_control.commands.table import COMMANDS
@@ -21,7 +21,7 @@ from rst_control.types import JOINTS, Cause, ControllerMode, Measurement, Reason
 
 ZERO, ONES = np.zeros(10), np.ones(10)
 LIMITS = ServoLimits(JOINTS, -ONES, ONES, ONES)
-BOUNDS = Bounds(
+BOUNDS = SoakBounds(
     joints=LIMITS,
     acceleration=10.0 * ONES,
     rcm=1e-3,
@@ -51,7 +51,7 @@ def view(mode=ACTIVE, plan=None, position=ZERO):
 
 def moment(n=0, **changes):
     now = 10.0 + 0.002 * n
-    well = Moment(
+    well = CheckedTick(
         now=now,
         before=view(),
         after=view(),
@@ -161,7 +161,7 @@ def test_the_bounds_are_those_of_the_settings(motion_config):
 
 
 def test_chance_draws_everything_and_the_same_with_the_same_seed():
-    standing = Standing(True, False, True, False)
+    standing = SoakStanding(True, False, True, False)
     first, again = (Chance(np.random.default_rng(3)) for _ in range(2))
     events = [first.event(standing) for _ in range(2000)]
     assert [e.words for e in events] == [again.event(standing).words for _ in range(2000)]

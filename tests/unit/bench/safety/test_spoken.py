@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.safety.spoken.judge import Piece, SpokenStop, end_of_word, figures
+from bench.safety.spoken.judge import SoundPiece, SpokenStop, end_of_word, figures
 from voice_assist.types import RATE
 
 CHUNK = RATE // 20
@@ -29,7 +29,7 @@ def stream(said, at, seconds=2.0, late=0.0):
     begin = round(at * RATE)
     sound[begin : begin + len(said)] += said[: len(sound) - begin]
     blocks = sound.astype(np.float32).reshape(-1, CHUNK)
-    return [Piece(100.0 + 0.05 * i + (late if i else 0.0), b) for i, b in enumerate(blocks)]
+    return [SoundPiece(100.0 + 0.05 * i + (late if i else 0.0), b) for i, b in enumerate(blocks)]
 
 
 @pytest.mark.parametrize("background", [0.0, 0.004])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bench.safety.stops import suite
-from bench.safety.stops.judge import Course, Stop, figures, latency, objection, rest
+from bench.safety.stops.judge import JudgedStop, SetpointCourse, figures, latency, objection, rest
 
 PERIOD = 0.002
 CRUISE = 0.1  # [rad/s]
@@ -21,7 +21,7 @@ def course(brake_at=0.1, brake_time=0.04, end=1.0, drift=0.0):
     velocities[:, 3] = np.where(speed > 1e-9, speed, 0.0)
     positions = np.cumsum(velocities, axis=0) * PERIOD
     positions[:, 5] += np.where(stamps > 0.6, drift * (stamps - 0.6), 0.0)
-    return Course(stamps, positions, velocities)
+    return SetpointCourse(stamps, positions, velocities)
 
 
 def stop(**changes):
@@ -34,7 +34,7 @@ def stop(**changes):
         "rcm_error": 1e-7,
         "objection": "",
     }
-    return Stop(**{**fields, **changes})
+    return JudgedStop(**{**fields, **changes})
 
 
 @pytest.mark.parametrize("before", [0.0001, 0.001, 0.0019])
@@ -83,7 +83,7 @@ def test_a_watch_that_ends_too_soon_proves_nothing():
 
 
 def test_a_controller_that_sends_nothing_leaves_holding_to_the_robot():
-    nothing = Course(np.empty(0), np.empty((0, 10)), np.empty((0, 10)))
+    nothing = SetpointCourse(np.empty(0), np.empty((0, 10)), np.empty((0, 10)))
     assert objection(nothing, 0.3, 0.15) == ""
 
 

@@ -5,14 +5,18 @@ import numpy as np
 import pytest
 
 from bench.voice.material import held_out_voices, mixing
-from bench.voice.material.held_out_voices import Voice, spread
-from bench.voice.material.mixing import Trial, stream_of, twice
-from bench.voice.material.synthesis import Spoken
+from bench.voice.material.held_out_voices import SyntheticVoice, spread
+from bench.voice.material.mixing import StreamedTrial, stream_of, twice
+from bench.voice.material.synthesis import SpokenClip
 from voice_assist.types import RATE
 
 
 def test_every_voice_says_every_text_equally_often():
-    cast = [Voice("pico", "en-US"), Voice("espeak", "b"), Voice("mbrola", "mb-us1")]
+    cast = [
+        SyntheticVoice("pico", "en-US"),
+        SyntheticVoice("espeak", "b"),
+        SyntheticVoice("mbrola", "mb-us1"),
+    ]
     prompts = spread(("tense", "release"), cast, 3, 1)
     count = {}
     for p in prompts:
@@ -25,9 +29,11 @@ def test_every_voice_says_every_text_equally_often():
 
 def test_voices_that_cannot_speak_are_named_and_left_out(monkeypatch, capsys):
     monkeypatch.setattr(held_out_voices, "_speaks", lambda voice: voice.engine != "pico")
-    cast = held_out_voices._sorted_out([Voice("pico", "en-US"), Voice("espeak", "b")])
-    assert cast.present == (Voice("espeak", "b"),)
-    assert cast.missing == (Voice("pico", "en-US"),)
+    cast = held_out_voices._sorted_out(
+        [SyntheticVoice("pico", "en-US"), SyntheticVoice("espeak", "b")]
+    )
+    assert cast.present == (SyntheticVoice("espeak", "b"),)
+    assert cast.missing == (SyntheticVoice("pico", "en-US"),)
     assert "pico:en-US" in capsys.readouterr().out
 
 
@@ -39,7 +45,7 @@ def beep(tmp_path, monkeypatch):
     t = np.arange(RATE // 2) / RATE
     for name in "abc":
         soundfile.write(tmp_path / f"{name}.wav", 0.5 * np.sin(2 * np.pi * 440 * t), RATE)
-    return [Spoken(f"{name}.wav", "stop", "pico", "en-US") for name in "abc"]
+    return [SpokenClip(f"{name}.wav", "stop", "pico", "en-US") for name in "abc"]
 
 
 def test_twice_means_another_take_of_the_same_voice_after_a_short_gap(beep):
@@ -58,8 +64,8 @@ def test_twice_means_another_take_of_the_same_voice_after_a_short_gap(beep):
 
 
 def test_background_lies_as_far_below_the_speech_as_asked_for(beep):
-    quiet, _, _ = stream_of(Trial(beep[0], 3))
-    noisy, _, _ = stream_of(Trial(beep[0], 3, background="servo", snr=10.0))
+    quiet, _, _ = stream_of(StreamedTrial(beep[0], 3))
+    noisy, _, _ = stream_of(StreamedTrial(beep[0], 3, background="servo", snr=10.0))
     noise = np.asarray(noisy, np.float64) - quiet
     ratio = 0.125 / np.mean(noise**2)
     assert 10 * np.log10(ratio) == pytest.approx(10.0, abs=0.3)

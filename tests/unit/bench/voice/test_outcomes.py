@@ -5,8 +5,8 @@ import pytest
 from scipy.stats import binom, poisson
 
 from bench.voice import armed, near_misses, unarmed
-from bench.voice.hearing.pieces import Record
-from bench.voice.hearing.replay_stream import Heard, Said
+from bench.voice.hearing.pieces import SceneRecord
+from bench.voice.hearing.replay_stream import SceneDecision, SceneResult
 from bench.voice.outcomes import (
     by,
     engine,
@@ -23,13 +23,15 @@ MOTIONS = ("tense", "release", "pull more", "pull less")
 
 
 def said(command, at=1.0, is_taken=True, confidence=0.9, origin="recognizer"):
-    return Said(at, command, is_taken, confidence, origin, command, "" if is_taken else "unsure")
+    return SceneDecision(
+        at, command, is_taken, confidence, origin, command, "" if is_taken else "unsure"
+    )
 
 
 def record(text, *decisions, engine="espeak", voice="en-gb-x-gbcwmd+f2", seconds=1.0, **more):
     label = {"text": text, "engine": engine, "voice": voice, "path": "a.wav", "end": 0.9}
-    heard = Heard(tuple(decisions), seconds + 2.0, 0.1, seconds + 2.0)
-    return Record({**label, "seconds": seconds, **more}, heard)
+    heard = SceneResult(tuple(decisions), seconds + 2.0, 0.1, seconds + 2.0)
+    return SceneRecord({**label, "seconds": seconds, **more}, heard)
 
 
 # --- verdicts

@@ -10,7 +10,7 @@ import pytest
 
 from bench.common import resumable
 from bench.voice.hearing import pieces
-from bench.voice.hearing.replay_stream import Heard, Said, Scene
+from bench.voice.hearing.replay_stream import SceneDecision, SceneResult, SoundScene
 from voice_assist.types import Mode
 
 
@@ -22,7 +22,7 @@ class Piece:
         return f"piece-{self.seed}"
 
     def scenes(self):
-        yield {"seed": self.seed}, Scene(np.zeros(512, np.float32), Mode.ACTIVE)
+        yield {"seed": self.seed}, SoundScene(np.zeros(512, np.float32), Mode.ACTIVE)
 
 
 @pytest.fixture
@@ -32,7 +32,9 @@ def listened(tmp_path, monkeypatch):
 
     def hear(scene):
         seen.append(scene)
-        return Heard((Said(0.1, "stop", True, 0.9, "spotter", "stop", ""),), 0.032, 0.001, 0.032)
+        return SceneResult(
+            (SceneDecision(0.1, "stop", True, 0.9, "spotter", "stop", ""),), 0.032, 0.001, 0.032
+        )
 
     monkeypatch.setattr(resumable, "CACHE", tmp_path)
     monkeypatch.setattr(pieces, "_pool", lambda model, jobs: ThreadPoolExecutor(jobs))
@@ -69,8 +71,15 @@ def test_pieces_kept_beside_the_results_are_counted_on_another_machine(
 
 
 def test_of_a_piece_that_is_kept_only_what_was_taken_is_left(listened, tmp_path, monkeypatch):
-    said = (Said(0.1, "stop", True, 0.9, "", "stop", ""), Said(0.2, "", False, 0.9, "", "a", "b"))
-    heard = [Heard(said[:1], 1.0, 0.1, 0.0), Heard(said, 1.0, 0.1, 0.0), Heard(said[1:], 1, 0, 0)]
+    said = (
+        SceneDecision(0.1, "stop", True, 0.9, "", "stop", ""),
+        SceneDecision(0.2, "", False, 0.9, "", "a", "b"),
+    )
+    heard = [
+        SceneResult(said[:1], 1.0, 0.1, 0.0),
+        SceneResult(said, 1.0, 0.1, 0.0),
+        SceneResult(said[1:], 1, 0, 0),
+    ]
     turns = iter(heard)
     monkeypatch.setattr(pieces, "_LISTENERS", [lambda scene: next(turns)])
     monkeypatch.setattr(resumable, "JOBS", 1)
@@ -87,8 +96,8 @@ def test_of_a_piece_that_is_kept_only_what_was_taken_is_left(listened, tmp_path,
 
 def test_of_what_was_said_in_a_piece_that_is_kept_what_was_taken_is_left(listened, tmp_path):
     said = [(0.1, "up", "v", "a"), (1.0, "no", "w", "b"), (2.0, "go", "v", "c"), (3.0, "", "", "")]
-    taken = tuple(Said(at, "stop", True, 0.9, "", "stop", "") for at in (0.05, 2.5))
-    record = {"label": {"spans": said}, "heard": Heard(taken, 4.0, 0.1, 0.0).to_json()}
+    taken = tuple(SceneDecision(at, "stop", True, 0.9, "", "stop", "") for at in (0.05, 2.5))
+    record = {"label": {"spans": said}, "heard": SceneResult(taken, 4.0, 0.1, 0.0).to_json()}
     plan = [Piece(0)]
     path = pieces.folder_of("part", "") / f"{plan[0].name()}.json"
     path.write_text(json.dumps([record]), encoding="utf-8")

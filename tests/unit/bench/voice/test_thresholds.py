@@ -6,19 +6,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bench.voice.hearing.pieces import Record
-from bench.voice.hearing.replay_stream import Heard, Said
-from bench.voice.thresholds import Claim, claims_of, fit, halves, least
+from bench.voice.hearing.pieces import SceneRecord
+from bench.voice.hearing.replay_stream import SceneDecision, SceneResult
+from bench.voice.thresholds import VoicedClaim, claims_of, fit, halves, least
 from voice_assist.config import load_voice_config
 from voice_assist.config.calibration import log_odds, logistic
 
 
-def _claims(slope: float, offset: float, count: int = 4000) -> list[Claim]:
+def _claims(slope: float, offset: float, count: int = 4000) -> list[VoicedClaim]:
     rng = np.random.default_rng(2)
     found = []
     for evidence in rng.normal(0.0, 4.0, count):
         is_right = bool(rng.random() < logistic(slope * evidence + offset))
-        found.append(Claim("tense", "scores", float(evidence), 0.5, is_right, "espeak:a"))
+        found.append(VoicedClaim("tense", "scores", float(evidence), 0.5, is_right, "espeak:a"))
     return found
 
 
@@ -33,13 +33,17 @@ def test_a_dangerous_command_needs_more_than_one_that_moves_nothing() -> None:
     assert least("hey robot") < least("terminate") < least("pull more") == least("release") < 1.0
 
 
-def _record(text: str, *said: Said) -> Record:
+def _record(text: str, *said: SceneDecision) -> SceneRecord:
     label = {"text": text, "engine": "espeak", "voice": "en-gb"}
-    return Record(label, Heard(said, 2.0, 0.1, 2.0))
+    return SceneRecord(label, SceneResult(said, 2.0, 0.1, 2.0))
 
 
-def _said(command: str, confidence: float, origin: str = "recognizer", taken: bool = True) -> Said:
-    return Said(1.0, command, taken, confidence, origin, command, "" if taken else "unsure")
+def _said(
+    command: str, confidence: float, origin: str = "recognizer", taken: bool = True
+) -> SceneDecision:
+    return SceneDecision(
+        1.0, command, taken, confidence, origin, command, "" if taken else "unsure"
+    )
 
 
 def test_claims_are_right_where_the_words_were_said_and_keep_what_was_refused() -> None:
@@ -62,7 +66,7 @@ def test_claims_are_right_where_the_words_were_said_and_keep_what_was_refused() 
 
 
 def test_halves_share_no_voice() -> None:
-    claims = [Claim("stop", "scores", 1.0, 0.5, True, f"espeak:{i}") for i in range(40)] * 2
+    claims = [VoicedClaim("stop", "scores", 1.0, 0.5, True, f"espeak:{i}") for i in range(40)] * 2
     first, second = halves(claims)
     assert first and second and len(first) + len(second) == len(claims)
     assert not {c.voice for c in first} & {c.voice for c in second}

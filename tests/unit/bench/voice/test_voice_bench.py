@@ -6,7 +6,7 @@ import pytest
 
 from bench import __main__ as main_module
 from bench.voice.calibration import KINDS, Reliability, claims_of, draw, reliability
-from bench.voice.evaluate_once import Evaluated, Row, read_rows
+from bench.voice.evaluate_once import Evaluated, EvaluatedClip, read_rows
 from bench.voice.material import theatre_noise
 from bench.voice.material.confusable_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
 from voice_assist.config import load_voice_config
@@ -19,7 +19,7 @@ CONFIG = load_voice_config()
 
 
 def row(transcript, command="", taken=(), seconds=1.0, claims=()):
-    return Row("a.wav", transcript, command, tuple(taken), seconds, tuple(claims))
+    return EvaluatedClip("a.wav", transcript, command, tuple(taken), seconds, tuple(claims))
 
 
 # --- calibration

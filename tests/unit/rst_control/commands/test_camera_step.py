@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.motion.bullet_witness import BulletWitness
+from bench.motion.bullet.witness import BulletWitness
 from bench.motion.insertion import situation
 from rst_control.commands.camera_step import CAMERA_STEPS, STEPS, picture, step_goal
 from rst_control.commands.table import COMMANDS

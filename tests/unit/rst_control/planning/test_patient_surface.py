@@ -7,7 +7,7 @@ from math import nan
 import numpy as np
 import pytest
 
-from bench.motion.bullet_witness import BulletWitness
+from bench.motion.bullet.witness import BulletWitness
 from rst_control.kinematics.configuration import Configuration
 from rst_control.planning.patient_surface import NOWHERE, Patient, TrocarPose
 

@@ -13,10 +13,10 @@ from session_log.mcap_file import checksums
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.records import CHECKSUM, CHECKSUM_BODY, HEAD
 from session_log.mcap_file.writer import CHECKSUM_WITHIN, SessionWriter
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 
 NOW = 1_795_200_000_000_000_000
-SOURCE = TopicSource("/t", "std_msgs/String", "992c", "string data", "/p")
+SOURCE = MessageSource("/t", "std_msgs/String", "992c", "string data", "/p")
 
 
 def message(k, size=100):

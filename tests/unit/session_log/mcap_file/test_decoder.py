@@ -2,7 +2,7 @@
 import pytest
 
 from session_log.mcap_file.decoder import Decoder, Undecodable
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 from support.message_classes import class_of, serialise, source_of
 
 
@@ -19,6 +19,6 @@ def test_a_message_is_decoded_by_the_definition_in_the_file():
     [("float64 x", b"\xff\0"), ("float64[] x", b"\xff\0\0\0short"), ("no definition", b"")],
 )
 def test_what_does_not_fit_its_definition_is_named(definition, data):
-    message = Message(TopicSource("/odd", "odd_msgs/Odd", "", definition), data, 1, 1)
+    message = Message(MessageSource("/odd", "odd_msgs/Odd", "", definition), data, 1, 1)
     with pytest.raises(Undecodable, match="/odd: not a odd_msgs/Odd"):
         Decoder().decode(message)

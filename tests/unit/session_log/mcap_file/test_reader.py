@@ -13,10 +13,12 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.records import CHECKSUM_BODY, HEAD
 from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 
 NOW = 1_795_200_000_000_000_000
-SOURCES = [TopicSource(f"/t{i}", "std_msgs/String", "992c", "string data", "/p") for i in range(3)]
+SOURCES = [
+    MessageSource(f"/t{i}", "std_msgs/String", "992c", "string data", "/p") for i in range(3)
+]
 COUNT = 60
 CHECKSUM = HEAD.size + CHECKSUM_BODY.size  # [B]
 

@@ -69,9 +69,9 @@ def test_two_publishers_of_a_topic_are_told_apart_and_share_a_schema(tmp_path):
 
 
 def test_a_type_that_nobody_here_knows_is_kept_byte_for_byte(tmp_path):
-    from session_log.types import TopicSource
+    from session_log.types import MessageSource
 
-    source = TopicSource("/odd", "strange_msgs/Odd", "0" * 32, "this is no definition", "/x")
+    source = MessageSource("/odd", "strange_msgs/Odd", "0" * 32, "this is no definition", "/x")
     with SessionWriter(tmp_path / "s.mcap") as writer:
         writer.add(Message(source, b"\0\xff raw", NOW, 1))
     with (tmp_path / "s.mcap").open("rb") as file:
@@ -96,9 +96,9 @@ def test_a_folder_that_does_not_exist_is_named(tmp_path):
 WRITE_UNTIL_KILLED = """
 import sys
 from pathlib import Path
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 from session_log.mcap_file.writer import SessionWriter
-source = TopicSource("/t", "std_msgs/String", "99" * 16, "string data", "/w")
+source = MessageSource("/t", "std_msgs/String", "99" * 16, "string data", "/w")
 writer = SessionWriter(Path(sys.argv[1]))
 for k in range(1, 10**9):
     text = (b"%d" % k) * 40

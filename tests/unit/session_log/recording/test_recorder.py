@@ -13,13 +13,13 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
 from session_log.recording.recorder import Recorder
-from session_log.types import TopicSource
+from session_log.types import MessageSource
 from support.message_classes import class_of, serialise, source_of
 from support.waiting import PATIENCE, wait_until
 
 
 def text(topic="/t", publisher="/p"):
-    return TopicSource(topic, "std_msgs/String", "992c", "string data", publisher)
+    return MessageSource(topic, "std_msgs/String", "992c", "string data", publisher)
 
 
 def full():

@@ -17,16 +17,16 @@ if TYPE_CHECKING:
     from session_log.mcap_file.summary import RecordingSummary, read_summary
     from session_log.mcap_file.writer import SessionWriter
     from session_log.report.one_session import write_report
-    from session_log.types import Message, TopicSource
+    from session_log.types import Message, MessageSource
 
 __all__ = [
     "Decoder",
     "Message",
+    "MessageSource",
     "RecordingSummary",
     "SessionLogError",
     "SessionReader",
     "SessionWriter",
-    "TopicSource",
     "export_topics",
     "read_columns",
     "read_summary",
@@ -41,7 +41,7 @@ _HOMES = {
     "SessionLogError": "errors",
     "SessionReader": "mcap_file.reader",
     "SessionWriter": "mcap_file.writer",
-    "TopicSource": "types",
+    "MessageSource": "types",
     "export_topics": "export.export",
     "read_columns": "export.arrays",
     "read_summary": "mcap_file.summary",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
-class TopicSource:
+class MessageSource:
     """One publisher's connection on one topic, as its connection header describes it."""
 
     topic: str  # resolved name, such as /joint_states
@@ -22,7 +22,7 @@ class TopicSource:
 class Message:
     """One recorded message, still as bytes."""
 
-    source: TopicSource
+    source: MessageSource
     data: bytes
     log_time: int  # [ns] since 1970, when it was received
     sequence: int  # counts the source's messages from 1; a gap means loss

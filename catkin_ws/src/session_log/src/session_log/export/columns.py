@@ -11,7 +11,7 @@ import pyarrow as pa
 from genpy.dynamic import generate_dynamic
 
 from session_log.mcap_file.decoder import present_definition
-from session_log.types import TopicSource
+from session_log.types import MessageSource
 
 NANOSECONDS = 1_000_000_000
 TIME: Mapping[str, str] = {"unit": "ns since 1970-01-01T00:00:00Z"}
@@ -44,7 +44,7 @@ _OCTETS = ("uint8", "char")
 class Columns:
     """The flat columns of one type of message: nested fields by dotted names, arrays as lists."""
 
-    def __init__(self, source: TopicSource) -> None:
+    def __init__(self, source: MessageSource) -> None:
         """Learn them from the recorded definition.
 
         Raises:

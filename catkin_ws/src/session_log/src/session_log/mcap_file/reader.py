@@ -22,7 +22,7 @@ from session_log.errors import NotASession, SessionMissing
 from session_log.mcap_file import checksums, records
 from session_log.mcap_file.records import MAGIC, McapRecord, RecordWalker
 from session_log.mcap_file.session_folder import FILE_NAME
-from session_log.types import Damage, Message, TopicSource
+from session_log.types import Damage, Message, MessageSource
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _FOOTER_SIZE = records.HEAD.size + 20
@@ -99,10 +99,10 @@ class _Pass:
     def __init__(self, file: BinaryIO, start: int, condition: FileCondition) -> None:
         self._file, self._start, self._condition = file, start, condition
         self._schemas: dict[int, Schema] = {}
-        self._channels: dict[int, TopicSource] = {}
+        self._channels: dict[int, MessageSource] = {}
         self._checksum = zlib.crc32(MAGIC)
         self._is_data_over = False
-        self._from_ending: dict[int, TopicSource] = {}
+        self._from_ending: dict[int, MessageSource] = {}
         self._named_at = -1  # [B] of the last record that named a topic
         self._walker = RecordWalker(file, self._accepts)
         self._held = checksums.RecordBuffer(file)
@@ -188,7 +188,7 @@ class _Pass:
 
     def _add_channel(self, channel: Channel) -> None:
         schema = self._schemas.get(channel.schema_id)
-        self._channels[channel.id] = TopicSource(
+        self._channels[channel.id] = MessageSource(
             topic=channel.topic,
             datatype=schema.name if schema else "",
             md5sum=channel.metadata.get("md5sum", ""),

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from session_log.mcap_file.reader import FileCondition, SessionReader
 from session_log.mcap_file.writer import LIBRARY
-from session_log.types import Message, TopicCount, TopicSource
+from session_log.types import Message, MessageSource, TopicCount
 
 
 @dataclass
@@ -45,7 +45,7 @@ class MessageCounter:
 
     def __init__(self) -> None:
         self.topics: dict[str, TopicCount] = {}
-        self._sequences: dict[TopicSource, int] = {}
+        self._sequences: dict[MessageSource, int] = {}
 
     def add(self, message: Message) -> None:
         """Count one message."""

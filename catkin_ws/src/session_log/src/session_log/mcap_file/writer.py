@@ -18,7 +18,7 @@ from mcap.writer import Writer as McapWriter
 
 from session_log.mcap_file.durable_stream import DurableStream
 from session_log.mcap_file.records import CHECKSUM, CHECKSUM_BODY
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 
 LIBRARY = "session_log"
 CHECKSUM_WITHIN = 1 << 20  # [B] after which one is due, commit or not: a reader's memory
@@ -58,7 +58,7 @@ class SessionWriter:
             index_types=IndexType.ALL,
             enable_data_crcs=True,
         )
-        self._channels: dict[TopicSource, int] = {}
+        self._channels: dict[MessageSource, int] = {}
         self._schemas: dict[tuple[str, str], int] = {}
         self._mcap.start(profile="ros1", library=LIBRARY)
         self.commit()
@@ -142,7 +142,7 @@ class SessionWriter:
         self._mcap.add_record(CHECKSUM, CHECKSUM_BODY.pack(end - self._covered, checksum))
         self._covered = self._stream.tell()
 
-    def _channel(self, source: TopicSource) -> int:
+    def _channel(self, source: MessageSource) -> int:
         channel = self._channels.get(source)
         if channel is None:
             channel = self._mcap.register_channel(
@@ -158,7 +158,7 @@ class SessionWriter:
             self._channels[source] = channel
         return channel
 
-    def _schema(self, source: TopicSource) -> int:
+    def _schema(self, source: MessageSource) -> int:
         key = (source.datatype, source.definition)
         if key not in self._schemas:
             self._schemas[key] = self._mcap.register_schema(

@@ -13,7 +13,7 @@ from session_log.config import RecorderConfig
 from session_log.errors import RecordingFailed
 from session_log.mcap_file.headers import read_header, starts_with_header
 from session_log.mcap_file.writer import SessionWriter
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 
 BATCH = 5000  # entries written between two commits; bounds the memory of one commit
 
@@ -22,7 +22,7 @@ BATCH = 5000  # entries written between two commits; bounds the memory of one co
 class TopicTally:
     """What one source has sent; changed only under the recorder's lock."""
 
-    source: TopicSource
+    source: MessageSource
     has_header: bool
     received: int = 0
     dropped: int = 0  # because too much was waiting for the disk
@@ -99,7 +99,7 @@ class Recorder:
         self._progress = self._steady()
         self._thread.start()
 
-    def register(self, source: TopicSource) -> TopicTally:
+    def register(self, source: MessageSource) -> TopicTally:
         """Announce a source; its messages are then offered with the returned tally."""
         tally = TopicTally(source, starts_with_header(source.definition))
         with self._lock:

@@ -17,7 +17,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import LIBRARY
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import RecordedSound
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 
 RATE = 16_000  # [Hz] of all recorded sound
 PARAMETERS = "parameters"  # metadata record with the parameter server, one YAML text per key
@@ -98,7 +98,7 @@ class SequenceWatch:
 
     def __init__(self, reader: SessionReader) -> None:
         self._reader = reader
-        self._previous: dict[TopicSource, int] = {}
+        self._previous: dict[MessageSource, int] = {}
 
     def __call__(self, message: Message) -> int:
         """How many of its source are missing right before a message."""

@@ -12,7 +12,7 @@ import rosgraph
 import rospy
 
 from session_log.recording.recorder import Recorder, TopicTally
-from session_log.types import TopicSource
+from session_log.types import MessageSource
 
 RECEIVE_BUFFER = 1 << 20  # [B] taken from a socket at once
 
@@ -58,7 +58,7 @@ class TopicSubscriber:
         self._recorder.offer(entry[1], message._buff)
 
     def _register(self, topic: str, header: dict[str, str]) -> tuple[object, TopicTally]:
-        source = TopicSource(
+        source = MessageSource(
             topic=topic,
             datatype=header["type"],
             md5sum=header.get("md5sum", ""),

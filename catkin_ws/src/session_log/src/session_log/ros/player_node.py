@@ -17,7 +17,7 @@ import rospy
 
 from session_log.errors import SessionLogError
 from session_log.mcap_file.reader import SessionReader
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 
 URDF_TOPIC = "/robot_description"
 CONNECT_TIME = 1.0  # [s] for viewers to connect before the first message
@@ -75,7 +75,7 @@ class RecordingPlayer:
             self.count += 1
 
 
-def _publisher(source: TopicSource) -> rospy.Publisher:
+def _publisher(source: MessageSource) -> rospy.Publisher:
     facts = {
         "_type": source.datatype,
         "_md5sum": source.md5sum,

@@ -20,7 +20,7 @@ from session_log.recording import metadata
 from session_log.recording.recorder import Recorder
 from session_log.ros.diagnostics import RecorderDiagnostics
 from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
-from session_log.types import TopicSource
+from session_log.types import MessageSource
 from typed_config import ConfigError, load_config, package_folder, package_version
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
@@ -76,7 +76,9 @@ class ParameterWatcher:
         self._recorder = recorder
         self._master = rosgraph.Master(rospy.get_name())
         self._hashes: dict[str, str] = {}
-        source = TopicSource(URDF_TOPIC, String._type, String._md5sum, String._full_text, "", True)
+        source = MessageSource(
+            URDF_TOPIC, String._type, String._md5sum, String._full_text, "", True
+        )
         self._urdf = recorder.register(source)
 
     def check(self) -> None:

@@ -27,7 +27,7 @@ from session_log.report.session.session_data import (
     SessionData,
     Span,
 )
-from session_log.types import Message, TopicSource
+from session_log.types import Message, MessageSource
 
 MOVING = ("moving", "stopping")
 URDF_TOPIC = "/robot_description"
@@ -73,8 +73,8 @@ class _Extractor:
         self._origin: int | None = None  # [ns]
         self._now = 0.0  # [s] log time of the present message
         self._due: dict[str, float] = {}
-        self._has_header: dict[TopicSource, bool] = {}
-        self._previous: dict[TopicSource, tuple[int, float]] = {}
+        self._has_header: dict[MessageSource, bool] = {}
+        self._previous: dict[MessageSource, tuple[int, float]] = {}
         self._health: dict[str, NodeHealth] = {}
         self._picture_step = self._picture_count = 0
         self._modes, self._states = _Words(data.modes), _Words(data.states)

@@ -13,7 +13,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from paper.config import ExperimentConfig, VoiceConfig
+from paper.config import ExperimentConfig, PaperVoiceConfig
 from support.theatre_sound import LEVEL
 from voice_assist.training.data import voices
 from voice_assist.types import RATE
@@ -30,7 +30,7 @@ AUDIBLE = 10 ** (-30.0 / 20.0)  # of the loudest frame; noise at 15 dB below spe
 
 
 @dataclass(frozen=True, eq=False)
-class Spoken:
+class SpokenPhrase:
     """One phrase as it is played."""
 
     words: str
@@ -42,10 +42,10 @@ class Spoken:
 class Speaker:
     """Speaks phrases; no two alike."""
 
-    def __init__(self, voice: VoiceConfig, config: ExperimentConfig, seed: int) -> None:
+    def __init__(self, voice: PaperVoiceConfig, config: ExperimentConfig, seed: int) -> None:
         self.voice = voice
         self._config, self._rng = config, Random(f"{seed} {voice.name}")
-        self._ready: dict[str, deque[Spoken]] = {}
+        self._ready: dict[str, deque[SpokenPhrase]] = {}
 
     def prepare(self, words: str, count: int) -> None:
         """Synthesise a phrase so many times ahead.
@@ -60,7 +60,7 @@ class Speaker:
         engine = cast(voices.Engine, self.voice.engine)
         prompts = [voices.Prompt(words, engine, self.voice.voice, *style) for style in styles]
         spoken = [
-            Spoken(words, levelled(sound), *style)
+            SpokenPhrase(words, levelled(sound), *style)
             for sound, style in zip(voices.speak(prompts), styles, strict=True)
             if sound is not None
         ]
@@ -68,7 +68,7 @@ class Speaker:
             raise RuntimeError(f"the voice {self.voice.name} gave no sound for {words!r}")
         self._ready.setdefault(words, deque()).extend(spoken)
 
-    def say(self, words: str) -> Spoken:
+    def say(self, words: str) -> SpokenPhrase:
         """Return the next repetition of a phrase."""
         if not self._ready.get(words):
             self.prepare(words, AHEAD)
@@ -112,7 +112,7 @@ def installed_voices(config: ExperimentConfig) -> frozenset[str]:
     return frozenset(voice.name for voice in config.voices if _speaks(voice))
 
 
-def _speaks(voice: VoiceConfig) -> bool:
+def _speaks(voice: PaperVoiceConfig) -> bool:
     if shutil.which(PROGRAMS[voice.engine]) is None:
         return False
     engine = cast(voices.Engine, voice.engine)

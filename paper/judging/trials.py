@@ -11,7 +11,7 @@ FILE = "trials.jsonl"
 
 
 @dataclass(frozen=True)
-class Trial:
+class SpokenTrial:
     """One phrase that was played."""
 
     index: int
@@ -26,16 +26,16 @@ class Trial:
     interrupts: str  # motion in which this "stop" was said; empty: said at rest
 
 
-def append(folder: Path, trial: Trial) -> None:
+def append(folder: Path, trial: SpokenTrial) -> None:
     """Keep a trial."""
     with (folder / FILE).open("a", encoding="utf-8") as file:
         file.write(json.dumps(asdict(trial)) + "\n")
 
 
-def read(folder: Path) -> list[Trial]:
+def read(folder: Path) -> list[SpokenTrial]:
     """Read the trials of a session; none when there is no such file."""
     path = folder / FILE
     if not path.is_file():
         return []
     lines = path.read_text(encoding="utf-8").splitlines()
-    return [Trial(**json.loads(line)) for line in lines]
+    return [SpokenTrial(**json.loads(line)) for line in lines]

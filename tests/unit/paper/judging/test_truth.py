@@ -2,9 +2,9 @@
 import numpy as np
 import pytest
 
-from paper.recording import Sound
-from paper.speaker import levelled, sound_end
-from paper.truth import find
+from paper.judging.recording import SoundBlock
+from paper.judging.truth import find
+from paper.play.speaker import levelled, sound_end
 from voice_assist.types import RATE
 
 BLOCK = 512
@@ -33,7 +33,7 @@ def captured(phrase, at, seconds=3.0, noise=0.002, jitter=0.0, cut=0.0):
     sound[first : first + len(phrase)] += phrase
     pcm = np.round(sound * 32767).astype(np.int16)
     return [
-        Sound(T0 + i / RATE + jitter * rng.uniform(-1, 1), 1000 + i, pcm[i : i + BLOCK])
+        SoundBlock(T0 + i / RATE + jitter * rng.uniform(-1, 1), 1000 + i, pcm[i : i + BLOCK])
         for i in range(0, len(pcm), BLOCK)
     ]
 

@@ -5,20 +5,22 @@ import numpy as np
 import pytest
 
 from paper.config import load_experiment
-from paper.outcomes import first_braking, first_motion, outcome
-from paper.recording import NAMES, Decision, Entry, Joints, Recorded
-from paper.trials import Trial, append, read
-from paper.truth import Sounded
+from paper.judging.outcomes import first_braking, first_motion, outcome
+from paper.judging.recording import NAMES, HeardDecision, JointTrack, Recorded, RecordedAnswer
+from paper.judging.trials import SpokenTrial, append, read
+from paper.judging.truth import Sounded
 
 CONFIG = load_experiment()
 T0 = 1_700_000.0  # [s]
-TRIAL = Trial(1, "pull more", "pull more", "phrases/0001.wav", T0, T0 + 1.0, 1.0, 0.5, True, "")
+TRIAL = SpokenTrial(
+    1, "pull more", "pull more", "phrases/0001.wav", T0, T0 + 1.0, 1.0, 0.5, True, ""
+)
 SOUNDED = Sounded(T0 + 0.1, T0 + 0.8, 0.98)
 NEVER = float("inf")
 
 
 def decision(after, command, transcript=None, reason=""):
-    return Decision(T0 + after, command, transcript or command, reason, 0.9, T0 + 0.9)
+    return HeardDecision(T0 + after, command, transcript or command, reason, 0.9, T0 + 0.9)
 
 
 def joints(speed_of, begin=0.0, end=5.0, noise=0.0):
@@ -40,7 +42,7 @@ def told(*decisions, diary=(), joints_=(), trial=TRIAL, sounded=SOUNDED, until=N
 
 
 def accepted(after, command="pull more"):
-    return Entry(T0 + after, "accepted", command, "")
+    return RecordedAnswer(T0 + after, "accepted", command, "")
 
 
 def test_times_count_from_the_end_of_the_sound_not_from_the_detector():
@@ -61,7 +63,7 @@ def test_a_decision_before_the_end_of_the_sound_has_a_negative_time():
 
 
 def test_a_refused_command_is_heard_but_not_acted_on():
-    refusal = Entry(T0 + 1.21, "refused", "pull more", "tension limit")
+    refusal = RecordedAnswer(T0 + 1.21, "refused", "pull more", "tension limit")
     moving = joints(lambda t: 0.05)
     result = told(decision(1.2, "pull more"), diary=[refusal], joints_=moving)
     assert result.is_correct and result.refusal == "tension limit"
@@ -118,7 +120,7 @@ def test_a_stop_acts_when_the_robot_brakes_and_ends_when_it_rests():
         return float(np.clip(0.05 - 0.5 * max(t - 1.3, 0.0), 0.0, 0.05))  # brakes for 0.1 s
 
     trial = replace(TRIAL, command="stop", interrupts="tense")
-    received = Entry(T0 + 1.21, "stop_received", "", "spoken")
+    received = RecordedAnswer(T0 + 1.21, "stop_received", "", "spoken")
     result = told(decision(1.2, "stop"), diary=[received], joints_=joints(speed), trial=trial)
     assert result.acted == pytest.approx(0.5 + 0.1 * (1.0 - CONFIG.braking), abs=0.005)
     assert result.rested == pytest.approx(0.6, abs=0.01)
@@ -126,7 +128,7 @@ def test_a_stop_acts_when_the_robot_brakes_and_ends_when_it_rests():
 
 def test_a_stop_at_rest_has_nothing_to_brake():
     trial = replace(TRIAL, command="stop")
-    received = Entry(T0 + 1.21, "stop_received", "", "spoken")
+    received = RecordedAnswer(T0 + 1.21, "stop_received", "", "spoken")
     still = joints(lambda t: 0.0)
     result = told(decision(1.2, "stop"), diary=[received], joints_=still, trial=trial)
     assert result.is_correct and np.isnan(result.acted) and np.isnan(result.rested)
@@ -134,7 +136,7 @@ def test_a_stop_at_rest_has_nothing_to_brake():
 
 def arrays(rows):
     t, q, v = (np.array(column) for column in zip(*rows, strict=True))
-    return Joints(t, q, v)
+    return JointTrack(t, q, v)
 
 
 def test_noise_at_rest_is_no_motion():

@@ -6,7 +6,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from paper.plan import (
+from paper.judging.recording import VERDICT, Recorded
+from paper.judging.trials import SpokenTrial
+from paper.play.plan import (
     HEY_ROBOT,
     PULL_LESS,
     PULL_MORE,
@@ -14,11 +16,9 @@ from paper.plan import (
     STOP,
     TENSE,
     TERMINATE,
+    DialogueState,
     Planned,
-    Situation,
 )
-from paper.recording import VERDICT, Recorded
-from paper.trials import Trial
 
 ORDER = (HEY_ROBOT, TENSE, PULL_MORE, PULL_LESS, RELEASE, STOP, TERMINATE)
 STOP_IN = "ease"  # phase of the release that "stop" interrupts
@@ -31,14 +31,14 @@ class InOrder:
 
     def __init__(self) -> None:
         self._at, self._attempts, self._is_stop_said = -1, 0, False
-        self._before = Situation(False, False, False, False)
+        self._before = DialogueState(False, False, False, False)
 
     @property
     def left(self) -> int:
         """Number of commands still to come."""
         return len(ORDER) - 1 - max(self._at, 0)
 
-    def next(self, situation: Situation) -> Planned | None:
+    def next(self, situation: DialogueState) -> Planned | None:
         """Return the next command of the order, or the last one again."""
         if self._at < 0 or self._has_happened(situation):
             self._at, self._attempts, self._before = self._at + 1, 0, situation
@@ -55,7 +55,7 @@ class InOrder:
         self._is_stop_said = True
         return Planned(STOP, STOP)
 
-    def _has_happened(self, now: Situation) -> bool:
+    def _has_happened(self, now: DialogueState) -> bool:
         change = now.tension - self._before.tension
         return {
             HEY_ROBOT: now.is_active and now.is_listening and not now.is_halted,
@@ -76,7 +76,7 @@ class Shown:
     tissue: dict[str, str]  # verdict, and where the jaws hold it angle, strain and so on
 
 
-def shown(trials: Sequence[Trial], recorded: Recorded) -> list[Shown]:
+def shown(trials: Sequence[SpokenTrial], recorded: Recorded) -> list[Shown]:
     """How the tissue was held at rest after each command of the demonstration."""
     found = []
     for i, trial in enumerate(trials):

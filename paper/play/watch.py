@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import rospy
 from std_msgs.msg import String
 
-from paper.plan import STOP, Situation
+from paper.play.plan import STOP, DialogueState
 from rst_control.msg import ControllerState, Event
 from voice_assist.msg import AudioChunk, Mode, Utterance
 
@@ -77,13 +77,13 @@ class Watch:
         """Put on record what begins to sound; empty: no command."""
         self._intended.publish(String(phrase))
 
-    def situation(self) -> Situation:
+    def situation(self) -> DialogueState:
         """State of dialogue and robot."""
         with self._changed:
             state = self._state
             if state is None:
-                return Situation(self._mode == "active", False, False, False)
-            return Situation(
+                return DialogueState(self._mode == "active", False, False, False)
+            return DialogueState(
                 is_listening=self._mode == "active",
                 is_active=state.assistance_enabled,
                 is_halted=state.halted,

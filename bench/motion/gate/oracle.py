@@ -15,8 +15,8 @@ import numpy as np
 import PyKDL
 from numpy.typing import NDArray
 
-from bench.motion.bullet_bodies import BulletBodies
-from bench.motion.gate_cases import Case
+from bench.motion.bullet.bodies import BulletBodies
+from bench.motion.gate.cases import Case
 from rst_control.commands.request import Plan
 from rst_control.config.collision import CollisionConfig
 from rst_control.kinematics.configuration import planning_joints
@@ -43,7 +43,7 @@ RADIAN = 0.1  # [m] that a radian of the tool counts as in the manipulability
 CLOSE = 1e-4  # [m] that a limit may be missed by in the sampling of the judge
 
 
-class Judge:
+class GateJudge:
     """Knows the robot by KDL and PyBullet only."""
 
     def __init__(self) -> None:

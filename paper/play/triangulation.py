@@ -9,16 +9,16 @@ from pathlib import Path
 from rich.console import Console
 
 from demo.film import take_picture
-from paper.config import ExperimentConfig, VoiceConfig
-from paper.demonstration import InOrder
-from paper.session import play
-from paper.speaker import Speaker
+from paper.config import ExperimentConfig, PaperVoiceConfig
+from paper.play.demonstration import InOrder
+from paper.play.session import play
+from paper.play.speaker import Speaker
 
 NAME = "triangulation"  # of its folder
 TISSUE_PERIOD = 1.2  # [s] in which the simulator says once how the tissue is held
 
 
-def run(voice: VoiceConfig, config: ExperimentConfig, folder: Path, console: Console) -> None:
+def run(voice: PaperVoiceConfig, config: ExperimentConfig, folder: Path, console: Console) -> None:
     """Play the demonstration in one voice, with a picture of the tissue after each command.
 
     Raises:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.common.rig import random_poses
-from bench.motion.near_cases import (
+from bench.motion.gate.near_cases import (
     CROWDED,
     STRETCHED,
     near,
@@ -67,7 +67,7 @@ class Case:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class GateScene:
     """A verifier with tissue that can be grasped, and a grasp."""
 
     config: MotionConfig
@@ -279,10 +279,10 @@ class Cases:
         )
         return replace(self._config, scene=scene)
 
-    def _scene(self, config: MotionConfig, planner: Planner) -> Scene:
+    def _scene(self, config: MotionConfig, planner: Planner) -> GateScene:
         at_grasp = planner.reach(np.array(config.scene.home))[-1].end
         grasp = Grasp(planner.pull(at_grasp), planner.retreat(at_grasp))
-        return Scene(config, Verifier(planner), self._starts, grasp)
+        return GateScene(config, Verifier(planner), self._starts, grasp)
 
     def _start(self) -> Array:
         return self._starts[self._rng.integers(len(self._starts))]
@@ -293,7 +293,7 @@ class Cases:
     def _free(self, **changes: object) -> Situation:
         return self._situation(robot_joints(np.array(self._config.scene.home), 0.0), **changes)
 
-    def _held(self, scene: Scene, s: float, tension: float) -> Situation:
+    def _held(self, scene: GateScene, s: float, tension: float) -> Situation:
         joints = robot_joints(scene.grasp.pull.evaluate(s).q, 0.0)
         grasp = replace(scene.grasp, s=s, tension=tension)
         force = np.array([0.0, 0.0, -tension])
@@ -305,7 +305,7 @@ class Cases:
 
     def _case(
         self,
-        scene: Scene,
+        scene: GateScene,
         request: Asked,
         situation: Situation,
         expected: Reason | None,

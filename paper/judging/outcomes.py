@@ -12,11 +12,18 @@ from pathlib import Path
 import numpy as np
 import soundfile
 
-from paper import truth
 from paper.config import ExperimentConfig
-from paper.plan import MOTIONS, STOP
-from paper.recording import ARM, Decision, Entry, Joints, Recorded, read_recording
-from paper.trials import Trial, read
+from paper.judging import truth
+from paper.judging.recording import (
+    ARM,
+    HeardDecision,
+    JointTrack,
+    Recorded,
+    RecordedAnswer,
+    read_recording,
+)
+from paper.judging.trials import SpokenTrial, read
+from paper.play.plan import MOTIONS, STOP
 
 FILE = "outcomes.json"
 LATEST = 4.0  # [s] after the end of the player in which decisions belong to a phrase
@@ -26,7 +33,7 @@ SLOW = 0.002  # [rad/s] below which the robot rests and a stop has nothing to br
 
 
 @dataclass(frozen=True)
-class Outcome:
+class PhraseOutcome:
     """One phrase and what came of it; times in seconds after its true end, nan where there is none.
 
     A decision made while the phrase still sounds has a negative time.
@@ -54,7 +61,7 @@ class Outcome:
         return self.taken == ((self.command,) if self.command else ())
 
 
-def judge(folder: Path, config: ExperimentConfig) -> list[Outcome]:
+def judge(folder: Path, config: ExperimentConfig) -> list[PhraseOutcome]:
     """Judge every phrase of a session, and keep that beside the recording.
 
     Args:
@@ -77,22 +84,22 @@ def judge(folder: Path, config: ExperimentConfig) -> list[Outcome]:
     return found
 
 
-def kept(folder: Path) -> list[Outcome]:
+def kept(folder: Path) -> list[PhraseOutcome]:
     """Read the outcomes of a session that was judged; none when it was not."""
     path = folder / FILE
     if not path.is_file():
         return []
     entries = json.loads(path.read_text(encoding="utf-8"))
-    return [Outcome(**{**entry, "taken": tuple(entry["taken"])}) for entry in entries]
+    return [PhraseOutcome(**{**entry, "taken": tuple(entry["taken"])}) for entry in entries]
 
 
 def outcome(
-    trial: Trial,
+    trial: SpokenTrial,
     heard: truth.Sounded | None,
     recorded: Recorded,
     until: float,
     config: ExperimentConfig,
-) -> Outcome:
+) -> PhraseOutcome:
     """Judge one phrase.
 
     Args:
@@ -112,7 +119,7 @@ def outcome(
     acted = math.nan
     if decision and answers and not refusal:
         acted = _action(decision, answers[0], recorded, config)
-    return Outcome(
+    return PhraseOutcome(
         command=trial.command,
         words=trial.words,
         taken=tuple(d.command for d in taken),
@@ -131,7 +138,9 @@ def outcome(
     )
 
 
-def _answers(decision: Decision | None, diary: Sequence[Entry]) -> list[Entry]:
+def _answers(
+    decision: HeardDecision | None, diary: Sequence[RecordedAnswer]
+) -> list[RecordedAnswer]:
     """The controller's answers to a decision."""
     if decision is None:
         return []
@@ -148,7 +157,7 @@ def _answers(decision: Decision | None, diary: Sequence[Entry]) -> list[Entry]:
 
 
 def _action(
-    decision: Decision, answer: Entry, recorded: Recorded, config: ExperimentConfig
+    decision: HeardDecision, answer: RecordedAnswer, recorded: Recorded, config: ExperimentConfig
 ) -> float:
     """When the robot does what was decided [s]; nan when it is not seen to."""
     joints = recorded.joints_between(decision.time - WINDOW, decision.time + LATEST)
@@ -159,7 +168,7 @@ def _action(
     return answer.time
 
 
-def first_motion(joints: Joints, since: float, least: float) -> float:
+def first_motion(joints: JointTrack, since: float, least: float) -> float:
     """When a robot at rest has begun to move.
 
     Args:
@@ -178,7 +187,7 @@ def first_motion(joints: Joints, since: float, least: float) -> float:
     return float(joints.time[moved[0]]) if len(moved) else math.nan
 
 
-def first_braking(joints: Joints, since: float, share: float) -> float:
+def first_braking(joints: JointTrack, since: float, share: float) -> float:
     """When a moving robot has begun to brake.
 
     Args:
@@ -200,7 +209,7 @@ def first_braking(joints: Joints, since: float, share: float) -> float:
     return float(joints.time[slow[0]]) if len(slow) else math.nan
 
 
-def _rest(decision: Decision | None, trial: Trial, recorded: Recorded) -> float:
+def _rest(decision: HeardDecision | None, trial: SpokenTrial, recorded: Recorded) -> float:
     """When a stop in a motion has brought the robot to rest [s]; nan for everything else."""
     if decision is None or decision.command != STOP or not trial.interrupts:
         return math.nan

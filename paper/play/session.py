@@ -11,11 +11,11 @@ from typing import Protocol
 
 from rich.console import Console
 
-from paper.config import ExperimentConfig, VoiceConfig
-from paper.plan import COMMANDS, MOTIONS, Limits, Plan, Planned, Situation
-from paper.speaker import Speaker
-from paper.stage import Stage, stage
-from paper.watch import Happened
+from paper.config import ExperimentConfig, PaperVoiceConfig
+from paper.play.plan import COMMANDS, MOTIONS, DialogueState, PhrasePlan, Planned, TensionRange
+from paper.play.speaker import Speaker
+from paper.play.stage import PaperStage, stage
+from paper.play.watch import Happened
 from rst_control.config import load_motion_config
 
 
@@ -26,21 +26,25 @@ class WhatToSay(Protocol):
     def left(self) -> int:
         """Number of phrases still wanted."""
 
-    def next(self, situation: Situation) -> Planned | None:
+    def next(self, situation: DialogueState) -> Planned | None:
         """What to say at rest; None: all has been said."""
 
     def interrupt(self) -> Planned:
         """What to say in the motion under way, where that was planned."""
 
 
-def tension_limits() -> Limits:
+def tension_limits() -> TensionRange:
     """What the controller's settings allow the pulls to ask for."""
     tension = load_motion_config().controller.tension
-    return Limits(tension.minimum, tension.maximum, tension.step_tension)
+    return TensionRange(tension.minimum, tension.maximum, tension.step_tension)
 
 
 def run(
-    voice: VoiceConfig, config: ExperimentConfig, repetitions: int, folder: Path, console: Console
+    voice: PaperVoiceConfig,
+    config: ExperimentConfig,
+    repetitions: int,
+    folder: Path,
+    console: Console,
 ) -> None:
     """Play the session of one voice.
 
@@ -59,7 +63,7 @@ def run(
     for command in COMMANDS:
         speaker.prepare(command, repetitions)
     order = f"{config.seed} {voice.name}"
-    plan = Plan(repetitions, config.talk_share, config.talk, tension_limits(), order)
+    plan = PhrasePlan(repetitions, config.talk_share, config.talk, tension_limits(), order)
     play(plan, speaker, config, folder, console)
 
 
@@ -94,7 +98,7 @@ class _Session:
 
     def __init__(
         self,
-        scene: Stage,
+        scene: PaperStage,
         plan: WhatToSay,
         speaker: Speaker,
         config: ExperimentConfig,

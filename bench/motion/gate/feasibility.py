@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bench.common.rig import Rig
-from bench.motion.gate_cases import Case, Cases
-from bench.motion.gate_oracle import Judge
+from bench.motion.gate.cases import Case, Cases
+from bench.motion.gate.oracle import GateJudge
 from rst_control.commands.request import Accepted
 from rst_control.config import MotionConfig, SimulationConfig
 from rst_control.types import Reason, Rejected
@@ -25,7 +25,7 @@ SHOWN = 8  # kinds of wrong answers that are named
 
 
 @dataclass
-class Tally:
+class GateTally:
     """What became of all cases."""
 
     times: list[float] = field(default_factory=list)  # [s]
@@ -52,7 +52,7 @@ def measure(
         count: Cases, about half of them infeasible.
         executed: Accepted commands that are carried out.
     """
-    cases, judge, tally = Cases(config, seed=5), Judge(), Tally()
+    cases, judge, tally = Cases(config, seed=5), GateJudge(), GateTally()
     rng = np.random.default_rng(55)
     for _ in range(count):
         draw = rng.uniform()
@@ -67,7 +67,7 @@ def measure(
     return _figures(tally, [words for words in ended if words], len(ended))
 
 
-def _look(case: Case, judge: Judge, tally: Tally) -> None:
+def _look(case: Case, judge: GateJudge, tally: GateTally) -> None:
     begin = time.perf_counter()
     decision = case.decide()
     tally.times.append(time.perf_counter() - begin)
@@ -87,7 +87,7 @@ def _look(case: Case, judge: Judge, tally: Tally) -> None:
         tally.untrue[f"{case.request.words}: {decision.reason.value}, not {asked}"] += 1
 
 
-def _is_true(case: Case, decision: Rejected, judge: Judge) -> bool:
+def _is_true(case: Case, decision: Rejected, judge: GateJudge) -> bool:
     if case.expected is not None and decision.reason is not case.expected:
         return False
     if case.expected is None or decision.reason is Reason.RCM_TOLERANCE:
@@ -108,7 +108,7 @@ def _execute(case: Case, simulation: SimulationConfig) -> str:
     return ""
 
 
-def _figures(tally: Tally, failed: list[str], executed: int) -> list[Figure]:
+def _figures(tally: GateTally, failed: list[str], executed: int) -> list[Figure]:
     p50, p99 = np.percentile(tally.times, (50, 99))
     kinds = ", ".join(f"{name} {n}" for name, n in tally.reasons.most_common())
     bad, untrue = sum(tally.bad_plans.values()), sum(tally.untrue.values())

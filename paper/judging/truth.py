@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import correlate
 
-from paper.recording import Sound
-from paper.speaker import sound_end
+from paper.judging.recording import SoundBlock
+from paper.play.speaker import sound_end
 from voice_assist.types import RATE
 
 EARLY, LATE = 0.1, 1.0  # [s] before the player's start and after its end in which is searched
@@ -31,7 +31,7 @@ class Sounded:
 
 
 def find(
-    phrase: NDArray[np.float32], captured: Sequence[Sound], began: float, ended: float
+    phrase: NDArray[np.float32], captured: Sequence[SoundBlock], began: float, ended: float
 ) -> Sounded | None:
     """Find a phrase in the captured sound.
 
@@ -58,7 +58,7 @@ def find(
     return Sounded(begin, begin + sound_end(phrase), float(likeness[at]))
 
 
-def _joined(some: Sequence[Sound]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _joined(some: Sequence[SoundBlock]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Samples and their capture times; what was lost is silent.
 
     The stamp of a block is as good as the clock that set it, so a line is put through all.

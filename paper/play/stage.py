@@ -12,10 +12,10 @@ from pathlib import Path
 import rospy
 
 from paper.config import ExperimentConfig
-from paper.room import Room
-from paper.speaker import Spoken
-from paper.trials import Trial, append
-from paper.watch import Watch
+from paper.judging.trials import SpokenTrial, append
+from paper.play.room import PaperRoom
+from paper.play.speaker import SpokenPhrase
+from paper.play.watch import Watch
 from support.launched_system import System
 
 SOUND_TIME = 20.0  # [s] allowed for the first sound to be heard
@@ -23,15 +23,17 @@ SOUNDS = "phrases"  # folder of what was played
 
 
 @dataclass(frozen=True)
-class Stage:
+class PaperStage:
     """A running system and what is needed to speak to it."""
 
     system: System
-    room: Room
+    room: PaperRoom
     watch: Watch
     folder: Path
 
-    def say(self, index: int, spoken: Spoken, command: str, is_counted: bool, inside: str) -> Trial:
+    def say(
+        self, index: int, spoken: SpokenPhrase, command: str, is_counted: bool, inside: str
+    ) -> SpokenTrial:
         """Speak a phrase, keep it as a trial and put on record what it means.
 
         Args:
@@ -48,7 +50,7 @@ class Stage:
             raise RuntimeError("a part of the system ended during the session")
         name = f"{SOUNDS}/{index:04d}.wav"
         began, ended = self.room.say(spoken, self.folder / name, lambda: self.watch.intend(command))
-        trial = Trial(
+        trial = SpokenTrial(
             index=index,
             command=command,
             words=spoken.words,
@@ -65,7 +67,9 @@ class Stage:
 
 
 @contextmanager
-def stage(config: ExperimentConfig, folder: Path, say: Callable[[str], None]) -> Iterator[Stage]:
+def stage(
+    config: ExperimentConfig, folder: Path, say: Callable[[str], None]
+) -> Iterator[PaperStage]:
     """Bring the system up with its room, recorded into a folder.
 
     Args:
@@ -79,7 +83,7 @@ def stage(config: ExperimentConfig, folder: Path, say: Callable[[str], None]) ->
     """
     (folder / SOUNDS).mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
-        room = stack.enter_context(Room(config.snr_db, config.seed))
+        room = stack.enter_context(PaperRoom(config.snr_db, config.seed))
         system = System(folder / "launch.log", room.microphone.environment)
         stack.enter_context(system)
         rospy.init_node("paper", anonymous=True, disable_signals=True)
@@ -88,4 +92,4 @@ def stage(config: ExperimentConfig, folder: Path, say: Callable[[str], None]) ->
         sound: dict[str, threading.Event] = {"sound": watch.hears_sound}
         system.wait_for({**watch.ready, **sound}, say)
         watch.wait_for_recorder()
-        yield Stage(system, room, watch, folder)
+        yield PaperStage(system, room, watch, folder)

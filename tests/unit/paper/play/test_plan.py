@@ -5,7 +5,7 @@ from random import Random
 
 import pytest
 
-from paper.plan import (
+from paper.play.plan import (
     COMMANDS,
     HEY_ROBOT,
     MOTIONS,
@@ -15,19 +15,19 @@ from paper.plan import (
     STOP,
     TENSE,
     TERMINATE,
-    Limits,
-    Plan,
-    Situation,
+    DialogueState,
+    PhrasePlan,
+    TensionRange,
     allowed,
 )
 
-LIMITS = Limits(minimum=0.1, maximum=2.0, step=0.25)
+LIMITS = TensionRange(minimum=0.1, maximum=2.0, step=0.25)
 TALK = ("pull over", "we release him tomorrow", "a tense moment")
-STANDBY = Situation(False, False, False, False)
+STANDBY = DialogueState(False, False, False, False)
 
 
 def plan(repetitions=30, share=0.125, seed="1"):
-    return Plan(repetitions, share, TALK, LIMITS, seed)
+    return PhrasePlan(repetitions, share, TALK, LIMITS, seed)
 
 
 class Robot:
@@ -162,17 +162,17 @@ def test_the_plan_gives_up_where_nothing_is_ever_heard():
     ("situation", "commands"),
     [
         (STANDBY, {HEY_ROBOT}),
-        (Situation(False, True, False, False), {HEY_ROBOT}),
-        (Situation(True, False, False, False), {HEY_ROBOT}),
-        (Situation(True, True, True, True, 1.0), {HEY_ROBOT, TERMINATE}),
-        (Situation(False, False, True, True, 1.0), {HEY_ROBOT}),
-        (Situation(True, True, False, False), {TENSE, TERMINATE}),
+        (DialogueState(False, True, False, False), {HEY_ROBOT}),
+        (DialogueState(True, False, False, False), {HEY_ROBOT}),
+        (DialogueState(True, True, True, True, 1.0), {HEY_ROBOT, TERMINATE}),
+        (DialogueState(False, False, True, True, 1.0), {HEY_ROBOT}),
+        (DialogueState(True, True, False, False), {TENSE, TERMINATE}),
         (
-            Situation(True, True, False, True, 1.0),
+            DialogueState(True, True, False, True, 1.0),
             {RELEASE, TERMINATE, PULL_MORE, PULL_LESS},
         ),
-        (Situation(True, True, False, True, 2.0), {RELEASE, TERMINATE, PULL_LESS}),
-        (Situation(True, True, False, True, 0.4), {RELEASE, TERMINATE, PULL_MORE}),
+        (DialogueState(True, True, False, True, 2.0), {RELEASE, TERMINATE, PULL_LESS}),
+        (DialogueState(True, True, False, True, 0.4), {RELEASE, TERMINATE, PULL_MORE}),
     ],
 )
 def test_what_is_allowed_follows_the_table_of_commands(situation, commands):

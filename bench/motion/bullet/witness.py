@@ -9,7 +9,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from bench.motion.bullet_robot import BulletRobot
+from bench.motion.bullet.robot import BulletRobot
 from rst_control.config import MotionConfig
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.rcm import rcm_error

@@ -15,7 +15,7 @@ import numpy as np
 import soundfile
 
 from demo.virtual_microphone import VirtualMicrophone
-from paper.speaker import Spoken
+from paper.play.speaker import SpokenPhrase
 from support.theatre_sound import LEVEL, RATE, theatre_noise
 
 SINK = "surgeon"
@@ -25,7 +25,7 @@ PLAYED_WITHIN = 20.0  # [s] longer than the longest phrase
 _POLL = 0.01  # [s]
 
 
-class Room:
+class PaperRoom:
     """A virtual microphone in a noisy room; context manager."""
 
     def __init__(self, snr_db: float, seed: int) -> None:
@@ -40,7 +40,7 @@ class Room:
         self._noise = np.round(noise * 32767).astype("<i2").tobytes()
         self._player: subprocess.Popen[bytes] | None = None
 
-    def __enter__(self) -> Room:
+    def __enter__(self) -> PaperRoom:
         self.microphone.__enter__()
         command = ["pacat", "--playback", "--raw", f"--device={SINK}", f"--rate={RATE}"]
         command += ["--channels=1", "--format=s16le", f"--latency-msec={AHEAD_MS}"]
@@ -65,7 +65,9 @@ class Room:
             self._player.wait()
         self.microphone.__exit__(kind, error, trace)
 
-    def say(self, spoken: Spoken, file: Path, begins: Callable[[], None]) -> tuple[float, float]:
+    def say(
+        self, spoken: SpokenPhrase, file: Path, begins: Callable[[], None]
+    ) -> tuple[float, float]:
         """Play a phrase to its end.
 
         Args:

@@ -3,19 +3,19 @@ import math
 
 import pytest
 
-from paper.config import VoiceConfig, chosen_voices, load_experiment
-from paper.demonstration import ATTEMPTS, ORDER, InOrder, shown
+from paper.config import PaperVoiceConfig, chosen_voices, load_experiment
 from paper.folders import finish, is_finished, set_aside, settings_of
-from paper.outcomes import Outcome
-from paper.plan import COMMANDS, Situation
-from paper.recording import VERDICT, Recorded
-from paper.results import Told, figures, row
-from paper.trials import Trial
+from paper.judging.outcomes import PhraseOutcome
+from paper.judging.recording import VERDICT, Recorded
+from paper.judging.results import VoiceResult, figures, row
+from paper.judging.trials import SpokenTrial
+from paper.play.demonstration import ATTEMPTS, ORDER, InOrder, shown
+from paper.play.plan import COMMANDS, DialogueState
 from typed_config import ConfigError
 
 PAPER = {"pull more": 2.39, "stop": 1.29}
-NATIVE = VoiceConfig(name="a", engine="flite", voice="rms", accent="American", is_native=True)
-OTHER = VoiceConfig(name="b", engine="phonemes", voice="de", accent="German", is_native=False)
+NATIVE = PaperVoiceConfig(name="a", engine="flite", voice="rms", accent="American", is_native=True)
+OTHER = PaperVoiceConfig(name="b", engine="phonemes", voice="de", accent="German", is_native=False)
 
 
 def said(command, taken=None, decided=0.3, acted=0.5, **other):
@@ -36,7 +36,7 @@ def said(command, taken=None, decided=0.3, acted=0.5, **other):
         "sounded": 0.05,
         "confidence": 0.9,
     }
-    return Outcome(**{**values, **other})
+    return PhraseOutcome(**{**values, **other})
 
 
 def missed(command, *taken):
@@ -48,7 +48,7 @@ def named(told):
 
 
 def test_a_command_is_counted_right_wrong_and_missed():
-    told = Told(
+    told = VoiceResult(
         NATIVE,
         (
             said("pull more"),
@@ -66,7 +66,7 @@ def test_a_command_is_counted_right_wrong_and_missed():
 
 def test_what_the_prompter_said_and_torn_sound_are_left_out_and_said_so():
     told = [
-        Told(
+        VoiceResult(
             NATIVE, (said("stop"), said("stop", is_counted=False), said("stop", (), is_whole=False))
         )
     ]
@@ -77,7 +77,7 @@ def test_what_the_prompter_said_and_torn_sound_are_left_out_and_said_so():
 
 
 def test_the_figures_stand_beside_the_papers():
-    told = [Told(NATIVE, (said("pull more", acted=0.5), said("pull more", acted=0.7)))]
+    told = [VoiceResult(NATIVE, (said("pull more", acted=0.5), said("pull more", acted=0.7)))]
     found = named(told)["pull more: end of sound to the robot's first motion, mean"]
     assert found.value == pytest.approx(0.6)
     assert (found.target, found.unit, found.is_met) == (2.39, "s", True)
@@ -89,7 +89,7 @@ def test_the_mean_over_commands_weighs_each_command_once_on_both_sides():
         said("stop", acted=0.5),
         said("tense", acted=9.0),
     ]
-    found = named([Told(NATIVE, tuple(outcomes))])
+    found = named([VoiceResult(NATIVE, tuple(outcomes))])
     mean = found["mean over commands: end of sound to the robot's action"]
     assert mean.value == pytest.approx(0.75)
     assert mean.target == pytest.approx((2.39 + 1.29) / 2)
@@ -97,8 +97,8 @@ def test_the_mean_over_commands_weighs_each_command_once_on_both_sides():
 
 def test_native_and_other_voices_are_told_apart():
     told = [
-        Told(NATIVE, (said("stop"), said("tense"))),
-        Told(OTHER, (said("stop"), missed("tense"))),
+        VoiceResult(NATIVE, (said("stop"), said("tense"))),
+        VoiceResult(OTHER, (said("stop"), missed("tense"))),
     ]
     found = named(told)
     assert found["all voices: commands recognised"].value == 75.0
@@ -108,7 +108,7 @@ def test_native_and_other_voices_are_told_apart():
 
 
 def test_talk_that_was_taken_is_counted_and_named():
-    told = [Told(NATIVE, (said(""), said("", taken=("hey robot",)), said("stop")))]
+    told = [VoiceResult(NATIVE, (said(""), said("", taken=("hey robot",)), said("stop")))]
     found = named(told)
     assert found["talk taken for a motion"].value == 0.0
     wrong = found["talk taken for any command"]
@@ -117,7 +117,7 @@ def test_talk_that_was_taken_is_counted_and_named():
 
 
 def test_a_refused_command_is_right_but_counted_as_refused():
-    told = [Told(NATIVE, (said("pull more", refusal="tension limit", acted=math.nan),))]
+    told = [VoiceResult(NATIVE, (said("pull more", refusal="tension limit", acted=math.nan),))]
     found = named(told)
     assert found["pull more: recognised"].value == 100.0
     assert found["commands heard and refused by the robot"].value == 1
@@ -166,14 +166,14 @@ def test_an_unfinished_session_is_moved_away_and_not_lost(tmp_path):
 
 
 def test_the_demonstration_says_every_command_once_in_order():
-    plan, now, order = InOrder(), Situation(False, False, False, False), []
+    plan, now, order = InOrder(), DialogueState(False, False, False, False), []
     after = {
-        "hey robot": Situation(True, True, False, False),
-        "tense": Situation(True, True, False, True, 1.0),
-        "pull more": Situation(True, True, False, True, 1.2),
-        "pull less": Situation(True, True, False, True, 1.0),
-        "release": Situation(True, True, True, False),
-        "terminate": Situation(False, False, True, False),
+        "hey robot": DialogueState(True, True, False, False),
+        "tense": DialogueState(True, True, False, True, 1.0),
+        "pull more": DialogueState(True, True, False, True, 1.2),
+        "pull less": DialogueState(True, True, False, True, 1.0),
+        "release": DialogueState(True, True, True, False),
+        "terminate": DialogueState(False, False, True, False),
     }
     while planned := plan.next(now):
         order.append(planned.command)
@@ -184,7 +184,7 @@ def test_the_demonstration_says_every_command_once_in_order():
 
 
 def test_a_command_without_effect_is_said_again_but_not_for_ever():
-    plan, standby = InOrder(), Situation(False, False, False, False)
+    plan, standby = InOrder(), DialogueState(False, False, False, False)
     said_ = []
     while planned := plan.next(standby):
         said_.append(planned.command)
@@ -193,17 +193,17 @@ def test_a_command_without_effect_is_said_again_but_not_for_ever():
 
 def test_a_stop_that_was_not_heard_in_the_release_is_said_at_rest():
     plan = InOrder()
-    held = Situation(True, True, False, True, 1.0)
-    order = [plan.next(Situation(False, False, False, False)), plan.next(held), plan.next(held)]
-    order += [plan.next(Situation(True, True, False, True, 1.3)), plan.next(held)]
+    held = DialogueState(True, True, False, True, 1.0)
+    order = [plan.next(DialogueState(False, False, False, False)), plan.next(held), plan.next(held)]
+    order += [plan.next(DialogueState(True, True, False, True, 1.3)), plan.next(held)]
     assert order[-1].command == "release"
     plan.interrupt()
-    assert plan.next(Situation(True, True, False, False)).command == "stop"
-    assert plan.next(Situation(True, True, True, False)).command == "terminate"
+    assert plan.next(DialogueState(True, True, False, False)).command == "stop"
+    assert plan.next(DialogueState(True, True, True, False)).command == "terminate"
 
 
 def test_the_tissue_is_shown_as_it_was_before_the_next_command():
-    trials = [Trial(i, c, c, "", t, t + 1.0, 1.0, 0.5, True, "") for i, c, t in
+    trials = [SpokenTrial(i, c, c, "", t, t + 1.0, 1.0, 0.5, True, "") for i, c, t in
               ((1, "tense", 10.0), (2, "release", 30.0))]  # fmt: skip
     tissue = [(t, {VERDICT: w}) for t, w in ((9.0, "free"), (20.0, "held"), (29.0, "triangulated"))]
     states = shown(trials, Recorded(tissue=tissue))

@@ -13,14 +13,14 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from paper.demonstration import Shown
-from paper.plan import COMMANDS
-from paper.recording import VERDICT
-from paper.results import Row, Told, row
+from paper.judging.recording import VERDICT
+from paper.judging.results import CommandResult, VoiceResult, row
+from paper.play.demonstration import Shown
+from paper.play.plan import COMMANDS
 from support.figures import Figure, machine
 
 
-def write(figures: Sequence[Figure], told: Sequence[Told], path: Path) -> None:
+def write(figures: Sequence[Figure], told: Sequence[VoiceResult], path: Path) -> None:
     """Write figures with machine, date, commit and voices."""
     voices = [asdict(t.voice) for t in told]
     listed = [{**asdict(f), "met": f.is_met} for f in figures]
@@ -29,7 +29,7 @@ def write(figures: Sequence[Figure], told: Sequence[Told], path: Path) -> None:
     path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
 
 
-def show(told: Sequence[Told], paper: Mapping[str, float], console: Console) -> None:
+def show(told: Sequence[VoiceResult], paper: Mapping[str, float], console: Console) -> None:
     """Print one table by command over all voices, and one by voice."""
     table = Table(title=f"Synthetic voices: {len(told)}; times in s from the end of the sound")
     table.add_column("command", no_wrap=True)
@@ -58,7 +58,7 @@ def show_tissue(states: Sequence[Shown], console: Console) -> None:
     console.print(table)
 
 
-def _cells(r: Row, paper: Mapping[str, float]) -> list[str]:
+def _cells(r: CommandResult, paper: Mapping[str, float]) -> list[str]:
     others = ", ".join(f"{n} x {what}" for what, n in r.others.most_common())
     theirs = f"{paper[r.command]:.2f}" if r.command in paper else ""
     return [
@@ -67,7 +67,7 @@ def _cells(r: Row, paper: Mapping[str, float]) -> list[str]:
     ]
 
 
-def _voice_cells(t: Told) -> list[str]:
+def _voice_cells(t: VoiceResult) -> list[str]:
     said = [o for o in t.repetitions if o.command]
     talk = [o for o in t.repetitions if not o.command]
     return [

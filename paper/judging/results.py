@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paper.config import VoiceConfig
-from paper.outcomes import Outcome
-from paper.plan import COMMANDS, MOTIONS, STOP
+from paper.config import PaperVoiceConfig
+from paper.judging.outcomes import PhraseOutcome
+from paper.play.plan import COMMANDS, MOTIONS, STOP
 from session_log.report.bounds import at_least, at_most
 from support.figures import Figure
 
@@ -21,20 +21,20 @@ ACTION = {STOP: "braking", **dict.fromkeys(MOTIONS, "first motion")}  # others: 
 
 
 @dataclass(frozen=True)
-class Told:
+class VoiceResult:
     """All phrases of one voice."""
 
-    voice: VoiceConfig
-    outcomes: tuple[Outcome, ...]
+    voice: PaperVoiceConfig
+    outcomes: tuple[PhraseOutcome, ...]
 
     @property
-    def repetitions(self) -> list[Outcome]:
+    def repetitions(self) -> list[PhraseOutcome]:
         """Those that count: said by the voice itself, and heard whole at the microphone."""
         return [o for o in self.outcomes if o.is_counted and o.is_whole]
 
 
 @dataclass(frozen=True)
-class Row:
+class CommandResult:
     """One command over some voices."""
 
     command: str
@@ -47,13 +47,13 @@ class Row:
     rested: tuple[float, ...]  # [s]
 
 
-def row(command: str, told: Iterable[Told]) -> Row:
+def row(command: str, told: Iterable[VoiceResult]) -> CommandResult:
     """Sum up one command over voices."""
     some = [o for t in told for o in t.repetitions if o.command == command]
     others: Counter[str] = Counter()
     for o in some:
         others.update(() if o.is_correct else [" and ".join(o.taken) or "nothing"])
-    return Row(
+    return CommandResult(
         command=command,
         said=len(some),
         correct=sum(o.is_correct for o in some),
@@ -65,7 +65,7 @@ def row(command: str, told: Iterable[Told]) -> Row:
     )
 
 
-def figures(told: Sequence[Told], paper: Mapping[str, float], hardware: str) -> list[Figure]:
+def figures(told: Sequence[VoiceResult], paper: Mapping[str, float], hardware: str) -> list[Figure]:
     """All figures of the experiment.
 
     Args:
@@ -89,7 +89,7 @@ def figures(told: Sequence[Told], paper: Mapping[str, float], hardware: str) -> 
     return found
 
 
-def _of_command(r: Row, paper: Mapping[str, float], hardware: str) -> list[Figure]:
+def _of_command(r: CommandResult, paper: Mapping[str, float], hardware: str) -> list[Figure]:
     if not r.said:
         return []
     wrong = ", ".join(f"{n} x {what}" for what, n in r.others.most_common())
@@ -112,7 +112,9 @@ def _of_command(r: Row, paper: Mapping[str, float], hardware: str) -> list[Figur
     return found
 
 
-def _mean_action(rows: Sequence[Row], paper: Mapping[str, float], hardware: str) -> list[Figure]:
+def _mean_action(
+    rows: Sequence[CommandResult], paper: Mapping[str, float], hardware: str
+) -> list[Figure]:
     """Mean over commands of their means, as the paper's 1.7 s is."""
     seen = [r for r in rows if r.acted and r.command in paper]
     if not seen:
@@ -124,7 +126,7 @@ def _mean_action(rows: Sequence[Row], paper: Mapping[str, float], hardware: str)
     return [Figure(name, ours, "s", theirs, note=note)]
 
 
-def _shares(told: Sequence[Told]) -> list[Figure]:
+def _shares(told: Sequence[VoiceResult]) -> list[Figure]:
     groups = {
         "all voices": list(told),
         "native voices": [t for t in told if t.voice.is_native],
@@ -140,7 +142,7 @@ def _shares(told: Sequence[Told]) -> list[Figure]:
     return found
 
 
-def _talk(told: Sequence[Told]) -> list[Figure]:
+def _talk(told: Sequence[VoiceResult]) -> list[Figure]:
     talk = [o for t in told for o in t.repetitions if not o.command]
     if not talk:
         return []

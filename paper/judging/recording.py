@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paper.trials import Trial
+from paper.judging.trials import SpokenTrial
 from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
 
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Sound:
+class SoundBlock:
     """One block of what the voice node heard."""
 
     stamp: float  # [s] when the first sample was captured
@@ -39,7 +39,7 @@ class Sound:
 
 
 @dataclass(frozen=True)
-class Decision:
+class HeardDecision:
     """One decision of the recogniser."""
 
     time: float  # [s]
@@ -51,7 +51,7 @@ class Decision:
 
 
 @dataclass(frozen=True)
-class Entry:
+class RecordedAnswer:
     """One entry of the controller's diary."""
 
     time: float  # [s]
@@ -61,7 +61,7 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
-class Joints:
+class JointTrack:
     """Joint states in order of time."""
 
     time: Array  # (n,) [s]
@@ -73,18 +73,18 @@ class Joints:
 class Recorded:
     """One session, as far as the experiment needs it."""
 
-    sound: list[Sound] = field(default_factory=list)
-    decisions: list[Decision] = field(default_factory=list)
-    diary: list[Entry] = field(default_factory=list)
+    sound: list[SoundBlock] = field(default_factory=list)
+    decisions: list[HeardDecision] = field(default_factory=list)
+    diary: list[RecordedAnswer] = field(default_factory=list)
     tissue: list[tuple[float, dict[str, str]]] = field(default_factory=list)  # [s], its status
     joints: list[tuple[float, Array, Array]] = field(default_factory=list)
 
-    def joints_between(self, begin: float, end: float) -> Joints:
+    def joints_between(self, begin: float, end: float) -> JointTrack:
         """Joint states within (begin, end]."""
         first = bisect_right(self.joints, begin, key=_TIME)
         some = self.joints[first : bisect_right(self.joints, end, key=_TIME)]
         shape = (len(some), len(NAMES))
-        return Joints(
+        return JointTrack(
             np.array([t for t, _, _ in some]),
             np.array([q for _, q, _ in some]).reshape(shape),
             np.array([v for _, _, v in some]).reshape(shape),
@@ -94,7 +94,7 @@ class Recorded:
         """Keep what is needed of one decoded message."""
         if topic == AUDIO:
             samples = np.asarray(m.samples, dtype=np.int16)
-            self.sound.append(Sound(m.header.stamp.to_sec(), m.first_sample, samples))
+            self.sound.append(SoundBlock(m.header.stamp.to_sec(), m.first_sample, samples))
         elif topic == JOINTS:
             order = [m.name.index(name) for name in NAMES]
             position, velocity = np.array(m.position)[order], np.array(m.velocity)[order]
@@ -102,7 +102,7 @@ class Recorded:
         elif topic == UTTERANCE:
             self.decisions.append(_decision(m))
         elif topic == EVENT:
-            self.diary.append(Entry(m.header.stamp.to_sec(), m.kind, m.command, m.message))
+            self.diary.append(RecordedAnswer(m.header.stamp.to_sec(), m.kind, m.command, m.message))
         elif topic == DIAGNOSTICS:
             for status in (s for s in m.status if s.name == TISSUE):
                 values = {entry.key: entry.value for entry in status.values}
@@ -110,7 +110,7 @@ class Recorded:
                 self.tissue.append((m.header.stamp.to_sec(), values))
 
 
-def read_recording(folder: Path, trials: Sequence[Trial]) -> Recorded:
+def read_recording(folder: Path, trials: Sequence[SpokenTrial]) -> Recorded:
     """Read a session.
 
     Args:
@@ -136,8 +136,8 @@ def read_recording(folder: Path, trials: Sequence[Trial]) -> Recorded:
     return recorded
 
 
-def _decision(m: Any) -> Decision:
-    return Decision(
+def _decision(m: Any) -> HeardDecision:
+    return HeardDecision(
         m.decision.to_sec(),
         m.command,
         m.transcript,
@@ -147,5 +147,5 @@ def _decision(m: Any) -> Decision:
     )
 
 
-def _stamp(kept: Sound | Decision | Entry) -> float:
-    return kept.stamp if isinstance(kept, Sound) else kept.time
+def _stamp(kept: SoundBlock | HeardDecision | RecordedAnswer) -> float:
+    return kept.stamp if isinstance(kept, SoundBlock) else kept.time
