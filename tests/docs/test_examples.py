@@ -9,8 +9,10 @@ import sys
 from pathlib import Path
 
 import pytest
+import soundfile
 
 from support.story import write_session
+from support.theatre_sound import RATE, speak
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 LONGEST = 40  # lines
@@ -56,3 +58,16 @@ def test_a_session_is_read_into_columns(tmp_path):
     assert "'tense' was taken for 'tense'" in output and "'stop' was taken for 'stop'" in output
     error = float(re.search(r"RCM error inside the patient: ([\d.]+) um", output)[1])
     assert 1.0 < error < 100.0
+
+
+@pytest.mark.parametrize(
+    ("said", "printed"),
+    [
+        ("pull more", r"'pull more.*': 'pull more', confidence 0\.\d\d\n"),
+        ("the patient is stable", r".*: nothing, no_command: WER .*\n"),
+    ],
+)
+def test_a_command_in_a_sound_file_would_be_given_and_talk_would_not(said, printed, tmp_path):
+    soundfile.write(tmp_path / "said.wav", speak(said, "en-us", 150), RATE)
+    output = run("what_would_be_commanded.py", tmp_path / "said.wav")
+    assert re.fullmatch(printed, output), output

@@ -1,0 +1,38 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Prints what a sound file would command in active mode, and why not, where it would not.
+
+It needs no ROS master:
+. catkin_ws/devel/setup.sh; .venv/bin/python examples/what_would_be_commanded.py sound.wav
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+from voice_assist import Decision, Framer, Mode, load_voice_config, make_pipeline, read_sound
+
+RATE = 16_000  # [Hz]
+QUIET = np.zeros(RATE, np.float32)  # before and after, so that the end can be heard
+
+
+def main(path: str) -> None:
+    """Stream a file through the pipeline of the voice node."""
+    now = 0.0  # [s] of the stream
+    pipeline = make_pipeline(load_voice_config(), lambda: now)
+    pipeline.set_mode(Mode.ACTIVE, "example")
+    for frame in Framer().push(np.concatenate([QUIET, read_sound(path), QUIET]), 0.0):
+        now = frame.stamp + frame.duration
+        for event in pipeline(frame):
+            if isinstance(event, Decision):
+                text, rejection = event.hypothesis.text, event.rejection
+                if rejection is None:
+                    print(f"{text!r}: {event.command!r}, confidence {event.confidence:.2f}")
+                else:
+                    print(f"{text!r}: nothing, {rejection.reason.value}: {rejection.words}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
