@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Hours in which nobody gives a command, armed; HOURS=10 for the record.
 
-Pieces that are there are counted, those of other machines too (`voice_archive`), so that it can
-be done in several goes.
+Pieces that are there are counted, those of other machines too, so that it can be done in several
+goes.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ TOLD = "told"
 class NoiseChunk:
     """Some minutes of one kind of noise."""
 
-    kind: str  # of voice_noises.KINDS, or RECORDED
+    kind: str  # of theatre_noise.KINDS, or RECORDED
     seed: int
     seconds: float = SECONDS
     is_told: bool = False  # of all of it, that the robot itself speaks

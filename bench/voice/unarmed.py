@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Hours of talk in standby: nothing may move, whatever is taken for "hey robot" in between.
 
-HOURS=30 for the record. Pieces that are there are counted, those of other machines too
-(`voice_archive`), so that it can be done in several goes.
+HOURS=30 for the record. Pieces that are there are counted, those of other machines too, so that it
+can be done in several goes.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Item 7: voice on one host, controller and robot on another, and a bad network between them.
 
-Two network namespaces are the hosts, each with a TUN device; `network_relay` is all that joins
+Two network namespaces are the hosts, each with a TUN device; `relay.py` is all that joins
 them: link cut, 500 ms delay, 20 % loss, one way only, another address. A spoken motion is under way
 at each fault, at a random phase of it. Counted is the time until the set-points of arm and tool
 rest: from the fault on, where no "stop" could reach the robot any more; from a "stop" that is said,
 where it could. Then nothing may move until "hey robot", and after it the next command has to work.
 
-The voice node here has no ears (`network_voice`), but its own publishers, caller and heartbeat.
+The voice node here has no ears (`voice.py`), but its own publishers, caller and heartbeat.
 Needs root, iproute2 and TUN; where one of them is missing, it says so and measures nothing. In the
 environment: TRIALS of each fault (10), INTERVAL between two heartbeats [s] (the voice node's), AGE
 of the last one that is allowed [s] (that of launch/two_hosts.yaml).

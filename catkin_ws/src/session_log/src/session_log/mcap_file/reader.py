@@ -83,7 +83,7 @@ class SessionReader:
             yield from _Pass(file, self._start, self._new_condition()).messages(topics)
 
     def check(self) -> FileCondition:
-        """Read through the whole file and tell its condition."""
+        """Read through the whole file and give its condition."""
         for _ in self.messages(()):
             pass
         return self.condition

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Facts about a session that its messages do not tell: code, machine, versions, settings."""
+"""Facts about a session that its messages do not hold: code, machine, versions, settings."""
 
 from __future__ import annotations
 

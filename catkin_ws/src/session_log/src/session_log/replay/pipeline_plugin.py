@@ -105,7 +105,7 @@ class MakePipeline(Protocol):
 
         Args:
             settings: The voice part's recorded parameters; empty: none were recorded.
-            notes: What hearing depended on besides the sound, as recorded.
+            notes: What hearing depended on other than the sound, as recorded.
             model: Recogniser in place of the recorded one; None: that one.
 
         Raises:

@@ -57,7 +57,7 @@ class VoiceRun:
 
     settings: Mapping[str, Any] = field(default_factory=dict)  # empty: none were recorded
     facts: Mapping[str, str] = field(default_factory=dict)  # model, hashes
-    notes: list[str] = field(default_factory=list)  # what hearing depended on besides the sound
+    notes: list[str] = field(default_factory=list)  # what hearing depended on other than the sound
 
 
 @dataclass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The sound of each recorded utterance, for whoever learns from it.
+"""The sound of each recorded utterance, for enrolment.
 
 The voice part finds `spoken` by its name in a setting; neither package imports the other.
 """

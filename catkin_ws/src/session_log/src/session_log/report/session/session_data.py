@@ -34,7 +34,7 @@ class RecordedUtterance:
 
 @dataclass(frozen=True)
 class IntendedPhrase:
-    """A phrase that began to sound, by the word of whoever played or prompted it."""
+    """A phrase that began to sound, as its player or prompter reported it."""
 
     time: float  # [s]
     phrase: str  # the exact command; empty: words that are no command
@@ -51,7 +51,7 @@ class RecordedTrocar:
 
 @dataclass(frozen=True)
 class RecordedEvent:
-    """One entry of the controller's diary."""
+    """One event of the controller."""
 
     time: float  # [s]
     kind: str

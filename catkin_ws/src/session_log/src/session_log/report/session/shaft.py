@@ -32,7 +32,7 @@ class JointRcm:
 
 
 def rcm_from_joints(data: SessionData, config: ReportConfig) -> JointRcm:
-    """Lead the recorded joint positions through the recorded robot model to the trocar in force."""
+    """Lead the recorded joint positions through the recorded robot model to the trocar of that time."""
     try:
         return _rcm(data, config)
     except ModelUnfit as error:
@@ -73,7 +73,7 @@ def _rcm(data: SessionData, config: ReportConfig) -> JointRcm:
 
 
 def _trocars(data: SessionData, time: Track) -> Track:
-    """Trocar in force at each time [m]; the first one also before it was heard. Shape (n, 3)."""
+    """Trocar at each time [m]; the first one also before it was heard. Shape (n, 3)."""
     known = sorted(data.trocars, key=lambda t: t.time)
     index = np.searchsorted([t.time for t in known], time, side="right") - 1
     return np.array([t.position for t in known])[index.clip(0)]

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from session_log.report.session.session_data import RecordedEvent, Span
 from session_log.report.tables.text_table import NONE, TextTable, seconds
 
-KINDS = ("stop_received", "at_rest", "halted")  # of the diary, that tell of a stop
+KINDS = ("stop_received", "at_rest", "halted")  # of events that report a stop
 LATCHED = ("halted", "faulted")  # states of the controller
 BRAKING = "stopping"
-UNTOLD = "no cause in the recording"
+UNREPORTED = "no cause in the recording"
 _SLACK = 0.2  # [s] between an entry of the diary and the state that belongs to it
 
 
@@ -21,7 +21,7 @@ _SLACK = 0.2  # [s] between an entry of the diary and the state that belongs to 
 class RecordedStop:
     """One thing that braked the robot, or latched it at rest."""
 
-    time: float  # [s] when it began to brake, or when it was told
+    time: float  # [s] when it began to brake, or when it was reported
     cause: str
     command: str  # in execution; empty: none
     at_rest: float  # [s] after `time`; nan: it moved nothing, or the recording ends before
@@ -42,8 +42,10 @@ def stops(events: Sequence[RecordedEvent], states: Sequence[Span]) -> list[Recor
             found[-1] = _joined(last, event)
         else:
             found.append(_first(event, states))
-    told = [stop.time for stop in found]
-    found += [RecordedStop(s.start, UNTOLD, "", math.nan, True) for s in _untold(states, told)]
+    reported = [stop.time for stop in found]
+    found += [
+        RecordedStop(s.start, UNREPORTED, "", math.nan, True) for s in _unreported(states, reported)
+    ]
     return sorted(found, key=lambda stop: stop.time)
 
 
@@ -52,19 +54,19 @@ def stops_table(found: Sequence[RecordedStop]) -> TextTable:
     rows = [
         (
             f"{stop.time:.1f}\u00a0s",
-            stop.cause or UNTOLD,
+            stop.cause or UNREPORTED,
             stop.command or NONE,
             seconds(stop.at_rest),
             "until “hey robot”" if stop.is_latched else "no",
         )
         for stop in found
     ]
-    marks = tuple("bad" if stop.cause in ("", UNTOLD) else "" for stop in found)
+    marks = tuple("bad" if stop.cause in ("", UNREPORTED) else "" for stop in found)
     return TextTable(("time", "cause", "in execution", "at rest after", "latched"), rows, marks)
 
 
 def _belongs(last: RecordedStop, event: RecordedEvent) -> bool:
-    """Whether an entry goes on with the stop before it: each is told once as it ends."""
+    """Whether an entry goes on with the stop before it: each is reported once as it ends."""
     if event.message != last.cause:
         return False
     if event.kind == "stop_received":
@@ -92,13 +94,13 @@ def _braking_since(time: float, states: Sequence[Span]) -> float:
     return spans[-1].start if spans else time
 
 
-def _untold(states: Sequence[Span], told: Sequence[float]) -> list[Span]:
-    """Latches before which the diary tells of no stop since the robot was last free."""
+def _unreported(states: Sequence[Span], reported: Sequence[float]) -> list[Span]:
+    """Latches before which no stop was reported since the robot was last free."""
     missing: list[Span] = []
     free = -math.inf
     for span in states:
         if span.word not in (*LATCHED, BRAKING):
             free = span.end
-        elif span.word in LATCHED and not any(free - _SLACK <= t <= span.end for t in told):
+        elif span.word in LATCHED and not any(free - _SLACK <= t <= span.end for t in reported):
             missing.append(span)
     return missing
