@@ -4,7 +4,7 @@ import math
 import pytest
 
 from session_log.report.session.session_data import RecordedEvent, Span
-from session_log.report.session.stops import UNTOLD, stops, stops_table
+from session_log.report.session.stops import UNREPORTED, stops, stops_table
 
 TOPIC = "stop topic, from /voice_assist"
 OVER = "tension 2.50 N, allowed 2.40 N"
@@ -63,9 +63,9 @@ def test_every_stop_that_was_said_is_a_row():
 def test_a_latch_without_any_cause_is_shown_as_such():
     states = [Span(0.0, 4.0, "active"), Span(4.0, 9.0, "faulted")]
     (stop,) = stops([], states)
-    assert (stop.time, stop.cause) == (4.0, UNTOLD)
+    assert (stop.time, stop.cause) == (4.0, UNREPORTED)
     table = stops_table([stop])
-    assert table.marks == ("bad",) and table.rows[0][1] == UNTOLD
+    assert table.marks == ("bad",) and table.rows[0][1] == UNREPORTED
 
 
 def test_a_session_without_stops_has_no_rows():

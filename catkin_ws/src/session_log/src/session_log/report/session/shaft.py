@@ -32,7 +32,7 @@ class JointRcm:
 
 
 def rcm_from_joints(data: SessionData, config: ReportConfig) -> JointRcm:
-    """Lead the recorded joint positions through the recorded robot model to the trocar of that time."""
+    """Distance of the shaft from the trocar, from recorded joints and robot model."""
     try:
         return _rcm(data, config)
     except ModelUnfit as error:
