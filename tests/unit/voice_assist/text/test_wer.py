@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from voice_assist.text.wer import AlignedPair, align, distance, least_distance, wer
+from voice_assist.text.wer import distance, min_distance, wer
 
 SENTENCES = st.lists(st.sampled_from(["pull", "more", "less", "stop"]), max_size=6)
 
@@ -42,26 +42,9 @@ def test_distance_obeys_the_triangle_inequality(a, b, c):
     assert distance(a, c) <= distance(a, b) + distance(b, c)
 
 
-@given(SENTENCES, SENTENCES)
-def test_alignment_has_the_cost_of_the_distance_and_loses_no_word(a, b):
-    pairs = align(a, b)
-    assert sum(pair.step != "equal" for pair in pairs) == distance(a, b)
-    assert [p.reference for p in pairs if p.reference] == a
-    assert [p.heard for p in pairs if p.heard] == b
-
-
-def test_alignment_can_be_read():
-    assert align(["pull", "more"], ["pull", "less"]) == (
-        AlignedPair("equal", "pull", "pull"),
-        AlignedPair("substitute", "more", "less"),
-    )
-    assert align(["stop"], []) == (AlignedPair("delete", "stop", ""),)
-    assert align([], ["stop"]) == (AlignedPair("insert", "", "stop"),)
-
-
-def test_no_continuation_is_nearer_than_the_least_distance():
+def test_no_continuation_is_nearer_than_the_min_distance():
     spoken = ["pull", "less"]
     for beginning in ([], ["pull"], ["the"], ["less"], ["pull", "the", "less"]):
-        least = least_distance(spoken, beginning)
+        least = min_distance(spoken, beginning)
         rests = [[], ["less"], ["pull", "less"], ["pull"], ["more", "less"]]
         assert least == min(distance(spoken, [*beginning, *rest]) for rest in rests)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from voice_assist.config import CommandsConfig
 from voice_assist.text.normalize import LONGEST, Words, foreign, is_negated, is_too_long, normalize
-from voice_assist.text.wer import least_distance, wer
+from voice_assist.text.wer import min_distance, wer
 from voice_assist.types import Match, NoMatch, Rejection, RejectionReason
 
 SILENCE = "nothing was said"
@@ -75,7 +75,7 @@ class Mapper:
         """
         words = normalize(beginning.rpartition(" ")[0])
         return bool(words) and all(
-            least_distance(spelling, words) / len(spelling) >= self._thresholds[phrase]
+            min_distance(spelling, words) / len(spelling) >= self._thresholds[phrase]
             for phrase, spellings in self._spellings.items()
             for spelling in spellings
         )

@@ -1,22 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Word Error Rate, with the alignment it comes from."""
+"""Word Error Rate."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
-
-Step = Literal["equal", "substitute", "insert", "delete"]
-
-
-@dataclass(frozen=True)
-class AlignedPair:
-    """One step of an alignment."""
-
-    step: Step
-    reference: str  # empty where a word was inserted
-    heard: str  # empty where a word is missing
 
 
 def wer(reference: Sequence[str], heard: Sequence[str]) -> float:
@@ -38,30 +25,9 @@ def distance(reference: Sequence[str], heard: Sequence[str]) -> int:
     return _table(reference, heard)[-1][-1]
 
 
-def least_distance(reference: Sequence[str], beginning: Sequence[str]) -> int:
+def min_distance(reference: Sequence[str], beginning: Sequence[str]) -> int:
     """Least distance of the reference to any text that begins so; each has at least that."""
     return min(row[-1] for row in _table(reference, beginning))
-
-
-def align(reference: Sequence[str], heard: Sequence[str]) -> tuple[AlignedPair, ...]:
-    """One best alignment, first word first; substitutions are preferred."""
-    table = _table(reference, heard)
-    row, column = len(reference), len(heard)
-    pairs: list[AlignedPair] = []
-    while row or column:
-        cost = table[row][column]
-        is_equal = row and column and reference[row - 1] == heard[column - 1]
-        if row and column and table[row - 1][column - 1] == cost - (not is_equal):
-            row, column = row - 1, column - 1
-            step: Step = "equal" if is_equal else "substitute"
-            pairs.append(AlignedPair(step, reference[row], heard[column]))
-        elif column and table[row][column - 1] == cost - 1:
-            column -= 1
-            pairs.append(AlignedPair("insert", "", heard[column]))
-        else:
-            row -= 1
-            pairs.append(AlignedPair("delete", reference[row], ""))
-    return tuple(reversed(pairs))
 
 
 def _table(reference: Sequence[str], heard: Sequence[str]) -> list[list[int]]:
