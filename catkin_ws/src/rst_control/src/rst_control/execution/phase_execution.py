@@ -250,7 +250,7 @@ class JawPhase:
 
     @property
     def state(self) -> PathState:
-        """The tip stands still; its place on a path is known to whoever started this."""
+        """The tip stands still; its place on a path is known to its caller."""
         return PathState(0.0)
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:

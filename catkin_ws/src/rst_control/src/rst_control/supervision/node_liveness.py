@@ -20,7 +20,7 @@ class NodeLiveness:
         self._lost: Mapping[str, str] = {}
 
     def report(self, lost: Mapping[str, str]) -> None:
-        """Note who is lost, and how, in words; whoever is not named is there, or unknown."""
+        """Note who is lost, and how, in words; all others are there, or unknown."""
         self._lost = dict(lost)
 
     def of(self, name: str) -> str:

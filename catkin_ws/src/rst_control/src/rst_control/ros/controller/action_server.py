@@ -64,7 +64,7 @@ class GuardedServer(actionlib.ActionServer):
             self.publish_result(status, result_message(outcome))
         else:
             super().internal_goal_callback(goal)
-        time.sleep(admission.pause)  # whoever floods waits: nothing is read from it meanwhile
+        time.sleep(admission.pause)  # a flooding client waits: nothing is read from it meanwhile
 
     def internal_cancel_callback(self, goal_id: GoalID) -> None:
         """Cancel what is known; what is not known is remembered as long as there is room."""

@@ -22,7 +22,7 @@ from rst_control.srv import Command, CommandRequest, CommandResponse
 from rst_control.supervision.heartbeat import Heartbeat
 from rst_control.types import Cause, Reason
 
-REPLY_TIME = 2.0  # [s] within which every command is answered, or the caller told that it was not
+REPLY_TIME = 2.0  # [s] within which every command is answered, if only by NO_ANSWER
 _HEAD = 4  # bytes of the length before the words
 
 

@@ -30,7 +30,7 @@ class LivenessWatch:
         executor: Says who asked for the present motion.
         spoken_by: Name of the voice node, which is always watched.
         links: Subscribers over which those who ask for motions are heard.
-        recording: Knows the recorders, and is told when one is lost.
+        recording: Knows the recorders, and is notified when one is lost.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the controller believes of the robot's messages: their order, their age, their numbers.
 
-Age is told by the steady clock at arrival alone, so a stamp from the future keeps nothing fresh.
+Age is measured by the steady clock at arrival: a stamp from the future keeps nothing fresh.
 Stamps of the robot have to advance: what is older than the last, or as old, counts as not having
 come. So where the robot's clock is set back, joint states grow stale, the robot counts as lost, and
 then as back; with a clock set forward nothing happens.
@@ -54,7 +54,7 @@ class MeasurementAssembler:
     ) -> None:
         self.joints: Arrived | None = None
         self.wrench: Arrived | None = None
-        self.gripped: bool | None = None  # None: the robot has not told yet
+        self.gripped: bool | None = None  # None: not reported yet
         self.rest: Arrived | None = None  # where the robot holds the joints while nobody leads
         self.fault = ""
         self.tension_invalid_reason = INVALID_AT_START[
@@ -82,7 +82,7 @@ class MeasurementAssembler:
         return f"{count} refused so far, out of order" if count else ""
 
     def measured(self) -> Measurement | None:
-        """Newest joint states with the force on the jaws; None until the robot has told all.
+        """Newest joint states with the force on the jaws; None until the robot has reported all.
 
         Where jaws may be sent depends on whether they hold something: a controller that is started
         anew would open those that hold tissue, if it took the joints before the grip.
@@ -136,7 +136,7 @@ class MeasurementAssembler:
         self._rest_seen, self._sent_to = self.rest, None
 
     def _take_rest(self) -> None:
-        """Read where the robot holds the joints, if it has told anew."""
+        """Read where the robot holds the joints, if it has reported anew."""
         rest = self.rest
         if rest is None or rest is self._rest_seen:
             return

@@ -18,7 +18,7 @@ from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.types import Reason, State
 
 LONGEST_PROBLEM = 200  # characters of what a recorder says is wrong with it
-MAX_RECORDERS = 16  # that are told apart
+MAX_RECORDERS = 16  # that are counted one by one
 OTHERS = "another recorder"
 GRACE = 15.0  # [s] after the start, within which a recorder that is not there yet is no news
 
@@ -45,11 +45,11 @@ class RecordingLink:
         return frozenset(self._senders - {OTHERS})
 
     def lost(self, recorder: str, words: str) -> None:
-        """Note what has become of one, before its silence tells."""
+        """Note what has become of one, before its silence shows it."""
         self._watch.lost(recorder, words)
 
     def check(self, view: ControllerSnapshot) -> None:
-        """Stop what may not go on unrecorded, and tell what is new."""
+        """Stop what may not go on unrecorded, and log what is new."""
         if view.mode.state is State.MOVING and (cause := self._watch.stop_cause(view.plan)):
             self._executor.stop(cause)
         news = self._news.next()

@@ -16,7 +16,7 @@ class Worker:
     Args:
         name: Of the thread, for reports.
         step: What to repeat; it waits for its work by itself, for at most a second or so.
-        failed: Whom to tell of an exception, beside the log.
+        failed: Takes an exception in words, beside the log.
     """
 
     def __init__(self, name: str, step: Callable[[], None], failed: Callable[[str], None]) -> None:
