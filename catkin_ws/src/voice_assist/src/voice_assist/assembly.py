@@ -85,7 +85,7 @@ def make_pipeline(
         clock: Stamps the frames [s].
         recognizer: One that is loaded already.
         spotting: A spotter that runs elsewhere; None: the pipeline runs its own, if it is enabled.
-        observer: Told of all that comes in besides sound.
+        observer: Gets all inputs besides sound.
         voiceprint: For the speaker gate; None: that of the profile in force, if it has one.
 
     Raises:
@@ -119,7 +119,7 @@ def make_source(config: AudioConfig, clock: Clock, pause: Pause, report: Report)
         config: Which one.
         clock: For the stamps [s].
         pause: Waits so many seconds; True: give up. `threading.Event.wait` does.
-        report: Told what is wrong with the source; an empty text when all is well.
+        report: Gets what is wrong with the source; an empty text when all is well.
     """
     makers: dict[str, Callable[[], AudioSource]] = {
         "microphone": lambda: Microphone(config.microphone, PortAudio(), clock, pause, report),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tells sound that was damaged on its way from sound that a microphone may give.
+"""Finds sound that was corrupted on its way from the microphone.
 
 Words are found in such sound that nobody said: an hour of talk with its bytes swapped, or through a
 loose contact, gave three motions. Both leave marks that no voice and no room has. Of 1,616 commands

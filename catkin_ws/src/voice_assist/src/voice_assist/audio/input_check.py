@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tells from the sound alone that nobody could be heard: a dead microphone, or a deafened one.
+"""Finds by the sound alone that nobody could be heard: a dead microphone, or an overloaded one.
 
 A microphone always hears something, if only its own noise. One that is muted, or broken behind its
 converter, gives the same value again and again; one that is overloaded is near full scale all the
@@ -44,7 +44,7 @@ class SoundWatch:
         self._useless = 0.0  # [s] since the last frame of use
         self._overloaded = 0.0  # [s] of these
         self._words = ""
-        self.fault = HearingFault.NO_SOUND  # what the words of the last frame tell
+        self.fault = HearingFault.NO_SOUND  # that of the last frame
 
     def __call__(self, frame: Frame) -> str:
         """Why nobody would be heard, in words that stay the same until it is over; empty: fine."""

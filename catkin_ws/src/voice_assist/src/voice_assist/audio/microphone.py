@@ -50,7 +50,7 @@ class Microphone:
             backend: Gives the devices.
             clock: For the stamps [s].
             pause: Waits between attempts, and says when to give up; `threading.Event.wait` does.
-            report: Told what is wrong, and when it is right again (an empty text).
+            report: Gets what is wrong; an empty text once it is right again.
         """
         self._config, self._backend, self._clock = config, backend, clock
         self._pause, self._report = pause, report

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tells tones, such as those of alarms, from a voice: a tone keeps its pitch, no larynx can.
+"""Separates tones, such as those of alarms, from voices: a tone keeps its pitch, no larynx can.
 
 Alarms after IEC 60601-1-8 are bursts of notes with four harmonics and more, in the range of voices,
 and two notes can pass for two words.
@@ -21,7 +21,7 @@ _FAINT = 0.1  # of the strongest partial's amplitude: less is a side lobe of it,
 _LOUD = 0.1  # of the loudest spectrum's power: less is not looked at
 _CENTS = 1200.0  # per octave
 _FAR = 200.0  # [cent] or more is another note
-_FEWEST = 3  # movements from which on they tell anything
+_FEWEST = 3  # movements that a median needs
 
 
 def pitch_variation(samples: Samples) -> float:
@@ -34,7 +34,7 @@ def pitch_variation(samples: Samples) -> float:
         samples: Sound, shape (n,).
 
     Returns:
-        [cent] per STEP; infinite where there is too little sound to tell.
+        [cent] per STEP; infinite where there is too little sound.
     """
     hop = round(STEP * RATE)
     if len(samples) < _SIZE:

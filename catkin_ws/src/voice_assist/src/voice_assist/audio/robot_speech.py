@@ -2,7 +2,7 @@
 """When a loudspeaker of the robot's own speaks, as those say who let it speak.
 
 What it says may quote commands, and the microphone hears it. It can neither move nor wake the
-robot; a "stop" counts all the same, whoever says it. One that a person says over it is no utterance
+robot; a "stop" counts from anyone. One that a person says over it is no utterance
 of its own, so meanwhile each look takes the last `window` by itself too.
 """
 
@@ -18,11 +18,11 @@ class RobotSpeechChange:
     """A loudspeaker of the robot began to speak, or ended."""
 
     is_speaking: bool
-    time: float  # [s] clock time at which it was told
+    time: float  # [s] clock time at which it was reported
 
 
 class RobotSpeech:
-    """Follows what is told of the loudspeaker."""
+    """Follows what is reported of the loudspeaker."""
 
     def __init__(self, config: RobotSpeechConfig) -> None:
         """Nobody speaks."""
@@ -34,7 +34,7 @@ class RobotSpeech:
         self._until = float("-inf")  # [s] clock time up to which it may be heard
 
     def update(self, change: RobotSpeechChange) -> None:
-        """Follow; where its end is never told, it is taken for over after `max_duration`."""
+        """Follow; where its end is never reported, it counts as over after `max_duration`."""
         if change.is_speaking:
             self._until = change.time + self._config.max_duration
         else:

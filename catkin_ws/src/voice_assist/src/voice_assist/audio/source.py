@@ -15,7 +15,7 @@ from voice_assist.types import FULL_SCALE, RATE, Frame, Samples, frozen_samples
 FRAME = 512  # samples, 32 ms; the size that the Silero detector takes
 
 Clock = Callable[[], float]  # [s]
-Report = Callable[[str], None]  # told in words of what goes wrong and right again
+Report = Callable[[str], None]  # takes in words what goes wrong and right again
 
 
 class AudioSource(Protocol):

@@ -174,7 +174,7 @@ def _write_details(path: Path, outcomes: Sequence[ClipOutcome]) -> None:
 
 
 def _print_short(figures: dict[str, Any], out: Path) -> None:
-    """A table for whoever waits at the terminal."""
+    """A table for the terminal."""
     for phrase, entry in figures["commands"].items():
         if entry["n"]:
             latency = figures["latency_ms"][phrase]["p50"]

@@ -41,7 +41,7 @@ class CommandPair:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether they can be told apart."""
+        """Whether they differ enough."""
         if self.sound < TOO_ALIKE or self.letters < TOO_ALIKE_LETTERS:
             return "too alike"
         return "alike" if min(self.sound, self.letters) < ALIKE else "apart"
@@ -60,7 +60,7 @@ def closest_pairs(commands: CommandsConfig, language: str = ENGLISH) -> list[Com
     """Every two commands by their most alike spellings, the most alike first.
 
     Args:
-        commands: That are to be told apart.
+        commands: That have to differ.
         language: In which espeak-ng pronounces them.
     """
     spellings = {command.phrase: _spellings(command) for command in commands.commands}

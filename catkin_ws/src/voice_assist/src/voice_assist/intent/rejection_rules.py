@@ -73,5 +73,5 @@ class RejectionRules:
 
 def too_faint(clearness: float, least: float) -> Rejection:
     """Why a motion is refused in a sound that may be no voice."""
-    told = f"the speech detector gave {clearness:.2f} at most, allowed: at least {least:.2f}"
-    return Rejection(RejectionReason.UNSURE, f"too faint to be surely speech: {told}")
+    words = f"the speech detector gave {clearness:.2f} at most, allowed: at least {least:.2f}"
+    return Rejection(RejectionReason.UNSURE, f"too faint to be surely speech: {words}")

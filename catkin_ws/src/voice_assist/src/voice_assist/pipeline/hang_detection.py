@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tells recognition that hangs from recognition that the machine gives no processor.
+"""Separates recognition that hangs from recognition that waits for a processor.
 
-How long a piece of work takes says little on a busy machine. The kernel tells of each thread how
+How long a piece of work takes says little on a busy machine. The kernel counts for each thread how
 long it wanted to run and could not. What is left of the time, the thread could have used: it ran,
 or waited for something other than a processor.
 """
@@ -22,12 +22,12 @@ Waits = Mapping[str, float]  # thread and how long it has waited for a processor
 def waits(tasks: Path = TASKS) -> dict[str, float]:
     """How long each thread of this process has waited for a processor [s].
 
-    Empty where the kernel does not tell: then all time counts as time that could have been used.
+    Empty where the kernel does not count: then all time counts as time that could have been used.
     """
     found = {}
     with suppress(OSError):
         for task in tasks.iterdir():
-            with suppress(OSError, ValueError, IndexError):  # it has ended, or nothing is told
+            with suppress(OSError, ValueError, IndexError):  # it has ended, or nothing is counted
                 words = (task / "schedstat").read_text(encoding="ascii").split()
                 found[task.name] = int(words[1]) * _NANO
     return found

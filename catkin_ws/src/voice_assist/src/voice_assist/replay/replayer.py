@@ -127,11 +127,11 @@ class PipelineReplay:
             NotReplayable: It is no frame of the pipeline.
         """
         frame = _frame(sound)
-        for told in self._past.take_reported(frame.first_sample):
-            if told.kind is SideInputKind.SPEAKING:
-                self._pipeline.robot_spoke(RobotSpeechChange(told.is_speaking, told.time))
+        for given in self._past.take_reported(frame.first_sample):
+            if given.kind is SideInputKind.SPEAKING:
+                self._pipeline.robot_spoke(RobotSpeechChange(given.is_speaking, given.time))
             else:
-                self._pipeline.answer(Answered(told.command, told.is_accepted, told.message))
+                self._pipeline.answer(Answered(given.command, given.is_accepted, given.message))
         if self._spotter is not None:
             self._spotter.feed(frame)
         if self._past.get(SideInputKind.UNHEARD, frame.first_sample):

@@ -19,7 +19,7 @@ from voice_assist.types import RATE, Rejection, RejectionReason, Samples
 
 
 class Gate(Protocol):
-    """Tells why a motion command is not taken."""
+    """Gives why a motion command is not taken."""
 
     def __call__(self, samples: Samples) -> Rejection | None:
         """Why a sound, shape (n,), may move nothing; None: it may."""
@@ -27,7 +27,7 @@ class Gate(Protocol):
 
 
 class ClosedGate:
-    """Refuses every motion, since whose voice it is cannot be told."""
+    """Refuses every motion, since the speaker cannot be identified."""
 
     def __init__(self, why: str) -> None:
         """Keep the reason."""

@@ -38,7 +38,7 @@ class Spotted:
 
     time: float  # [s] clock time at which the sound it is about ended
     score: float  # [nat]
-    is_sent: bool = False  # the stop is under way already: whoever runs the spotter sent it
+    is_sent: bool = False  # the stop was sent already by the thread of the spotter
 
 
 class Spotting(Protocol):

@@ -42,7 +42,7 @@ class SpotterThread:
             on_spotted: Called in the thread at once.
             on_failure: Called in the thread as it ends by an error.
             patience: Longest wait of the pipeline for the thread [s].
-            observer: Told of frames that it was late for, or never heard.
+            observer: Gets frames that it was late for, or never took.
         """
         self._spotter, self._capacity, self._patience = spotter, capacity, patience
         self._on_spotted, self._on_failure, self._observer = on_spotted, on_failure, observer

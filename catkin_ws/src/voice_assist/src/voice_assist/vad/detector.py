@@ -102,7 +102,7 @@ class OverloadRecovery:
         self._quiet = 0.0  # [s]
 
     def is_over(self, frame: Frame) -> bool:
-        """Whether deafening sound has just ended; told once."""
+        """Whether overload has just ended; true once."""
         level = level_db(frame.samples)
         self._loud += frame.duration if level >= LOUD_DB else 0.0
         self._quiet = self._quiet + frame.duration if level <= QUIET_DB else 0.0
