@@ -258,7 +258,7 @@ class Search:
 
     def _view(self, controller):
         """As the controller would show it now."""
-        return self.graph.example[self.keys[controller]].executor._seen()
+        return self.graph.example[self.keys[controller]].executor._take_snapshot()
 
     def _refused(self, controller, command):
         """Whether verification's own look at the mode refuses a command."""
