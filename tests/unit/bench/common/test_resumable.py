@@ -24,7 +24,7 @@ def test_pieces_that_are_there_are_not_made_again(tmp_path):
         made.append(name)
         return name.upper()
 
-    assert carried_out(tmp_path, "ab", one) == ["a", "b"]
+    assert sorted(carried_out(tmp_path, "ab", one)) == ["a", "b"]  # as they are done
     assert sorted(carried_out(tmp_path, "abc", one)) == ["a", "b", "c"]
     assert sorted(made) == ["a", "b", "c"]
     assert json.loads((tmp_path / "c.json").read_text()) == "C"
