@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from rich.console import Console
 
+from bench.common.resumable import kept
 from support.figures import Figure, run
 from support.interrupt import end_as_by_ctrl_c
 
@@ -36,7 +37,8 @@ def main(argv: Sequence[str]) -> int:
     console = Console()
     missed = 0
     for name in argv or SETS:
-        figures = run(name.replace(".", "/"), _measure(name), console)
+        file = name.replace(".", "/")
+        figures = run(file, kept(file, _measure(name)), console)
         missed += sum(f.is_met is False for f in figures)
     if missed:
         console.print(f"[yellow]{missed} targets missed; they are marked above.[/yellow]")

@@ -24,6 +24,7 @@ from rst_control.srv import Command
 from support.figures import ROOT, Figure
 from support.launched_system import System
 from support.theatre_sound import LEVEL, RATE, speak, theatre_noise
+from support.waiting import wait_until
 from voice_assist.msg import Mode, Utterance
 
 SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
@@ -48,6 +49,10 @@ class Loop:
     p99: float  # [us] of a tick
     lateness: float  # [us], p99
 
+    def late_percent_since(self, first: Loop) -> float:
+        """Late ticks since an earlier moment [%]."""
+        return 100.0 * (self.late - first.late) / max(1, self.ticks - first.ticks)
+
 
 class Observer:
     """Keeps what the running system says of itself."""
@@ -63,6 +68,16 @@ class Observer:
             rospy.Subscriber("voice_assist/mode", Mode, lambda _: self.voice_ready.set()),
             rospy.Subscriber("voice_assist/utterance", Utterance, self._on_utterance),
         ]
+
+    def totals(self) -> Loop:
+        """Totals of the loop as last published.
+
+        Raises:
+            RuntimeError: The controller publishes none.
+        """
+        wait_until(lambda: self.loop is not None, "diagnostics of the control loop", 5.0)
+        assert self.loop is not None
+        return self.loop
 
     def _on_diagnostics(self, array: DiagnosticArray) -> None:
         for status in array.status:
@@ -110,7 +125,7 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
 
 def _observe(system: System, observer: Observer, seconds: float) -> list[Figure]:
     command = rospy.ServiceProxy("rst_control/command", Command)
-    first, heard, busy = _loop(observer), observer.utterances, _processor_time()
+    first, heard, busy = observer.totals(), observer.utterances, _processor_time()
     begin, said = time.monotonic(), 0
     while time.monotonic() < begin + seconds:
         if not system.is_running():
@@ -119,9 +134,9 @@ def _observe(system: System, observer: Observer, seconds: float) -> list[Figure]
             command(COMMANDS[said % len(COMMANDS)])
             said += 1
         time.sleep(1.0)
-    last, heard = _loop(observer), observer.utterances - heard
+    last, heard = observer.totals(), observer.utterances - heard
     busy = np.array(_processor_time()) - busy
-    late = 100.0 * (last.late - first.late) / (last.ticks - first.ticks)
+    late = last.late_percent_since(first)
     load = 100.0 * busy[0] / busy.sum()
     note = f"({last.ticks - first.ticks} ticks in {seconds:.0f} s, {heard} utterances heard)"
     return [
@@ -151,15 +166,6 @@ def _wait_until_ready(system: System, observer: Observer) -> None:
         while not ready.wait(0.2):
             if not system.is_running() or time.monotonic() > deadline:
                 raise RuntimeError("the system did not start")
-
-
-def _loop(observer: Observer) -> Loop:
-    deadline = time.monotonic() + 5.0
-    while observer.loop is None:
-        if time.monotonic() > deadline:
-            raise RuntimeError("the controller publishes no diagnostics")
-        time.sleep(0.1)
-    return observer.loop
 
 
 def _processor_time() -> tuple[float, float]:

@@ -18,6 +18,8 @@ from typing import Any
 from support.figures import RESULTS, Figure
 
 NAMES = (
+    "hang",  # a recogniser that hangs, and a machine that is busy
+    "flood",  # a minute of 10,000 calls a second
     "network",  # voice on one host, controller on another, and a bad network between them
     "losses",  # each part of the running system killed or stopped in mid-motion
     "soak",  # a day of commands, talk and faults, in process
@@ -27,10 +29,15 @@ NAMES = (
     "stops_system",  # the same in the running system, by service, topic and cancel, 50 clients
 )
 
+MODULES = {  # of the parts that are not the suite of a folder
+    "hang": "hang",
+    "flood": "flood",
+    "stops_system": "stops.system",
+}
+
 
 def _measure(name: str) -> list[Figure]:
-    own = "stops.system" if name == "stops_system" else f"{name}.suite"
-    module = importlib.import_module(f"bench.safety.{own}")
+    module = importlib.import_module(f"bench.safety.{MODULES.get(name, f'{name}.suite')}")
     measure: Callable[[], list[Figure]] = module.measure
     return measure()
 

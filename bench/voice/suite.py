@@ -4,7 +4,7 @@
 In the environment: THIN=1 takes all clips (3: one in three in noise), JOBS the processes, KEEP=1
 uses evaluations that are there. The long parts (trials, stop, armed, near, unarmed, nothing)
 go on where they were interrupted: see bench/common/resumable.py for MINUTES, SHARE,
-RESULTS and FORCE, hearing/pieces.py for MODEL, and the parts themselves for HOURS.
+RESULTS and FORCE, hearing/pieces.py for MODEL, and the parts themselves for HOURS and SOAK.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from bench.common.resumable import kept
 from bench.voice import (
     accuracy,
     armed,
@@ -25,9 +24,10 @@ from bench.voice import (
     trials,
     unarmed,
 )
+from bench.voice.soak import suite as soak
 from support.figures import Figure
 
-_MEASURES: dict[str, Callable[[], list[Figure]]] = {
+PARTS: dict[str, Callable[[], list[Figure]]] = {
     "accuracy": accuracy.measure,
     "trials": trials.measure,
     "stop": stop.measure,
@@ -38,8 +38,8 @@ _MEASURES: dict[str, Callable[[], list[Figure]]] = {
     "idle": idle.measure,
     "nothing": false_alarms.measure,
     "unarmed": unarmed.measure,
+    "soak": soak.measure,
 }
-PARTS = {name: kept(f"voice/{name}", part) for name, part in _MEASURES.items()}
 
 
 def measure() -> list[Figure]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.common.resumable import measured
 from support.figures import Figure, percentiles
 
 Array = NDArray[np.float64]
@@ -185,8 +186,7 @@ def figures(losses: Sequence[PartLoss], rules: dict[str, LossRule], planned: int
     """
     reasons = [loss.aside for loss in losses if loss.aside]
     losses = [loss for loss in losses if not loss.aside]
-    count = Figure("losses", len(losses), "", planned, at_most=False)
-    found = [count]
+    found = [measured(len(losses), "losses", planned)]
     for victim, rule in rules.items():
         for way in sorted({loss.way for loss in losses if loss.victim == victim}):
             some = [loss for loss in losses if (loss.victim, loss.way) == (victim, way)]

@@ -34,10 +34,6 @@ Report = dict[str, Any]
 
 def measure() -> list[Figure]:
     """Carry out what is missing, and sum up all that there is."""
-    return resumable.kept("safety/soak", _measure)()
-
-
-def _measure() -> list[Figure]:
     stretches = [Stretch(seed, PIECE) for seed in range(round(3600.0 * HOURS / PIECE) or 1)]
     reports = carried(stretches, resumable.CACHE / "safety" / identity())
     if not reports:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The voice of the soak: transcripts by the real mapper and dialogue to the queue of commands.
 
-Sound and recognition are left out.
+Sound and recognition are left out; `bench/voice/soak` measures those.
 """
 
 from __future__ import annotations

@@ -11,6 +11,11 @@ from support import figures
 from support.figures import Figure
 
 
+@pytest.fixture(autouse=True)
+def _one_at_a_time(monkeypatch):
+    monkeypatch.setattr(resumable, "JOBS", 1)
+
+
 def carried_out(folder, names, one=str.upper):
     jobs = [(name, folder / f"{name}.json") for name in names]
     with ThreadPoolExecutor(2) as pool:

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The judge of lost parts: what it must call late, resumed, unseen or well, by made traces."""
 
+import json
 from dataclasses import asdict
 
 import numpy as np
 import pytest
 
+import support.figures
+from bench.__main__ import main
 from bench.common import resumable
 from bench.safety.losses.judge import (
     GAP,
@@ -22,6 +25,8 @@ from bench.safety.losses.judge import (
     objections,
     speed,
 )
+from bench.safety.suite import PARTS
+from support.figures import RESULTS
 
 PERIOD = 0.002
 CRUISE = 0.05  # [rad/s]
@@ -224,7 +229,7 @@ def test_a_loss_at_rest_shows_nothing_and_is_told():
 
 def test_fewer_losses_than_planned_miss_their_target():
     rules = {"controller": HOLDS}
-    assert by_name([loss()], rules, 2)["losses"].is_met is False
+    assert by_name([loss()], rules, 2)["measured"].is_met is False
     good = by_name([loss(), loss(way="SIGSTOP")], rules)
     assert all(f.is_met is not False for f in good.values())
     assert good["arm and jaws at rest in time by the loss alone"].value == 2
@@ -249,6 +254,25 @@ def test_a_loss_beside_other_work_or_at_the_end_of_its_motion_is_taken_again() -
     found = {
         figure.name: figure.value for figure in figures([loss(), *aside], {"controller": HOLDS}, 4)
     }
-    assert found["losses"] == 1 and found["controller, SIGKILL: not as documented"] == 0
+    assert found["measured"] == 1 and found["controller, SIGKILL: not as documented"] == 0
     assert found["set aside and repeated, other work on the machine"] == 2
     assert found["set aside and repeated, motion at its end"] == 1
+
+
+def test_a_short_run_is_written_aside_from_the_thousand_losses_on_file(tmp_path, monkeypatch):
+    on_file = RESULTS / "safety" / "losses.json"
+    place, aside = tmp_path / "results", tmp_path / "aside"
+    (place / "safety").mkdir(parents=True)
+    copy = place / "safety" / "losses.json"
+    copy.write_bytes(on_file.read_bytes())
+    monkeypatch.setattr(resumable, "PLACE", place)
+    monkeypatch.setattr(resumable, "ASIDE", aside)
+    monkeypatch.setattr(support.figures, "RESULTS", RESULTS)
+    monkeypatch.setattr(support.figures, "ROOT", tmp_path)
+    monkeypatch.delenv("FORCE", raising=False)
+    monkeypatch.setitem(PARTS, "losses", lambda: figures([loss()], {"controller": HOLDS}, 1))
+    assert main(["safety.losses"]) == 0
+    assert copy.read_bytes() == on_file.read_bytes()
+    (new,) = (aside / "safety").iterdir()
+    first = json.loads(new.read_text())["figures"][0]
+    assert (new.name, first["name"], first["value"]) == ("losses.json", "measured", 1)
