@@ -15,7 +15,7 @@ from std_msgs.msg import Empty, Float64, String, Time
 
 from bench.safety.losses.client import ActionClient, SpeechSource
 from bench.safety.losses.judge import JointTrace
-from rst_control.msg import ControllerState, Event
+from rst_control.msg import ControllerState, Event, ReasonCode
 from rst_control.ros.common.wall_clock import wall_offset
 from rst_control.srv import Command, CommandResponse
 from rst_control.types import JOINTS
@@ -140,7 +140,7 @@ class CommandLead:
             try:
                 self._command, reply = proxy, proxy(words)
             except (rospy.ServiceException, rospy.ROSException, OSError) as error:
-                self._command, reply = None, CommandResponse(False, f"no answer: {error}")
+                self._command, reply = None, CommandResponse(False, f"no answer: {error}", ReasonCode.NO_ANSWER)
                 with suppress(rospy.ROSException, OSError):  # the connection is gone
                     proxy.close()
                 continue

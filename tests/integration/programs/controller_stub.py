@@ -14,8 +14,8 @@ from rst_control.srv import Command, CommandResponse
 
 def answer(request):
     if request.command == "tense":
-        return CommandResponse(False, "nothing is grasped")
-    return CommandResponse(True, f"{request.command} it is")
+        return CommandResponse(False, "nothing is grasped", "nothing_grasped")
+    return CommandResponse(True, f"{request.command} it is", "")
 
 
 rospy.init_node("controller")

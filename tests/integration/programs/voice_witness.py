@@ -36,8 +36,8 @@ def serve(behaviour):
         if behaviour.get(request.command) == "hang":
             threading.Event().wait(HANG)
         if behaviour.get(request.command) == "refuse":
-            return CommandResponse(False, "nothing is grasped")
-        return CommandResponse(True, f"{request.command} it is")
+            return CommandResponse(False, "nothing is grasped", "nothing_grasped")
+        return CommandResponse(True, f"{request.command} it is", "")
 
     rospy.Service("rst_control/command", Command, answer)
 
