@@ -140,7 +140,10 @@ class CommandLead:
             try:
                 self._command, reply = proxy, proxy(words)
             except (rospy.ServiceException, rospy.ROSException, OSError) as error:
-                self._command, reply = None, CommandResponse(False, f"no answer: {error}", ReasonCode.NO_ANSWER)
+                self._command, reply = (
+                    None,
+                    CommandResponse(False, f"no answer: {error}", ReasonCode.NO_ANSWER),
+                )
                 with suppress(rospy.ROSException, OSError):  # the connection is gone
                     proxy.close()
                 continue
