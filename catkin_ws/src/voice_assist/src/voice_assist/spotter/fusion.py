@@ -2,8 +2,9 @@
 """The rule by which recogniser and spotter come to a stop together.
 
 1. The spotter alone, from `alone` on (`Spotter`, latched for `rearm_after`).
-2. The recogniser alone, where it writes the word with a confidence of at least `sure`.
-3. The recogniser less sure of the word, where the spotter gave `agree` within `agree_within`.
+2. The recogniser alone, where its word is ready (`EarlyDecision`) with a confidence of `sure`.
+3. The recogniser ready but less sure, where the spotter gave `agree` within `agree_within`; the
+   written word at once, ready or not, where the spotter gave `middle`.
 4. The spotter from `middle` on, where the word is at most `near` less likely to the recogniser than
    what it wrote instead.
 5. Nothing else; but where no spotter listens, the recogniser decides as if there were none.
