@@ -91,10 +91,8 @@ class CommandQueue:
             tension: [N], 0: as configured.
             distance: [m], 0: as configured.
         """
-        pending, request = (
-            PendingCommand(words),
-            read_request(words, tension, distance, self._commands),
-        )
+        pending = PendingCommand(words)
+        request = read_request(words, tension, distance, self._commands)
         is_by_voice = is_spoken or not is_by_hand
         if isinstance(request, Rejected):
             self._refuse(pending, refusal or request)
