@@ -23,6 +23,7 @@ SETS = {  # name for people, also of the file of results: the module that measur
     "sessions": "bench.recording.suite",
     "safety": "bench.safety.suite",
     "kinova": "bench.kinova.suite",
+    "site": "bench.site.suite",
     "system": "bench.system",
 }
 

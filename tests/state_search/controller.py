@@ -68,8 +68,20 @@ class _Sensors:
     def objection(self):
         return "cannot be true" if _World.found == "sensor fault" else ""
 
+    tension_objection = ""
+
     def update(self, measured, setpoint, pulled):
         pass
+
+
+class _Trust:
+    """Believes every tension."""
+
+    def judge(self, measured, held):
+        return measured
+
+    def pulled(self, held):
+        return None
 
 
 class _Run:
@@ -131,7 +143,9 @@ class Controller:
     def __init__(self):
         self.liveness = NodeLiveness()  # set before each tick, so that copies may share it
         watchdogs = Watchdogs(limits(), _Sensors(), self.liveness)
-        self.executor = Executor(watchdogs, _place, SetpointState(_Maker()), _nothing, 0.002)
+        self.executor = Executor(
+            watchdogs, _place, SetpointState(_Maker()), _nothing, 0.002, _Trust()
+        )
         self.now = 10.0
 
     def fork(self):

@@ -51,6 +51,13 @@ RULES = [
     ("controller.yaml", ("tension", "initial"), 2.1, "tension.initial is 2.1, allowed: 0.1 to 2.0"),
     ("controller.yaml", ("tension", "minimum"), 1.0, ""),
     ("controller.yaml", ("tension", "stiffness_range"), [20.0, 20.0], "stiffness_range is"),
+    ("controller.yaml", ("tension", "blind_stiffness"), 600.0, "slack_way is 0.01, allowed: up to"),
+    (
+        "controller.yaml",
+        ("watchdogs", "sensors", "tension_deficit"),
+        0.41,
+        "tension_deficit is 0.41, allowed: up to 0.40",
+    ),
     ("controller.yaml", ("rate",), 50.0, ""),
     ("controller.yaml", ("state_rate",), 200.0, ""),
     ("kinova_stand_in.yaml", ("driver", "joints"), ["joint_1"] * 7, "seven names that differ"),

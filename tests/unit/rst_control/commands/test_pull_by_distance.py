@@ -121,3 +121,21 @@ def test_torques_are_judged_once_the_tissue_is_held(motion_config, robot, joints
 def test_refusals_of_tension_still_hold(verify, joints):
     assert verify(request("tense", tension=2.2), situation(joints)).reason is Reason.TENSION_LIMIT
     assert np.isfinite(verify(request("tense"), situation(joints)).plan.phases[-1].target)
+
+
+def test_the_way_counts_from_where_the_tissue_was_grasped(verify, joints):
+    """Not from where a pull was planned anew."""
+    plan = verify(request("tense"), situation(joints)).plan
+    near = replace(held(plan, 0.0), pulled=0.008)
+    assert verify(request("pull more"), near).plan.phases[-1].target == pytest.approx(0.00125)
+    assert verify(request("pull more"), replace(near, pulled=0.0090)).reason is (
+        Reason.DISPLACEMENT_LIMIT
+    )
+
+
+def test_where_nobody_saw_the_grasp_nothing_is_pulled_by_distance(verify, joints):
+    plan = verify(request("tense"), situation(joints)).plan
+    unseen = replace(held(plan, 0.002), pulled=np.inf)
+    refused = verify(request("pull more"), unseen)
+    assert refused.reason is Reason.DISPLACEMENT_LIMIT and "release first" in refused.words
+    assert isinstance(verify(request("pull less", distance=0.001), unseen), Accepted)

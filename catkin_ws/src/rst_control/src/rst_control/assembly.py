@@ -13,7 +13,9 @@ from rst_control.kinematics.robot_model import RobotModel
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.plausibility import SensorWatch, max_joint_speed
+from rst_control.supervision.tension_trust import TensionTrust
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
+from rst_control.tension.grasp_response import GraspResponse
 
 
 def make_executor(
@@ -37,10 +39,13 @@ def make_executor(
         settings.tension.limit,
         settings.tension.delay,
     )
-    period, setpoint_state = 1.0 / settings.rate, SetpointState(MotionMaker(settings))
+    response = GraspResponse(settings.tension, settings.watchdogs.sensors.tension_deficit)
+    trust = TensionTrust(settings.tension, settings.watchdogs.sensors, context.tip, response)
+    setpoint_state = SetpointState(MotionMaker(settings, response))
+    period = 1.0 / settings.rate
     sensors = SensorWatch(settings, max_joint_speed(config.limits))
     watchdogs = Watchdogs(limits, sensors, liveness or NodeLiveness())
-    return Executor(watchdogs, context.trocar_pose, setpoint_state, clear_fault, period)
+    return Executor(watchdogs, context.trocar_pose, setpoint_state, clear_fault, period, trust)
 
 
 def make_trocar_context(config: MotionConfig, model: RobotModel) -> TrocarContext:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 
 from rst_control.commands.held_tissue import held
 from rst_control.commands.request import Accepted, PlanningContext
@@ -15,7 +16,9 @@ from rst_control.commands.tension_limits import (
 )
 from rst_control.config import TensionConfig
 from rst_control.planning.plan import PhaseKind
-from rst_control.types import Measurement, Rejected
+from rst_control.types import Measurement, Reason, Rejected
+
+UNSEEN = "no trusted tension, and nobody saw where the tissue was grasped"
 
 
 class DistanceForTension:
@@ -68,7 +71,10 @@ def plan(context: PlanningContext, is_more: bool) -> Accepted | Rejected:
     if why and not request.distance:
         step = by_distance.distance(request.tension or config.step_tension)
     target = grasp.s + step if is_more else grasp.s - step
-    maximum = min(grasp.pull.length, by_distance.maximum) if why else grasp.pull.length
+    before = 0.0 if context.situation.pulled is None else context.situation.pulled - grasp.s
+    maximum = min(grasp.pull.length, by_distance.maximum - before) if why else grasp.pull.length
+    if is_more and maximum == -inf:
+        return Rejected(Reason.DISPLACEMENT_LIMIT, f"{UNSEEN}; release first ({why})")
     if target < 0.0 or (is_more and target > maximum + ROUNDING):
         return too_far(target, maximum)
     if is_more:

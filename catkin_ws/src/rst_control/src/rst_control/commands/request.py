@@ -45,6 +45,7 @@ class Situation:
     setpoint: Vector | None = None  # (10,), [rad]; plans start there. None: at the measured joints
     mode: ControllerMode = field(default_factory=ControllerMode)
     grasp: Grasp | None = None
+    pulled: float | None = None  # [m] of the tissue at the place of the grasp; None: as that says
 
     @property
     def is_moving(self) -> bool:

@@ -216,6 +216,15 @@ class ControllerConfig:
         """Check what no key shows alone."""
         allowed = f"up to rate, {self.rate:g} Hz"
         require(self.state_rate <= self.rate, "state_rate", self.state_rate, allowed)
+        tension, sensors = self.tension, self.watchdogs.sensors
+        most = tension.maximum / tension.blind_stiffness  # dead sensor, stiffest tissue
+        allowed = f"up to {most:.4f}, tension.maximum over tension.blind_stiffness"
+        is_bound = sensors.slack_way <= most
+        require(is_bound, "watchdogs.sensors.slack_way", sensors.slack_way, allowed)
+        most = tension.limit - tension.maximum
+        allowed = f"up to {most:.2f}, tension.limit less tension.maximum"
+        deficit = sensors.tension_deficit
+        require(deficit <= most, "watchdogs.sensors.tension_deficit", deficit, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,6 +23,7 @@ from rst_control.execution.orders import Order, Outcome, OutcomeKind
 from rst_control.execution.setpoint import STILL, SetpointState
 from rst_control.execution.snapshot import Change, ControllerSnapshot, take_snapshot
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
+from rst_control.supervision.tension_trust import TensionTrust
 from rst_control.supervision.watchdogs import MonitoredMotion, Watchdogs
 from rst_control.types import (
     JOINT_COUNT,
@@ -52,6 +53,7 @@ class Executor:
         setpoint_state: Moves the set-point.
         clear_fault: Asks the robot to take set-points again.
         period: Time between ticks [s].
+        tension_trust: Whether the tension is relied on.
     """
 
     def __init__(
@@ -61,11 +63,14 @@ class Executor:
         setpoint_state: SetpointState,
         clear_fault: Callable[[], None],
         period: float,
+        tension_trust: TensionTrust,
     ) -> None:
         self._watchdogs, self._trocar_pose_of = watchdogs, trocar_pose
+        self._tension_trust = tension_trust
         self._setpoint_state, self._period = setpoint_state, period
         self._now = 0.0
-        self._measured: Measurement | None = None
+        self._taken: Measurement | None = None  # the newest as it came
+        self._measured: Measurement | None = None  # the same with what is known against it
         self._trocar_pose, self._max_rcm_error = NOWHERE, 0.0
         self._mode, self._mode_changes = ControllerMode(), 0
         self._event_log = EventLog()
@@ -151,13 +156,22 @@ class Executor:
         self.snapshot = self._take_snapshot()  # the tick did not come to it
 
     def _take_measurement(self, measured: Measurement | None) -> None:
-        if measured is not None and measured is not self._measured:
-            self._measured = measured
-            self._watchdogs.update(measured, self._setpoint_state.held, self._setpoint_state.pulled)
+        if measured is not None and measured is not self._taken:
+            self._taken = measured
+            self._measured = measured = self._judge(measured)
             self._trocar_pose = self._trocar_pose_of(measured.position)
             if self._setpoint_state.motion is not None:
                 self._max_rcm_error = max(self._max_rcm_error, self._trocar_pose.rcm_error)
         self._health = self._watchdogs.lost(self._now, measured)
+
+    def _judge(self, measured: Measurement) -> Measurement:
+        """Say what is known against the newest measurement."""
+        held, trust = self._setpoint_state.held, self._tension_trust
+        measured = trust.judge(measured, held)
+        self._watchdogs.update(measured, held, self._setpoint_state.pulled)
+        if words := self._watchdogs.tension_objection:
+            trust.distrust(words)
+        return measured
 
     def _take_stops(self) -> None:
         while self._stops:
@@ -353,5 +367,6 @@ class Executor:
 
     def _take_snapshot(self) -> ControllerSnapshot:
         parts = (self._setpoint_state, self._event_log, self._trocar_pose)
-        situation = (self._measured, self._health)
+        pulled = self._tension_trust.pulled(self._setpoint_state.held)
+        situation = (self._measured, self._health, pulled)
         return take_snapshot(self._now, self._mode, self._serial, *parts, *situation)

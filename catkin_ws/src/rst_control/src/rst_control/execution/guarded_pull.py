@@ -13,9 +13,12 @@ from rst_control.config import TensionConfig
 from rst_control.execution.phase_execution import TowardsTension, tension_invalid
 from rst_control.planning.plan import Phase
 from rst_control.tension.delay_bound import DelayBound
+from rst_control.tension.grasp_response import GraspResponse
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.trajectory.path import Path
 from rst_control.types import Measurement, PathState, Vector
+
+SAME_AIM = 1e-6  # [m]
 
 
 class GuardedPull(TowardsTension):
@@ -32,6 +35,7 @@ class GuardedPull(TowardsTension):
         bounds: Of the motion along the path.
         brakes: Of a stop.
         config: Of the tension.
+        response: Of the tissue held.
     """
 
     def __init__(
@@ -43,12 +47,14 @@ class GuardedPull(TowardsTension):
         bounds: MotionBounds,
         brakes: MotionBounds,
         config: TensionConfig,
+        response: GraspResponse,
     ) -> None:
         super().__init__(phase, path, state, opening, brakes)
         rise = max(config.delay, 1e-3) * config.blind_stiffness  # [N s/m]
         speed = min(bounds.speed, config.tolerance / rise)
         self._profile = MotionProfile(state, replace(bounds, speed=speed))
         self._delay_bound = DelayBound(config.delay)
+        self._response, self._aim = response, state.s
 
     @property
     def state(self) -> PathState:
@@ -58,16 +64,25 @@ class GuardedPull(TowardsTension):
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
         """Move on by a time [s]; see `PhaseExecution`."""
         self._delay_bound.update(measured.stamp, measured.tension)
-        if self._feel(measured.tension):
-            self._profile.go_to(self._furthest if self.is_pulling else 0.0)
+        self._feel(measured.tension)
+        end = self._furthest if self.is_pulling else 0.0
+        if self._brake is None:
+            self._head_for(end)
         profile = self._brake or self._profile
         state = profile.step(dt)
-        self.is_done = profile.is_done
+        self.is_done = profile.is_done and (self._brake is not None or self._aim == end)
         if self._brake is None:
-            self.failure = tension_invalid(measured)
+            self.failure = self._response.objection or tension_invalid(measured)
             if self.failure or self._is_reached:
                 self._brake_from(state)
         return self._joints(state)
+
+    def _head_for(self, end: float) -> None:
+        """Go to the end, but no further than the response of the tissue allows for now."""
+        aim = min(end, self._profile.state.s + self._response.room)
+        if abs(aim - self._aim) > SAME_AIM or (aim == end != self._aim):
+            self._aim = aim
+            self._profile.go_to(aim)
 
     @property
     def _is_reached(self) -> bool:

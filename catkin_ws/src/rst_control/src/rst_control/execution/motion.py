@@ -15,6 +15,7 @@ from rst_control.execution.guarded_pull import GuardedPull
 from rst_control.execution.phase_execution import JawPhase, PathPhase, PhaseExecution, TensionPhase
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.plan import Grasp, Phase, PhaseKind
+from rst_control.tension.grasp_response import GraspResponse
 from rst_control.trajectory.motion_profile import MotionBounds
 from rst_control.trajectory.path import Path
 from rst_control.types import Cause, Measurement, PathState, Reason, Rejected, Vector
@@ -160,9 +161,12 @@ class MotionMaker:
 
     Args:
         config: Speeds and forces.
+        response: Of the tissue held; None: of one that is never asked for.
     """
 
-    def __init__(self, config: ControllerConfig) -> None:
+    def __init__(self, config: ControllerConfig, response: GraspResponse | None = None) -> None:
+        deficit = config.watchdogs.sensors.tension_deficit
+        self._response = response or GraspResponse(config.tension, deficit)
         self.period = 1.0 / config.rate
         self._jerk, self._tension = config.speed.jerk, config.tension
         self._braking_jerk = config.speed.braking_jerk
@@ -212,7 +216,7 @@ class MotionMaker:
         if phase.tension is None:
             return PathPhase(phase, path, state, opening, bounds, brakes)
         run = GuardedPull if self._tension.source == "joint_torque" else TensionPhase
-        return run(phase, path, state, opening, bounds, brakes, self._tension)
+        return run(phase, path, state, opening, bounds, brakes, self._tension, self._response)
 
 
 def _require_near(phase: Phase, q: Vector, start: Vector) -> None:

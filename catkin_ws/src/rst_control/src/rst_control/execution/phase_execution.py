@@ -15,6 +15,7 @@ from rst_control.config import TensionConfig
 from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.tension.control import TensionControl
+from rst_control.tension.grasp_response import GraspResponse
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.trajectory.path import Path
 from rst_control.types import PLAN_COUNT, Cause, Measurement, PathState, Reason, Vector
@@ -184,6 +185,7 @@ class TensionPhase(TowardsTension):
         bounds: Of the motion along the path.
         brakes: Of a stop.
         config: Of the tension control.
+        response: Of the tissue held.
     """
 
     def __init__(
@@ -195,8 +197,10 @@ class TensionPhase(TowardsTension):
         bounds: MotionBounds,
         brakes: MotionBounds,
         config: TensionConfig,
+        response: GraspResponse,
     ) -> None:
         super().__init__(phase, path, state, opening, brakes)
+        self._response = response
         self._control = TensionControl(config, bounds, brakes, self._furthest, state, self._goal)
 
     @property
@@ -211,8 +215,9 @@ class TensionPhase(TowardsTension):
             state = self._brake.step(dt)
             self.is_done = self._brake.is_done
             return self._joints(state)
+        self._control.bound = self._control.state.s + self._response.room
         state = self._control.step(self._now, dt)
-        self.failure = tension_invalid(measured) or self._control.objection
+        self.failure = self._response.objection or tension_invalid(measured)
         if self.failure or self._control.is_settled or self._control.is_at_limit:
             self._brake_from(state)
         return self._joints(state)

@@ -34,6 +34,7 @@ class ControllerSnapshot:
     grasp: Grasp | None
     last_refusal: Cause | None  # None: none was refused
     health: Cause | None  # why the robot is not fit for a motion; None: it is
+    pulled: float | None  # [m] of the tissue from where it was grasped; None: none is held
 
     @classmethod
     def at_start(cls) -> ControllerSnapshot:
@@ -53,6 +54,7 @@ class ControllerSnapshot:
             grasp=None,
             last_refusal=None,
             health=NOT_CONNECTED,
+            pulled=None,
         )
 
     @property
@@ -108,7 +110,17 @@ class ControllerSnapshot:
             setpoint=self.setpoint,
             mode=self.mode,
             grasp=self.grasp,
+            pulled=self._pulled_at_grasp,
         )
+
+    @property
+    def _pulled_at_grasp(self) -> float | None:
+        """Pull at the place that the grasp says, which a motion under way has yet to reach [m]."""
+        grasp = self.grasp
+        if self.pulled is None or grasp is None or self.motion is None:
+            return self.pulled
+        is_on_it = self.path is grasp.pull
+        return self.pulled + (grasp.s - self.path_position if is_on_it else 0.0)
 
 
 # Changes something between two ticks, or leaves it, in the snapshot of that moment. It gives the
@@ -125,6 +137,7 @@ def take_snapshot(
     trocar_pose: TrocarPose,
     measured: Measurement | None,
     health: Cause | None,
+    pulled: float | None,
 ) -> ControllerSnapshot:
     """What the executor looks like after a tick.
 
@@ -137,6 +150,7 @@ def take_snapshot(
         trocar_pose: Of the measured joints.
         measured: Newest from the robot.
         health: Why no motion would be accepted; None: it would.
+        pulled: How far tissue is pulled from where it was grasped [m]; None: none is held.
     """
     motion, place = setpoint_state.motion, setpoint_state.place
     holds = measured is not None and measured.gripped
@@ -155,4 +169,5 @@ def take_snapshot(
         grasp=setpoint_state.grasp if holds else None,
         last_refusal=event_log.last_refusal,
         health=health,
+        pulled=pulled,
     )

@@ -86,6 +86,10 @@ class ActiveTrocarContext:
         """Decide whether a command may run."""
         return self.current.verify(request, situation)
 
+    def tip(self, joints: Vector) -> Vector:
+        """Tool tip at robot joints (10,) [rad]: base frame, [m]. Shape (3,)."""
+        return Configuration(self.current.model, planning_joints(joints)[0]).tip
+
     def trocar_pose(self, joints: Vector) -> TrocarPose:
         """Where tool and arm are towards trocar and patient for the robot's joints (10,) [rad]."""
         return self.current.planner.patient.trocar_pose(planning_joints(joints)[0])

@@ -42,11 +42,17 @@ class SensorWatch:
         self._drift = np.zeros(JOINT_COUNT)  # [rad] of the positions away from their velocities
         self._fast = np.zeros(JOINT_COUNT)  # [rad/s] reached lately
         self._words, self._until = "", -np.inf
+        self._tension_words = ""
 
     @property
     def objection(self) -> str:
         """Why the measurements are not believed; empty: they are."""
         return self._joints.objection or self._words
+
+    @property
+    def tension_objection(self) -> str:
+        """What the newest measurement shows against the tension; empty: nothing."""
+        return self._tension_words
 
     def update(self, measured: Measurement, setpoint: Vector | None, pulled: float | None) -> None:
         """Take in a new measurement.
@@ -70,9 +76,9 @@ class SensorWatch:
             setpoint = pulled = None
         is_gap = measured.stamp - last.stamp > self._gap  # over it, all may have changed
         words = self._motion(last, measured, is_gap)
-        words = words or self._tension.update(
-            last, measured, None if is_gap or measured.tension_invalid_reason else pulled
-        )
+        is_blind = is_gap or bool(measured.tension_invalid_reason)
+        self._tension_words = self._tension.update(last, measured, None if is_blind else pulled)
+        words = words or self._tension_words
         self._joints.update(last, measured, _kept_open(measured, setpoint))
         if words:
             self._words = self._words or words

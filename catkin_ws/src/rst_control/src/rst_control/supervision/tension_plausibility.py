@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whether the tension measured while tissue is pulled can be true.
 
-`response_check.py` asks whether it rises as the tissue's stiffness lets expect. This asks whether
+`grasp_response.py` asks whether it rises as the tissue's stiffness lets expect. This asks whether
 the sensor measures at all. Tension is the length of a force, so a wrong sign changes nothing.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from rst_control.config.sensors import SensorConfig
-from rst_control.tension.response_check import MIN_TENSION
+from rst_control.tension.grasp_response import LOADED
 from rst_control.types import Measurement
 
 
@@ -58,17 +58,17 @@ class TensionPlausibility:
 
     def _dead(self, measured: Measurement, pulled: float) -> str:
         allowed = self._config.slack_way
-        if pulled <= allowed or measured.tension >= MIN_TENSION:
+        if pulled <= allowed or measured.tension >= LOADED:
             return ""
         return (
             f"tension {measured.tension:.3f} N after {pulled * 1e3:.1f} mm of pull, at least "
-            f"{MIN_TENSION:.2f} N expected after {allowed * 1e3:.1f} mm: tissue slack, or "
+            f"{LOADED:.2f} N expected after {allowed * 1e3:.1f} mm: tissue slack, or "
             "sensor dead"
         )
 
     def _stuck(self, last: Measurement, measured: Measurement, pulled: float) -> str:
         is_same = np.array_equal(last.force, measured.force)
-        if not is_same or measured.tension < MIN_TENSION or self._changed is None:
+        if not is_same or measured.tension < LOADED or self._changed is None:
             self._changed = pulled, measured.stamp
             return ""
         way, time = pulled - self._changed[0], measured.stamp - self._changed[1]

@@ -63,6 +63,11 @@ class Watchdogs:
         else:
             self._delay_bound.update(measured.stamp, measured.tension)
 
+    @property
+    def tension_objection(self) -> str:
+        """What the newest measurement shows against the tension; empty: nothing."""
+        return self._sensors.tension_objection
+
     def master(self) -> Cause | None:
         """Whether the ROS master is there; a robot at rest keeps its set-point without it."""
         gone = self._liveness.of(MASTER)

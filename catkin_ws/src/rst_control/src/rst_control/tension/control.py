@@ -13,10 +13,9 @@ from collections import deque
 from dataclasses import replace
 
 from rst_control.config import TensionConfig
-from rst_control.tension.response_check import ResponseCheck
 from rst_control.tension.stiffness import STIFFENING, StiffnessEstimate
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
-from rst_control.types import Cause, PathState
+from rst_control.types import PathState
 
 BRAKING_SHARE = 0.5  # of the acceleration that the approach to a target counts on
 TRUST = 20.0  # [1/s] how fast tissue is taken for softer; for stiffer it is taken at once
@@ -53,13 +52,13 @@ class TensionControl:
         self._length = length
         self._profile = MotionProfile(state, bounds)
         self._estimate = StiffnessEstimate(*config.stiffness_range, config.noise)
-        self._response = ResponseCheck()
         self._past = deque([(0.0, state.s)])  # times and places, back to when the tension arose
         self._time = self._settled_for = 0.0
         self._is_braking_hard = False
         self._cautious = self._estimate.cautious  # [N/m] that the speed reckons with
         self.tension = 0.0  # [N] now, as far as noise and delay can be made up for
         self.target = target
+        self.bound = math.inf  # [m] that s may not pass for now
 
     @property
     def state(self) -> PathState:
@@ -72,11 +71,6 @@ class TensionControl:
         return self._estimate.value
 
     @property
-    def objection(self) -> Cause | None:
-        """Why it is no use to pull on; None: nothing speaks against it."""
-        return self._response.objection
-
-    @property
     def is_settled(self) -> bool:
         """Whether the tension has been within tolerance of its target for the time asked."""
         return self._settled_for >= self._config.settle_time
@@ -87,7 +81,8 @@ class TensionControl:
         error = self.target - self.tension
         if abs(self.state.speed) > AT_REST or abs(error) <= self._config.tolerance:
             return False
-        return abs(self._end(error) - self.state.s) <= END_REACHED
+        end = self._length if error > 0.0 else 0.0
+        return abs(end - self.state.s) <= END_REACHED
 
     def retarget(self, target: float) -> None:
         """Ask for another tension [N], also while moving."""
@@ -112,7 +107,6 @@ class TensionControl:
             past.popleft()
         seen = past[0][1]
         estimate.update(seen, force, abs(state.speed))
-        self._response.update(seen, estimate.force)
         trusted = self._cautious * math.exp(-TRUST * dt)
         self._cautious = max(estimate.cautious, trusted)
         self.tension = max(0.0, estimate.force + estimate.value * (state.s - seen))
@@ -165,4 +159,4 @@ class TensionControl:
         return math.sqrt(head * head + 2.0 * acceleration * way) - head
 
     def _end(self, error: float) -> float:
-        return self._length if error > 0.0 else 0.0
+        return min(self._length, self.bound) if error > 0.0 else 0.0

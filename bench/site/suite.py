@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Figures of what a site does; `make bench ONLY=site.tension` measures one part.
+
+`make bench ONLY=site` measures none: it gathers what was measured last into one file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from bench.safety.suite import gather
+from bench.site import tension
+from support.figures import RESULTS, Figure
+
+PARTS: dict[str, Callable[[], list[Figure]]] = {
+    "tension": tension.measure,  # a sensor that fails in each way, while tissue is held
+}
+
+
+def measure() -> list[Figure]:
+    """What was last measured of all parts, each with its date, code and load."""
+    return gather(RESULTS / "site", tuple(PARTS))
