@@ -19,7 +19,6 @@ SETS = {  # name for people, also of the file of results: the module that measur
     "voice": "bench.voice.suite",
     "enrolment": "bench.enrolment.suite",
     "speaker": "bench.voice.speaker_gate",
-    "languages": "bench.enrolment.languages",
     "sessions": "bench.recording.suite",
     "safety": "bench.safety.suite",
     "kinova": "bench.kinova.suite",

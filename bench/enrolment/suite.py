@@ -11,14 +11,13 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from itertools import product
 
 import torch
 
 from bench.common.resumable import MINUTES, share_of
-from bench.enrolment import people
 from bench.enrolment.cast import Surgeon, surgeons
 from bench.enrolment.pieces import Counts, EnrolmentPiece, is_done, piece
 from session_log.report.bounds import at_most
@@ -26,7 +25,6 @@ from support.figures import RESULTS, Figure
 
 REPETITIONS = tuple(int(n) for n in os.environ.get("REPETITIONS", "3,5,10").split(","))
 FEWEST = 20  # surgeons
-PARTS: dict[str, Callable[[], list[Figure]]] = {}
 
 
 def measure() -> list[Figure]:
@@ -43,8 +41,7 @@ def measure() -> list[Figure]:
             continue
         found = piece(surgeon, stranger, repetitions)
         print(f"{repetitions:2} {surgeon}: {found.tested.right} of {found.tested.n}", flush=True)
-    figures = _all(cast)
-    return figures + people.measure(began)
+    return _all(cast)
 
 
 def _all(cast: Sequence[Surgeon]) -> list[Figure]:

@@ -35,13 +35,12 @@ STEP = 0.001  # [s] of the physics
 FILES = ("limits", "rcm", "scene", "controller", "collision")
 
 
-def kinova_motion(scale: float = 1.0) -> MotionConfig:
-    """Settings of the controller as launch/kinova.launch has them, at a scale of all speeds."""
+def kinova_motion() -> MotionConfig:
+    """Settings of the controller as launch/kinova.launch has them."""
     files: dict[str, Any] = {name: load_yaml(CONFIG_FOLDER / f"{name}.yaml") for name in FILES}
     files["limits"] = load_yaml(CONFIG_FOLDER / "kinova_limits.yaml")
     merged = overlaid(files, load_yaml(CONFIG_FOLDER / "kinova_controller.yaml"))
-    changes = {"controller": {"speed": {"scale": scale}}}
-    return load_config(MotionConfig, overlaid(merged, changes), "kinova settings")
+    return load_config(MotionConfig, merged, "kinova settings")
 
 
 def _quick_to_home(config: StandInConfig) -> StandInConfig:

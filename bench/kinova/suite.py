@@ -26,7 +26,6 @@ AnyRig = Rig | KinovaRig
 STRICT = "kinova_strict, velocities"
 PROCESSES = 3
 STOPS, LOSSES = 6, 3  # of each kind
-SLOW = 0.1  # of all speeds: that of a first start
 LOOKS = 5  # steps of the physics between two looks at shaft and tension
 REST = 2e-3  # [rad/s] joints slower than this are at rest
 SETS_OFF = 2e-3  # [rad/s] of any joint: the motion has begun
@@ -57,7 +56,7 @@ class Ended:
 
 def measure() -> list[Figure]:
     """All figures, fast first."""
-    parts = (_fast, _commands, _stops, _losses, _slow)
+    parts = (_fast, _commands, _stops, _losses)
     with ProcessPoolExecutor(PROCESSES) as pool:
         running = [pool.submit(part) for part in parts]
         return [figure for part in running for figure in part.result()]
@@ -71,19 +70,14 @@ def _fast() -> list[Figure]:
 
 
 def _commands() -> list[Figure]:
-    with _ready(1.0) as rig:
+    with _ready() as rig:
         figures = _session(STRICT, rig)
         lag = rig.bridge.take_health().lag
         return [*figures, Figure(f"{STRICT}: lag of the arm as seen", lag * 1e3, "ms")]
 
 
-def _slow() -> list[Figure]:
-    with _ready(SLOW) as rig:
-        return _session(f"{STRICT}, speeds times {SLOW:g}", rig)
-
-
 def _stops() -> list[Figure]:
-    with _ready(1.0) as rig:
+    with _ready() as rig:
         return _ended(f"{STRICT}: stop", [_stop(rig, k) for k in range(STOPS)])
 
 
@@ -94,15 +88,15 @@ def _losses() -> list[Figure]:
         ("bridge", "bridge lost, stopped by the guard"),
     )
     figures: list[Figure] = []
-    with _ready(1.0) as rig:
+    with _ready() as rig:
         for loss, words in what:
             ended = [_lose(rig, loss, 100 + k) for k in range(LOSSES)]
             figures += _ended(f"{STRICT}: {words}", ended)
     return figures
 
 
-def _ready(scale: float) -> KinovaRig:
-    rig = KinovaRig(kinova_motion(scale))
+def _ready() -> KinovaRig:
+    rig = KinovaRig(kinova_motion())
     rig.run(0.3)
     rig.home()
     rig.give("hey robot")

@@ -21,13 +21,10 @@ Array = NDArray[np.float64]
 SOLVED = 1e-6  # [m] of pose and trocar that may be missing (a radian counts as 0.1 m)
 STRIDE = 0.5  # [rad] of each joint, most, from one random target to the next
 FRESH = 50  # targets after which the wandering begins at home again
-CIRCLE = ((0.468, -0.024, 0.279), 0.015, 100)  # centre [m], radius [m], points
-TOOL = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # of the published benchmark
-BENCHMARK_START = (0.0, -0.17, 0.0, 1.31, 0.0, 1.57, 0.0, 0.0, 0.0)  # [rad]
 
 
 def measure(config: MotionConfig, count: int) -> list[Figure]:
-    """Solve random reachable poses from home, and the published circle.
+    """Solve random reachable poses from home.
 
     Args:
         config: Settings of planning.
@@ -52,7 +49,6 @@ def measure(config: MotionConfig, count: int) -> list[Figure]:
         Figure("IK time median", p50 * 1e6, "us", 200.0),
         Figure("IK time p99", p99 * 1e6, "us"),
         Figure("IK time max", times.max() * 1e3, "ms"),
-        *_circle(planner),
     ]
 
 
@@ -93,20 +89,3 @@ def _missing(planner: Planner, q: Array, pose: Array) -> float:
     turn = 2.0 * np.arctan2(sine, np.sqrt(max(0.0, 0.5 * (1.0 + cosine))))
     shift = float(np.linalg.norm(tip[:3, 3] - pose[:3, 3]))
     return max(shift, 0.1 * float(turn), rcm_state(here, planner.trocar).error)
-
-
-def _circle(planner: Planner) -> list[Figure]:
-    centre, radius, count = CIRCLE
-    solved, slowest = 0, 0.0
-    q = np.array(BENCHMARK_START)
-    for angle in np.linspace(0.0, 2.0 * np.pi, count, endpoint=False):
-        pose = np.eye(4)
-        pose[:3, :3] = TOOL
-        pose[:3, 3] = np.array(centre) + radius * np.array([np.cos(angle), np.sin(angle), 0.0])
-        begin = time.perf_counter()
-        result = planner.solver.search(pose, planner.trocar, q)
-        slowest = max(slowest, time.perf_counter() - begin)
-        if _missing(planner, result.q, pose) <= SOLVED:
-            solved, q = solved + 1, result.q
-    note = f"(slowest {slowest * 1e3:.2f} ms)"
-    return [Figure("IK on the published circle", solved, "of 100", 100.0, False, note)]

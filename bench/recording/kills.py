@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What SIGKILL takes from a recording, and how many messages a second the writer bears."""
+"""What SIGKILL takes from a recording under traffic.
+
+`python -m bench.recording.kills FILE` is the process under traffic that is killed.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,14 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
-from bench.recording import traffic
 from session_log.cli import CONFIG
 from session_log.config import RecorderConfig
 from session_log.mcap_file.reader import SessionReader
@@ -27,7 +32,8 @@ from typed_config import load_config, load_yaml
 
 KILLS = 200
 AT_ONCE = 3  # processes under traffic at the same time
-FLOOD = 200_000  # messages offered as fast as they come
+SIZE = 320  # [B] of a JointState with ten joints
+TRAFFIC = ((SIZE, 500), (SIZE, 500), (80, 500), (1100, 31))  # [B] and [Hz]; the last is sound
 
 
 @dataclass(frozen=True)
@@ -60,7 +66,7 @@ def kills() -> list[Figure]:
 
 def _kill(path: Path, seed: int) -> Kill:
     process = subprocess.Popen(
-        [sys.executable, traffic.__file__, "record", str(path)],
+        [sys.executable, "-m", "bench.recording.kills", str(path)],
         stdout=subprocess.PIPE,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
         cwd=ROOT,
@@ -83,24 +89,30 @@ def _kill(path: Path, seed: int) -> Kill:
     return Kill(acknowledged, found.messages, found.missing, late, bool(holes))
 
 
-def flood() -> list[Figure]:
-    """Offer messages as fast as Python can, and wait until all are on disk."""
+def record(path: Path) -> None:
+    """Record three topics of 500 Hz and sound from threads, as rospy would deliver them.
+
+    Each line that is printed is the number of messages that the recorder says are written.
+    """
     config = load_config(RecorderConfig, load_yaml(CONFIG.with_name("recorder.yaml")))
-    with tempfile.TemporaryDirectory() as name:
-        path = Path(name) / "flood.mcap"
-        recorder = Recorder(lambda: SessionWriter(path), config, time.time_ns)
-        tally = recorder.register(
-            MessageSource("/t", "std_msgs/String", "992c", "string data", "/p")
-        )
-        recorder.start()
-        began, data = time.monotonic(), bytes(traffic.SIZE)
-        for _ in range(FLOOD):
-            recorder.offer(tally, data)
-        problem = recorder.close()
-        took = time.monotonic() - began
-        found = read_summary(SessionReader(path))
-    note = f"({traffic.SIZE} B, without ROS) {problem}".strip()
-    return [
-        Figure("written without loss", FLOOD / took, "messages/s", note=note),
-        Figure("lost of it", FLOOD - found.messages, "", 0.0),
-    ]
+    recorder = Recorder(lambda: SessionWriter(path), config, time.time_ns)
+    recorder.start()
+    for number, (size, rate) in enumerate(TRAFFIC):
+        topic = MessageSource(f"/t{number}", "std_msgs/String", "992c", "string data", "/p")
+        offer = partial(recorder.offer, recorder.register(topic), bytes(size))
+        threading.Thread(target=_repeat, args=(offer, 1.0 / rate), daemon=True).start()
+    while True:
+        time.sleep(0.01)
+        print(recorder.status().written, flush=True)
+
+
+def _repeat(act: Callable[[], None], period: float) -> None:
+    due = time.monotonic()
+    while True:
+        act()
+        due += period
+        time.sleep(max(due - time.monotonic(), 0.0))
+
+
+if __name__ == "__main__":
+    record(Path(sys.argv[1]))

@@ -1,29 +1,130 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recording: loss under SIGKILL, messages per second, CPU and memory, late ticks, reading, reports.
+"""Recording: loss under SIGKILL, messages per second, and the time to read and report.
 
-All of it takes about five minutes; `make bench ONLY=sessions.kills` is one part.
+`make bench ONLY=sessions.kills` is one part.
 """
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+import tempfile
+import time
 from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
 
-from bench.recording.kills import flood, kills
-from bench.recording.loop import loop
-from bench.recording.node import node
-from bench.recording.read import many, reading
+from bench.recording.kills import SIZE, kills
+from session_log.cli import CONFIG
+from session_log.config import RecorderConfig, ReportConfig
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import read_summary
+from session_log.mcap_file.writer import SessionWriter
+from session_log.recording.recorder import Recorder
+from session_log.report.one_session import write_report
+from session_log.types import Message, MessageSource
 from support.figures import Figure
+from support.story import Story
+from support.story_script import END
+from typed_config import load_config, load_yaml
 
-PARTS: dict[str, Callable[[], list[Figure]]] = {
-    "kills": kills,
-    "flood": flood,
-    "node": node,
-    "loop": loop,
-    "reading": reading,
-    "many": many,
-}
+FLOOD = 200_000  # messages offered as fast as they come
+TURNS = 6  # of the story in one recording
+COMMIT = 10  # messages in one, as the recorder's at 500 Hz
+READ = """
+import resource, sys
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import read_summary
+read_summary(SessionReader(sys.argv[1]))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+T = TypeVar("T")
 
 
 def measure() -> list[Figure]:
     """Measure everything."""
     return [figure for part in PARTS.values() for figure in part()]
+
+
+def flood() -> list[Figure]:
+    """Offer messages as fast as Python can, and wait until all are on disk."""
+    config = load_config(RecorderConfig, load_yaml(CONFIG.with_name("recorder.yaml")))
+    with tempfile.TemporaryDirectory() as name:
+        path = Path(name) / "flood.mcap"
+        recorder = Recorder(lambda: SessionWriter(path), config, time.time_ns)
+        tally = recorder.register(
+            MessageSource("/t", "std_msgs/String", "992c", "string data", "/p")
+        )
+        recorder.start()
+        began, data = time.monotonic(), bytes(SIZE)
+        for _ in range(FLOOD):
+            recorder.offer(tally, data)
+        problem = recorder.close()
+        took = time.monotonic() - began
+        found = read_summary(SessionReader(path))
+    note = f"({SIZE} B, without ROS) {problem}".strip()
+    return [
+        Figure("written without loss", FLOOD / took, "messages/s", note=note),
+        Figure("lost of it", FLOOD - found.messages, "", 0.0),
+    ]
+
+
+def reading() -> list[Figure]:
+    """Read and report one recording of a few minutes."""
+    report_config = load_config(ReportConfig, load_yaml(CONFIG), CONFIG.name)
+    with tempfile.TemporaryDirectory() as name:
+        path, short, out = (Path(name) / file for file in ("long.mcap", "short.mcap", "out"))
+        write_long(path, TURNS)
+        write_long(short, 1)
+        size = path.stat().st_size
+        grown = (_peak_of_reading(path) - _peak_of_reading(short)) / 1e6
+        read, found = _timed(lambda: read_summary(SessionReader(path)))
+        report, _ = _timed(lambda: write_report(SessionReader(path), out, report_config))
+    if found.condition.damage or found.condition.checksum != "good":
+        raise RuntimeError(f"a recording of our own is read as damaged: {found.condition.damage}")
+    hours = found.duration / 3600.0
+    note = f"(from {found.duration:.0f} s)"
+    return [
+        Figure("read", found.messages / read, "messages/s"),
+        Figure("read", size / read / 1e6, "MB/s", note=f"({size / 1e6:.0f} MB)"),
+        Figure(f"memory: {TURNS} times as long a file takes", grown, "MB more", 5.0),
+        Figure("size of an hour of session", size / hours / 1e9, "GB", note=note),
+        Figure("report of an hour of session", report / hours, "s", note=note),
+    ]
+
+
+def write_long(path: Path, turns: int) -> None:
+    """Write the story several times over, in commits as the recorder makes them."""
+    story = list(Story().build())
+    with SessionWriter(path) as writer:
+        for turn in range(turns):
+            shift = int(turn * END * 1e9)
+            for k, m in enumerate(story):
+                count = m.sequence + turn * 100_000
+                writer.add(Message(m.source, m.data, m.log_time + shift, count))
+                if k % COMMIT == 0:
+                    writer.commit()
+        writer.commit()
+
+
+def _timed(act: Callable[[], T]) -> tuple[float, T]:
+    began = time.monotonic()
+    value = act()
+    return time.monotonic() - began, value
+
+
+def _peak_of_reading(path: Path) -> int:
+    """Most memory that a process of its own takes to read a recording [B]."""
+    done = subprocess.run(
+        [sys.executable, "-c", READ, str(path)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        check=True,
+        text=True,
+    )
+    return int(done.stdout) * 1024
+
+
+PARTS: dict[str, Callable[[], list[Figure]]] = {"kills": kills, "flood": flood, "reading": reading}

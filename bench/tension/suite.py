@@ -18,8 +18,6 @@ from numpy.typing import NDArray
 
 from bench.common.quiet import quiet
 from bench.common.rig import random_poses
-from bench.tension.pulls import measure_pulls
-from bench.tension.strict import measure_strict
 from rst_control.config import URDF_FILE, MotionConfig, load_motion_config
 from rst_control.config.torque_tension import TorqueTensionConfig, load_torque_tension
 from rst_control.kinematics import forward
@@ -207,7 +205,7 @@ def measure() -> list[Figure]:
     figures += _spread(f"tared, {SEAL:g} N of friction in the trocar's seal", sealed)
     delay = load_torque_tension().filter_time
     figures.append(Figure("delay of the estimate", delay, "s", note="(of its filter)"))
-    return [*figures, *measure_pulls(), *measure_strict()]
+    return figures
 
 
 def _figures(name: str, told: Sequence[tuple[float, float, str]]) -> list[Figure]:
