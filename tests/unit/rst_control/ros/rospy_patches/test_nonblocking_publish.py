@@ -6,6 +6,10 @@ import threading
 import time
 
 import pytest
+import rospy.topics
+from rospy.impl.tcpros_base import TCPROSTransport
+from rospy.impl.tcpros_pubsub import TCPROSPub
+from std_msgs.msg import String
 
 from rst_control.ros.rospy_patches.nonblocking_publish import NonblockingConnection
 
@@ -107,6 +111,60 @@ def test_a_subscriber_that_went_is_told_to_the_publisher(transport):
     transport.close()
     with pytest.raises(ConnectionError, match="closed"):
         connection.write_data(b"hello")
+
+
+def test_rospy_may_close_a_connection_while_a_message_fails_on_it(transport):
+    """rospy's lock of the topic is held by who closes and wanted by whose message fails."""
+    connection, is_closed = NonblockingConnection(transport, 5), []
+
+    def fail(_):
+        closing = threading.Thread(target=transport.callback, args=(transport,), daemon=True)
+        closing.start()
+        closing.join(5.0)
+        is_closed.append(not closing.is_alive())
+        raise ConnectionError("closed")
+
+    transport.write_data = fail
+    transport.far.close()
+    with pytest.raises(ConnectionError, match="closed"):
+        connection.write_data(b"hello")
+    assert is_closed == [True]
+
+
+@pytest.fixture
+def publisher():
+    """A topic as rospy publishes it, with connections of ours."""
+    topic = rospy.topics._PublisherImpl("/topic", String)
+    topic.set_queue_size(5)
+    yield topic
+    topic.close()
+
+
+def connect(publisher, number):
+    ours, theirs = socket.socketpair()
+    transport = TCPROSTransport(TCPROSPub("/topic", String), "/topic")
+    transport.set_socket(ours, f"/subscriber_{number}")
+    publisher.add_connection(transport)
+    return transport, theirs
+
+
+@pytest.mark.parametrize("is_removed_before", [False, True])
+def test_a_subscriber_stays_whose_socket_has_the_number_of_one_that_went(
+    publisher, monkeypatch, is_removed_before
+):
+    monkeypatch.setattr(rospy.topics, "QueuedConnection", NonblockingConnection)
+    old, _ = connect(publisher, 1)
+    (gone,) = publisher.connections
+    old.socket.close()
+    if is_removed_before:
+        publisher.connections = []
+    new, far = connect(publisher, 2)
+    assert new.fileno() == old.fileno()
+    old.close()
+    assert len(publisher.connections) == 1
+    assert publisher.connections != [gone]
+    publisher.publish(String("hello"))
+    assert b"hello" in far.recv(100)
 
 
 def test_a_jam_ends_with_the_connection(transport):

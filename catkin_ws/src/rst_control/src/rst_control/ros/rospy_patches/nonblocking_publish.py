@@ -29,6 +29,10 @@ class Transport(Protocol):
         """Send all bytes, however long it takes."""
         ...
 
+    def fileno(self) -> int | None:
+        """Give the number of the socket, also after it was closed."""
+        ...
+
     def set_cleanup_callback(self, callback: Callable[[Transport], None]) -> None:
         """Have a function called when the connection closes."""
         ...
@@ -42,6 +46,9 @@ class NonblockingConnection:
     times per message. Here a message goes out at once, without waiting; only from where the network
     takes no more, a thread sends what is left, and up to `queue_size` messages wait behind it, of
     which the oldest are dropped.
+
+    rospy closes connections under its lock of the topic, and `_on_closed` then takes ours. So
+    nothing that may take rospy's lock is called under ours.
 
     Args:
         transport: The connection.
@@ -64,6 +71,17 @@ class NonblockingConnection:
             raise AttributeError(name)
         return getattr(self._transport, name)
 
+    def set_cleanup_callback(self, callback: Callable[[NonblockingConnection], None]) -> None:
+        """As the transport has it, but this connection is what closed: rospy's list holds it."""
+        self._transport.set_cleanup_callback(lambda _: callback(self))
+
+    def fileno(self) -> int | None:
+        """The socket's number; None once it is closed, for another connection may bear it by then.
+
+        rospy goes by it where it removes connections.
+        """
+        return None if self._transport.done else self._transport.fileno()
+
     def write_data(self, data: bytes) -> bool:
         """Send a message, or let it wait; never blocks.
 
@@ -80,24 +98,24 @@ class NonblockingConnection:
                 self._waiting.append(data)
                 return True
             sent = self._send_now(data)
-            if sent < len(data):
+            if sent is not None and sent < len(data):
                 self._is_held_up, self._rest = True, data[sent:]
                 self._wake_thread()
+        if sent is None:  # without our lock: a transport that fails closes and takes rospy's
+            self._transport.write_data(data)
         return True
 
-    def _send_now(self, data: bytes) -> int:
-        """Bytes that went out; what goes wrong is left to the transport to report."""
+    def _send_now(self, data: bytes) -> int | None:
+        """Bytes that went out; None: something is wrong, and the transport has to report it."""
         transport = self._transport
         if transport.socket is None or transport.done:
-            transport.write_data(data)
-            return len(data)
+            return None
         try:
             sent = transport.socket.send(data, MSG_DONTWAIT)
         except BlockingIOError:
             return 0
         except OSError:
-            transport.write_data(data)
-            return len(data)
+            return None
         transport.stat_bytes += sent
         transport.stat_num_msg += sent == len(data)
         return sent
