@@ -12,7 +12,14 @@ import sys
 
 import numpy as np
 
-from voice_assist import Decision, Framer, Mode, load_voice_config, make_pipeline, read_sound
+from voice_assist import (
+    Framer,
+    Mode,
+    UtteranceDecision,
+    load_voice_config,
+    make_pipeline,
+    read_sound,
+)
 
 RATE = 16_000  # [Hz]
 QUIET = np.zeros(RATE, np.float32)  # before and after, so that the end can be heard
@@ -26,7 +33,7 @@ def main(path: str) -> None:
     for frame in Framer().push(np.concatenate([QUIET, read_sound(path), QUIET]), 0.0):
         now = frame.stamp + frame.duration
         for event in pipeline(frame):
-            if isinstance(event, Decision):
+            if isinstance(event, UtteranceDecision):
                 text, rejection = event.hypothesis.text, event.rejection
                 if rejection is None:
                     print(f"{text!r}: {event.command!r}, confidence {event.confidence:.2f}")

@@ -19,7 +19,7 @@ from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.simulation.physics import JointReading
 from rst_control.simulation.pybullet_robot import start_joints
-from rst_control.simulation.tissue import Jaws, Tissue
+from rst_control.simulation.tissue import Jaws, SimulatedTissue
 from rst_control.types import JOINT_COUNT, Measurement, Setpoint
 
 Array = NDArray[np.float64]
@@ -38,7 +38,7 @@ class LightRobot:
         scene, simulator = config.scene, config.simulator
         begin = start_joints(config)
         self.now, self.fault = start, ""
-        self.tissue = Tissue(scene.tissue, STEP)
+        self.tissue = SimulatedTissue(scene.tissue, STEP)
         self.reading = JointReading(begin, np.zeros(JOINT_COUNT), np.zeros(JOINT_COUNT))
         self.force = np.zeros(3)
         self.sensor: Callable[[Array], Array] = lambda force: force  # what it reports of a force

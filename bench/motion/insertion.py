@@ -22,7 +22,7 @@ from rst_control.commands.table import COMMANDS
 from rst_control.commands.verifier import Verifier
 from rst_control.config import MotionConfig, SimulationConfig
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.rcm import rcm_error_vector
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.planning.planner import Planner
@@ -227,7 +227,7 @@ class InsertionRun:
             return  # the tip is outside the patient
         first, second = self._rig.robot.shaft()
         along = (second - first) / np.linalg.norm(second - first)
-        self.error = max(self.error, float(np.linalg.norm(rcm_error(first, along, trocar))))
+        self.error = max(self.error, float(np.linalg.norm(rcm_error_vector(first, along, trocar))))
 
 
 def carry_out(config: MotionConfig, simulation: SimulationConfig, q: Array) -> InsertionRun:

@@ -14,7 +14,7 @@ from bench.common.rig import random_poses
 from rst_control.config import URDF_FILE, MotionConfig
 from rst_control.errors import Infeasible
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.rcm import rcm_error_vector
 from rst_control.kinematics.robot_model import load_robot as load_model
 from rst_control.planning.planner import Planner
 from rst_control.simulation.physics import joint_indices, link_indices, load_robot
@@ -89,7 +89,7 @@ def _sampled(planner: Planner, path: Path) -> tuple[Array, Array]:
 
 def _error(ends: Ends, trocar: Array) -> float:
     shaft = ends[1] - ends[0]
-    return float(np.linalg.norm(rcm_error(ends[0], shaft / np.linalg.norm(shaft), trocar)))
+    return float(np.linalg.norm(rcm_error_vector(ends[0], shaft / np.linalg.norm(shaft), trocar)))
 
 
 def _bullet_shaft(client: int) -> Callable[[Array], Ends]:

@@ -27,7 +27,7 @@ from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.plan import Phase
 from rst_control.planning.planner import Planner
-from rst_control.simulation.tissue import Tissue
+from rst_control.simulation.tissue import SimulatedTissue
 from rst_control.tension.control import TensionControl
 from rst_control.tissue.grasp_candidates import turned
 from rst_control.tissue.sheet import rest_points, rim_nodes
@@ -177,7 +177,7 @@ def attempt(config: MotionConfig, seed: int) -> Attempt:
 
 
 def _pull(planner: Planner, sheet: Sheet, decision: Accepted) -> tuple[str, ...]:
-    phase, tissue = decision.plan.phases[-1], Tissue(sheet.tissue, STEP)
+    phase, tissue = decision.plan.phases[-1], SimulatedTissue(sheet.tissue, STEP)
     path = phase.path
     if path is None:
         return ("no pull planned",)
@@ -192,7 +192,9 @@ def _pull(planner: Planner, sheet: Sheet, decision: Accepted) -> tuple[str, ...]
     return held.failures(planner.config.scene.triangulation)
 
 
-def _pulled(planner: Planner, phase: Phase, path: Path, tissue: Tissue) -> tuple[float, Array]:
+def _pulled(
+    planner: Planner, phase: Phase, path: Path, tissue: SimulatedTissue
+) -> tuple[float, Array]:
     """Pull until settled or at the furthest; returns tension [N] and place of the jaws (3,)."""
     settings = planner.config.controller
     bounds = MotionBounds(phase.speed, phase.acceleration, settings.speed.jerk)

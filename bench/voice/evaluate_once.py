@@ -17,7 +17,7 @@ from typing import Any
 from bench.common import resumable
 from bench.voice.material import clips as voice_sets
 from support.figures import RESULTS, ROOT
-from voice_assist.evaluation.evaluator import Claim
+from voice_assist.evaluation.evaluator import ClaimedCommand
 
 KEEP = bool(os.environ.get("KEEP"))  # use the results that are there, measure the others
 THIN = int(os.environ.get("THIN", "3"))  # one clip in so many of noise, words and talk; 1: all
@@ -34,7 +34,7 @@ class EvaluatedClip:
     command: str  # empty: none was said
     taken: tuple[str, ...]
     seconds: float  # [s]
-    claims: tuple[Claim, ...]
+    claims: tuple[ClaimedCommand, ...]
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def read_rows(path: Path) -> tuple[EvaluatedClip, ...]:
                 command=line["command"],
                 taken=tuple(filter(None, line["taken"].split("|"))),
                 seconds=float(line["seconds"]),
-                claims=tuple(Claim(**claim) for claim in json.loads(line["claims"])),
+                claims=tuple(ClaimedCommand(**claim) for claim in json.loads(line["claims"])),
             )
             for line in csv.DictReader(file)
         )

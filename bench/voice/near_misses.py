@@ -22,7 +22,7 @@ from bench.voice.material.synthesis import spoken
 from bench.voice.outcomes import motions
 from session_log.report.bounds import at_most
 from support.figures import Figure
-from voice_assist.evaluation.evaluator import Claim
+from voice_assist.evaluation.evaluator import ClaimedCommand
 from voice_assist.training.data.homophones import same_as_command
 
 FULL = 12  # voices per phrase at THIN=1
@@ -130,7 +130,11 @@ def _apart(records: Sequence[SceneRecord]) -> tuple[list[SceneRecord], list[Scen
 
 def _row(record: SceneRecord) -> EvaluatedClip:
     label, heard = record.label, record.heard
-    claims = (Claim(s.command, s.confidence, s.origin, s.is_taken) for s in heard.said if s.command)
+    claims = (
+        ClaimedCommand(s.command, s.confidence, s.origin, s.is_taken)
+        for s in heard.said
+        if s.command
+    )
     return EvaluatedClip(
         label["path"], label["text"], "", heard.taken, label["seconds"], tuple(claims)
     )

@@ -11,7 +11,7 @@ import pybullet
 import PyKDL
 
 from rst_control.config import CONFIG_FOLDER, MotionConfig
-from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.rcm import rcm_error_vector
 from rst_control.kinematics.robot_model import RobotModel, load_robot
 from rst_control.types import JOINTS
 from support.kdl_chain import kdl_chain
@@ -80,4 +80,4 @@ class BulletShaft:
 def shaft_error(start: np.ndarray, end: np.ndarray, trocar: np.ndarray) -> float:
     """Distance [m] of the line through two points (3,) from a third."""
     along = (end - start) / np.linalg.norm(end - start)
-    return float(np.linalg.norm(rcm_error(start, along, trocar)))
+    return float(np.linalg.norm(rcm_error_vector(start, along, trocar)))

@@ -16,7 +16,12 @@ from typed_config import ConfigError
 from voice_assist.errors import VoiceError
 from voice_assist.profile import thresholds
 from voice_assist.profile.manifest import COMMAND, Manifest, Take, from_bytes, to_bytes
-from voice_assist.profile.profile import ProfileError, VoiceProfile, create_profile, open_profile
+from voice_assist.profile.profile import (
+    VoiceProfile,
+    VoiceProfileError,
+    create_profile,
+    open_profile,
+)
 
 FILES = ("profile.json", "takes/0001.wav", "settings.json")
 
@@ -68,7 +73,7 @@ def test_damage_is_named_or_harmless(
         path.write_bytes(bytes(data))
         try:
             after = read_all(root)
-        except ProfileError as error:
+        except VoiceProfileError as error:
             assert "'ada'" in str(error)
         else:
             assert {n: after[n] for n in after if n in before} == {n: before[n] for n in after}

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.rcm import rcm_error_vector
 from rst_control.kinematics.robot_model import rotation
 from rst_control.registration.pivot_calibration import TooLittleSpread, fit_pivot
 
@@ -67,7 +67,7 @@ def test_at_the_fit_the_sum_of_squares_is_at_its_least(seed, count, trocar):
     a, d = shafts(seed, count, trocar, noise=1e-3)
 
     def squares(p):
-        return sum(float(np.sum(rcm_error(x, y, p) ** 2)) for x, y in zip(a, d, strict=True))
+        return sum(float(np.sum(rcm_error_vector(x, y, p) ** 2)) for x, y in zip(a, d, strict=True))
 
     result = fit(a, d)
     assert squares(result.position) == pytest.approx(float(np.sum(result.residuals**2)), rel=1e-6)

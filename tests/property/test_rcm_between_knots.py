@@ -8,7 +8,7 @@ import PyKDL
 import pytest
 
 from rst_control.errors import Infeasible
-from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.rcm import rcm_error_vector
 from rst_control.kinematics.robot_model import rotation
 from rst_control.trajectory.path import speed_bounds
 from support.kdl_chain import kdl_chain
@@ -28,7 +28,7 @@ class Shaft:
     def error(self, q, trocar):
         frame = self._frame(self._shaft, q[:7])
         d = np.array(list(frame.M.UnitZ()))
-        return float(np.linalg.norm(rcm_error(np.array(list(frame.p)), d, trocar)))
+        return float(np.linalg.norm(rcm_error_vector(np.array(list(frame.p)), d, trocar)))
 
     def tip(self, q):
         return np.array(list(self._frame(self._tip, q).p))

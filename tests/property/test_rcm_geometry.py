@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from rst_control.kinematics import constrained_ik, forward
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
-from rst_control.kinematics.rcm import rcm_error, rcm_state
+from rst_control.kinematics.rcm import rcm_error_vector, rcm_state
 from rst_control.kinematics.robot_model import load_robot, rotation
 from tests.support.jacobians import rcm_jacobian_at
 
@@ -31,20 +31,23 @@ def directions(draw):
 
 @given(directions(), points, points, st.floats(-0.3, 0.3))
 def test_error_ignores_sliding_along_the_shaft(d, p, trocar, slide):
-    moved = rcm_error(p + slide * d, d, trocar)
-    assert_allclose(moved, rcm_error(p, d, trocar), atol=1e-12)
+    moved = rcm_error_vector(p + slide * d, d, trocar)
+    assert_allclose(moved, rcm_error_vector(p, d, trocar), atol=1e-12)
 
 
 @given(directions(), points, points)
 def test_error_is_square_to_the_shaft_and_ends_on_it(d, p, trocar):
-    error = rcm_error(p, d, trocar)
+    error = rcm_error_vector(p, d, trocar)
     assert abs(error @ d) < 1e-12
     assert np.linalg.norm(np.cross(trocar - error - p, d)) < 1e-12
 
 
 @given(directions(), points, points, st.floats(-0.5, 0.5))
 def test_no_point_of_the_shaft_is_nearer(d, p, trocar, along):
-    assert np.linalg.norm(trocar - p - along * d) >= np.linalg.norm(rcm_error(p, d, trocar)) - 1e-12
+    assert (
+        np.linalg.norm(trocar - p - along * d)
+        >= np.linalg.norm(rcm_error_vector(p, d, trocar)) - 1e-12
+    )
 
 
 @settings(deadline=None)
@@ -52,7 +55,7 @@ def test_no_point_of_the_shaft_is_nearer(d, p, trocar, along):
 def test_lateral_errors_are_the_error_in_the_frame_of_the_shaft(q, trocar):
     configuration = Configuration(load_robot(), q)
     T, state = configuration.T_base_shaft, rcm_state(configuration, trocar)
-    error = T[:3, :3].T @ rcm_error(T[:3, 3], T[:3, 2], trocar)
+    error = T[:3, :3].T @ rcm_error_vector(T[:3, 3], T[:3, 2], trocar)
     assert_allclose([*state.lateral, 0.0], error, atol=1e-12)
     assert abs(state.error - np.linalg.norm(error)) < 1e-12
 

@@ -10,7 +10,7 @@ import pytest
 
 from rst_control.config import load_motion_config, load_simulation_config
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
-from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.rcm import rcm_error_vector
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.planner import Planner
 from rst_control.robot.setpoint_servo import ServoState
@@ -75,7 +75,7 @@ class Course:
         first, second = self.robot.shaft()
         direction = (second - first) / np.linalg.norm(second - first)
         trocar = np.array(SIMULATION.scene.trocar)
-        self.rcm.append(float(np.linalg.norm(rcm_error(first, direction, trocar))))
+        self.rcm.append(float(np.linalg.norm(rcm_error_vector(first, direction, trocar))))
         asked = Configuration(MODEL, planning_joints(self.robot.target)[0]).tip
         self.tip.append(float(np.linalg.norm(self.robot.tip - asked)))
 

@@ -13,7 +13,7 @@ from voice_assist.speaker.cohort import read_cohort
 from voice_assist.speaker.network import VoiceNetwork
 from voice_assist.speaker.voiceprint import make_voiceprint
 from voice_assist.training.data.voices import Prompt, speak
-from voice_assist.types import RATE, Call, Decision, Halt, Mode, NoMatch
+from voice_assist.types import RATE, Call, Halt, Mode, NoMatch, UtteranceDecision
 
 SURGEON, VISITOR = "en-us+m3", "en-us+f4"
 TAKES = ("tense", "release", "pull more", "pull less", "hey robot", "terminate", "stop")
@@ -40,7 +40,7 @@ def hear(pipeline, text, voice):
     pipeline.reset()
     pipeline.set_mode(Mode.ACTIVE, "test")
     frames = Framer().push(sound[: len(sound) // FRAME * FRAME], 0.0)
-    return [e for frame in frames for e in pipeline(frame) if isinstance(e, Decision)]
+    return [e for frame in frames for e in pipeline(frame) if isinstance(e, UtteranceDecision)]
 
 
 @pytest.mark.parametrize("phrase", ["tense", "pull more"])

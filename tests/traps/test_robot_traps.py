@@ -18,7 +18,7 @@ from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.planner import Planner
 from rst_control.simulation.physics import joint_indices
 from rst_control.simulation.pybullet_robot import PybulletRobot
-from rst_control.simulation.tissue import Tissue
+from rst_control.simulation.tissue import SimulatedTissue
 from rst_control.trajectory.path import Path
 from rst_control.types import JOINTS
 from support.figures import Figure, percentiles
@@ -105,7 +105,7 @@ def test_two_newtons_at_the_tip_read_as_two_newtons():
 
 def test_held_tissue_reports_the_force_of_its_stretch():
     """An anchor that reports no force would leave the tension at zero, and the pull without end."""
-    tissue = Tissue(SIMULATION.scene.tissue, 0.001)
+    tissue = SimulatedTissue(SIMULATION.scene.tissue, 0.001)
     tip = np.array(SIMULATION.scene.tissue.reference_point)
     assert tissue.grasp(tip)
     pull = np.array(SIMULATION.scene.tissue.reference_pull)

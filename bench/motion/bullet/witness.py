@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from bench.motion.bullet.robot import BulletRobot
 from rst_control.config import MotionConfig
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.rcm import rcm_error_vector
 from rst_control.simulation.physics import joint_indices, link_indices
 
 Array = NDArray[np.float64]
@@ -61,7 +61,7 @@ class BulletWitness(BulletRobot):
                 place = T[:, :3] @ np.array(end) + T[:, 3]
                 height = float(self._outward @ (place - self._trocar)) - body.radius
                 lowest[is_tool] = min(lowest[is_tool], height)
-        error = float(np.linalg.norm(rcm_error(first, along, self._trocar)))
+        error = float(np.linalg.norm(rcm_error_vector(first, along, self._trocar)))
         depths = (float(along @ (place - self._trocar)) for place in (tip, wrist))
         return Sight(error, *depths, lowest[True], lowest[False])
 

@@ -19,7 +19,7 @@ from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.robot.setpoint_servo import Servo, ServoState
 from rst_control.simulation.pybullet_robot import servo_limits, start_joints
-from rst_control.simulation.tissue import Jaws, Tissue
+from rst_control.simulation.tissue import Jaws, SimulatedTissue
 from rst_control.types import JOINT_COUNT, Cause, Measurement, Reason, Setpoint, frozen_array
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ class ServoRobot:
         begin = start_joints(config)
         self._start, self._steps = start, 0
         self.servo = Servo(config.simulator.servo, servo_limits(config.limits), begin)
-        self.tissue = Tissue(config.scene.tissue, STEP)
+        self.tissue = SimulatedTissue(config.scene.tissue, STEP)
         self._jaws = Jaws(
             self.tissue, config.simulator.closed_opening, config.simulator.held_opening
         )

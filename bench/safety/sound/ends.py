@@ -15,7 +15,7 @@ from support.theatre_sound import speak
 from voice_assist.audio.source import Framer
 from voice_assist.evaluation.evaluator import StreamClock
 from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.types import RATE, Decision, Match, Mode
+from voice_assist.types import RATE, Match, Mode, UtteranceDecision
 
 NOISES = ("suction", "fans", "drills", "white", "mains")
 LEVELS = (-3.0, -9.0, -15.0, -21.0)  # [dB] of full scale, RMS before it is clipped
@@ -54,7 +54,7 @@ def _hears(
     taken = []
     for frame in Framer().push(np.clip(np.concatenate(sound), -1.0, 1.0), clock() + 1.0):
         clock.begin(frame.stamp + frame.duration)
-        decided = [e.outcome for e in pipeline(frame) if isinstance(e, Decision)]
+        decided = [e.outcome for e in pipeline(frame) if isinstance(e, UtteranceDecision)]
         clock.end()
         taken += [one.command for one in decided if isinstance(one, Match)]
     return "stop" in taken

@@ -32,7 +32,7 @@ from voice_assist.audio.source import Framer
 from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import StreamClock
 from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.types import RATE, Decision, Match, Mode
+from voice_assist.types import RATE, Match, Mode, UtteranceDecision
 
 HOURS = float(os.environ.get("HOURS", "1"))
 PIECE = 60.0  # [s] of one kind
@@ -104,7 +104,7 @@ class Garbage:
             self._clock.end()
             self.tally.compute = self._clock.compute
             self.tally.seconds += frame.duration
-            decisions = [e.outcome for e in events if isinstance(e, Decision)]
+            decisions = [e.outcome for e in events if isinstance(e, UtteranceDecision)]
             taken += [one.command for one in decisions if isinstance(one, Match)]
         return taken, is_named
 

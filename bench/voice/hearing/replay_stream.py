@@ -19,12 +19,12 @@ from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.recognizer.recognizer import Recognizer
 from voice_assist.types import (
     RATE,
-    Decision,
     Hypothesis,
     IsHopeless,
     Match,
     Mode,
     Samples,
+    UtteranceDecision,
     never_hopeless,
 )
 
@@ -129,7 +129,9 @@ class SceneListener:
             self._clock.begin(frame.stamp + frame.duration)
             events = pipeline(frame)
             self._clock.end()
-            said += [_said(event, began) for event in events if isinstance(event, Decision)]
+            said += [
+                _said(event, began) for event in events if isinstance(event, UtteranceDecision)
+            ]
         streamed = len(whole_frames(scene.sound)) / RATE
         spent = self._clock.compute - compute
         return SceneResult(tuple(said), streamed, spent, armed * FRAME / RATE)
@@ -156,7 +158,7 @@ def _of_way(config: VoiceConfig, way: Way) -> VoiceConfig:
     return load_voice_config(recognizer__model=config.recognizer.model, spotter__is_enabled=False)
 
 
-def _said(decision: Decision, began: float) -> SceneDecision:
+def _said(decision: UtteranceDecision, began: float) -> SceneDecision:
     outcome = decision.outcome
     is_taken = isinstance(outcome, Match)
     command, why = "", ""

@@ -46,7 +46,7 @@ from voice_assist.audio.wav_file import read_sound
 from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import StreamClock
 from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.types import RATE, Decision, Lost, Mode, Samples
+from voice_assist.types import RATE, Lost, Mode, Samples, UtteranceDecision
 
 FULL = 1.0  # [h]
 HOURS = float(os.environ.get("SOAK", "1"))
@@ -103,7 +103,7 @@ class Soak:
             matches += [
                 (event.decided - self._began, event.command)
                 for event in events
-                if isinstance(event, Decision) and event.command
+                if isinstance(event, UtteranceDecision) and event.command
             ]
         shifted = [
             replace(one, begin=one.begin + self._streamed, end=one.end + self._streamed)

@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, PointStamped
 
 from rst_control.kinematics.configuration import Configuration, planning_joints
-from rst_control.kinematics.rcm import rcm_error
+from rst_control.kinematics.rcm import rcm_error_vector
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.srv import SetTrocar
 from tests.support.robot_client import RobotClient
@@ -51,7 +51,7 @@ class TrocarService(unittest.TestCase):
 
     def off(self, trocar):
         T = self.shaft()
-        return np.linalg.norm(rcm_error(T[:3, 3], T[:3, 2], trocar))
+        return np.linalg.norm(rcm_error_vector(T[:3, 3], T[:3, 2], trocar))
 
     def told(self, kind, message):
         """Whether the newest such event holds the message."""

@@ -4,18 +4,18 @@
 from voice_assist.msg import Utterance
 from voice_assist.ros.messages import utterance
 from voice_assist.types import (
-    Decision,
     Hypothesis,
     Match,
     Mode,
     NoMatch,
     Rejection,
     RejectionReason,
+    UtteranceDecision,
 )
 
 
 def message_of(outcome):
-    decision = Decision(
+    decision = UtteranceDecision(
         Hypothesis("tense", 0.0, 0.0), outcome, 0.4, Mode.ACTIVE, 1.0, 2.0, 2.1, False
     )
     return utterance(decision, 2.2)

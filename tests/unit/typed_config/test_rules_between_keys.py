@@ -84,7 +84,7 @@ RULES = [
     ("audio.yaml", ("denoise", "high_pass"), 0, ""),
     ("audio.yaml", ("vad", "stop"), 0.5, "vad.stop is 0.5, allowed: up to resume, 0.4"),
     ("recognizer.yaml", ("early", "settle"), 0.128, "early.settle is 0.128, allowed: below pause"),
-    ("recognizer.yaml", ("early", "stop_confidence"), 0.7, "from vote_confidence on, 0.75"),
+    ("recognizer.yaml", ("early", "first_stop_confidence"), 0.7, "from vote_confidence on, 0.75"),
     ("spotter.yaml", ("agree",), 3.0, "agree is 3.0, allowed: up to middle, 2 nat"),
     ("recorder.yaml", ("exclude",), ["/a("], "exclude[0] is '/a(', allowed: a regular expression"),
     ("recorder.yaml", ("wait_for",), ["tension"], "wait_for[0] is 'tension', allowed: the whole"),

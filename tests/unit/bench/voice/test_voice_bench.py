@@ -10,7 +10,7 @@ from bench.voice.evaluate_once import Evaluated, EvaluatedClip, read_rows
 from bench.voice.material import theatre_noise
 from bench.voice.material.confusable_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
 from voice_assist.config import load_voice_config
-from voice_assist.evaluation.evaluator import Claim
+from voice_assist.evaluation.evaluator import ClaimedCommand
 from voice_assist.intent.mapper import Mapper
 from voice_assist.text.normalize import is_negated, normalize
 from voice_assist.types import RATE, Match
@@ -50,10 +50,10 @@ def test_full_confidence_falls_into_the_last_bin():
 
 def test_claims_are_right_only_where_their_command_was_said():
     claims = [
-        Claim("stop", 0.9, "recognizer", True),
-        Claim("stop", 0.8, "spotter", True),
-        Claim("pull more", 0.3, "recognizer", False),
-        Claim("terminate", 0.7, "recognizer", True),
+        ClaimedCommand("stop", 0.9, "recognizer", True),
+        ClaimedCommand("stop", 0.8, "spotter", True),
+        ClaimedCommand("pull more", 0.3, "recognizer", False),
+        ClaimedCommand("terminate", 0.7, "recognizer", True),
     ]
     found = claims_of(Evaluated("x", {}, (row("stop", "stop", claims=claims),)), "human")
     assert [c.kind for c in found] == list(KINDS)
@@ -130,7 +130,7 @@ def test_details_of_an_evaluation_are_read_back(tmp_path):
     )
     first, second = read_rows(path)
     assert first.taken == ("stop", "tense")
-    assert first.claims == (Claim("stop", 0.9, "spotter", True),)
+    assert first.claims == (ClaimedCommand("stop", 0.9, "spotter", True),)
     assert (second.taken, second.seconds, second.claims) == ((), 0.5, ())
     assert Evaluated("x", {}, (first, second)).hours == pytest.approx(2.0 / 3600)
 

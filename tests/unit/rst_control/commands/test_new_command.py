@@ -9,7 +9,7 @@ import pytest
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.commands.parser import read_request
-from rst_control.commands.spec import CommandSpec, Load, Tissue
+from rst_control.commands.spec import CommandSpec, Load, TissueNeeded
 from rst_control.commands.table import COMMANDS, by_phrase, markdown
 from rst_control.config.recording import RecordingConfig
 from rst_control.kinematics.configuration import Configuration
@@ -22,7 +22,7 @@ ROW = CommandSpec(
     "nudge",
     "goes in along the shaft by 2 mm and back",
     load=Load.LOADS,
-    tissue=Tissue.NONE,
+    tissue=TissueNeeded.NONE,
     phases=(PhaseKind.INSERT, PhaseKind.WITHDRAW),
     plan=nudge.plan,
 )

@@ -29,7 +29,7 @@ TENSION = replace(
 RESPONSE = GraspResponse(TENSION, 0.8)  # that never hears of a reading
 
 
-class Tissue:
+class SpringTissue:
     """Pulled by a run, its tension told late."""
 
     def __init__(self, stiffness: float, goal: float, start: float = 0.0) -> None:
@@ -67,41 +67,41 @@ class Tissue:
 
 @pytest.mark.parametrize("stiffness", [50.0, 100.0, 200.0])
 def test_it_stops_at_the_tension_asked_for_though_that_is_late(stiffness: float) -> None:
-    tissue = Tissue(stiffness, goal=1.0)
+    tissue = SpringTissue(stiffness, goal=1.0)
     tissue.pull()
     assert tissue.run.is_done
     assert tissue.tension == pytest.approx(1.0, abs=0.05)
 
 
 def test_it_is_so_slow_that_the_stiffest_tissue_rises_by_the_tolerance_within_the_delay() -> None:
-    tissue = Tissue(100.0, goal=1.0)
+    tissue = SpringTissue(100.0, goal=1.0)
     tissue.pull()
     assert tissue.fastest == pytest.approx(0.15 / (0.13 * 200.0), rel=1e-3)
 
 
 def test_tissue_five_times_stiffer_than_expected_is_not_pulled_to_twice_the_tension() -> None:
-    tissue = Tissue(1000.0, goal=1.0)
+    tissue = SpringTissue(1000.0, goal=1.0)
     tissue.pull()
     assert tissue.run.is_done
     assert tissue.tension < 2.0
 
 
 def test_it_eases_to_a_lower_tension() -> None:
-    tissue = Tissue(200.0, goal=0.5, start=0.006)
+    tissue = SpringTissue(200.0, goal=0.5, start=0.006)
     tissue.pull()
     assert not tissue.run.is_pulling
     assert tissue.tension == pytest.approx(0.5, abs=0.18)  # the tolerance, and braking
 
 
 def test_slack_tissue_ends_at_the_end_of_the_path() -> None:
-    tissue = Tissue(5.0, goal=1.0)
+    tissue = SpringTissue(5.0, goal=1.0)
     tissue.pull()
     assert tissue.run.is_done
     assert tissue.run.state.s == pytest.approx(LENGTH)
 
 
 def test_a_tension_that_loses_trust_ends_the_pull_with_the_reason() -> None:
-    tissue = Tissue(100.0, goal=1.0)
+    tissue = SpringTissue(100.0, goal=1.0)
     tissue.pull(0.3)
     tissue.invalid = "torques fit no pull"
     before = tissue.run.state.s

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from rst_control.kinematics.configuration import Configuration
-from rst_control.kinematics.rcm import rcm_error, rcm_state
+from rst_control.kinematics.rcm import rcm_error_vector, rcm_state
 
 
 def test_a_trocar_beside_a_vertical_shaft_is_its_horizontal_distance_away():
-    error = rcm_error(np.zeros(3), np.array([0.0, 0.0, -1.0]), np.array([0.003, 0.004, 0.2]))
+    error = rcm_error_vector(np.zeros(3), np.array([0.0, 0.0, -1.0]), np.array([0.003, 0.004, 0.2]))
     np.testing.assert_allclose(error, [0.003, 0.004, 0.0], atol=1e-15)
 
 

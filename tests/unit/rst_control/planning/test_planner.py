@@ -94,6 +94,22 @@ def test_a_shaft_slightly_off_the_trocar_is_put_back_first(planner, home):
     assert len(rest) == 2
 
 
+def test_a_way_back_that_does_not_end_in_the_trocar_is_refused(planner, home, monkeypatch):
+    off = home.copy()
+    off[3] += 5e-4
+    monkeypatch.setattr(planner, "project", lambda q: q + 0.1 * (home - off))
+    with pytest.raises(TrocarDrift, match=r"um off the trocar, allowed 1\.00 um"):
+        planner.seat(off)
+
+
+def test_a_way_back_that_leads_further_off_is_refused(planner, home, monkeypatch):
+    off = home.copy()
+    off[3] += 5e-4
+    monkeypatch.setattr(planner, "project", lambda q: q - (home - off))
+    with pytest.raises(TrocarDrift, match="um off the trocar, allowed"):
+        planner.seat(off)
+
+
 def test_a_shaft_far_off_the_trocar_is_refused(planner, home):
     off = home.copy()
     off[3] += 0.05

@@ -10,7 +10,7 @@ import pytest
 
 from rst_control.config import load_simulation_config
 from rst_control.simulation.exposure import exposure, exposure_words
-from rst_control.simulation.tissue import Tissue
+from rst_control.simulation.tissue import SimulatedTissue
 
 SCENE = load_simulation_config().scene
 STEP = 1e-3
@@ -18,7 +18,7 @@ STEP = 1e-3
 
 def pulled(way, missed=(0.0, 0.0, 0.0), steps=600):
     """The shipped sheet, grasped a little off the point meant, and pulled by a way [m]."""
-    tissue = Tissue(SCENE.tissue, STEP)
+    tissue = SimulatedTissue(SCENE.tissue, STEP)
     tip = np.array(SCENE.grasp_point) + missed
     assert tissue.grasp(tip)
     for share in np.linspace(0.0, 1.0, steps):
@@ -29,7 +29,7 @@ def pulled(way, missed=(0.0, 0.0, 0.0), steps=600):
 
 
 def test_tissue_that_nobody_holds_has_no_verdict():
-    assert exposure(Tissue(SCENE.tissue, STEP), SCENE, np.zeros(3)) is None
+    assert exposure(SimulatedTissue(SCENE.tissue, STEP), SCENE, np.zeros(3)) is None
     assert exposure_words(None, SCENE) == "no tissue held"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rst_control.config import load_simulation_config
-from rst_control.simulation.tissue import Tissue
+from rst_control.simulation.tissue import SimulatedTissue
 from rst_control.tissue.sheet import rim_nodes
 
 STEP = 1e-3
@@ -20,11 +20,13 @@ PULL = np.array(CONFIG.reference_pull)
 ALONG = PULL / np.linalg.norm(PULL)
 
 
-def tissue(**changes) -> Tissue:
-    return Tissue(replace(CONFIG, **changes), STEP)
+def tissue(**changes) -> SimulatedTissue:
+    return SimulatedTissue(replace(CONFIG, **changes), STEP)
 
 
-def pulled(sheet: Tissue, distance: float, speed: float = 0.02, settle: float = 0.5) -> np.ndarray:
+def pulled(
+    sheet: SimulatedTissue, distance: float, speed: float = 0.02, settle: float = 0.5
+) -> np.ndarray:
     """Grasp, pull at a speed, wait; force on the jaws."""
     assert sheet.grasp(GRASP)
     steps = max(int(distance / speed / STEP), 1)

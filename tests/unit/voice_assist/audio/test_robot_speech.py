@@ -83,7 +83,7 @@ def test_in_the_midst_of_somebody_elses_it_does_not():
 def test_what_is_no_stop_or_unsure_does_not_count_in_its_midst():
     assert commands(hear(OVER.replace("stop", "tense"), (0.0, True))) == []
     assert commands(hear(OVER.replace("stop", "pull more"), (0.0, True))) == []
-    unsure = CONFIG.stop_confidence - 0.01
+    unsure = CONFIG.stop_over_speech_confidence - 0.01
     assert commands(hear(OVER, (0.0, True), recognizer=FakeRecognizer(confidence=unsure))) == []
 
 

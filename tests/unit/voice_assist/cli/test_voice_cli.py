@@ -11,7 +11,6 @@ from voice_assist.cli.listen import Screen, row
 from voice_assist.cli.main import main
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.types import (
-    Decision,
     Hypothesis,
     Lost,
     Match,
@@ -20,6 +19,7 @@ from voice_assist.types import (
     Partial,
     Rejection,
     RejectionReason,
+    UtteranceDecision,
 )
 
 
@@ -70,7 +70,7 @@ def test_wrong_arguments_end_with_2_and_say_why(arguments, problem, capsys):
 
 
 def decision(outcome, text="pull more"):
-    return Decision(
+    return UtteranceDecision(
         hypothesis=Hypothesis(text, -0.1, 0.0),
         outcome=outcome,
         confidence=0.93,

@@ -19,7 +19,7 @@ from voice_assist.enrolment.pipeline_probe import PipelineProbe
 from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile.active import PersonalRecognizer, personalise
 from voice_assist.profile.manifest import ACTIVE, COMMAND, REFUSED, TALK, Take
-from voice_assist.profile.profile import ProfileError, VoiceProfile, create_profile
+from voice_assist.profile.profile import VoiceProfile, VoiceProfileError, create_profile
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
@@ -121,7 +121,7 @@ def test_a_profile_of_wrong_words_is_refused_and_names_them(
     assert swapped.manifest.state == REFUSED
     assert swapped.manifest.why == problems
     assert not swapped.has("model.pt")
-    with pytest.raises(ProfileError, match="failed its own check"):
+    with pytest.raises(VoiceProfileError, match="failed its own check"):
         personalise(dataclasses.replace(voice.profile, name="eve"), base)
 
 
@@ -129,5 +129,7 @@ def test_too_few_takes_are_refused_by_name(
     voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognizer
 ) -> None:
     empty = create_profile("bob", base.model_hash, Path(voice.profile.folder))
-    with pytest.raises(ProfileError, match=r"too few takes of 'hey robot' 0, .*at least 3 of each"):
+    with pytest.raises(
+        VoiceProfileError, match=r"too few takes of 'hey robot' 0, .*at least 3 of each"
+    ):
         build(empty, voice, config, base)

@@ -17,7 +17,6 @@ from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.types import (
     RATE,
     Call,
-    Decision,
     Halt,
     Hypothesis,
     Lost,
@@ -26,6 +25,7 @@ from voice_assist.types import (
     NoMatch,
     Partial,
     SetMode,
+    UtteranceDecision,
     never_hopeless,
 )
 
@@ -63,7 +63,7 @@ def hear(text, mode=Mode.ACTIVE, recognizer=None, **changes):
 
 
 def decisions(events):
-    return [event for event in events if isinstance(event, Decision)]
+    return [event for event in events if isinstance(event, UtteranceDecision)]
 
 
 def commands(events):

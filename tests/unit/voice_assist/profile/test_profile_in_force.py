@@ -22,7 +22,7 @@ from voice_assist.profile.active import (
     with_profile,
 )
 from voice_assist.profile.manifest import ACTIVE, REFUSED
-from voice_assist.profile.profile import ProfileError, VoiceProfile, create_profile
+from voice_assist.profile.profile import VoiceProfile, VoiceProfileError, create_profile
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.replay.replayer import restore_settings
@@ -79,13 +79,15 @@ def test_one_switch_leads_back_to_the_base(profile: VoiceProfile, base: Embedded
 
 def test_a_refused_profile_is_not_used_and_says_why(profile: VoiceProfile) -> None:
     profile.judge(REFUSED, ("commands taken from talk: 2, allowed: up to 0",))
-    with pytest.raises(ProfileError, match=r"failed its own check \(commands taken from talk: 2"):
+    with pytest.raises(
+        VoiceProfileError, match=r"failed its own check \(commands taken from talk: 2"
+    ):
         profile_in_force(config(profile).profile)
 
 
 def test_an_unfinished_profile_is_not_used(tmp_path: Path) -> None:
     unfinished = create_profile("ada", "ab" * 32, tmp_path)
-    with pytest.raises(ProfileError, match=r"is not finished.*voice_assist enroll ada"):
+    with pytest.raises(VoiceProfileError, match=r"is not finished.*voice_assist enroll ada"):
         profile_in_force(config(unfinished).profile)
 
 
@@ -93,14 +95,16 @@ def test_a_profile_of_another_recogniser_is_not_used(
     profile: VoiceProfile, base: EmbeddedRecognizer
 ) -> None:
     profile.rebase("cd" * 32)
-    with pytest.raises(ProfileError, match=r"on top of the recogniser cdcdcdcdcdcd, allowed: "):
+    with pytest.raises(
+        VoiceProfileError, match=r"on top of the recogniser cdcdcdcdcdcd, allowed: "
+    ):
         personalise(config(profile).profile, base)
 
 
 def test_damage_is_found_before_anything_is_heard(profile: VoiceProfile) -> None:
     path = profile.folder / model_file.NAME
     path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(ProfileError, match=r"model.pt has the SHA-256"):
+    with pytest.raises(VoiceProfileError, match=r"model.pt has the SHA-256"):
         profile_in_force(config(profile).profile)
 
 
@@ -110,12 +114,12 @@ def test_a_pinned_profile_that_changed_is_not_used(profile: VoiceProfile) -> Non
     assert found is not None
     assert found.digest == profile.digest
     profile.put("report.md", b"changed")
-    with pytest.raises(ProfileError, match="it was changed since"):
+    with pytest.raises(VoiceProfileError, match="it was changed since"):
         profile_in_force(pinned)
 
 
 def test_a_missing_profile_names_those_that_are_there(profile: VoiceProfile) -> None:
-    with pytest.raises(ProfileError, match=r"no profile 'bob' in .*, there: ada"):
+    with pytest.raises(VoiceProfileError, match=r"no profile 'bob' in .*, there: ada"):
         profile_in_force(config(profile, name="bob").profile)
 
 
@@ -160,7 +164,7 @@ def test_profiles_are_listed_and_shown_with_what_is_wrong(
     assert "profile.json is damaged" in listed.replace("\n", " ")
     assert enroll.manage("show", "ada", root, False) == 0
     assert profile.digest[:20] in capsys.readouterr().out.replace("\n", "")
-    with pytest.raises(ProfileError, match="needs the name of a profile, there: ada, bob"):
+    with pytest.raises(VoiceProfileError, match="needs the name of a profile, there: ada, bob"):
         enroll.manage("show", None, root, False)
 
 

@@ -16,7 +16,7 @@ from voice_assist.profile import spellings
 from voice_assist.profile.manifest import Take
 from voice_assist.profile.profile import create_profile
 from voice_assist.profile.spellings import MOST, learn_spellings, overlay
-from voice_assist.types import Call, Decision, Match, Mode, NoMatch, frozen_samples
+from voice_assist.types import Call, Match, Mode, NoMatch, UtteranceDecision, frozen_samples
 
 FILES = {"commands_de.yaml": "de", "commands_es.yaml": "es", "endoscope_commands.yaml": "en-us"}
 GERMAN = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "commands_de.yaml"))
@@ -141,7 +141,7 @@ def decide(text, recognizer=None, **learned):
     pipeline = Pipeline(config, recognizer or FakeRecognizer(), make_detector(), lambda: 0.0)
     pipeline.set_mode(Mode.ACTIVE, "test")
     events = [e for frame in frames(say(text)) for e in pipeline(frame)]
-    return [e for e in events if isinstance(e, Decision)]
+    return [e for e in events if isinstance(e, UtteranceDecision)]
 
 
 def test_a_learned_spelling_moves_and_nothing_like_it_does():

@@ -13,8 +13,8 @@ import pytest
 from typed_config import ConfigError
 from voice_assist.profile.manifest import ACTIVE, COMMAND, RECORDING, REFUSED, Take
 from voice_assist.profile.profile import (
-    ProfileError,
     VoiceProfile,
+    VoiceProfileError,
     create_profile,
     delete_profile,
     names,
@@ -71,13 +71,13 @@ def test_a_file_that_others_may_read_is_refused_with_what_to_do(
     profile: VoiceProfile, name: str
 ) -> None:
     (profile.folder / name).chmod(0o644)
-    with pytest.raises(ProfileError, match=r"permissions 0644, allowed: 0600 \(chmod 600\)"):
+    with pytest.raises(VoiceProfileError, match=r"permissions 0644, allowed: 0600 \(chmod 600\)"):
         open_profile("ada", profile.folder.parent).check()
 
 
 def test_a_folder_that_others_may_enter_is_refused(profile: VoiceProfile) -> None:
     profile.folder.chmod(0o755)
-    with pytest.raises(ProfileError, match="0755, allowed: 0700"):
+    with pytest.raises(VoiceProfileError, match="0755, allowed: 0700"):
         open_profile("ada", profile.folder.parent)
 
 
@@ -87,14 +87,14 @@ def test_a_changed_file_is_named(profile: VoiceProfile, name: str) -> None:
     data = bytearray(path.read_bytes())
     data[-1] ^= 1
     path.write_bytes(bytes(data))
-    with pytest.raises(ProfileError, match=f"{name} has the SHA-256 .* changed or damaged"):
+    with pytest.raises(VoiceProfileError, match=f"{name} has the SHA-256 .* changed or damaged"):
         open_profile("ada", profile.folder.parent).check()
 
 
 @pytest.mark.parametrize("name", ["takes/0001.wav", "model.pt"])
 def test_a_missing_file_is_named(profile: VoiceProfile, name: str) -> None:
     (profile.folder / name).unlink()
-    with pytest.raises(ProfileError, match=f"{name} is missing"):
+    with pytest.raises(VoiceProfileError, match=f"{name} is missing"):
         open_profile("ada", profile.folder.parent).check()
 
 
@@ -103,13 +103,13 @@ def test_a_link_in_place_of_a_take_is_refused(profile: VoiceProfile, tmp_path: P
     elsewhere = tmp_path / "elsewhere.wav"
     path.rename(elsewhere)
     path.symlink_to(elsewhere)
-    with pytest.raises(ProfileError, match="no plain file"):
+    with pytest.raises(VoiceProfileError, match="no plain file"):
         open_profile("ada", profile.folder.parent).check()
 
 
 def test_the_profile_of_somebody_else_is_refused(profile: VoiceProfile) -> None:
     profile.folder.rename(profile.folder.parent / "bob")
-    with pytest.raises(ProfileError, match="is that of 'ada'"):
+    with pytest.raises(VoiceProfileError, match="is that of 'ada'"):
         open_profile("bob", profile.folder.parent)
 
 
@@ -121,13 +121,13 @@ def test_names_that_cannot_be_folders_are_refused(tmp_path: Path, name: str) -> 
 
 
 def test_a_profile_is_not_made_twice(profile: VoiceProfile) -> None:
-    with pytest.raises(ProfileError, match="'ada' exists already"):
+    with pytest.raises(VoiceProfileError, match="'ada' exists already"):
         create_profile("ada", BASE, profile.folder.parent)
 
 
 def test_a_file_that_the_manifest_does_not_name_is_not_read(profile: VoiceProfile) -> None:
     (profile.folder / "other.bin").write_bytes(b"?")
-    with pytest.raises(ProfileError, match=r"has no file 'other.bin', only: model.pt"):
+    with pytest.raises(VoiceProfileError, match=r"has no file 'other.bin', only: model.pt"):
         profile.read("other.bin")
 
 
@@ -152,7 +152,7 @@ def test_deleting_leaves_nothing_even_of_a_damaged_profile(profile: VoiceProfile
     assert delete_profile("ada", profile.folder.parent) == 4
     assert not profile.folder.exists()
     assert names(profile.folder.parent) == []
-    with pytest.raises(ProfileError, match="no profile 'ada'"):
+    with pytest.raises(VoiceProfileError, match="no profile 'ada'"):
         delete_profile("ada", profile.folder.parent)
 
 
@@ -176,7 +176,7 @@ def test_a_broken_off_write_leaves_the_profile_as_it_was(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(ProfileError, match="No space left"):
+    with pytest.raises(VoiceProfileError, match="No space left"):
         profile.add_take(np.zeros(1600, np.float32), take())
     monkeypatch.undo()
     opened = open_profile("ada", profile.folder.parent)
@@ -187,7 +187,7 @@ def test_a_broken_off_write_leaves_the_profile_as_it_was(
 def test_a_manifest_with_an_unknown_key_is_damaged(profile: VoiceProfile) -> None:
     path = profile.folder / "profile.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), "extra": 1}))
-    with pytest.raises(ProfileError, match=r"profile.json is damaged: profile.json.extra"):
+    with pytest.raises(VoiceProfileError, match=r"profile.json is damaged: profile.json.extra"):
         open_profile("ada", profile.folder.parent)
 
 

@@ -25,7 +25,7 @@ from voice_assist.replay.replayer import (
 from voice_assist.side_inputs import SideInput, SideInputKind, SideInputs, from_text, to_text
 from voice_assist.spotter.fusion import StopFusion
 from voice_assist.spotter.spotter import NEWEST, Spotted
-from voice_assist.types import FULL_SCALE, Decision, Match
+from voice_assist.types import FULL_SCALE, Match, UtteranceDecision
 
 TALK = (
     "0.3 tense 0.8 hey robot 0.8 he said pull more 0.8 tense 0.8 stop pulling 0.8 hey robot"
@@ -69,7 +69,7 @@ class Live:
                 self.observe(SideInput(SideInputKind.UNHEARD, frame.first_sample))
                 continue
             self.now = frame.stamp + frame.duration + self.late(frame)
-            found = [e for e in self.pipeline(frame) if isinstance(e, Decision)]
+            found = [e for e in self.pipeline(frame) if isinstance(e, UtteranceDecision)]
             self.decisions += found
             for decision in found:
                 if isinstance(decision.outcome, Match) and decision.outcome.command == "tense":

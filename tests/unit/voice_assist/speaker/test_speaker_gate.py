@@ -19,13 +19,13 @@ from voice_assist.speaker.voiceprint import Voiceprint, VoiceprintError, make_vo
 from voice_assist.types import (
     RATE,
     Call,
-    Decision,
     Halt,
     Match,
     Mode,
     NoMatch,
     Rejection,
     RejectionReason,
+    UtteranceDecision,
     frozen_samples,
 )
 
@@ -39,7 +39,7 @@ def run(sound, gate, mode=Mode.ACTIVE):
     pipeline = Pipeline(config, FakeRecognizer(), make_detector(), lambda: 0.0, gate=gate)
     pipeline.set_mode(mode, "test")
     events = [event for frame in frames(sound) for event in pipeline(frame)]
-    return [event for event in events if isinstance(event, Decision)]
+    return [event for event in events if isinstance(event, UtteranceDecision)]
 
 
 def nobody(samples):

@@ -15,7 +15,16 @@ from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.spotter.head import CONTEXT, read_head
 from voice_assist.spotter.spotter import Spotted, Spotter
 from voice_assist.training.data.voices import espeak
-from voice_assist.types import RATE, Call, Decision, Frame, Halt, Hypothesis, Match, frozen_samples
+from voice_assist.types import (
+    RATE,
+    Call,
+    Frame,
+    Halt,
+    Hypothesis,
+    Match,
+    UtteranceDecision,
+    frozen_samples,
+)
 
 CONFIG = load_voice_config(spotter__alone=0.5).spotter  # more sensitive than it is shipped
 RULE = load_voice_config(
@@ -219,7 +228,7 @@ def decisions(text, told, confidence=0.8, scores=None):
     second = StopFusion(RULE.spotter, told)
     pipeline = Pipeline(RULE, recognizer, make_detector(), lambda: 0.0, second)
     events = [e for frame in frames(say(text)) for e in pipeline(frame)]
-    return [e for e in events if isinstance(e, Decision)]
+    return [e for e in events if isinstance(e, UtteranceDecision)]
 
 
 def stops(found):

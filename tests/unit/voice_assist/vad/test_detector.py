@@ -9,7 +9,7 @@ from voice_assist.assembly import make_pipeline
 from voice_assist.audio.source import FRAME, Framer
 from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import StreamClock
-from voice_assist.types import RATE, Decision, Match, Mode
+from voice_assist.types import RATE, Match, Mode, UtteranceDecision
 from voice_assist.vad.detector import LONG, REST, OverloadRecovery
 
 ROOM = 1e-3
@@ -78,6 +78,6 @@ def test_a_stop_soon_after_it_is_heard(pipeline, before, pause):
     pipeline.set_mode(Mode.ACTIVE, "test")
     taken = []
     for frame in frames(before, noise(pause), speak("stop", "en-us", 150), noise(1.5)):
-        decided = [e.outcome for e in pipeline(frame) if isinstance(e, Decision)]
+        decided = [e.outcome for e in pipeline(frame) if isinstance(e, UtteranceDecision)]
         taken += [one.command for one in decided if isinstance(one, Match)]
     assert taken == ["stop"]

@@ -16,16 +16,15 @@ if TYPE_CHECKING:
     from voice_assist.errors import VoiceError
     from voice_assist.pipeline.pipeline import Pipeline
     from voice_assist.types import (
-        Decision,
         Frame,
         Match,
         Mode,
         NoMatch,
         RejectionReason,
+        UtteranceDecision,
     )
 
 __all__ = [
-    "Decision",
     "Frame",
     "Framer",
     "Match",
@@ -33,6 +32,7 @@ __all__ = [
     "NoMatch",
     "Pipeline",
     "RejectionReason",
+    "UtteranceDecision",
     "VoiceConfig",
     "VoiceError",
     "load_voice_config",
@@ -42,7 +42,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Decision": "types",
+    "UtteranceDecision": "types",
     "Frame": "types",
     "Framer": "audio.source",
     "Match": "types",

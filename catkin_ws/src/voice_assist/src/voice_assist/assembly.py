@@ -46,7 +46,7 @@ def make_recognizer(config: VoiceConfig) -> Recognizer:
 
     Raises:
         ModelError: The model is missing or damaged.
-        ProfileError: The profile is missing, damaged, not active, or of another model.
+        VoiceProfileError: The profile is missing, damaged, not active, or of another model.
     """
     from voice_assist.profile.active import personalise
     from voice_assist.recognizer import load_recognizer
@@ -90,7 +90,7 @@ def make_pipeline(
 
     Raises:
         ModelError: A network is missing or damaged.
-        ProfileError: The profile in force cannot be used.
+        VoiceProfileError: The profile in force cannot be used.
     """
     from voice_assist.profile.active import with_profile
 

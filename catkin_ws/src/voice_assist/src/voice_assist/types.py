@@ -192,7 +192,7 @@ class Lost:
 
 
 @dataclass(frozen=True)
-class Decision:
+class UtteranceDecision:
     """What one utterance came to."""
 
     hypothesis: Hypothesis

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.commands.request import Accepted, PlanningContext
-from rst_control.commands.spec import CommandSpec, LimitOfCommand, Load, Tissue
+from rst_control.commands.spec import CommandSpec, LimitOfCommand, Load, TissueNeeded
 from rst_control.config.camera import CameraStepConfig
 from rst_control.kinematics.configuration import Configuration
 from rst_control.planning.plan import PhaseKind
@@ -104,7 +104,7 @@ CAMERA_STEPS: Final = tuple(
         phrase,
         f"{'slides' if inward else 'turns'} the camera one step: {phrase.removeprefix('look ')}",
         load=Load.LOADS,
-        tissue=Tissue.NONE,
+        tissue=TissueNeeded.NONE,
         phases=(PhaseKind.CAMERA_STEP,),
         plan=plan,
     )

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from rst_control.commands.request import Situation
-from rst_control.commands.spec import CommandSpec, Place, Role, Tissue
+from rst_control.commands.spec import CommandSpec, Place, Role, TissueNeeded
 from rst_control.errors import InsertionOutOfRange, TrocarDrift
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.planner import Planner
@@ -83,10 +83,10 @@ class Preconditions:
 
 def _tissue(command: CommandSpec, measured: Measurement) -> Rejected | None:
     """Whether the jaws hold what the command needs them to hold."""
-    if command.tissue is Tissue.HELD and not measured.gripped:
+    if command.tissue is TissueNeeded.HELD and not measured.gripped:
         words = f'nothing grasped; "{command.phrase}" needs tissue between the jaws'
         return Rejected(Reason.NOTHING_GRASPED, words)
-    if command.tissue is Tissue.NONE and measured.gripped:
+    if command.tissue is TissueNeeded.NONE and measured.gripped:
         words = f'tissue held at {measured.tension:.2f} N, "{command.phrase}" needs empty jaws'
         return Rejected(Reason.ALREADY_GRASPED, f"{words}; release first")
     return None

@@ -42,7 +42,7 @@ class Load(Enum):
     NEITHER = "neither"  # the command moves nothing
 
 
-class Tissue(Enum):
+class TissueNeeded(Enum):
     """What has to be between the jaws when a command is given."""
 
     HELD = "tissue held"
@@ -87,7 +87,7 @@ class CommandSpec:
     role: Role = Role.MOTION
     counts_in: frozenset[State] = frozenset({State.ACTIVE})  # where it is not refused
     load: Load = Load.NEITHER
-    tissue: Tissue = Tissue.ANY
+    tissue: TissueNeeded = TissueNeeded.ANY
     place: Place = Place.INSIDE
     phases: tuple[PhaseKind, ...] = ()  # kinds of phases that its plans are made of
     amounts: tuple[Amount, ...] = ()

@@ -22,7 +22,7 @@ from rst_control.commands.spec import (
     Load,
     Place,
     Role,
-    Tissue,
+    TissueNeeded,
 )
 from rst_control.planning.plan import PhaseKind
 from rst_control.types import State
@@ -49,7 +49,7 @@ COMMANDS: Final = by_phrase(
             "tense",
             "reaches the tissue, closes the jaws and pulls until the configured tension",
             load=Load.LOADS,
-            tissue=Tissue.NONE,
+            tissue=TissueNeeded.NONE,
             phases=(PhaseKind.OPEN, PhaseKind.REACH, PhaseKind.CLOSE, PhaseKind.PULL),
             amounts=(TENSION_TARGET, FURTHEST_PULL),
             plan=tense.plan,
@@ -58,7 +58,7 @@ COMMANDS: Final = by_phrase(
             "release",
             "opens the jaws, then eases off",
             load=Load.EASES,
-            tissue=Tissue.HELD,
+            tissue=TissueNeeded.HELD,
             place=Place.INSIDE_OR_HOLDING,
             phases=(PhaseKind.OPEN, PhaseKind.EASE),
             plan=release.plan,
@@ -68,7 +68,7 @@ COMMANDS: Final = by_phrase(
             "one step further along the pull direction",
             counts_in=AT_REST_OR_PULLING,
             load=Load.LOADS,
-            tissue=Tissue.HELD,
+            tissue=TissueNeeded.HELD,
             phases=(PhaseKind.STEP,),
             amounts=(TENSION_STEP, DISTANCE_STEP),
             plan=pull.more,
@@ -78,7 +78,7 @@ COMMANDS: Final = by_phrase(
             "one step back",
             counts_in=AT_REST_OR_PULLING,
             load=Load.EASES,
-            tissue=Tissue.HELD,
+            tissue=TissueNeeded.HELD,
             phases=(PhaseKind.STEP,),
             amounts=(TENSION_STEP, DISTANCE_STEP),
             plan=pull.less,
@@ -101,7 +101,7 @@ COMMANDS: Final = by_phrase(
             "insert",
             "takes the tool from outside, or part-way in, to its working pose",
             load=Load.LOADS,
-            tissue=Tissue.NONE,
+            tissue=TissueNeeded.NONE,
             place=Place.ANYWHERE,
             phases=(PhaseKind.ALIGN, PhaseKind.APPROACH, PhaseKind.INSERT),
             is_by_hand_only=True,
@@ -111,7 +111,7 @@ COMMANDS: Final = by_phrase(
             "withdraw",
             "straightens the tool and takes it out of the patient along its shaft",
             load=Load.EASES,
-            tissue=Tissue.NONE,
+            tissue=TissueNeeded.NONE,
             place=Place.ANYWHERE,
             phases=(PhaseKind.ALIGN, PhaseKind.WITHDRAW),
             is_by_hand_only=True,
@@ -140,7 +140,7 @@ def markdown(commands: Mapping[str, CommandSpec] = COMMANDS) -> str:
 
 def _cells(spec: CommandSpec) -> tuple[str, ...]:
     needs = [] if spec.plan is None or spec.place is Place.ANYWHERE else [spec.place.value]
-    needs += [spec.tissue.value] if spec.tissue is not Tissue.ANY else []
+    needs += [spec.tissue.value] if spec.tissue is not TissueNeeded.ANY else []
     without = {Load.LOADS: "refused", Load.EASES: "goes on", Load.NEITHER: "goes on"}
     return (
         spec.phrase,

@@ -3,7 +3,7 @@
 
 The shaft is the z axis of interface_link. Seen from there, the trocar has a lateral offset (x, y);
 the constraint is that it is zero. `rcm_offset` and `rcm_jacobian` are compiled: every solver, path
-check and watchdog takes the constraint from them. `rcm_error` is the definition to read.
+check and watchdog takes the constraint from them. `rcm_error_vector` is the definition to read.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rst_control.kinematics.configuration import Configuration
 from rst_control.types import Vector
 
 
-def rcm_error(p_shaft: Vector, d_shaft: Vector, p_rcm: Vector) -> Vector:
+def rcm_error_vector(p_shaft: Vector, d_shaft: Vector, p_rcm: Vector) -> Vector:
     """Vector from the shaft line to the trocar: the definition that the kernels are tested against.
 
     Args:

@@ -55,6 +55,19 @@ class PathChecks:
         self.posture(samples)  # from here on, limits that depend on the elbow
         self.rcm(samples)  # last: what strays does so near a singularity, mostly
 
+    def seating(self, samples: Samples) -> None:
+        """Check a way back into the trocar: it leads there, and never further off than it began.
+
+        Raises:
+            Infeasible: The path breaks a limit; the error says which.
+        """
+        self.posture(samples)
+        planned = self._config.rcm.planned_tolerance
+        error = samples.rcm_error
+        for worst, allowed in ((error.max(), error[0] + planned), (error[-1], planned)):
+            if not worst <= allowed:
+                raise TrocarDrift(float(worst), float(allowed))
+
     def posture(self, samples: Samples) -> None:
         """Check joint limits, collisions and singularities.
 

@@ -159,7 +159,7 @@ class Planner:
         length = max(float(np.abs(seated - q).max()) * SEAT_SCALE, 10 * SAME_PLACE)
         slope = (seated - q) / length
         path = Path(np.array([q, seated]), np.array([slope, slope]), length)
-        self.checks.posture(path.sample(self.model.chain, self.trocar))
+        self.checks.seating(path.sample(self.model.chain, self.trocar))
         return path
 
     def project(self, q: Vector) -> Vector:

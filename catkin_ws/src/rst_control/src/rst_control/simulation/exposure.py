@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 
 from rst_control.config import SceneConfig
-from rst_control.simulation.tissue import Tissue, Vector
+from rst_control.simulation.tissue import SimulatedTissue, Vector
 from rst_control.tissue.triangulation import Triangulation, triangulation
 
 
-def exposure(tissue: Tissue, scene: SceneConfig, force: Vector) -> Triangulation | None:
+def exposure(tissue: SimulatedTissue, scene: SceneConfig, force: Vector) -> Triangulation | None:
     """Judge the sheet in the jaws; None where they hold none.
 
     Args:

@@ -17,7 +17,7 @@ from rst_control.robot import joint_kernels
 from rst_control.robot.backend import RobotBackend
 from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, warm_up
 from rst_control.simulation.physics import JointReading, RobotPhysics
-from rst_control.simulation.tissue import Jaws, Tissue
+from rst_control.simulation.tissue import Jaws, SimulatedTissue
 from rst_control.types import JOINTS, Measurement, Setpoint
 from typed_config import ConfigError
 
@@ -53,7 +53,7 @@ class PybulletRobot(RobotBackend):
         warm_up(simulator.servo, limits)
         self._servo = Servo(simulator.servo, limits, begin)
         self._following_error = simulator.servo.following_error
-        self.tissue = Tissue(scene.tissue, self.time_step)
+        self.tissue = SimulatedTissue(scene.tissue, self.time_step)
         self._jaws = Jaws(self.tissue, simulator.closed_opening, simulator.held_opening)
         self._load = simulator.tool_load * DOWN
         self._target, self._reading = begin, self._as_reported(self._physics.read())

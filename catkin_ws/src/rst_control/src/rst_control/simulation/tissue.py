@@ -29,7 +29,7 @@ class Balance:
     surroundings: Vector  # of what lies around and under the tissue on it
 
 
-class Tissue:
+class SimulatedTissue:
     """A deformable sheet, stepped in time beside the robot.
 
     Held tissue keeps its place relative to the tool tip, so taking hold changes no force.
@@ -187,7 +187,7 @@ class Jaws:
         held_opening: Open beyond this [rad].
     """
 
-    def __init__(self, tissue: Tissue, closed_opening: float, held_opening: float) -> None:
+    def __init__(self, tissue: SimulatedTissue, closed_opening: float, held_opening: float) -> None:
         self._tissue = tissue
         self._closed, self._open = closed_opening, held_opening
         self._were_open = False

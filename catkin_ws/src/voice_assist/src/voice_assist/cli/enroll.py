@@ -19,8 +19,8 @@ from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import (
-    ProfileError,
     VoiceProfile,
+    VoiceProfileError,
     create_profile,
     delete_profile,
     names,
@@ -77,11 +77,11 @@ def manage(action: str, name: str | None, folder: Path | None, sure: bool) -> in
     """List, show or delete profiles; gives the exit code.
 
     Raises:
-        ProfileError: The action needs a name, or the profile cannot be used.
+        VoiceProfileError: The action needs a name, or the profile cannot be used.
     """
     if action != "list" and name is None:
         known = ", ".join(names(profiles_folder(folder))) or "none"
-        raise ProfileError(f"profiles {action} needs the name of a profile, there: {known}")
+        raise VoiceProfileError(f"profiles {action} needs the name of a profile, there: {known}")
     if action == "delete" and name is not None:
         return delete(name, folder, sure)
     show_profiles(folder, name if action == "show" else None, Console())
@@ -92,7 +92,7 @@ def show_profiles(folder: Path | None, name: str | None, console: Console) -> No
     """List all profiles, or show what one holds.
 
     Raises:
-        ProfileError: There is none of that name, or it cannot be read.
+        VoiceProfileError: There is none of that name, or it cannot be read.
     """
     root = profiles_folder(folder)
     if name is not None:
@@ -106,7 +106,7 @@ def show_profiles(folder: Path | None, name: str | None, console: Console) -> No
             why = f": {'; '.join(manifest.why)}" if manifest.why else ""
             takes = f"{len(manifest.takes)} takes"
             console.print(f"{one:20} {manifest.state}, {takes}{why}", highlight=False)
-        except ProfileError as error:
+        except VoiceProfileError as error:
             console.print(f"{one:20} cannot be used: {error}", highlight=False)
 
 
@@ -114,7 +114,7 @@ def delete(name: str, folder: Path | None, sure: bool, ask: Callable[[str], str]
     """Remove a profile with all its recordings, after a question; gives the exit code.
 
     Raises:
-        ProfileError: There is none of that name, or it cannot be removed.
+        VoiceProfileError: There is none of that name, or it cannot be removed.
     """
     root = profiles_folder(folder)
     if not sure and ask(f"Delete {root / name} with all its recordings? [y/N] ").lower() != "y":
@@ -130,7 +130,7 @@ def _open_or_create(asked: EnrolRequest, base: Recognizer) -> VoiceProfile:
         return open_profile(asked.name, root)
     if asked.again:
         known = ", ".join(names(root)) or "none"
-        raise ProfileError(f"no profile {asked.name!r} in {root}, there: {known}")
+        raise VoiceProfileError(f"no profile {asked.name!r} in {root}, there: {known}")
     return create_profile(asked.name, base.model_hash, root)
 
 
@@ -174,7 +174,7 @@ def _guide(
         try:
             ask("    Enter when you are ready ")
         except EOFError as error:
-            raise ProfileError(
+            raise VoiceProfileError(
                 "the terminal's input has ended where Enter was asked for; what was recorded is "
                 "kept, the same command in a terminal goes on from there"
             ) from error

@@ -19,7 +19,7 @@ from voice_assist.audio.source import level_db
 from voice_assist.cli.level_meter import QUIETEST_DB, level_bar
 from voice_assist.config import VoiceConfig
 from voice_assist.pipeline.pipeline import Event
-from voice_assist.types import Decision, Frame, Lost, Mode, Partial
+from voice_assist.types import Frame, Lost, Mode, Partial, UtteranceDecision
 
 _ROWS = 12  # decisions shown at once
 
@@ -61,7 +61,7 @@ class Screen:
         return Group(head, heard, *trouble, _table(self.rows))
 
 
-def row(decision: Decision) -> tuple[str, ...]:
+def row(decision: UtteranceDecision) -> tuple[str, ...]:
     """One line of the table: heard, taken for, WER, confidence, latency, reason."""
     nearest, rejection = decision.nearest_command, decision.rejection
     wer = decision.outcome.wer.get(nearest)

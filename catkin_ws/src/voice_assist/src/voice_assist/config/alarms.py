@@ -39,7 +39,7 @@ class BoardConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LookConfig:
+class AlarmMarkerConfig:
     """Where a viewer shows the line."""
 
     frame: str = text()
@@ -53,7 +53,7 @@ class AlarmsConfig:
 
     sound: SoundConfig
     board: BoardConfig
-    look: LookConfig
+    look: AlarmMarkerConfig
 
 
 def load_alarms_config(folder: str | Path = CONFIG_DIR) -> AlarmsConfig:

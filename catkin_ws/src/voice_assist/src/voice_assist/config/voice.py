@@ -64,11 +64,14 @@ SECTIONS = (
 class RobotSpeechConfig:
     """How long the robot's own speech is reckoned with."""
 
-    RENAMED: ClassVar[Mapping[str, str]] = {"longest": "max_duration"}
+    RENAMED: ClassVar[Mapping[str, str]] = {
+        "longest": "max_duration",
+        "stop_confidence": "stop_over_speech_confidence",
+    }
     max_duration: float = number(0.1, 600.0, "s")
     tail: float = number(0.0, 10.0, "s")
     window: float = number(0.0, 2.0, "s")
-    stop_confidence: float = number(0.0, 1.0, "")
+    stop_over_speech_confidence: float = number(0.0, 1.0, "")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,7 +163,10 @@ class AudioConfig:
 class EarlyConfig:
     """When a decision may come before the end of the utterance is confirmed."""
 
-    RENAMED: ClassVar[Mapping[str, str]] = {"shortest_rest": "min_rest"}
+    RENAMED: ClassVar[Mapping[str, str]] = {
+        "shortest_rest": "min_rest",
+        "stop_confidence": "first_stop_confidence",
+    }
     is_enabled: bool = flag()
     partial_interval: float = number(0.032, 5.0, "s")
     settle: float = number(0.0, 2.0, "s")
@@ -170,7 +176,7 @@ class EarlyConfig:
     unchanged_for: float = number(0.2, 10.0, "s")
     stop_agreement: int = integer(1, 10, "partials")
     vote_confidence: float = number(0.0, 1.0, "")
-    stop_confidence: float = number(0.0, 1.0, "")
+    first_stop_confidence: float = number(0.0, 1.0, "")
     window: float = number(1.0, 28.0, "s")
     noise_after: float = number(0.5, 28.0, "s")
     max_backlog: float = number(0.0, 10.0, "s")
@@ -179,8 +185,8 @@ class EarlyConfig:
         """Check what no key shows alone."""
         require(self.settle < self.pause, "settle", self.settle, f"below pause, {self.pause:g} s")
         allowed = f"from vote_confidence on, {self.vote_confidence:g}"
-        alone = self.stop_confidence
-        require(alone >= self.vote_confidence, "stop_confidence", alone, allowed)
+        first = self.first_stop_confidence
+        require(first >= self.vote_confidence, "first_stop_confidence", first, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)

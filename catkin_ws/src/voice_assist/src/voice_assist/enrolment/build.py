@@ -23,7 +23,7 @@ from voice_assist.errors import VoiceError
 from voice_assist.profile import model_file, thresholds
 from voice_assist.profile.active import PersonalRecognizer, with_spellings
 from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED
-from voice_assist.profile.profile import ProfileError, VoiceProfile
+from voice_assist.profile.profile import VoiceProfile, VoiceProfileError
 from voice_assist.profile.spellings import put_spellings
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.recognizer.recognizer import Recognizer
@@ -55,12 +55,12 @@ def build(
         Why the profile was refused; empty: it is active.
 
     Raises:
-        ProfileError: Takes are missing or damaged, or the base cannot be adapted.
+        VoiceProfileError: Takes are missing or damaged, or the base cannot be adapted.
         ModelError: espeak-ng, whose voices are learned beside the person's, is not installed.
     """
     if not isinstance(base, EmbeddedRecognizer):
         allowed = "the embedded model, or one trained by make train"
-        raise ProfileError(f"recogniser {base.name!r} cannot be adapted, allowed: {allowed}")
+        raise VoiceProfileError(f"recogniser {base.name!r} cannot be adapted, allowed: {allowed}")
     material = material_of(profile)
     _require_takes(material, voice.commands.phrases, config)
     wall, cpu = time.monotonic(), time.process_time()
@@ -131,22 +131,22 @@ def _require_takes(
     """Refuse what is too little to be checked.
 
     Raises:
-        ProfileError: Names the commands that lack takes, or the talk.
+        VoiceProfileError: Names the commands that lack takes, or the talk.
     """
     said = Counter(take.phrase for take in material.takes)
     short = [f"{phrase!r} {said[phrase]}" for phrase in phrases if said[phrase] < MIN_TAKES]
     if short:
         allowed = f"allowed: at least {MIN_TAKES} of each"
-        raise ProfileError(f"too few takes of {', '.join(short)}; {allowed}")
+        raise VoiceProfileError(f"too few takes of {', '.join(short)}; {allowed}")
     unknown = sorted(set(said) - set(phrases))
     if unknown:
         allowed = ", ".join(phrases)
-        raise ProfileError(
+        raise VoiceProfileError(
             f"takes of {', '.join(unknown)}, which is no command; allowed: {allowed}"
         )
     talked, min_talk = 3600.0 * material.talked, config.talk / 2.0
     if talked < min_talk:
-        raise ProfileError(f"{talked:.0f} s of free talk, allowed: at least {min_talk:.0f}")
+        raise VoiceProfileError(f"{talked:.0f} s of free talk, allowed: at least {min_talk:.0f}")
 
 
 def _memory() -> float:

@@ -67,7 +67,7 @@ def take_over(
 
     Raises:
         ManifestError: One cannot be read.
-        ProfileError: One cannot be written.
+        VoiceProfileError: One cannot be written.
     """
     before = script.kept
     for recording in recordings:

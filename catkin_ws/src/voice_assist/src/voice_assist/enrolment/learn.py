@@ -70,7 +70,7 @@ def material_of(profile: VoiceProfile) -> EnrolmentMaterial:
     """Takes and talk of a profile.
 
     Raises:
-        ProfileError: A take is not as it was written.
+        VoiceProfileError: A take is not as it was written.
     """
 
     def of(kind: str) -> tuple[LabelledTake, ...]:

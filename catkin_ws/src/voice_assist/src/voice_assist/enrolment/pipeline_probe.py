@@ -10,9 +10,9 @@ import numpy as np
 from voice_assist.assembly import make_pipeline
 from voice_assist.audio.source import Framer
 from voice_assist.config import VoiceConfig
-from voice_assist.evaluation.evaluator import QUIET_DB, Claim, claims_of
+from voice_assist.evaluation.evaluator import QUIET_DB, ClaimedCommand, claims_of
 from voice_assist.recognizer.recognizer import Recognizer
-from voice_assist.types import RATE, Decision, Match, Mode, Samples
+from voice_assist.types import RATE, Match, Mode, Samples, UtteranceDecision
 
 BEFORE, AFTER = 0.3, 0.8  # [s] of quiet around a take, so that its end is found
 
@@ -22,7 +22,7 @@ class PipelineResult:
     """What a sound came to."""
 
     taken: tuple[str, ...]  # commands, in their order
-    claims: tuple[Claim, ...]  # decisions whose words are exactly a command's
+    claims: tuple[ClaimedCommand, ...]  # decisions whose words are exactly a command's
     texts: tuple[str, ...]  # transcripts of all decisions
 
 
@@ -39,13 +39,13 @@ class PipelineProbe:
         self._pipeline.reset()
         began = self._now + 1.0
         taken: list[str] = []
-        claims: list[Claim] = []
+        claims: list[ClaimedCommand] = []
         texts: list[str] = []
         for frame in Framer().push(_amid_quiet(samples), began):
             self._pipeline.set_mode(Mode.ACTIVE, "enrolment")
             self._now = frame.stamp + frame.duration
             for decision in self._pipeline(frame):
-                if isinstance(decision, Decision):
+                if isinstance(decision, UtteranceDecision):
                     texts.append(decision.hypothesis.text)
                     claims += claims_of(decision)
                     if isinstance(decision.outcome, Match):

@@ -79,7 +79,7 @@ class EnrolmentScript:
             source: Where it comes from.
 
         Raises:
-            ProfileError: It cannot be written.
+            VoiceProfileError: It cannot be written.
         """
         checked = self._check(step.kind, step.phrase, samples)
         verdict = GOOD
@@ -103,7 +103,7 @@ class EnrolmentScript:
             source: Its name.
 
         Raises:
-            ProfileError: It cannot be written.
+            VoiceProfileError: It cannot be written.
         """
         if self._has(samples, source):
             return None

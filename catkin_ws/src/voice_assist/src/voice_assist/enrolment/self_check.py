@@ -18,7 +18,7 @@ from voice_assist.enrolment.thresholds import (
     choose_threshold,
     expected_errors,
 )
-from voice_assist.evaluation.evaluator import Claim
+from voice_assist.evaluation.evaluator import ClaimedCommand
 from voice_assist.profile.active import PersonalRecognizer
 from voice_assist.profile.manifest import COMMAND
 from voice_assist.profile.thresholds import Settings, overlay
@@ -188,7 +188,7 @@ class SelfCheck:
         base = self._base_probe(spoken.samples)
         allowed = overlay(self._voice.commands, settings)
 
-        def is_taken(claim: Claim) -> bool:
+        def is_taken(claim: ClaimedCommand) -> bool:
             command = allowed.get(claim.command)
             is_enough = claim.confidence >= command.min_confidence
             return claim.is_taken and (is_enough or not command.is_motion)

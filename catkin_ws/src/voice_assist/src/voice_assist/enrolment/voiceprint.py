@@ -17,7 +17,7 @@ def put_voiceprint(profile: VoiceProfile, config: SpeakerConfig) -> Voiceprint:
     Raises:
         VoiceprintError: The takes are too few, or do not distinguish the voice from others.
         ModelError: The network or the background voices are missing.
-        ProfileError: A take cannot be read, or the voiceprint not be written.
+        VoiceProfileError: A take cannot be read, or the voiceprint not be written.
     """
     said = [t for t in profile.manifest.takes if t.kind in (COMMAND, TALK)]
     cohort, digest = read_cohort()

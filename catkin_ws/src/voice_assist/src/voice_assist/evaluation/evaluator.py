@@ -19,7 +19,7 @@ from voice_assist.errors import AudioError, ManifestError
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.text.normalize import normalize
-from voice_assist.types import RATE, Decision, Frame, Match, Mode, Samples
+from voice_assist.types import RATE, Frame, Match, Mode, Samples, UtteranceDecision
 
 BEFORE = 0.5  # [s] of quiet in front of a clip
 AFTER = 1.5  # [s] of quiet behind it, so that its end can be heard
@@ -47,7 +47,7 @@ class Taken:
 
 
 @dataclass(frozen=True)
-class Claim:
+class ClaimedCommand:
     """A decision whose words are exactly a command's, taken or refused."""
 
     command: str
@@ -67,7 +67,7 @@ class ClipOutcome:
     why: tuple[str, ...]  # reasons of those refused
     compute: float  # [s]
     streamed: float  # [s] of sound, with the quiet around it
-    claims: tuple[Claim, ...] = ()
+    claims: tuple[ClaimedCommand, ...] = ()
 
 
 class StreamClock:
@@ -165,13 +165,13 @@ class Evaluator:
             pass
         self._pipeline.warm_up(loud)
 
-    def _decide(self, stream: Samples, began: float) -> Iterator[Decision]:
+    def _decide(self, stream: Samples, began: float) -> Iterator[UtteranceDecision]:
         for frame in _frames(stream, began):
             self._pipeline.set_mode(self._mode, "evaluation")
             self._clock.begin(frame.stamp + frame.duration)
             events = self._pipeline(frame)
             self._clock.end()
-            yield from (event for event in events if isinstance(event, Decision))
+            yield from (event for event in events if isinstance(event, UtteranceDecision))
 
     def _with_quiet(self, samples: Samples, row: int) -> Samples:
         rng = np.random.default_rng(row)
@@ -264,13 +264,17 @@ def _clip(
     return LabelledClip(row, path, transcript, phrases.get(" ".join(normalize(transcript)), ""))
 
 
-def claims_of(decision: Decision) -> list[Claim]:
+def claims_of(decision: UtteranceDecision) -> list[ClaimedCommand]:
     """The claim of a decision whose words are exactly a command's; of any other none."""
     outcome, sure = decision.outcome, decision.confidence
     if isinstance(outcome, Match):
-        return [Claim(outcome.command, sure, decision.decided_by, True)]
+        return [ClaimedCommand(outcome.command, sure, decision.decided_by, True)]
     is_named = outcome.wer.get(outcome.nearest_command) == 0.0
-    return [Claim(outcome.nearest_command, sure, decision.decided_by, False)] if is_named else []
+    return (
+        [ClaimedCommand(outcome.nearest_command, sure, decision.decided_by, False)]
+        if is_named
+        else []
+    )
 
 
 def _frames(stream: Samples, began: float) -> Iterator[Frame]:

@@ -121,7 +121,7 @@ class EarlyDecision:
             return outcome.rejected(too_unsure(heard.confidence, least))
         is_now = config.is_enabled and (
             self._votes >= config.stop_agreement
-            or heard.confidence >= config.stop_confidence
+            or heard.confidence >= config.first_stop_confidence
             or self._is_pause(context)
         )
         is_ready = is_now or context.is_complete

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From the newest transcript of an utterance to a command, a refusal, or nothing yet.
 
-Every stop is taken in `Decider.stop`, every other command in `Decider.command`.
+A stop is taken in `Decider.stop`, or in `Decider.spotted` where the spotter fired alone.
+Every other command is taken in `Decider.command`.
 """
 
 from __future__ import annotations
@@ -115,7 +116,7 @@ class Decider:
         """
         worth = self._recognizer_config.confidence
         part = self._decoder.part
-        least = self._config.audio.robot_speech.stop_confidence
+        least = self._config.audio.robot_speech.stop_over_speech_confidence
         over = self._early_decision.said_over(part, least)
         if part is not None and over is not None:
             return Verdict(over, part, worth.transcript(log_odds(part.confidence)), RECOGNIZER)

@@ -31,7 +31,6 @@ from voice_assist.spotter.spotter import Spotted
 from voice_assist.types import (
     RATE,
     Action,
-    Decision,
     Frame,
     Halt,
     Lost,
@@ -41,6 +40,7 @@ from voice_assist.types import (
     Partial,
     Samples,
     Utterance,
+    UtteranceDecision,
     frozen_samples,
 )
 from voice_assist.vad.detector import Detector, OverloadRecovery
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
     from voice_assist.speaker.gate import Gate
 
-Event = Partial | Decision | Lost
+Event = Partial | UtteranceDecision | Lost
 Clock = Callable[[], float]
 
 _PROGRESS = RATE  # samples between two notes of how far recognition has come
@@ -183,7 +183,7 @@ class Pipeline:
             decision = replace(decision, actions=left)
         return (decision,)
 
-    def _conclude(self, verdict: Verdict, partial: PartialUtterance) -> Decision:
+    def _conclude(self, verdict: Verdict, partial: PartialUtterance) -> UtteranceDecision:
         """Let the dialogue act on it, and make ready for the rest of the utterance."""
         mode, outcome, utterance = self._dialogue_state.mode, verdict.outcome, partial.utterance
         actions: tuple[Action, ...] = ()
@@ -193,7 +193,7 @@ class Pipeline:
         if not utterance.is_complete:
             self._segmenter.restart(_KEPT_OF_PAUSE if self._decoder.is_settled(partial) else 0.0)
             self._decoder.restart(partial)
-        return Decision(
+        return UtteranceDecision(
             hypothesis=verdict.hypothesis,
             outcome=outcome,
             confidence=min(max(verdict.confidence, 0.0), 1.0),

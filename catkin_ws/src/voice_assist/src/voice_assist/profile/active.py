@@ -12,7 +12,12 @@ from torch import Tensor
 from voice_assist.config.profile import ProfileConfig
 from voice_assist.profile import model_file, spellings, thresholds
 from voice_assist.profile.manifest import ACTIVE, RECORDING
-from voice_assist.profile.profile import ProfileError, VoiceProfile, open_profile, profiles_folder
+from voice_assist.profile.profile import (
+    VoiceProfile,
+    VoiceProfileError,
+    open_profile,
+    profiles_folder,
+)
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.speaker.voiceprint import FILE
 
@@ -26,7 +31,7 @@ def profile_in_force(config: ProfileConfig) -> VoiceProfile | None:
 
     Raises:
         ConfigError: No profile can have that name.
-        ProfileError: It is missing, damaged, not the one asked for, or not active; says why.
+        VoiceProfileError: It is missing, damaged, not the one asked for, or not active; says why.
     """
     if not config.is_used:
         return None
@@ -34,13 +39,13 @@ def profile_in_force(config: ProfileConfig) -> VoiceProfile | None:
     manifest, allowed = profile.manifest, "allowed: one that is active; or profile:=none"
     if config.sha256 and profile.digest != config.sha256:
         found = f"has the SHA-256 {profile.digest[:12]}, allowed: {config.sha256[:12]}"
-        raise ProfileError(f"profile {profile.name!r} {found}; it was changed since")
+        raise VoiceProfileError(f"profile {profile.name!r} {found}; it was changed since")
     if manifest.state == RECORDING:
         words = f"voice_assist enroll {profile.name} finishes it"
-        raise ProfileError(f"profile {profile.name!r} is not finished, {allowed}; {words}")
+        raise VoiceProfileError(f"profile {profile.name!r} is not finished, {allowed}; {words}")
     if manifest.state != ACTIVE:
         why = "; ".join(manifest.why)
-        raise ProfileError(f"profile {profile.name!r} failed its own check ({why}), {allowed}")
+        raise VoiceProfileError(f"profile {profile.name!r} failed its own check ({why}), {allowed}")
     profile.check()
     return profile
 
@@ -49,7 +54,7 @@ def personalise(config: ProfileConfig, base: Recognizer) -> Recognizer:
     """The recogniser for whom the settings name.
 
     Raises:
-        ProfileError: As `profile_in_force`, or the profile was made on top of another recogniser.
+        VoiceProfileError: As `profile_in_force`, or the profile adapts another recogniser.
         ModelError: The adapted weights do not suit the recogniser.
     """
     profile = profile_in_force(config)
@@ -59,14 +64,16 @@ def personalise(config: ProfileConfig, base: Recognizer) -> Recognizer:
         found = f"was made on top of the recogniser {profile.manifest.base_sha256[:12]}"
         allowed = f"allowed: {base.model_hash[:12]}, which is in use"
         again = f"voice_assist enroll {profile.name} --again makes it anew from its takes"
-        raise ProfileError(f"profile {profile.name!r} {found}, {allowed}; {again}")
+        raise VoiceProfileError(f"profile {profile.name!r} {found}, {allowed}; {again}")
     if not profile.has(model_file.NAME):
         return base
     from voice_assist.recognizer.embedded import EmbeddedRecognizer
 
     if not isinstance(base, EmbeddedRecognizer):
         allowed = "the embedded model, or one trained by make train"
-        raise ProfileError(f"profile {profile.name!r} adapts {base.name!r}, allowed: {allowed}")
+        raise VoiceProfileError(
+            f"profile {profile.name!r} adapts {base.name!r}, allowed: {allowed}"
+        )
     data = profile.read(model_file.NAME)
     state = model_file.read_model(data, base.model, base.model_hash)
     return PersonalRecognizer(base, state, profile.name, profile.digest)
@@ -82,7 +89,7 @@ def with_profile(config: VoiceConfig) -> tuple[VoiceConfig, bytes | None]:
     """The settings with the person's spellings and thresholds, and the voiceprint, if there is one.
 
     Raises:
-        ProfileError: As `profile_in_force`.
+        VoiceProfileError: As `profile_in_force`.
         VoiceError: Spellings or thresholds cannot be used.
     """
     profile = profile_in_force(config.profile)

@@ -39,7 +39,7 @@ MANIFEST = "profile.json"
 _FOLDER, _FILE = 0o700, 0o600
 
 
-class ProfileError(VoiceError):
+class VoiceProfileError(VoiceError):
     """A profile is missing, damaged, open to others, or of something else."""
 
 
@@ -77,7 +77,7 @@ class VoiceProfile:
             The take as it is on file.
 
         Raises:
-            ProfileError: It cannot be written.
+            VoiceProfileError: It cannot be written.
         """
         used = [int(take.file[6:10]) for take in self.manifest.takes]
         name = f"takes/{max(used, default=0) + 1:04d}.wav"
@@ -91,7 +91,7 @@ class VoiceProfile:
         """Write a file of the profile, in place of one of that name.
 
         Raises:
-            ProfileError: It cannot be written.
+            VoiceProfileError: It cannot be written.
             ConfigError: The name is no plain file name.
         """
         file = File(name=name, sha256=hashlib.sha256(data).hexdigest())
@@ -127,32 +127,34 @@ class VoiceProfile:
         """A file of the profile, compared with its check sum.
 
         Raises:
-            ProfileError: The profile has none of that name, or it is not as it was written.
+            VoiceProfileError: The profile has none of that name, or it is not as it was written.
         """
         expected = self.manifest.sum_of(name)
         if expected is None:
             names = ", ".join(file.name for file in self.manifest.files) or "none"
-            raise ProfileError(f"profile {self.name!r} has no file {name!r}, only: {names}")
+            raise VoiceProfileError(f"profile {self.name!r} has no file {name!r}, only: {names}")
         data = _read_own(self.folder / name, self.name)
         if (found := hashlib.sha256(data).hexdigest()) != expected:
             says = f"has the SHA-256 {found[:12]}, allowed: {expected[:12]}"
-            raise ProfileError(f"profile {self.name!r}: {name} {says}; it was changed or damaged")
+            raise VoiceProfileError(
+                f"profile {self.name!r}: {name} {says}; it was changed or damaged"
+            )
         return data
 
     def sound(self, take: Take) -> Samples:
         """What was said in a take. Shape (n,), read-only.
 
         Raises:
-            ProfileError: The file is not as it was written.
+            VoiceProfileError: The file is not as it was written.
         """
         data = self.read(take.file)
         try:
             samples, rate = soundfile.read(io.BytesIO(data), dtype="int16")
         except (soundfile.LibsndfileError, RuntimeError) as error:
-            raise ProfileError(f"profile {self.name!r}: {take.file}: {error}") from error
+            raise VoiceProfileError(f"profile {self.name!r}: {take.file}: {error}") from error
         if rate != RATE or samples.ndim != 1:
             found = f"{rate} Hz of shape {samples.shape}"
-            raise ProfileError(
+            raise VoiceProfileError(
                 f"profile {self.name!r}: {take.file} has {found}, allowed: {RATE} Hz mono"
             )
         return frozen_samples(samples)
@@ -161,7 +163,7 @@ class VoiceProfile:
         """Read every byte of it once.
 
         Raises:
-            ProfileError: Something is missing, damaged or open to others.
+            VoiceProfileError: Something is missing, damaged or open to others.
         """
         takes = [take.file for take in self.manifest.takes]
         for name in [*takes, *(file.name for file in self.manifest.files)]:
@@ -186,7 +188,7 @@ class VoiceProfile:
                 os.fsync(file.fileno())
             unfinished.replace(path)
         except OSError as error:
-            raise ProfileError(f"{path} cannot be written: {error.strerror}") from error
+            raise VoiceProfileError(f"{path} cannot be written: {error.strerror}") from error
 
 
 def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
@@ -199,7 +201,7 @@ def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
 
     Raises:
         ConfigError: The name cannot be used.
-        ProfileError: There is one of that name, or it cannot be written.
+        VoiceProfileError: There is one of that name, or it cannot be written.
     """
     require_name(name)
     folder = root / name
@@ -207,9 +209,9 @@ def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
         root.mkdir(mode=_FOLDER, parents=True, exist_ok=True)
         folder.mkdir(mode=_FOLDER)
     except FileExistsError as error:
-        raise ProfileError(f"profile {name!r} exists already in {root}") from error
+        raise VoiceProfileError(f"profile {name!r} exists already in {root}") from error
     except OSError as error:
-        raise ProfileError(f"{folder} cannot be made: {error.strerror}") from error
+        raise VoiceProfileError(f"{folder} cannot be made: {error.strerror}") from error
     manifest = Manifest(
         format=FORMAT,
         name=name,
@@ -230,21 +232,21 @@ def open_profile(name: str, root: Path) -> VoiceProfile:
 
     Raises:
         ConfigError: The name cannot be used.
-        ProfileError: It is missing, damaged, open to others, or the profile of somebody else.
+        VoiceProfileError: It is missing, damaged, open to others, or the profile of somebody else.
     """
     require_name(name)
     folder = root / name
     if not folder.is_dir():
         known = ", ".join(names(root)) or "none"
-        raise ProfileError(f"no profile {name!r} in {root}, there: {known}")
+        raise VoiceProfileError(f"no profile {name!r} in {root}, there: {known}")
     _require_private(folder, name, _FOLDER)
     data = _read_own(folder / MANIFEST, name)
     try:
         manifest = from_bytes(data, MANIFEST)
     except (ConfigError, ValueError, RecursionError) as error:
-        raise ProfileError(f"profile {name!r}: {MANIFEST} is damaged: {error}") from error
+        raise VoiceProfileError(f"profile {name!r}: {MANIFEST} is damaged: {error}") from error
     if manifest.name != name:
-        raise ProfileError(f"profile {name!r}: {MANIFEST} is that of {manifest.name!r}")
+        raise VoiceProfileError(f"profile {name!r}: {MANIFEST} is that of {manifest.name!r}")
     return VoiceProfile(folder, manifest, hashlib.sha256(data).hexdigest())
 
 
@@ -260,18 +262,18 @@ def delete_profile(name: str, root: Path) -> int:
 
     Raises:
         ConfigError: The name cannot be used.
-        ProfileError: There is none, or something of it cannot be removed.
+        VoiceProfileError: There is none, or something of it cannot be removed.
     """
     require_name(name)
     folder = root / name
     if folder.is_symlink() or not folder.is_dir():
         known = ", ".join(names(root)) or "none"
-        raise ProfileError(f"no profile {name!r} in {root}, there: {known}")
+        raise VoiceProfileError(f"no profile {name!r} in {root}, there: {known}")
     count = sum(path.is_file() for path in folder.rglob("*"))
     try:
         shutil.rmtree(folder)
     except OSError as error:
-        raise ProfileError(f"{folder} cannot be removed whole: {error}") from error
+        raise VoiceProfileError(f"{folder} cannot be removed whole: {error}") from error
     return count
 
 
@@ -289,12 +291,12 @@ def _wav(samples: Samples) -> bytes:
 
 def _read_own(path: Path, name: str) -> bytes:
     if not path.is_file() or path.is_symlink():
-        raise ProfileError(f"profile {name!r}: {path} is missing, or no plain file")
+        raise VoiceProfileError(f"profile {name!r}: {path} is missing, or no plain file")
     _require_private(path, name, _FILE)
     try:
         return path.read_bytes()
     except OSError as error:
-        raise ProfileError(f"profile {name!r}: {path}: {error.strerror}") from error
+        raise VoiceProfileError(f"profile {name!r}: {path}: {error.strerror}") from error
 
 
 def _require_private(path: Path, name: str, allowed: int) -> None:
@@ -302,4 +304,4 @@ def _require_private(path: Path, name: str, allowed: int) -> None:
     mode = stat.S_IMODE(path.stat().st_mode)
     if mode & 0o077:
         says = f"has the permissions {mode:04o}, allowed: {allowed:04o} (chmod {allowed:o})"
-        raise ProfileError(f"profile {name!r}: {path} {says}; recordings are private")
+        raise VoiceProfileError(f"profile {name!r}: {path} {says}; recordings are private")

@@ -108,7 +108,7 @@ def put_spellings(
         What was not learned.
 
     Raises:
-        ProfileError: A take cannot be read, or the spellings not be written.
+        VoiceProfileError: A take cannot be read, or the spellings not be written.
     """
     written: dict[str, list[str]] = {}
     for take in profile.manifest.takes:

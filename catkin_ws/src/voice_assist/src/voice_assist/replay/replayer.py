@@ -27,7 +27,7 @@ from voice_assist.pipeline.pipeline import Event, Pipeline
 from voice_assist.profile.active import personalise
 from voice_assist.replay.recorded_spotter import RecordedSpotter
 from voice_assist.side_inputs import SideInputKind, SideInputs, from_text
-from voice_assist.types import RATE, Decision, Frame, Mode, frozen_samples
+from voice_assist.types import RATE, Frame, Mode, UtteranceDecision, frozen_samples
 
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
@@ -254,10 +254,10 @@ def _frame(sound: RecordedSound) -> Frame:
 
 
 def _decisions(events: Iterable[Event], time: float) -> list[ReplayedDecision]:
-    return [_heard(event, time) for event in events if isinstance(event, Decision)]
+    return [_heard(event, time) for event in events if isinstance(event, UtteranceDecision)]
 
 
-def _heard(decision: Decision, time: float) -> ReplayedDecision:
+def _heard(decision: UtteranceDecision, time: float) -> ReplayedDecision:
     rejection = decision.rejection
     return ReplayedDecision(
         transcript=decision.hypothesis.text,

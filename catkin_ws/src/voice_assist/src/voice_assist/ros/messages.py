@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from voice_assist.msg import AudioChunk
 from voice_assist.msg import Mode as ModeMessage
 from voice_assist.msg import Utterance as UtteranceMessage
-from voice_assist.types import FULL_SCALE, RATE, Decision, Frame, Mode
+from voice_assist.types import FULL_SCALE, RATE, Frame, Mode, UtteranceDecision
 
 
 def audio_chunk(frame: Frame) -> AudioChunk:
@@ -27,7 +27,7 @@ def pcm(chunk: AudioChunk) -> NDArray[np.int16]:
     return np.asarray(chunk.samples, np.int16)
 
 
-def utterance(decision: Decision, now: float) -> UtteranceMessage:
+def utterance(decision: UtteranceDecision, now: float) -> UtteranceMessage:
     """A decision with all that led to it.
 
     Args:

@@ -13,7 +13,7 @@ from voice_assist.msg import Mode as ModeMessage
 from voice_assist.msg import Utterance as UtteranceMessage
 from voice_assist.ros import messages
 from voice_assist.side_inputs import SideInput, to_text
-from voice_assist.types import Decision, Frame, Mode, Partial
+from voice_assist.types import Frame, Mode, Partial, UtteranceDecision
 
 # [s] without heartbeats after a stop; more than the controller's watchdogs.voice_heartbeat_age.
 # The missing heartbeat stops the robot where the stop itself is lost or late.
@@ -48,7 +48,7 @@ class Publishers:
         """What has been heard so far."""
         self._partial.publish(String(data=partial.text))
 
-    def utterance(self, decision: Decision, now: float) -> None:
+    def utterance(self, decision: UtteranceDecision, now: float) -> None:
         """What was decided, at ROS time `now` [s]."""
         self._utterance.publish(messages.utterance(decision, now))
 

@@ -50,7 +50,6 @@ from voice_assist.types import (
     RATE,
     Action,
     Call,
-    Decision,
     Frame,
     Halt,
     HearingFault,
@@ -59,6 +58,7 @@ from voice_assist.types import (
     Partial,
     Samples,
     SetMode,
+    UtteranceDecision,
     frozen_samples,
 )
 
@@ -204,7 +204,7 @@ class VoiceNode:
             health.behind = health.frame_done - frame.stamp - frame.duration
 
     def _take(self, event: Event) -> None:
-        if isinstance(event, Decision):
+        if isinstance(event, UtteranceDecision):
             for action in event.actions:
                 self._do(action)
             self._publish.utterance(event, _now())
@@ -249,7 +249,7 @@ class VoiceNode:
         for action in self._pipeline.answer(answered):
             self._do(action)
 
-    def _say(self, decision: Decision) -> None:
+    def _say(self, decision: UtteranceDecision) -> None:
         outcome, text = decision.outcome, decision.hypothesis.text
         if isinstance(outcome, Match):
             self._health.commanded, self._health.last_command = _now(), outcome.command

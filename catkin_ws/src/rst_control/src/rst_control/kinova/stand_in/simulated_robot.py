@@ -19,7 +19,7 @@ from rst_control.kinova.stand_in.torque_sensors import TorqueSensors
 from rst_control.kinova.stand_in.waypoints import ArmLimits
 from rst_control.robot.backend import RobotBackend
 from rst_control.simulation.physics import JointReading
-from rst_control.simulation.tissue import Tissue
+from rst_control.simulation.tissue import SimulatedTissue
 from rst_control.types import Setpoint
 
 Vector = NDArray[np.float64]
@@ -31,7 +31,7 @@ AFTER = 0.050  # [s] for which the joints are still led once nothing moves
 class Physics(RobotBackend, Protocol):
     """The simulated robot that the drivers lead."""
 
-    tissue: Tissue
+    tissue: SimulatedTissue
 
     @property
     def now(self) -> float:

@@ -22,7 +22,7 @@ from voice_assist.alarms.types import (
     RobotState,
     UtteranceReport,
 )
-from voice_assist.config.alarms import LookConfig
+from voice_assist.config.alarms import AlarmMarkerConfig
 from voice_assist.msg import Alarm as AlarmMessage
 from voice_assist.msg import Utterance as UtteranceMessage
 
@@ -81,7 +81,9 @@ def alarm_message(standing: Sequence[Standing], now: float) -> AlarmMessage:
     return message
 
 
-def alarm_marker(alarm: AlarmText | None, is_lit: bool, config: LookConfig, now: float) -> Marker:
+def alarm_marker(
+    alarm: AlarmText | None, is_lit: bool, config: AlarmMarkerConfig, now: float
+) -> Marker:
     """The line for rviz and Foxglove; dim in the dark half of its flashing.
 
     Args:
