@@ -63,4 +63,6 @@ def test_a_window_without_a_screen_is_refused_with_the_reason(monkeypatch):
 
 def test_a_scene_that_cannot_be_drawn_says_why(tmp_path):
     with pytest.raises(SceneLostError, match="no robot model"):
-        SceneWorker(SceneSetup(CONFIG.scene, CAMERAS, tmp_path / "none.urdf", window=False))
+        SceneWorker(
+            SceneSetup(CONFIG.scene, CAMERAS, tmp_path / "none.urdf", window=False)
+        ).wait_until_up()

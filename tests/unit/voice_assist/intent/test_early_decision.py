@@ -14,7 +14,7 @@ CONFIG = load_voice_config(
     recognizer__early__unchanged_for=0.8,
     recognizer__early__stop_agreement=2,
     recognizer__early__vote_confidence=0.7,
-    recognizer__early__stop_confidence=0.9,
+    recognizer__early__first_stop_confidence=0.9,
 )
 
 

@@ -30,7 +30,7 @@ from rst_control.types import JOINTS
 
 GRAVITY = 9.81  # [m/s^2]
 MOTOR_GAIN = 1.0  # share of the gap to the course that is closed in one step
-WRIST = "bracelet_link"  # carries the shaft
+WRIST = "joint_7"  # its link carries the shaft
 FINGERS = ("finger_left_link", "finger_right_link")
 
 Vector = NDArray[np.float64]
@@ -93,11 +93,16 @@ class RobotPhysics(BulletWorld):
         self._links = link_indices(self._robot, self._client)
         self._joints = joint_indices(self._robot, self._client)
         self._fingers = [self._links[name] for name in FINGERS]
-        info = [pybullet.getJointInfo(self._robot, j, **self._on) for j in self._joints]
+        self._wrist = next(n for n, link in self._model.links.items() if link.joint == WRIST)
+        self._turning = [n for n in range(len(JOINTS)) if n not in self._model.locked]
+        motors = [self._joints[n] for n in self._turning]
+        info = [pybullet.getJointInfo(self._robot, j, **self._on) for j in motors]
         self._motors = {
+            "jointIndices": motors,
+            "controlMode": pybullet.POSITION_CONTROL,
             "forces": [float(entry[10]) for entry in info],  # [N m], never exceeded
-            "positionGains": [MOTOR_GAIN] * len(self._joints),
-            "velocityGains": [1.0] * len(self._joints),
+            "positionGains": [MOTOR_GAIN] * len(motors),
+            "velocityGains": [1.0] * len(motors),
             **self._on,
         }
         self._set_up(position)
@@ -113,10 +118,8 @@ class RobotPhysics(BulletWorld):
         """
         pybullet.setJointMotorControlArray(
             self._robot,
-            self._joints,
-            pybullet.POSITION_CONTROL,
-            targetPositions=position.tolist(),
-            targetVelocities=velocity.tolist(),
+            targetPositions=position[self._turning].tolist(),
+            targetVelocities=velocity[self._turning].tolist(),
             **self._motors,
         )
 
@@ -154,7 +157,7 @@ class RobotPhysics(BulletWorld):
 
     def shaft(self) -> tuple[Vector, Vector]:
         """Both ends of the shaft (interface_link, pitch_link), base frame, [m]. Shapes (3,)."""
-        place, turn = self._pose(WRIST)
+        place, turn = self._pose(self._wrist)
         interface = place + turn @ self._model.chain[forward.SHAFT, :, 3]
         return interface, self._pose("pitch_link")[0]
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from rst_control.kinematics.robot_model import rotation
+from rst_control.types import JOINTS
 
 Array = NDArray[np.float64]
 TERMS = (("ixx", 0, 0), ("iyy", 1, 1), ("izz", 2, 2), ("ixy", 0, 1), ("ixz", 0, 2), ("iyz", 1, 2))
@@ -46,9 +47,10 @@ class Body:
 
 
 def joined(urdf: str) -> str:
-    """The same robot without fixed joints, its links named after the first of each part.
+    """The same robot with fixed joints left out, its links named after the first of each part.
 
-    What is drawn or touched is left out.
+    A fixed joint of JOINTS stays: it stands for a joint that the arm lacks. What is drawn or
+    touched is left out.
 
     Args:
         urdf: Text of a URDF file.
@@ -56,7 +58,7 @@ def joined(urdf: str) -> str:
     robot = Xml.fromstring(urdf)
     links = {link.attrib["name"]: link for link in robot.findall("link")}
     bodies = {name: _body(link) for name, link in links.items()}
-    for fixed in [joint for joint in robot.findall("joint") if joint.attrib["type"] == "fixed"]:
+    for fixed in [joint for joint in robot.findall("joint") if _is_rigid(joint)]:
         parent, child = _ends(fixed)
         T, body, moved = _pose(fixed), bodies[parent], bodies.pop(child)
         if moved is not None:
@@ -70,6 +72,10 @@ def joined(urdf: str) -> str:
     for name, body in bodies.items():
         _write(links[name], body)
     return Xml.tostring(robot, encoding="unicode")
+
+
+def _is_rigid(joint: Xml.Element) -> bool:
+    return joint.attrib["type"] == "fixed" and joint.attrib["name"] not in JOINTS
 
 
 def _ends(joint: Xml.Element) -> tuple[str, str]:

@@ -23,6 +23,7 @@ from rst_control.registration.trocar import position_words
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.exposure_warning import warn_of_listeners
 from rst_control.ros.common.priority import ask_for_priority
+from rst_control.ros.common.starting import ends_on_interrupt
 from rst_control.ros.controller.action_server import AssistServer
 from rst_control.ros.controller.command_service import CommandService
 from rst_control.ros.controller.control_loop import ControlLoop
@@ -178,7 +179,8 @@ def main() -> None:
     try:
         config = load_config(MotionConfig, rospy.get_param("~", {}), "controller parameters")
         model = parse_robot(rospy.get_param("robot_description"))
-        node = ControllerNode(config, model)
+        with ends_on_interrupt():
+            node = ControllerNode(config, model)
     except (ConfigError, RstError, KeyError) as error:
         rospy.logfatal(
             f"the controller cannot start: {error}; start it by launch/controller.launch"

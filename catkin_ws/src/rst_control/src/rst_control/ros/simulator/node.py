@@ -11,6 +11,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -18,11 +19,12 @@ import rospy
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger, TriggerResponse
 
-from rst_control.config import SimulationConfig
+from rst_control.config import URDF_FILE, SimulationConfig
 from rst_control.errors import RstError
 from rst_control.kinova.stand_in import StandInConfig, as_driven
 from rst_control.robot.setpoint_servo import ServoState
 from rst_control.ros.common.priority import ask_for_priority
+from rst_control.ros.common.starting import ends_on_interrupt
 from rst_control.ros.kinova.stand_in_interface import DriverInterface
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
@@ -44,6 +46,7 @@ SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interp
 JOB_LIMIT = 5.0  # [s] for the loop to take up what a service asks for
 FINE_RATE = 1000.0  # [Hz] of the physics, from which the figures of motion are measured
 COARSE = "physics at %g Hz, below %g Hz: the shaft leaves the trocar further than a robot's would"
+NOT_OF_SIMULATION = ("kinova", "urdf", "rcm", "controller", "collision")  # drivers', controller's
 STRICT = "kinova_strict"  # the mode that stands in for the real drivers
 
 
@@ -64,13 +67,17 @@ class SimulatorNode:
 
     Args:
         config: Settings of the simulation.
+        urdf: Model of the robot.
         stand_in: Settings of the drivers that it stands in for; None: it takes set-points.
     """
 
-    def __init__(self, config: SimulationConfig, stand_in: StandInConfig | None = None) -> None:
+    def __init__(
+        self, config: SimulationConfig, urdf: Path, stand_in: StandInConfig | None = None
+    ) -> None:
         simulator = config.simulator
         self._is_real_time = simulator.real_time_factor == 1.0
-        self.robot = PybulletRobot(config, start=time.monotonic() if self._is_real_time else 1.0)
+        start = time.monotonic() if self._is_real_time else 1.0
+        self.robot = PybulletRobot(config, urdf, start)
         self._steps = round(simulator.physics_rate / simulator.publish_rate)
         if simulator.physics_rate < FINE_RATE:
             log.warning(COARSE, simulator.physics_rate, FINE_RATE)
@@ -81,7 +88,7 @@ class SimulatorNode:
         self._interface = self._make_interface(config, stand_in)
         self._service = rospy.Service("robot/reset_tissue", Trigger, self._on_reset)
         self._trail = Trail()
-        self._pictures = SimulatorPictures(config, self._copy_state)
+        self._pictures = SimulatorPictures(config, urdf, self._copy_state)
         self._markers = SimulatorMarkers(config.scene.tissue, self._copy_state)
         period = self._steps * self.robot.time_step
         self.pace = SimulationPace(period, simulator.real_time_factor, time.monotonic, time.sleep)
@@ -182,7 +189,7 @@ def read_parameters(given: dict[str, object]) -> tuple[SimulationConfig, StandIn
     Raises:
         ConfigError: A key is unknown, missing or out of range; names it.
     """
-    rest = {key: value for key, value in given.items() if key != "kinova"}
+    rest = {key: value for key, value in given.items() if key not in NOT_OF_SIMULATION}
     config = load_config(SimulationConfig, rest, "simulator parameters")
     if config.simulator.mode != STRICT:
         return config, None
@@ -197,8 +204,10 @@ def main() -> None:
     publish_without_waiting()
     rospy.init_node("robot")
     try:
-        config, stand_in = read_parameters(rospy.get_param("~", {}))
-        node = SimulatorNode(config, stand_in)
+        given = rospy.get_param("~", {})
+        config, stand_in = read_parameters(given)
+        with ends_on_interrupt():
+            node = SimulatorNode(config, Path(given.get("urdf", URDF_FILE)), stand_in)
     except (ConfigError, RstError, SceneLostError, FileNotFoundError) as error:
         rospy.logfatal(f"the simulator cannot start: {error}; launch/robot.launch starts it")
         sys.exit(2)

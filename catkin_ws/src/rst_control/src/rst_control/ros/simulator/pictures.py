@@ -7,12 +7,13 @@ import logging
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 
 import rospy
 from sensor_msgs.msg import CompressedImage
 from std_srvs.srv import Trigger, TriggerResponse
 
-from rst_control.config import URDF_FILE, SimulationConfig
+from rst_control.config import SimulationConfig
 from rst_control.simulation.rendering.state import SceneSetup, SceneState
 from rst_control.simulation.rendering.worker import SceneLostError, SceneWorker
 from rst_control.types import BASE
@@ -27,14 +28,17 @@ class SimulatorPictures:
 
     Args:
         config: Scene and cameras.
+        urdf: Model of the robot.
         copy_state: Takes a copy of the present state, from any thread.
 
     Raises:
         SceneLostError: The window cannot be opened; says why.
     """
 
-    def __init__(self, config: SimulationConfig, copy_state: Callable[[], SceneState]) -> None:
-        self._config, self._copy_state = config, copy_state
+    def __init__(
+        self, config: SimulationConfig, urdf: Path, copy_state: Callable[[], SceneState]
+    ) -> None:
+        self._config, self._urdf, self._copy_state = config, urdf, copy_state
         self._painter: SceneWorker | None = self._start(window=False)
         self._lock = threading.Lock()
         self._topic = rospy.Publisher(
@@ -43,6 +47,7 @@ class SimulatorPictures:
         self._window: SceneWorker | None = None
         if config.simulator.gui:
             window = self._window = self._start(window=True)
+            window.wait_until_up()
             threading.Thread(target=self._show, args=(window,), name="window", daemon=True).start()
         self._service = rospy.Service("robot/snapshot", Trigger, self._on_snapshot)
 
@@ -55,7 +60,7 @@ class SimulatorPictures:
     def _start(self, window: bool) -> SceneWorker:
         simulator = self._config.simulator
         cameras = (simulator.overview, simulator.endoscope)
-        return SceneWorker(SceneSetup(self._config.scene, cameras, URDF_FILE, window))
+        return SceneWorker(SceneSetup(self._config.scene, cameras, self._urdf, window))
 
     def _on_snapshot(self, _: object) -> TriggerResponse:
         with self._lock:

@@ -47,8 +47,7 @@ def _be_courteous() -> None:
     with suppress(PermissionError, AttributeError):
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
     os.nice(COURTESY)
-    with suppress(OSError):  # no session of its own to be weighed by, or not on this kernel
-        os.setsid()
+    with suppress(OSError):  # its session is not weighed on this kernel
         AUTOGROUP.write_text(str(COURTESY), encoding="ascii")
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a closed pipe ends it, not Ctrl-C
 

@@ -24,8 +24,11 @@ class SceneLostError(RuntimeError):
 class SceneWorker:
     """The drawing process, seen from outside; for one thread at a time.
 
+    The process comes up beside its caller. On a busy machine that takes long, as it has the lowest
+    priority.
+
     Raises:
-        SceneLostError: The process could not start; says why.
+        SceneLostError: There is no screen for the window.
     """
 
     def __init__(self, setup: SceneSetup) -> None:
@@ -39,11 +42,21 @@ class SceneWorker:
             pass_fds=[theirs.fileno()],
             env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
             stdout=subprocess.DEVNULL,
+            start_new_session=True,  # a closed pipe ends it, not Ctrl-C
         )
         theirs.close()
-        self._is_free = True
+        self._is_free = self._is_up = False
         self._pipe.send(setup)
-        self._answer(START_LIMIT)
+
+    def wait_until_up(self) -> None:
+        """Wait until the process can draw.
+
+        Raises:
+            SceneLostError: It could not start; says why.
+        """
+        if not self._is_up:
+            self._answer(START_LIMIT)
+            self._is_up = True
 
     def picture(self, state: SceneState) -> bytes:
         """PNG of the scene.
@@ -51,6 +64,7 @@ class SceneWorker:
         Raises:
             SceneLostError: The process ended or does not answer.
         """
+        self.wait_until_up()
         self._send(state)
         return self._answer(PICTURE_LIMIT)
 
@@ -74,13 +88,10 @@ class SceneWorker:
         return True
 
     def close(self) -> None:
-        """End the process."""
+        """End the process; it holds nothing that has to be put away."""
         self._pipe.close()
-        try:
-            self._process.wait(timeout=2.0)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+        self._process.kill()
+        self._process.wait()
 
     def _send(self, state: SceneState) -> None:
         try:
