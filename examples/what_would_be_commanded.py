@@ -12,14 +12,7 @@ import sys
 
 import numpy as np
 
-from voice_assist import (
-    Framer,
-    Mode,
-    UtteranceDecision,
-    load_voice_config,
-    make_pipeline,
-    read_sound,
-)
+import voice_assist as va
 
 RATE = 16_000  # [Hz]
 QUIET = np.zeros(RATE, np.float32)  # before and after, so that the end can be heard
@@ -28,12 +21,12 @@ QUIET = np.zeros(RATE, np.float32)  # before and after, so that the end can be h
 def main(path: str) -> None:
     """Stream a file through the pipeline of the voice node."""
     now = 0.0  # [s] of the stream
-    pipeline = make_pipeline(load_voice_config(), lambda: now)
-    pipeline.set_mode(Mode.ACTIVE, "example")
-    for frame in Framer().push(np.concatenate([QUIET, read_sound(path), QUIET]), 0.0):
+    pipeline = va.make_pipeline(va.load_voice_config(), lambda: now)
+    pipeline.set_mode(va.Mode.ACTIVE, "example")
+    for frame in va.Framer().push(np.concatenate([QUIET, va.read_sound(path), QUIET]), 0.0):
         now = frame.stamp + frame.duration
         for event in pipeline(frame):
-            if isinstance(event, UtteranceDecision):
+            if isinstance(event, va.UtteranceDecision):
                 text, rejection = event.hypothesis.text, event.rejection
                 if rejection is None:
                     print(f"{text!r}: {event.command!r}, confidence {event.confidence:.2f}")

@@ -127,14 +127,6 @@ COMMANDS = [
     (TENSE, "modes", ["standby", "active"], "commands[1].modes is", "[active], as it is a motion"),
     (STOP, "modes", ["active"], "commands[5].modes is ['active']", "[standby, active]: it halts"),
     (TENSE, "mode_after", "asleep", "commands[1].mode_after is 'asleep'", "same, standby, active"),
-    (
-        TENSE,
-        "command",
-        "dance",
-        "commands[1].command is 'dance'",
-        "look down right, stop, terminate",
-    ),
-    (TENSE, "command", "insert", "commands[1].command is 'insert'", "one of"),
     (TENSE, "command", "", "commands[1].command is ''", "what moves"),
     (TENSE, "is_motion", False, "commands[1].is_motion is False", "true, as it calls 'tense'"),
     (STOP, "command", "release", "commands[5]", "true, as it calls 'release'"),
@@ -183,11 +175,3 @@ def test_a_body_has_one_shape_and_a_link_one_inertia():
     data["links"][9]["inertia"] = [0.1, 0, 0, 0.1, 0, 0.1]
     with pytest.raises(ConfigError, match=r"links\[9\]\.inertia is .*one of inertia, body"):
         start(kind, data, path.name)
-
-
-def test_the_calls_that_a_command_may_make_are_those_that_the_controller_takes_from_a_voice():
-    from rst_control.commands.table import COMMANDS
-    from voice_assist.config.commands import ROBOT_COMMANDS
-
-    by_voice = {command.phrase for command in COMMANDS.values() if not command.is_by_hand_only}
-    assert set(ROBOT_COMMANDS) <= by_voice

@@ -12,17 +12,7 @@ from voice_assist.errors import CommandsError
 from voice_assist.text.normalize import Words, is_negated, normalize
 from voice_assist.text.wer import wer
 
-LOOKING = (  # of an endoscope, or of the tool as one, under the trocar
-    *("look left", "look right", "look up", "look down", "look closer", "look wider"),
-    *("look up left", "look up right", "look down left", "look down right"),
-)
-MOVING = ("tense", "release", "pull more", "pull less", *LOOKING)
-ROBOT_COMMANDS = (
-    "hey robot",
-    *MOVING,
-    "stop",
-    "terminate",
-)  # what rst_control/command takes from a voice
+AT_REST = ("hey robot", "stop", "terminate")  # the robot's commands that begin no motion
 NEVER_SURE = 0.95  # [0, 1] a recogniser is hardly ever surer of a word than this
 
 
@@ -42,7 +32,7 @@ class CommandConfig:
     threshold: float = number(0.01, 1.0, "WER")
     modes: tuple[str, ...] = choice("standby", "active")
     mode_after: str = choice("same", "standby", "active")
-    command: str = choice("", *ROBOT_COMMANDS)
+    command: str = text(may_be_empty=True)  # what the robot knows: ros/robot_commands.py
     is_motion: bool = flag()
     is_halt: bool = flag()
     min_confidence: float = number(0.0, 1.0, "")
@@ -55,7 +45,7 @@ class CommandConfig:
             CommandsError: Two keys contradict each other.
         """
         _require(bool(self.modes), "modes", [], "standby, active or both")
-        if self.command in MOVING:
+        if self.command and self.command not in AT_REST:
             words = f"true, as it calls {self.command!r}, which moves the robot"
             _require(self.is_motion, "is_motion", self.is_motion, words)
         if self.is_motion:

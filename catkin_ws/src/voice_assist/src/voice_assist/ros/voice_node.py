@@ -40,6 +40,7 @@ from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
 from voice_assist.ros.recognition_watch import RecognitionWatch
+from voice_assist.ros.robot_commands import require_known
 from voice_assist.ros.robot_speech import RobotSpeechTopic
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.side_inputs import SideInput, SideInputKind
@@ -74,7 +75,9 @@ def main() -> None:
     rospy.init_node("voice_assist")
     rospy.loginfo("priority: %s", priority)
     try:
-        node = VoiceNode(_load_config())
+        config = _load_config()
+        require_known(config.commands)
+        node = VoiceNode(config)
         node.run()
     except (ConfigError, VoiceError) as error:
         rospy.logfatal("%s", error)
