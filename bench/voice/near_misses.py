@@ -11,28 +11,22 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from bench.common import resumable
-from bench.voice.evaluate_once import THIN, Evaluated, EvaluatedClip
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
-from bench.voice.material import clips
+from bench.voice.material.clips import SEED as HELD_OUT_SEED
 from bench.voice.material.confusable_phrases import ALL, NAMED, TRAINED, plan
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.mixing import StreamedTrial, chunks, trials_of
 from bench.voice.material.synthesis import spoken
 from bench.voice.outcomes import motions
+from bench.voice.trials import THIN
 from session_log.report.bounds import at_most
 from support.figures import Figure
-from voice_assist.evaluation.evaluator import ClaimedCommand
 from voice_assist.training.data.homophones import same_as_command
 
 FULL = 12  # voices per phrase at THIN=1
 SEED = 7
 PHRASES, OWN = "phrases", "named"
-
-
-def near() -> Evaluated:
-    """The phrases through the pipeline, armed, as the calibration wants them."""
-    return Evaluated("near_misses", {}, tuple(map(_row, measured()[PHRASES])))
 
 
 def measure() -> list[Figure]:
@@ -117,7 +111,7 @@ def measured() -> dict[str, list[SceneRecord]]:
 
 
 def _trials() -> dict[str, list[StreamedTrial]]:
-    prompts = plan(clips.SEED, max(1, FULL // (2 * THIN)))
+    prompts = plan(HELD_OUT_SEED, max(1, FULL // (2 * THIN)))
     own = spread(NAMED, natives().present, 1, SEED)
     return {PHRASES: trials_of(spoken(prompts)), OWN: trials_of(spoken(own))}
 
@@ -126,18 +120,6 @@ def _apart(records: Sequence[SceneRecord]) -> tuple[list[SceneRecord], list[Scen
     """Those that can be told from a command, and those that sound the same."""
     told = [r for r in records if not is_same(r)]
     return told, [r for r in records if is_same(r)]
-
-
-def _row(record: SceneRecord) -> EvaluatedClip:
-    label, heard = record.label, record.heard
-    claims = (
-        ClaimedCommand(s.command, s.confidence, s.origin, s.is_taken)
-        for s in heard.said
-        if s.command
-    )
-    return EvaluatedClip(
-        label["path"], label["text"], "", heard.taken, label["seconds"], tuple(claims)
-    )
 
 
 def _share(

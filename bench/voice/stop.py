@@ -8,14 +8,13 @@ from dataclasses import replace
 
 from bench.common import resumable
 from bench.voice import outcomes
-from bench.voice.evaluate_once import THIN
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.hearing.replay_stream import WAYS
 from bench.voice.material.mixing import StreamedTrial, chunks, trials_of, twice
 from bench.voice.material.synthesis import DEV, SpokenClip, recorded
 from bench.voice.outcomes import latencies, quantiles, right, tally
-from bench.voice.trials import STOP, WHOLE, clips_of
+from bench.voice.trials import STOP, THIN, WHOLE, clips_of
 from support.figures import Figure
 from voice_assist.types import Mode
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """All figures of the voice, part by part; `make bench ONLY=voice.near` measures one part.
 
-In the environment: THIN=1 takes all clips (3: one in three in noise), JOBS the processes, KEEP=1
-uses evaluations that are there. The long parts (trials, stop, armed, near, unarmed, nothing)
-go on where they were interrupted: see bench/common/resumable.py for MINUTES, SHARE,
-RESULTS and FORCE, hearing/pieces.py for MODEL, and the parts themselves for HOURS and SOAK.
+In the environment: THIN=1 takes all clips (3: one in three in noise), JOBS the processes. The long
+parts (trials, stop, armed, near, unarmed, nothing) go on where they were interrupted: see
+bench/common/resumable.py for MINUTES, SHARE, RESULTS and FORCE, hearing/pieces.py for MODEL, and
+the parts themselves for HOURS and SOAK.
 """
 
 from __future__ import annotations
@@ -13,14 +13,12 @@ import time
 from collections.abc import Callable
 
 from bench.voice import (
-    accuracy,
     armed,
     calibration,
     false_alarms,
     idle,
     near_misses,
     stop,
-    thresholds,
     trials,
     unarmed,
 )
@@ -28,13 +26,11 @@ from bench.voice.soak import suite as soak
 from support.figures import Figure
 
 PARTS: dict[str, Callable[[], list[Figure]]] = {
-    "accuracy": accuracy.measure,
     "trials": trials.measure,
     "stop": stop.measure,
     "near": near_misses.measure,
     "armed": armed.measure,
     "calibration": calibration.measure,
-    "thresholds": thresholds.measure,
     "idle": idle.measure,
     "nothing": false_alarms.measure,
     "unarmed": unarmed.measure,

@@ -8,6 +8,7 @@ is the whole plan; more is a part of it.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
@@ -15,7 +16,6 @@ from typing import Any
 
 from bench.common import resumable
 from bench.voice import outcomes
-from bench.voice.evaluate_once import THIN
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.held_out_voices import SyntheticVoice, foreigners, natives, spread
@@ -25,6 +25,7 @@ from bench.voice.outcomes import by, latencies, others, quantiles, right, tally
 from session_log.report.bounds import at_least
 from support.figures import Figure
 
+THIN = int(os.environ.get("THIN", "3"))  # one trial in so many in noise
 SEED = 5
 MOTIONS = ("tense", "release", "pull more", "pull less")
 STOP, OTHERS = ("stop",), ("hey robot", "terminate")

@@ -122,7 +122,6 @@ def test_few_random_paths_and_targets_give_every_figure():
     assert all(np.isfinite(figure.value) for figure in figures)
     by_name = {figure.name: figure for figure in figures}
     assert by_name["planned RCM error max by KDL"].is_met
-    assert by_name["IK on the published circle"].value == 100
 
 
 def test_random_poses_are_proper_turns_within_the_workspace():

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bench.voice.calibration import KINDS, VoicedClaim, claims_of, fit, halves, min_confidence
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.hearing.replay_stream import SceneDecision, SceneResult
-from bench.voice.thresholds import VoicedClaim, claims_of, fit, halves, least
 from voice_assist.config import load_voice_config
 from voice_assist.config.calibration import log_odds, logistic
 
@@ -30,7 +30,8 @@ def test_a_curve_is_found_again_from_what_it_drew(slope: float, offset: float) -
 
 
 def test_a_dangerous_command_needs_more_than_one_that_moves_nothing() -> None:
-    assert least("hey robot") < least("terminate") < least("pull more") == least("release") < 1.0
+    limits = [min_confidence(c) for c in ("hey robot", "terminate", "pull more", "release")]
+    assert limits[0] < limits[1] < limits[2] == limits[3] < 1.0
 
 
 def _record(text: str, *said: SceneDecision) -> SceneRecord:
@@ -61,6 +62,7 @@ def test_claims_are_right_where_the_words_were_said_and_keep_what_was_refused() 
         ("stop", "transcript", True),
         ("stop", "spotter", True),
     ]
+    assert [c.kind for c in found] == [KINDS[2], KINDS[2], KINDS[0], KINDS[1]]
     curve = worth.scores
     assert found[0].evidence == pytest.approx((log_odds(0.8) - curve.offset) / curve.slope)
 

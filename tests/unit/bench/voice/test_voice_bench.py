@@ -1,25 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-import json
-
 import numpy as np
 import pytest
 
 from bench import __main__ as main_module
-from bench.voice.calibration import KINDS, Reliability, claims_of, draw, reliability
-from bench.voice.evaluate_once import Evaluated, EvaluatedClip, read_rows
+from bench.voice.calibration import Reliability, draw, reliability
 from bench.voice.material import theatre_noise
 from bench.voice.material.confusable_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
 from voice_assist.config import load_voice_config
-from voice_assist.evaluation.evaluator import ClaimedCommand
 from voice_assist.intent.mapper import Mapper
 from voice_assist.text.normalize import is_negated, normalize
 from voice_assist.types import RATE, Match
 
 CONFIG = load_voice_config()
-
-
-def row(transcript, command="", taken=(), seconds=1.0, claims=()):
-    return EvaluatedClip("a.wav", transcript, command, tuple(taken), seconds, tuple(claims))
 
 
 # --- calibration
@@ -46,19 +38,6 @@ def test_confidence_that_keeps_its_word_has_almost_no_error():
 def test_full_confidence_falls_into_the_last_bin():
     curve = reliability([1.0, 0.95], [True, False])
     assert curve.count.tolist() == [2]
-
-
-def test_claims_are_right_only_where_their_command_was_said():
-    claims = [
-        ClaimedCommand("stop", 0.9, "recognizer", True),
-        ClaimedCommand("stop", 0.8, "spotter", True),
-        ClaimedCommand("pull more", 0.3, "recognizer", False),
-        ClaimedCommand("terminate", 0.7, "recognizer", True),
-    ]
-    found = claims_of(Evaluated("x", {}, (row("stop", "stop", claims=claims),)), "human")
-    assert [c.kind for c in found] == list(KINDS)
-    assert [c.is_right for c in found] == [True, True, False, False]
-    assert {c.voices for c in found} == {"human"}
 
 
 def test_plot_is_a_picture(tmp_path):
@@ -115,24 +94,6 @@ def test_silence_is_quieter_than_any_other_noise():
 
 
 # --- sets and parts
-
-
-def test_details_of_an_evaluation_are_read_back(tmp_path):
-    claims = json.dumps(
-        [{"command": "stop", "confidence": 0.9, "origin": "spotter", "is_taken": True}]
-    )
-    quoted = claims.replace('"', '""')
-    path = tmp_path / "d.csv"
-    path.write_text(
-        "path,transcript,command,taken,seconds,claims\n"
-        f'a.wav,stop,stop,stop|tense,1.500,"{quoted}"\n'
-        "b.wav,shop,,,0.500,[]\n"
-    )
-    first, second = read_rows(path)
-    assert first.taken == ("stop", "tense")
-    assert first.claims == (ClaimedCommand("stop", 0.9, "spotter", True),)
-    assert (second.taken, second.seconds, second.claims) == ((), 0.5, ())
-    assert Evaluated("x", {}, (first, second)).hours == pytest.approx(2.0 / 3600)
 
 
 def test_an_unknown_part_is_refused_and_nothing_is_measured(capsys, monkeypatch):
