@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`make paper`: the paper's experiment in synthetic voices, then the triangulation demonstration.
+"""`make paper`: the paper's experiment in synthetic voices.
 
 Each session is a process of its own, since one process can join only one ROS master.
 """
@@ -11,6 +11,7 @@ import contextlib
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 import rospy
@@ -24,17 +25,14 @@ from paper.config import (
 )
 from paper.folders import finish, is_finished, set_aside, settings_of
 from paper.judging.outcomes import PhraseOutcome, judge, kept
-from paper.judging.recording import read_recording
 from paper.judging.results import VoiceResult, figures
-from paper.judging.show import show, show_tissue, write
 from paper.judging.trials import read
-from paper.play import session, triangulation
-from paper.play.demonstration import shown
+from paper.play import session
 from paper.play.speaker import installed_voices
 from session_log.cli import CONFIG as REPORT
 from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
-from support.figures import RESULTS, ROOT
+from support.figures import RESULTS, ROOT, machine, show, write
 from support.interrupt import end_as_by_ctrl_c
 from typed_config import ConfigError, load_config, load_yaml
 
@@ -57,10 +55,10 @@ def main(words: Sequence[str] | None = None) -> int:
         console.print(f"[red]{error}[/red]", highlight=False)
         return 2
     if options.session:
-        return _play(options.session, voices[0], config, repetitions, out, console)
+        return _play(voices[0], config, repetitions, out, console)
     status = _play_all(voices, config, repetitions, out, console)
     is_full = repetitions >= config.repetitions and len(voices) >= int(VOICES)
-    _conclude(voices, config, out, is_full and status == 0, console)
+    _conclude(voices, out, is_full and status == 0, console)
     return status
 
 
@@ -69,7 +67,7 @@ def _parse(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--repetitions", type=_count, help="of each command and voice")
     parser.add_argument("--voices", default=VOICES, help="how many, or names with commas between")
     parser.add_argument("--out", type=Path, help="folder of all sessions (sessions/paper_<n>)")
-    parser.add_argument("--session", help=argparse.SUPPRESS)  # play this one alone, in here
+    parser.add_argument("--session", action="store_true", help=argparse.SUPPRESS)  # in here
     return parser.parse_args(words)
 
 
@@ -89,15 +87,14 @@ def _play_all(
     """Play every session that is not there yet."""
     console.print(f"All voices are synthetic. Sessions, figures and report: {out}")
     status = 0
-    sessions = [*((v.name, v) for v in voices), (triangulation.NAME, voices[0])]
-    for i, (name, voice) in enumerate(sessions, 1):
-        console.rule(f"{i} of {len(sessions)}: {name} ({voice.accent})")
-        if is_finished(out / name, settings_of(config, voice, repetitions)):
+    for i, voice in enumerate(voices, 1):
+        console.rule(f"{i} of {len(voices)}: {voice.name} ({voice.accent})")
+        if is_finished(out / voice.name, settings_of(config, voice, repetitions)):
             console.print("  finished before, kept")
             continue
-        if aside := set_aside(out / name):
+        if aside := set_aside(out / voice.name):
             console.print(f"  begun before and not finished, or otherwise; now in {aside}")
-        code = _child(name, voice, repetitions, out)
+        code = _child(voice, repetitions, out)
         if code == INTERRUPTED:
             console.print("Interrupted: the same command goes on with this voice.")
             return code
@@ -105,8 +102,8 @@ def _play_all(
     return status
 
 
-def _child(name: str, voice: PaperVoiceConfig, repetitions: int, out: Path) -> int:
-    command = [sys.executable, "-m", "paper", "--session", name, "--voices", voice.name]
+def _child(voice: PaperVoiceConfig, repetitions: int, out: Path) -> int:
+    command = [sys.executable, "-m", "paper", "--session", "--voices", voice.name]
     command += ["--repetitions", str(repetitions), "--out", str(out)]
     process = subprocess.Popen(command, cwd=ROOT)
     try:
@@ -120,7 +117,6 @@ def _child(name: str, voice: PaperVoiceConfig, repetitions: int, out: Path) -> i
 
 
 def _play(
-    name: str,
     voice: PaperVoiceConfig,
     config: ExperimentConfig,
     repetitions: int,
@@ -128,14 +124,11 @@ def _play(
     console: Console,
 ) -> int:
     """Play one session and judge it."""
-    folder = out / name
+    folder = out / voice.name
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        if name == triangulation.NAME:
-            triangulation.run(voice, config, folder, console)
-        else:
-            session.run(voice, config, repetitions, folder, console)
-        judge(folder, config)
+        session.run(voice, config, repetitions, folder, console)
+        judge(folder, _report_config())
     except KeyboardInterrupt:
         return INTERRUPTED
     except (OSError, RuntimeError, SessionLogError, rospy.ROSException) as error:
@@ -148,41 +141,40 @@ def _play(
 
 def _conclude(
     voices: Sequence[PaperVoiceConfig],
-    config: ExperimentConfig,
     out: Path,
     is_full: bool,
     console: Console,
 ) -> None:
     """Show and write what there is."""
-    found = [VoiceResult(v, tuple(_outcomes(out / v.name, config))) for v in voices]
-    told = [t for t in found if t.repetitions]
-    if not told:
+    found = [VoiceResult(v, tuple(_outcomes(out / v.name))) for v in voices]
+    heard = [result for result in found if result.repetitions]
+    if not heard:
         console.print("No phrase was played: there is nothing to show.")
         return
-    theirs = load_config(ReportConfig, load_yaml(REPORT), REPORT.name).paper
+    theirs = _report_config().paper
     paper = {entry.command: entry.latency for entry in theirs.latency}
     console.rule()
-    show(told, paper, console)
-    demonstration = out / triangulation.NAME
-    trials = read(demonstration)
-    if trials:
-        show_tissue(shown(trials, read_recording(demonstration, trials)), console)
-    listed = figures(told, paper, theirs.hardware)
+    listed = figures(heard, paper, theirs.hardware)
+    show(listed, console)
     for path in [out / RESULT, *([RESULTS / RESULT] if is_full else [])]:
-        write(listed, told, path)
+        write(path, listed, machine(), voices=[asdict(result.voice) for result in heard])
         console.print(f"Figures: {path}")
     _report(out, console)
 
 
-def _outcomes(folder: Path, config: ExperimentConfig) -> list[PhraseOutcome]:
+def _outcomes(folder: Path) -> list[PhraseOutcome]:
     """What came of a session, also of one that was interrupted."""
     outcomes = kept(folder)
     if outcomes or not read(folder):
         return outcomes
     try:
-        return judge(folder, config)
+        return judge(folder, _report_config())
     except (OSError, SessionLogError):
         return []
+
+
+def _report_config() -> ReportConfig:
+    return load_config(ReportConfig, load_yaml(REPORT), REPORT.name)
 
 
 def _report(out: Path, console: Console) -> None:

@@ -47,8 +47,6 @@ class ExperimentConfig:
     decide_within: float = number(0.1, 10.0, "s")
     answer_within: float = number(0.1, 10.0, "s")
     rest_within: float = number(1.0, 120.0, "s")
-    motion: float = number(1e-6, 0.02, "rad")
-    braking: float = number(0.1, 0.99, "")
     voices: tuple[PaperVoiceConfig, ...] = items(1, 50)
     prompter: PaperVoiceConfig
     talk: tuple[str, ...] = text()

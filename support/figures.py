@@ -8,9 +8,10 @@ import json
 import os
 import platform
 import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -80,6 +81,15 @@ def run(name: str, measure: Callable[[], list[Figure]], console: Console) -> lis
     where = machine()
     console.rule(f"{name}: {where['cpu']}, {where['cores']} cores, load {where['load_at_start']}")
     figures = measure()
+    show(figures, console)
+    path = RESULTS / f"{name}.json"
+    write(path, figures, where)
+    console.print(f"written: {path.relative_to(ROOT)}")
+    return figures
+
+
+def show(figures: Sequence[Figure], console: Console) -> None:
+    """Print figures beside their targets."""
     table = Table()
     for column in ("figure", "measured", "target", ""):
         table.add_column(column)
@@ -89,9 +99,11 @@ def run(name: str, measure: Callable[[], list[Figure]], console: Console) -> lis
         mark = {None: "", True: "[green]met[/green]", False: "[red]missed[/red]"}[f.is_met]
         table.add_row(f"{f.name} {f.note}".strip(), f"{f.value:.4g} {f.unit}", target, mark)
     console.print(table)
-    data = {"machine": where, "figures": [{**asdict(f), "met": f.is_met} for f in figures]}
-    path = RESULTS / f"{name}.json"
+
+
+def write(path: Path, figures: Sequence[Figure], where: Mapping[str, Any], **more: Any) -> None:
+    """Write figures with the machine they were measured on, and what else is given."""
+    listed = [{**asdict(f), "met": f.is_met} for f in figures]
     path.parent.mkdir(parents=True, exist_ok=True)
+    data = {"machine": where, **more, "figures": listed}
     path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-    console.print(f"written: {path.relative_to(ROOT)}")
-    return figures

@@ -17,7 +17,7 @@ from session_log.report.bounds import at_least, at_most
 from support.figures import Figure
 
 SYNTHETIC = "synthetic voices"
-ACTION = {STOP: "braking", **dict.fromkeys(MOTIONS, "first motion")}  # others: answer
+ACTION = {STOP: "receipt of it", **dict.fromkeys(MOTIONS, "first motion")}  # others: answer
 
 
 @dataclass(frozen=True)
@@ -44,12 +44,11 @@ class CommandResult:
     refused: int  # by the controller, of those that were taken
     decided: tuple[float, ...]  # [s] from the end of the sound
     acted: tuple[float, ...]  # [s]
-    rested: tuple[float, ...]  # [s]
 
 
-def row(command: str, told: Iterable[VoiceResult]) -> CommandResult:
+def row(command: str, voices: Iterable[VoiceResult]) -> CommandResult:
     """Sum up one command over voices."""
-    some = [o for t in told for o in t.repetitions if o.command == command]
+    some = [o for t in voices for o in t.repetitions if o.command == command]
     others: Counter[str] = Counter()
     for o in some:
         others.update(() if o.is_correct else [" and ".join(o.taken) or "nothing"])
@@ -61,27 +60,28 @@ def row(command: str, told: Iterable[VoiceResult]) -> CommandResult:
         refused=sum(bool(o.refusal) for o in some),
         decided=_finite(o.decided for o in some),
         acted=_finite(o.acted for o in some),
-        rested=_finite(o.rested for o in some),
     )
 
 
-def figures(told: Sequence[VoiceResult], paper: Mapping[str, float], hardware: str) -> list[Figure]:
+def figures(
+    voices: Sequence[VoiceResult], paper: Mapping[str, float], hardware: str
+) -> list[Figure]:
     """All figures of the experiment.
 
     Args:
-        told: What every voice said and what came of it.
+        voices: What every voice said and what came of it.
         paper: Mean time to the robot's action by command, as the paper has it [s].
         hardware: That the paper used.
     """
-    rows = [row(command, told) for command in COMMANDS]
+    rows = [row(command, voices) for command in COMMANDS]
     found: list[Figure] = []
     for r in rows:
         found += _of_command(r, paper, hardware)
     found += _mean_action(rows, paper, hardware)
-    found += _shares(told)
-    found += _talk(told)
-    torn = sum(not o.is_whole for t in told for o in t.outcomes)
-    helped = sum(not o.is_counted for t in told for o in t.outcomes)
+    found += _shares(voices)
+    found += _talk(voices)
+    torn = sum(not o.is_whole for t in voices for o in t.outcomes)
+    helped = sum(not o.is_counted for t in voices for o in t.outcomes)
     refused = sum(r.refused for r in rows)
     found.append(Figure("commands heard and refused by the robot", refused, "commands"))
     found.append(Figure("phrases left out: sound torn by the player", torn, "phrases"))
@@ -106,9 +106,6 @@ def _of_command(r: CommandResult, paper: Mapping[str, float], hardware: str) -> 
         note = f"(n={len(r.acted)}, {SYNTHETIC}; paper: people, {hardware})"
         found.append(Figure(f"{name}, mean", float(np.mean(r.acted)), "s", theirs, note=note))
         found.append(Figure(f"{name}, p95", float(np.percentile(r.acted, 95)), "s"))
-    if r.rested:
-        rest = float(np.mean(r.rested))
-        found.append(Figure(f"{r.command}: end of sound to the robot's rest, mean", rest, "s"))
     return found
 
 
@@ -126,12 +123,12 @@ def _mean_action(
     return [Figure(name, ours, "s", theirs, note=note)]
 
 
-def _shares(told: Sequence[VoiceResult]) -> list[Figure]:
+def _shares(voices: Sequence[VoiceResult]) -> list[Figure]:
     groups = {
-        "all voices": list(told),
-        "native voices": [t for t in told if t.voice.is_native],
-        "non-native voices": [t for t in told if not t.voice.is_native],
-        **{f"{t.voice.name} ({t.voice.accent})": [t] for t in told},
+        "all voices": list(voices),
+        "native voices": [t for t in voices if t.voice.is_native],
+        "non-native voices": [t for t in voices if not t.voice.is_native],
+        **{f"{t.voice.name} ({t.voice.accent})": [t] for t in voices},
     }
     found = []
     for name, some in groups.items():
@@ -142,8 +139,8 @@ def _shares(told: Sequence[VoiceResult]) -> list[Figure]:
     return found
 
 
-def _talk(told: Sequence[VoiceResult]) -> list[Figure]:
-    talk = [o for t in told for o in t.repetitions if not o.command]
+def _talk(voices: Sequence[VoiceResult]) -> list[Figure]:
+    talk = [o for t in voices for o in t.repetitions if not o.command]
     if not talk:
         return []
     found = []

@@ -8,17 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import correlate
 
-from paper.judging.recording import SoundBlock
 from paper.play.speaker import sound_end
+from session_log.mcap_file.decoder import Decoder
+from session_log.mcap_file.reader import SessionReader
 from voice_assist.types import RATE
 
+AUDIO = "/voice_assist/audio"
 EARLY, LATE = 0.1, 1.0  # [s] before the player's start and after its end in which is searched
 WHOLE = 0.88  # correlation from which a phrase was heard whole; over 15 dB it is 0.91 to 0.98
+
+
+@dataclass(frozen=True)
+class SoundBlock:
+    """One block of what the voice node heard."""
+
+    stamp: float  # [s] when the first sample was captured
+    first: int  # index of the first sample
+    samples: NDArray[np.int16]  # (n,), 16 kHz mono
 
 
 @dataclass(frozen=True)
@@ -28,6 +40,20 @@ class Sounded:
     begin: float  # [s] since 1970, its first sample
     end: float  # [s] its last audible moment
     likeness: float  # [-1, 1] correlation of what was played with what was captured
+
+
+def captured_sound(folder: Path) -> list[SoundBlock]:
+    """All sound of a recording, in order of time.
+
+    Raises:
+        SessionMissing: There is no recording.
+    """
+    decoder, found = Decoder(), []
+    for message in SessionReader(folder).messages((AUDIO,)):
+        m = decoder.decode(message)
+        samples = np.asarray(m.samples, dtype=np.int16)
+        found.append(SoundBlock(m.header.stamp.to_sec(), m.first_sample, samples))
+    return sorted(found, key=lambda block: block.stamp)
 
 
 def find(

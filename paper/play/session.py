@@ -4,33 +4,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from pathlib import Path
 from random import Random
-from typing import Protocol
 
 from rich.console import Console
 
 from paper.config import ExperimentConfig, PaperVoiceConfig
-from paper.play.plan import COMMANDS, MOTIONS, DialogueState, PhrasePlan, Planned, TensionRange
+from paper.play.plan import COMMANDS, MOTIONS, PhrasePlan, Planned, TensionRange
 from paper.play.speaker import Speaker
 from paper.play.stage import PaperStage, stage
 from paper.play.watch import Happened
 from rst_control.config import load_motion_config
-
-
-class WhatToSay(Protocol):
-    """Chooses phrases by the state of dialogue and robot."""
-
-    @property
-    def left(self) -> int:
-        """Number of phrases still wanted."""
-
-    def next(self, situation: DialogueState) -> Planned | None:
-        """What to say at rest; None: all has been said."""
-
-    def interrupt(self) -> Planned:
-        """What to say in the motion under way, where that was planned."""
 
 
 def tension_limits() -> TensionRange:
@@ -64,33 +48,8 @@ def run(
         speaker.prepare(command, repetitions)
     order = f"{config.seed} {voice.name}"
     plan = PhrasePlan(repetitions, config.talk_share, config.talk, tension_limits(), order)
-    play(plan, speaker, config, folder, console)
-
-
-def play(
-    plan: WhatToSay,
-    speaker: Speaker,
-    config: ExperimentConfig,
-    folder: Path,
-    console: Console,
-    at_rest: Callable[[], None] = lambda: None,
-) -> None:
-    """Bring the system up and say all phrases of a plan into it.
-
-    Args:
-        plan: What to say.
-        speaker: Who says it.
-        config: Settings.
-        folder: Of the session.
-        console: For the progress.
-        at_rest: Called before the first phrase, and after each when the robot rests.
-
-    Raises:
-        RuntimeError: The system or the voice failed.
-        OSError: There is no virtual microphone.
-    """
     with stage(config, folder, lambda part: console.print(f"  {part} ready")) as scene:
-        _Session(scene, plan, speaker, config, console).play(at_rest)
+        _Session(scene, plan, speaker, config, console).play()
 
 
 class _Session:
@@ -99,7 +58,7 @@ class _Session:
     def __init__(
         self,
         scene: PaperStage,
-        plan: WhatToSay,
+        plan: PhrasePlan,
         speaker: Speaker,
         config: ExperimentConfig,
         console: Console,
@@ -110,16 +69,14 @@ class _Session:
         self._rng = Random(f"{config.seed} pauses {speaker.voice.name}")
         self._count, self._begin = 0, time.monotonic()
 
-    def play(self, at_rest: Callable[[], None]) -> None:
+    def play(self) -> None:
         """Say all phrases of the plan."""
-        at_rest()
         while planned := self._plan.next(self._watch.situation()):
             began = time.time()
             heard = self._say(planned)
             if heard is not None and heard.command in MOTIONS:
                 self._let_move(heard, planned, began)
             self._watch.rest(self._config.rest_within)
-            at_rest()
             time.sleep(self._rng.uniform(*self._config.pause))
 
     def _let_move(self, heard: Happened, planned: Planned, began: float) -> None:

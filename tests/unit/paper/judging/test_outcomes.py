@@ -1,153 +1,89 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import soundfile
 
-from paper.config import load_experiment
-from paper.judging.outcomes import first_braking, first_motion, outcome
-from paper.judging.recording import NAMES, HeardDecision, JointTrack, Recorded, RecordedAnswer
+from paper.judging import truth
+from paper.judging.outcomes import judge, kept, outcome
 from paper.judging.trials import SpokenTrial, append, read
-from paper.judging.truth import Sounded
+from session_log.cli import CONFIG
+from session_log.config import ReportConfig
+from session_log.report.session.analysis import CommandRow
+from session_log.report.session.session_data import RecordedUtterance
+from support.story import write_session
+from support.story_script import SPEECH, START
+from typed_config import load_config, load_yaml
 
-CONFIG = load_experiment()
-T0 = 1_700_000.0  # [s]
-TRIAL = SpokenTrial(
-    1, "pull more", "pull more", "phrases/0001.wav", T0, T0 + 1.0, 1.0, 0.5, True, ""
-)
-SOUNDED = Sounded(T0 + 0.1, T0 + 0.8, 0.98)
-NEVER = float("inf")
-
-
-def decision(after, command, transcript=None, reason=""):
-    return HeardDecision(T0 + after, command, transcript or command, reason, 0.9, T0 + 0.9)
+REPORT = load_config(ReportConfig, load_yaml(CONFIG), CONFIG.name)
+TRIAL = SpokenTrial(1, "pull more", "pull more", "1.wav", 0.0, 1.0, 1.0, 0.5, True, "")
+END = 0.8  # [s] of the sound
 
 
-def joints(speed_of, begin=0.0, end=5.0, noise=0.0):
-    """Rows of the recording: every joint turns at a speed [rad/s] that depends on time."""
-    rng = np.random.default_rng(1)
-    times = np.arange(begin, end, 0.002)
-    speed = np.array([speed_of(t) for t in times])
-    way = np.cumsum(speed) * 0.002
-    return [
-        (T0 + t, np.full(len(NAMES), q) + noise * rng.standard_normal(len(NAMES)),
-         np.full(len(NAMES), v))
-        for t, q, v in zip(times, way, speed, strict=True)
-    ]  # fmt: skip
-
-
-def told(*decisions, diary=(), joints_=(), trial=TRIAL, sounded=SOUNDED, until=NEVER):
-    recorded = Recorded(decisions=list(decisions), diary=list(diary), joints=list(joints_))
-    return outcome(trial, sounded, recorded, until, CONFIG)
-
-
-def accepted(after, command="pull more"):
-    return RecordedAnswer(T0 + after, "accepted", command, "")
+def row(decided, command="pull more", result="accepted", message="", action=None):
+    heard = RecordedUtterance(
+        0.1, 0.9, decided, command, command, "", command, 0.0, 0.9, "active", "recognizer", False
+    )
+    return CommandRow(command, heard, decided + 0.01, result, message, action)
 
 
 def test_times_count_from_the_end_of_the_sound_not_from_the_detector():
-    result = told(
-        decision(1.2, "pull more"),
-        diary=[accepted(1.21)],
-        joints_=joints(lambda t: 0.05 if t > 1.5 else 0.0, noise=1e-5),
-    )
+    result = outcome(TRIAL, END, [row(1.2, action=1.5)])
     assert result.is_correct and result.taken == ("pull more",)
     assert result.decided == pytest.approx(0.4)
-    assert result.acted == pytest.approx(0.7 + CONFIG.motion / 0.05, abs=0.005)
-    assert result.detected == pytest.approx(0.1)
-    assert result.sounded == pytest.approx(0.1)
+    assert result.acted == pytest.approx(0.7)
 
 
 def test_a_decision_before_the_end_of_the_sound_has_a_negative_time():
-    assert told(decision(0.7, "pull more"), diary=[accepted(0.71)]).decided == pytest.approx(-0.1)
+    assert outcome(TRIAL, END, [row(0.7)]).decided == pytest.approx(-0.1)
 
 
 def test_a_refused_command_is_heard_but_not_acted_on():
-    refusal = RecordedAnswer(T0 + 1.21, "refused", "pull more", "tension limit")
-    moving = joints(lambda t: 0.05)
-    result = told(decision(1.2, "pull more"), diary=[refusal], joints_=moving)
+    result = outcome(TRIAL, END, [row(1.2, result="refused", message="tension limit")])
     assert result.is_correct and result.refusal == "tension limit"
-    assert np.isnan(result.acted)
+    assert math.isnan(result.acted)
 
 
 def test_a_command_taken_for_another_is_wrong_and_has_no_times():
-    result = told(decision(1.2, "pull less"), diary=[accepted(1.21, "pull less")])
+    result = outcome(TRIAL, END, [row(1.2, "pull less", action=1.3)])
     assert not result.is_correct and result.taken == ("pull less",)
-    assert np.isnan(result.decided) and np.isnan(result.acted)
+    assert math.isnan(result.decided) and math.isnan(result.acted)
 
 
 def test_a_second_command_from_one_phrase_is_wrong():
-    assert not told(decision(1.2, "pull more"), decision(1.6, "stop")).is_correct
-
-
-def test_a_missed_command_keeps_what_was_heard_and_why_nothing_came_of_it():
-    result = told(decision(1.2, "", "pull moon", "WER 0.50"))
-    assert not result.is_correct
-    assert (result.transcript, result.reason) == ("pull moon", "WER 0.50")
-
-
-def test_nothing_heard_is_said_so():
-    assert told().reason == "nothing heard"
+    assert not outcome(TRIAL, END, [row(1.2), row(1.6, "stop")]).is_correct
 
 
 def test_talk_is_right_when_nothing_is_taken():
     talk = replace(TRIAL, command="", words="rowboat")
-    assert told(decision(1.2, "", "robot"), trial=talk).is_correct
-    assert not told(decision(1.2, "hey robot"), trial=talk).is_correct
-
-
-def test_decisions_of_the_phrases_before_and_after_are_not_its_own():
-    result = told(decision(-0.5, "tense"), decision(4.5, "release"), until=T0 + 4.0)
-    assert result.taken == ()
+    assert outcome(talk, END, []).is_correct
+    assert not outcome(talk, END, [row(1.2, "hey robot")]).is_correct
 
 
 def test_sound_that_was_torn_apart_is_marked():
-    result = told(decision(1.2, "pull more"), diary=[accepted(1.21)], sounded=None)
-    assert not result.is_whole and np.isnan(result.decided)
+    result = outcome(TRIAL, math.nan, [row(1.2)])
+    assert not result.is_whole and math.isnan(result.decided)
 
 
-def test_commands_without_motion_act_when_they_are_answered():
-    trial = replace(TRIAL, command="hey robot")
-    result = told(
-        decision(1.2, "hey robot"), diary=[accepted(1.25, "hey robot")], trial=trial,
-        joints_=joints(lambda t: 0.0),
-    )  # fmt: skip
-    assert result.acted == pytest.approx(0.45)
-
-
-def test_a_stop_acts_when_the_robot_brakes_and_ends_when_it_rests():
-    def speed(t):
-        return float(np.clip(0.05 - 0.5 * max(t - 1.3, 0.0), 0.0, 0.05))  # brakes for 0.1 s
-
-    trial = replace(TRIAL, command="stop", interrupts="tense")
-    received = RecordedAnswer(T0 + 1.21, "stop_received", "", "spoken")
-    result = told(decision(1.2, "stop"), diary=[received], joints_=joints(speed), trial=trial)
-    assert result.acted == pytest.approx(0.5 + 0.1 * (1.0 - CONFIG.braking), abs=0.005)
-    assert result.rested == pytest.approx(0.6, abs=0.01)
-
-
-def test_a_stop_at_rest_has_nothing_to_brake():
-    trial = replace(TRIAL, command="stop")
-    received = RecordedAnswer(T0 + 1.21, "stop_received", "", "spoken")
-    still = joints(lambda t: 0.0)
-    result = told(decision(1.2, "stop"), diary=[received], joints_=still, trial=trial)
-    assert result.is_correct and np.isnan(result.acted) and np.isnan(result.rested)
-
-
-def arrays(rows):
-    t, q, v = (np.array(column) for column in zip(*rows, strict=True))
-    return JointTrack(t, q, v)
-
-
-def test_noise_at_rest_is_no_motion():
-    some = arrays(joints(lambda t: 0.0, noise=5e-5))
-    assert np.isnan(first_motion(some, T0 + 1.0, CONFIG.motion))
-
-
-def test_joints_that_were_not_recorded_before_the_decision_say_nothing():
-    some = arrays(joints(lambda t: 0.05, begin=2.0))
-    assert np.isnan(first_motion(some, T0 + 1.0, CONFIG.motion))
-    assert np.isnan(first_braking(some, T0 + 1.0, CONFIG.braking))
+def test_the_phrases_of_a_recording_get_the_commands_of_their_own_time(tmp_path, monkeypatch):
+    write_session(tmp_path / "session.mcap")
+    zero = START * 1e-9
+    for index, (begin, length, words, command, _) in enumerate(SPEECH):
+        name = f"{index}.wav"
+        soundfile.write(tmp_path / name, np.zeros(160), 16_000)
+        began, ended = zero + begin - 0.1, zero + begin + length
+        append(tmp_path, SpokenTrial(index, command, words, name, began, ended, 1, 0.5, True, ""))
+    ends = iter([t.ended for t in read(tmp_path)])
+    monkeypatch.setattr(
+        truth, "find", lambda *_: truth.Sounded(begin=0.0, end=next(ends), likeness=1.0)
+    )
+    found = judge(tmp_path, REPORT)
+    assert all(o.is_correct for o in found)
+    assert all(0.2 < o.decided < 0.4 for o in found if o.command)
+    assert [o.refusal for o in found if o.refusal] == ["tissue is held already"]
+    assert kept(tmp_path)[0] == found[0]
 
 
 def test_trials_come_back_as_they_were_kept(tmp_path):

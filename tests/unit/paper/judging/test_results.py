@@ -6,11 +6,8 @@ import pytest
 from paper.config import PaperVoiceConfig, chosen_voices, load_experiment
 from paper.folders import finish, is_finished, set_aside, settings_of
 from paper.judging.outcomes import PhraseOutcome
-from paper.judging.recording import VERDICT, Recorded
 from paper.judging.results import VoiceResult, figures, row
-from paper.judging.trials import SpokenTrial
-from paper.play.demonstration import ATTEMPTS, ORDER, InOrder, shown
-from paper.play.plan import COMMANDS, DialogueState
+from paper.play.plan import COMMANDS
 from typed_config import ConfigError
 
 PAPER = {"pull more": 2.39, "stop": 1.29}
@@ -23,18 +20,11 @@ def said(command, taken=None, decided=0.3, acted=0.5, **other):
         "command": command,
         "words": command or "rowboat",
         "taken": ((command,) if command else ()) if taken is None else taken,
-        "transcript": "",
-        "reason": "",
         "refusal": "",
-        "interrupts": "",
         "is_counted": True,
         "is_whole": True,
         "decided": decided,
         "acted": acted,
-        "rested": math.nan,
-        "detected": 0.1,
-        "sounded": 0.05,
-        "confidence": 0.9,
     }
     return PhraseOutcome(**{**values, **other})
 
@@ -163,51 +153,3 @@ def test_an_unfinished_session_is_moved_away_and_not_lost(tmp_path):
     aside = set_aside(folder)
     assert not folder.exists() and (aside / "session.mcap").read_bytes() == b"sound"
     assert folder.parent not in aside.parents
-
-
-def test_the_demonstration_says_every_command_once_in_order():
-    plan, now, order = InOrder(), DialogueState(False, False, False, False), []
-    after = {
-        "hey robot": DialogueState(True, True, False, False),
-        "tense": DialogueState(True, True, False, True, 1.0),
-        "pull more": DialogueState(True, True, False, True, 1.2),
-        "pull less": DialogueState(True, True, False, True, 1.0),
-        "release": DialogueState(True, True, True, False),
-        "terminate": DialogueState(False, False, True, False),
-    }
-    while planned := plan.next(now):
-        order.append(planned.command)
-        if planned.stop_at:
-            order.append(plan.interrupt().command)
-        now = after[planned.command]
-    assert tuple(order) == ORDER
-
-
-def test_a_command_without_effect_is_said_again_but_not_for_ever():
-    plan, standby = InOrder(), DialogueState(False, False, False, False)
-    said_ = []
-    while planned := plan.next(standby):
-        said_.append(planned.command)
-    assert said_ == ["hey robot"] * ATTEMPTS
-
-
-def test_a_stop_that_was_not_heard_in_the_release_is_said_at_rest():
-    plan = InOrder()
-    held = DialogueState(True, True, False, True, 1.0)
-    order = [plan.next(DialogueState(False, False, False, False)), plan.next(held), plan.next(held)]
-    order += [plan.next(DialogueState(True, True, False, True, 1.3)), plan.next(held)]
-    assert order[-1].command == "release"
-    plan.interrupt()
-    assert plan.next(DialogueState(True, True, False, False)).command == "stop"
-    assert plan.next(DialogueState(True, True, True, False)).command == "terminate"
-
-
-def test_the_tissue_is_shown_as_it_was_before_the_next_command():
-    trials = [SpokenTrial(i, c, c, "", t, t + 1.0, 1.0, 0.5, True, "") for i, c, t in
-              ((1, "tense", 10.0), (2, "release", 30.0))]  # fmt: skip
-    tissue = [(t, {VERDICT: w}) for t, w in ((9.0, "free"), (20.0, "held"), (29.0, "triangulated"))]
-    states = shown(trials, Recorded(tissue=tissue))
-    assert [(s.command, s.tissue[VERDICT]) for s in states] == [
-        ("tense", "triangulated"),
-        ("release", "unknown"),
-    ]

@@ -2,8 +2,7 @@
 import numpy as np
 import pytest
 
-from paper.judging.recording import SoundBlock
-from paper.judging.truth import find
+from paper.judging.truth import SoundBlock, find
 from paper.play.speaker import levelled, sound_end
 from voice_assist.types import RATE
 
