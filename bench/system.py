@@ -19,6 +19,7 @@ import rospy
 import soundfile
 from diagnostic_msgs.msg import DiagnosticArray
 
+from bench.common.resumable import measured
 from rst_control.msg import ControllerState
 from rst_control.srv import Command
 from support.figures import ROOT, Figure
@@ -27,6 +28,7 @@ from support.theatre_sound import LEVEL, RATE, speak, theatre_noise
 from support.waiting import wait_until
 from voice_assist.msg import Mode, Utterance
 
+FULL = 600.0  # [s]
 SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
 READY_TIME = 90.0  # [s] allowed for the nodes to start
 SETTLE = 5.0  # [s] after the start that is not measured
@@ -140,6 +142,7 @@ def _observe(system: System, observer: Observer, seconds: float) -> list[Figure]
     load = 100.0 * busy[0] / busy.sum()
     note = f"({last.ticks - first.ticks} ticks in {seconds:.0f} s, {heard} utterances heard)"
     return [
+        measured(seconds, "s", FULL),
         Figure("500 Hz loop: late ticks", late, "%", 0.1, note=note),
         Figure("500 Hz loop: lateness p99", last.lateness, "us", note="(last 10 s)"),
         Figure("500 Hz loop: time of a tick p99", last.p99, "us", note="(last 10 s)"),

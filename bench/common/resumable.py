@@ -2,8 +2,8 @@
 """Long measurements in pieces that are kept, so that they can be made in several goes.
 
 A piece is a file of JSON in a folder that is named by a key. The key is made of all that decides
-what a piece comes to, so that whatever changes it begins anew. Results that rest on fewer pieces
-never take the place of those that rest on more.
+what a piece comes to, so that whatever changes it begins anew. A result that rests on less never
+takes the place of one that rests on more.
 
 In the environment: JOBS the processes, MINUTES after which no piece is begun, SHARE the part of a
 plan to take (0.02: one in fifty, to try), RESULTS a folder of the repository to write to instead of
@@ -212,24 +212,26 @@ def kept(name: str, measure: Callable[[], list[Figure]]) -> Callable[[], list[Fi
     def measure_and_choose() -> list[Figure]:
         figures.RESULTS = PLACE
         found = measure()
-        amount = next((f.value for f in found if f.name == MEASURED), None)
-        figures.RESULTS = place(f"{name}.json", amount)
+        rests = next((f for f in found if f.name == MEASURED), None)
+        if rests is not None:
+            figures.RESULTS = place(f"{name}.json", rests.value, rests.target)
         return found
 
     return measure_and_choose
 
 
-def place(name: str, amount: float | None) -> Path:
+def place(name: str, amount: float, full: float | None = None) -> Path:
     """Folder for a result: aside, if what is on file rests on more.
 
     Args:
         name: Of the file in that folder.
-        amount: On which the new result rests; None: it is always whole.
+        amount: On which the new result rests.
+        full: On which a result rests that does not say so; None: it is replaced.
     """
     path = PLACE / name
-    if amount is None or os.environ.get("FORCE") or not path.is_file():
+    if os.environ.get("FORCE") or not path.is_file():
         return PLACE
-    before = _on_file(json.loads(path.read_text(encoding="utf-8")))
+    before = _on_file(json.loads(path.read_text(encoding="utf-8")), full)
     if before is None or amount >= before:
         return PLACE
     print(f"{name} on file rests on {before:g}, this run on {amount:g}: written aside; FORCE=1")
@@ -250,8 +252,8 @@ def write_details(name: str, amount: float, data: Mapping[str, Any]) -> None:
     path.write_text(text + "\n", encoding="utf-8")
 
 
-def _on_file(data: Mapping[str, Any]) -> float | None:
+def _on_file(data: Mapping[str, Any], unsaid: float | None) -> float | None:
     if MEASURED in data:
         return float(data[MEASURED])
     values = (f["value"] for f in data.get("figures", ()) if f["name"] == MEASURED)
-    return next(values, None)
+    return next(values, unsaid)

@@ -17,7 +17,7 @@ from itertools import product
 
 import torch
 
-from bench.common.resumable import MINUTES, share_of
+from bench.common.resumable import MINUTES, measured, share_of
 from bench.enrolment.cast import Surgeon, surgeons
 from bench.enrolment.pieces import Counts, EnrolmentPiece, is_done, piece
 from session_log.report.bounds import at_most
@@ -41,7 +41,9 @@ def measure() -> list[Figure]:
             continue
         found = piece(surgeon, stranger, repetitions)
         print(f"{repetitions:2} {surgeon}: {found.tested.right} of {found.tested.n}", flush=True)
-    return _all(cast)
+    done = sum(is_done(s, n) for s in cast for n in (0, *REPETITIONS))
+    full = len(surgeons()) * (1 + len(REPETITIONS))
+    return [measured(done, "surgeons enrolled", full), *_all(cast)]
 
 
 def _all(cast: Sequence[Surgeon]) -> list[Figure]:

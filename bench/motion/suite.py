@@ -7,6 +7,7 @@ import os
 import time
 from dataclasses import replace
 
+from bench.common import resumable
 from bench.motion import (
     braking,
     executed,
@@ -46,7 +47,7 @@ def measure() -> list[Figure]:
         ("insertion", lambda: insertion.measure(motion, simulation, count(200, 5))),
         ("repeatability", lambda: repeat.measure(motion, simulation, count(100, 3))),
     )
-    figures: list[Figure] = []
+    figures = [resumable.measured(share, "of the whole", 1.0)]
     for name, part in parts:
         begin = time.monotonic()
         figures += part()

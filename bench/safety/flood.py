@@ -16,6 +16,7 @@ from pathlib import Path
 
 import rospy
 
+from bench.common.resumable import measured
 from bench.system import Observer
 from rst_control.srv import Command
 from support.figures import ROOT, Figure, percentiles
@@ -23,7 +24,8 @@ from support.launched_system import System
 from support.raw_peer import Flood, process_of, resident_memory
 from support.waiting import wait_until
 
-SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
+FULL = 60.0  # [s]
+SECONDS = float(os.environ.get("BENCH_SECONDS", FULL))
 CALLERS, RATE = 50, 10_000.0  # [1/s], of all together
 CALLS = ("dance", "tense", "t\u0435nse", "", "x" * 150, "pull more")
 SETTLE = 5.0  # [s] after the start, and after the flood, before memory is read
@@ -63,6 +65,7 @@ def _observe(observer: Observer, seconds: float) -> list[Figure]:
     late = last.late_percent_since(first)
     note = f"({CALLERS} callers, {offered / seconds:.0f} calls/s sent for {seconds:.0f} s)"
     return [
+        measured(seconds, "s", FULL),
         Figure("flood: late ticks", late, "%", 0.1, note=f"{note}; without it {quiet:.3f} %"),
         Figure("flood: lateness p99", last.lateness, "us", note="(last 10 s)"),
         Figure("flood: memory held more afterwards", grown, "MB", 20.0),

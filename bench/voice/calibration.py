@@ -40,6 +40,7 @@ from voice_assist.config.calibration import Calibration, log_odds
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
+FULL = 9642  # claims, when all parts were measured whole
 BINS = 10
 KINDS = ("stop by the recogniser", "stop by the spotter", "motion", "other")
 # Harm of a command that nobody gave, in refusals of one that somebody gave. A motion can tear, and
@@ -120,7 +121,7 @@ def measure() -> list[Figure]:
             figures.append(Figure(f"calibration error, {name}", curve.error, "", target, note=note))
             curves[name] = curve
     _write(curves, len(claims))
-    return figures + _fitted(claims)
+    return [resumable.measured(len(claims), "claims", FULL), *figures, *_fitted(claims)]
 
 
 def _fitted(claims: Sequence[VoicedClaim]) -> list[Figure]:

@@ -19,17 +19,17 @@ UNDER_WAY = ("moving", "stopping")
 ANSWERS = ("accepted", "refused", "stop_received")
 SILENT = 3  # of 32767
 SECOND_THOUGHT = 0.4  # [s] in which a command may follow words of the same phrase that were none
-STATE_LAG = 0.1  # [s] by which the state may follow the diary
-STATE_WITHIN = 0.5  # [s] in which the state follows the diary's word of a motion
+STATE_LAG = 0.1  # [s] by which the state may follow the event
+STATE_WITHIN = 0.5  # [s] in which the state follows the event of a motion
 RECORDER_WITHIN = 5.0  # [s] for the recorder to find the topic of what is meant
 
 
 @dataclass(frozen=True)
 class Happened:
-    """One decision of the recogniser or one entry of the controller's diary."""
+    """One decision of the recogniser or one entry of the controller's events."""
 
     time: float  # [s] since 1970, its own stamp
-    kind: str  # heard, or that of the diary
+    kind: str  # heard, or that of the event
     command: str
     words: str  # transcript or message
 

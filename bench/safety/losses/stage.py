@@ -20,6 +20,7 @@ from bench.safety.losses.judge import JointTrace, LossRule, PartLoss
 from bench.safety.losses.parts import START_TIME, Part, Parts
 from bench.safety.losses.scene import FRESH, CommandLead, JointWatcher
 from rst_control.config import load_motion_config
+from rst_control.msg import ReasonCode
 from rst_control.types import JOINTS
 from support.waiting import wait_until
 
@@ -235,9 +236,10 @@ class LossStage:
         accepted = [words for words, reply in replies.items() if reply.accepted]
         if accepted:
             return f'"{accepted[0]}" was accepted without a recorder'
-        told = [reply.message for reply in replies.values()]
-        is_named = any("not recorded" in message for message in told)
-        return "" if is_named else f"no refusal names the recorder: {'; '.join(told)}"
+        if any(reply.reason_code == ReasonCode.NOT_RECORDED for reply in replies.values()):
+            return ""
+        words = "; ".join(reply.message for reply in replies.values())
+        return f"no refusal names the recorder: {words}"
 
     def _drift(self, way: str, rest: float, returned: float, until: float) -> float:
         """Largest way from rest to now [rad]; a robot that was started anew begins anew."""

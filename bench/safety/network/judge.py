@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.safety.stops.judge import SetpointCourse
+from rst_control.types import Reason
 from support.figures import Figure
 
 Array = NDArray[np.float64]
@@ -18,10 +19,16 @@ STILL = 1e-6  # [rad/s] norm of velocities of set-points that send the robot now
 MEASURED_STILL = 0.01  # [rad/s] as watchdogs.at_rest_speed of controller.yaml
 DRIFT = 1e-9  # [rad] by which a set-point may differ from the one before, at rest
 WATCHED = 0.3  # [s] after the time allowed, at least
-RECOVERS = 10.0  # [s] from a good network to the next motion
-TOO_LATE = (
-    1.2  # [s] after a command was said at which it may begin no more: the answer's 1 s, and some
+BY_THE_NETWORK = frozenset(  # reasons of a halt that a bad network or a "stop" gives
+    reason.value
+    for reason in (
+        *(Reason.VOICE_SILENT, Reason.NODE_LOST),
+        *(Reason.STOP_TOPIC, Reason.STOP_COMMAND, Reason.STOP_CANCEL),
+    )
 )
+RECOVERS = 10.0  # [s] from a good network to the next motion
+# [s] after a command was said at which it may begin no more: the answer's 1 s, and some
+TOO_LATE = 1.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +41,7 @@ class NetworkTrial:
     setpoints: SetpointCourse  # from before the moment until just before "hey robot"
     measured: SetpointCourse
     halted: bool  # just before "hey robot"
-    reason: str  # why it was halted, in the controller's words
+    reason: str  # code of why it was halted, as in ReasonCode.msg
     rearmed: float | None  # [s] from the good network to "hey robot" accepted; None: it never was
     moved: float | None  # [s] from the good network to the next command in motion; None: never
 
@@ -104,7 +111,7 @@ def _hold(trial: NetworkTrial, held: float | None) -> list[str]:
         found.append(f"moved for {held * 1e3:.0f} ms, allowed {ALLOWED * 1e3:.0f} ms")
     if not trial.halted:
         found.append("not halted")
-    elif not trial.reason.startswith(("voice node", "stop", '"stop"')):
+    elif trial.reason not in BY_THE_NETWORK:
         found.append(f"halted for another reason: {trial.reason}")
     return found
 

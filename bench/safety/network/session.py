@@ -17,15 +17,15 @@ import sys
 import tempfile
 import time
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import rospy
 
+from bench.safety.network.faults import FAULTS, Fault
 from bench.safety.network.hosts import ROBOT, VOICE, VOICE_MOVED, Child, Relay, on, readdress
 from bench.safety.network.judge import ALLOWED, STILL, NetworkTrial, rest
-from bench.safety.network.relay import LinkConditions, RelayLink
+from bench.safety.network.relay import RelayLink
 from bench.safety.stops.judge import SetpointCourse
 from bench.safety.stops.system import LIMIT, READY_TIME, StopWatcher
 from rst_control.types import JOINTS
@@ -41,31 +41,6 @@ SAID = 0.8  # [s] after a fault within which "stop" is said, by chance
 GIVEN_UP = 30.0  # [s] after which the robot is not waited for any more
 ATTEMPTS = 5  # to set off
 RETRY = 0.3  # [s] between two times "hey robot" is said
-CUT, WELL = LinkConditions(loss=1.0), LinkConditions()
-LATE, LOSSY = LinkConditions(delay=0.5), LinkConditions(loss=0.2)
-
-
-@dataclass(frozen=True)
-class Fault:
-    """One way in which a network is bad."""
-
-    name: str
-    link: RelayLink
-    since: str  # from which the time allowed counts, see network_judge.Trial
-    is_before: bool = False  # it is there before the command is said
-    moves_host: bool = False  # the voice's host gets another address
-
-
-FAULTS = (
-    Fault("link cut", RelayLink(CUT, CUT), "fault"),
-    Fault("500 ms delay that begins in motion", RelayLink(LATE, LATE), "fault"),
-    Fault("500 ms delay from before", RelayLink(LATE, LATE), "stop said", is_before=True),
-    Fault("20 % loss, stop said", RelayLink(LOSSY, LOSSY), "stop said"),
-    Fault("nothing from voice to robot", RelayLink(CUT, WELL), "fault"),
-    Fault("nothing from robot to voice, stop said", RelayLink(WELL, CUT), "stop said"),
-    Fault("another address", RelayLink(), "fault", moves_host=True),
-    Fault("command said while cut", RelayLink(CUT, CUT), "command said", is_before=True),
-)
 
 
 class VoiceHost:
@@ -201,7 +176,7 @@ class NetworkSession:
             np.array([message.velocity for _, message in kept])[:, order],
         )
         halted = state is not None and state.halted
-        return self.watcher.course()[0], measured, halted, state.halt_reason if state else ""
+        return self.watcher.course()[0], measured, halted, state.halt_reason_code if state else ""
 
     def _recover(self, fault: Fault, good: float) -> tuple[float | None, float | None]:
         """Times from the good network to "hey robot" accepted and to the next motion [s]."""
@@ -249,7 +224,9 @@ class NetworkSession:
         end, answer = time.monotonic() + GIVEN_UP, ""
         while time.monotonic() < end:
             accepted, answer = self._voice.ask(words)
-            if accepted or (words == "hey robot" and "already" in answer):
+            state = self.watcher.state
+            is_awake = state is not None and state.state in ("active", "moving")
+            if accepted or (words == "hey robot" and is_awake):
                 return
             time.sleep(RETRY)
         raise RuntimeError(f'"{words}" is refused for {GIVEN_UP:.0f} s: {answer}')

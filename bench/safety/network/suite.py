@@ -22,12 +22,15 @@ import sys
 import tempfile
 from pathlib import Path
 
+from bench.common.resumable import measured
 from bench.safety.network import judge
+from bench.safety.network.faults import FAULTS
 from bench.safety.network.hosts import Hosts, missing, on
 from bench.safety.network.judge import NetworkTrial
 from support.figures import ROOT, Figure
 
-TRIALS = os.environ.get("TRIALS", "10")
+FULL = 10  # trials of each fault
+TRIALS = os.environ.get("TRIALS", str(FULL))
 AGE = os.environ.get("AGE", "two_hosts")
 
 
@@ -54,7 +57,8 @@ def measure() -> list[Figure]:
         trials, void = _read(result)
     age = "as in launch/two_hosts.yaml" if AGE == "two_hosts" else f"{float(AGE):g} s"
     note = f"(a heartbeat each {float(interval) * 1e3:.0f} ms, allowed age {age})"
-    return judge.figures(trials, void, note)
+    rests = measured(len(trials) / len(FAULTS), "of each fault", FULL)
+    return [rests, *judge.figures(trials, void, note)]
 
 
 def _read(result: Path) -> tuple[list[NetworkTrial], int]:

@@ -221,7 +221,7 @@ class SoakSession:
             self.stop(cause)
         while self.executor.events:
             entry = self.executor.events.popleft()
-            self.counts[f"diary: {entry.kind}"] += 1
+            self.counts[f"event: {entry.kind}"] += 1
 
 
 def make_bounds(config: MotionConfig) -> SoakBounds:

@@ -83,7 +83,7 @@ def summary(reports: Sequence[Report]) -> list[Figure]:
     faults = sum(n for name, n in counts.items() if name.startswith("fault:"))
     note = (
         f"({ticks} ticks; {said} commands, {counts['talk:']} times talk, {counts['stop:']} stops, "
-        f"{faults} faults; {counts['diary: motion_started']} motions)"
+        f"{faults} faults; {counts['event: motion_started']} motions)"
     )
     return [
         resumable.measured(hours, "h", HOURS),

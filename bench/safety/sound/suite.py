@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.common.resumable import measured
 from bench.safety.sound import ends
 from bench.safety.sound.kinds import DEAF, KINDS, Block, Sound, frames
 from support.figures import Figure
@@ -34,7 +35,8 @@ from voice_assist.evaluation.evaluator import StreamClock
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.types import RATE, Match, Mode, UtteranceDecision
 
-HOURS = float(os.environ.get("HOURS", "1"))
+FULL = 1.0  # [h]
+HOURS = float(os.environ.get("HOURS", FULL))
 PIECE = 60.0  # [s] of one kind
 SETTLED = 1.5  # [s] of a quiet room before the "stop"
 AFTER = 2.0  # [s] in which it has to be heard
@@ -116,7 +118,8 @@ def measure() -> list[Figure]:
     for index, kind in turns:
         garbage.hear(kind, index // len(KINDS))
         print(f"{index + 1} of {count}: {kind}", flush=True)
-    return figures(garbage.tally, garbage.moved) + ends.figures(*garbage.hearer)
+    rests = measured(count * PIECE / 3600.0, "h", FULL)
+    return [rests, *figures(garbage.tally, garbage.moved), *ends.figures(*garbage.hearer)]
 
 
 def figures(tally: SoundTally, moved: int) -> list[Figure]:

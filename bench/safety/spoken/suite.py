@@ -15,7 +15,7 @@ import math
 import os
 import tempfile
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 import rospy
 
+from bench.common.resumable import measured
 from bench.safety.losses import judge
 from bench.safety.losses.client import SpeechSource
 from bench.safety.losses.parts import START_TIME, Parts
@@ -40,6 +41,7 @@ from voice_assist.audio.wav_file import read_sound
 from voice_assist.msg import AudioChunk
 from voice_assist.types import Samples
 
+FULL = 112  # of each kind of voice
 TRIALS = int(os.environ.get("TRIALS", "60"))
 SEED = 18
 PHASES = {"tense": 2.5, "release": 1.0}  # [s] of a motion, at most, before somebody speaks
@@ -64,7 +66,8 @@ def measure() -> list[Figure]:
         for number, (who, clip) in enumerate(clips, 1):
             stops.append(trials.say(who, clip))
             print(f"{number} of {len(clips)}: {stops[-1]}", flush=True)
-    return spoken_judge.figures(stops)
+    count = Counter(stop.who for stop in stops)
+    return [measured(min(count.values()), "of each", FULL), *spoken_judge.figures(stops)]
 
 
 def _clips(rng: np.random.Generator) -> list[tuple[str, SpokenClip]]:

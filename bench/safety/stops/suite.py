@@ -27,7 +27,8 @@ from bench.safety.stops.scenes import SITUATIONS, StopStage, one_stop
 from rst_control.config import PACKAGE, load_motion_config, load_simulation_config
 from support.figures import Figure
 
-STOPS = int(os.environ.get("STOPS", "10000"))
+FULL = 10_000
+STOPS = int(os.environ.get("STOPS", FULL))
 CHUNK = 33  # moments of one chunk: each situation as often as the others
 FRESH_AFTER = 3  # situations in a row that could not be brought about: another robot is taken
 BESIDE = ("ros", "kinova", "host")  # rooms whose code no stop in process comes to
@@ -41,6 +42,7 @@ def measure() -> list[Figure]:
     figures = judge.figures("in process", stops, STOPS, period)
     note = f"({failures[0]})" if failures else ""
     return [
+        resumable.measured(len(stops), "stops", FULL),
         *figures,
         Figure("in process: situations not brought about", len(failures), "", note=note),
     ]

@@ -25,6 +25,7 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import JointState
 
+from bench.common.resumable import measured
 from bench.safety.stops import judge
 from bench.safety.stops.clients import WAYS, Clients
 from bench.safety.stops.judge import JudgedStop, SetpointCourse, latency, objection, rest
@@ -38,7 +39,8 @@ from rst_control.types import JOINTS
 from support.figures import ROOT, Figure, percentiles
 from support.launched_system import System
 
-STOPS = int(os.environ.get("STOPS", "10000"))
+FULL = 10_000
+STOPS = int(os.environ.get("STOPS", FULL))
 CLIENTS = int(os.environ.get("CLIENTS", "50"))
 SEED = 6
 READY_TIME = 90.0  # [s] for the nodes to start
@@ -253,7 +255,7 @@ class StopSession:
 
     def _note_halt(self) -> None:
         state = self.watcher.state
-        self.halts.append(state.halt_reason if state is not None else "")
+        self.halts.append(state.halt_reason_code if state is not None else "")
 
 
 def measure() -> list[Figure]:
@@ -281,14 +283,15 @@ def _measured(system: System, session: StopSession) -> list[Figure]:
         stops += session.stops(way, count)
         done += 1
     period = 1.0 / load_motion_config().controller.rate
-    figures = judge.figures("running system", stops, STOPS, period)
+    figures = [measured(len(stops), "stops", FULL)]
+    figures += judge.figures("running system", stops, STOPS, period)
     if session.seen:
         what = "running system: stop sent by a client to its answer arrived elsewhere"
         figures += percentiles(what, [seconds * 1e3 for seconds in session.seen], "ms")
     minutes = (time.monotonic() - begin) / 60.0
-    halts = Counter(words.split(",")[0] for words in session.halts)
-    told = "; ".join(f"{count} {words}" for words, count in halts.most_common())
+    halts = Counter(session.halts)
+    listed = "; ".join(f"{count} {code}" for code, count in halts.most_common())
     what = "running system: motions that a watchdog halted before their stop, left out"
-    figures.append(Figure(what, len(session.halts), "", note=f"({told})" if told else ""))
+    figures.append(Figure(what, len(session.halts), "", note=f"({listed})" if listed else ""))
     note = f"({done} motions and rests, {CLIENTS} clients)"
     return [*figures, Figure("running system: time taken", minutes, "min", note=note)]

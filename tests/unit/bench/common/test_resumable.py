@@ -109,6 +109,13 @@ def test_a_result_that_rests_on_less_is_written_aside(on_file, amount, where):
     assert on_file / where == figures.RESULTS
 
 
+@pytest.mark.parametrize(("amount", "where"), [(10.0, "aside"), (60.0, "results")])
+def test_a_result_that_does_not_say_what_it_rests_on_counts_as_whole(on_file, amount, where):
+    (on_file / "results" / "voice" / "x.json").write_text(json.dumps({"figures": []}))
+    resumable.kept("voice/x", lambda: [resumable.measured(amount, "s", 60.0)])()
+    assert on_file / where == figures.RESULTS
+
+
 def test_a_whole_result_after_a_part_goes_to_its_place_again(on_file):
     resumable.kept("voice/x", lambda: [resumable.measured(1.0, "h", 100.0)])()
     resumable.kept("voice/y", lambda: [Figure("other", 1.0, "")])()

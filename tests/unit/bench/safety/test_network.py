@@ -35,7 +35,7 @@ def trial(**changes):
         "setpoints": seen,
         "measured": seen,
         "halted": True,
-        "reason": "voice node silent for 0.1 s, allowed 0.1 s",
+        "reason": "voice_silent",
         "rearmed": 1.5,
         "moved": 1.8,
     }
@@ -102,7 +102,7 @@ def test_a_wrist_that_turns_counts_as_the_tool():
     ("changes", "words"),
     [
         ({"halted": False}, "not halted"),
-        ({"reason": "joint states stale"}, "halted for another reason: joint states stale"),
+        ({"reason": "joint_states_stale"}, "halted for another reason: joint_states_stale"),
         ({"seen": course(end=FAULT + 0.3)}, "not watched long enough after it"),
         ({"rearmed": None, "moved": None}, '"hey robot" was never accepted again'),
         ({"moved": None}, "no command was carried out any more"),
