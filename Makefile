@@ -62,7 +62,7 @@ bench: .setup/bench ## measure speed and accuracy of motion, voice and recording
 fuzz: .setup/bench ## [SECONDS=60 TARGET=queue] coverage-guided fuzzing of all that is read from others; keeps what breaks it as a test
 	@$(RUN) python -m tests.fuzz --seconds '$(or $(SECONDS),60)' $(TARGET)
 
-evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=active|standby] [JOBS=n] [MODEL=name]
+evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=active|standby|moving] [JOBS=n] [MODEL=name]
 	@test -n "$(MANIFEST)" || { echo "make evaluate needs MANIFEST=file.csv (columns path, transcript) and OUT=file.json"; exit 2; }
 	@test -n "$(OUT)" || { echo "make evaluate needs OUT=file.json, the file to write"; exit 2; }
 	@$(RUN) python -m voice_assist.cli.main evaluate '$(MANIFEST)' --out '$(OUT)' $(if $(NOISE),--noise '$(NOISE)') \

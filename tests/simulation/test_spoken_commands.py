@@ -26,7 +26,7 @@ TALK = (
 @pytest.fixture(scope="module")
 def evaluator():
     config = load_voice_config()
-    return Evaluator(lambda clock: make_pipeline(config, clock), Mode.ACTIVE)
+    return Evaluator(lambda clock: make_pipeline(config, clock), Mode.ACTIVE.value)
 
 
 def spoken(folder, text, voice):

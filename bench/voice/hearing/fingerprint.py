@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple, is_dataclass
+from dataclasses import astuple, fields, is_dataclass
 from functools import cache
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from bench.common.resumable import code, digest
 from bench.voice.hearing.replay_stream import SceneListener, SoundScene
 from support.theatre_sound import LEVEL, speak, theatre_noise
 from voice_assist.assembly import make_recognizer, make_spotter
-from voice_assist.config import CONFIG_DIR, load_voice_config
+from voice_assist.config import CONFIG_DIR, VoiceConfig, load_voice_config
 from voice_assist.pipeline import pipeline
 from voice_assist.types import RATE, Mode, Samples
 
@@ -72,11 +72,17 @@ def identity(model: str) -> str:
     network = make_recognizer(config).model_hash
     _, spotter = make_spotter(config.spotter)
     named = load_voice_config(CONFIG_DIR, **UNHEARD)  # by what is in the file, not by its name
-    settings = values(named)
+    settings = at_rest(named)
     now = digest(network, spotter, settings, code(Path(pipeline.__file__).parent.parent))
     path = resumable.CACHE / "fingerprints" / f"{model}-{now}.json"
     decided = resumable.remembered(path, lambda: decisions(model))
     return digest(network, spotter, settings, fingerprint(decided))
+
+
+def at_rest(config: VoiceConfig) -> tuple[object, ...]:
+    """Values of all settings but those of a robot that moves."""
+    sections = (field.name for field in fields(config) if field.name != "moving")
+    return tuple(values(getattr(config, name)) for name in sections)
 
 
 def values(settings: object) -> object:

@@ -24,7 +24,7 @@ from voice_assist.evaluation.evaluator import (
 )
 from voice_assist.evaluation.metrics import summarize, verdict
 from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.types import RATE, Mode
+from voice_assist.types import RATE
 
 CONFIG = load_voice_config()
 
@@ -221,7 +221,7 @@ def test_sound_damaged_behind_its_header_is_named_by_its_row(tmp_path):
     (tmp_path / "a.flac").write_bytes(whole[:200] + bytes(len(whole) - 200))
     clip = LabelledClip(5, tmp_path / "a.flac", "stop", "stop")
     evaluator = Evaluator(
-        lambda clock: Pipeline(CONFIG, FakeRecognizer(), make_detector(), clock), Mode.ACTIVE
+        lambda clock: Pipeline(CONFIG, FakeRecognizer(), make_detector(), clock), "active"
     )
     try:
         evaluator(clip)

@@ -11,7 +11,7 @@ from voice_assist.audio.microphone import Microphone, Pause
 from voice_assist.audio.portaudio import PortAudio
 from voice_assist.audio.source import AudioSource, Clock, Report
 from voice_assist.audio.wav_file import WavFile
-from voice_assist.config import AudioConfig, SpotterConfig, VoiceConfig
+from voice_assist.config import AudioConfig, MovingConfig, SpotterConfig, VoiceConfig
 from voice_assist.errors import AudioError
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.side_inputs import Observer, ignore
@@ -56,8 +56,12 @@ def make_recognizer(config: VoiceConfig) -> Recognizer:
     return personalise(config.profile, base)
 
 
-def make_spotter(config: SpotterConfig) -> tuple[Spotter, str]:
+def make_spotter(config: SpotterConfig, moving: MovingConfig | None = None) -> tuple[Spotter, str]:
     """Load the spotter; gives the SHA-256 of its model too.
+
+    Args:
+        config: When it fires at rest.
+        moving: When it fires while the robot moves; None: as at rest.
 
     Raises:
         ModelError: The model or the networks below it are missing or damaged.
@@ -67,7 +71,8 @@ def make_spotter(config: SpotterConfig) -> tuple[Spotter, str]:
     from voice_assist.spotter.spotter import Spotter
 
     head, digest = read_head()
-    return Spotter(config, Embedder(), scorer(head), CONTEXT), digest
+    in_motion = None if moving is None else moving.spotter_alone
+    return Spotter(config, Embedder(), scorer(head), CONTEXT, in_motion), digest
 
 
 def make_pipeline(
@@ -98,7 +103,7 @@ def make_pipeline(
     config, own = with_profile(config)
     voiceprint = voiceprint or own
     if spotting is None and config.spotter.is_enabled:
-        spotting, _ = make_spotter(config.spotter)
+        spotting, _ = make_spotter(config.spotter, config.moving)
     second, gate = StopFusion(config.spotter, spotting), _make_gate(config, voiceprint)
     detector = make_detector(config.audio.vad)
     return Pipeline(config, recognizer, detector, clock, second, observer, gate)

@@ -20,6 +20,7 @@ class SideInputKind(Enum):
     HEARD = "heard"  # every second or so: all before this frame was heard and decided on
     ANSWERED = "answered"  # the controller answered before this frame was heard
     SPEAKING = "speaking"  # before it, the robot's own speech began or ended
+    MOVING = "moving"  # from it on the robot moves, or rests
     BEHIND = "behind"  # it was heard too late for a look before the end of the utterance
     UNHEARD = "unheard"  # the recogniser's queue was full: only the spotter heard it
     LOST = "lost"  # sound is missing in front of it, already when it was captured
@@ -43,6 +44,7 @@ class SideInput:
     message: str = ""
     is_speaking: bool = False  # of SPEAKING, as is the next
     time: float = 0.0  # [s] clock time at which it was reported
+    is_moving: bool = False  # of MOVING
 
 
 Observer = Callable[[SideInput], None]
@@ -79,6 +81,8 @@ class SideInputs:
         self._found = {(entry.kind, entry.sample): entry for entry in kept}
         self._reported = [entry for entry in kept if entry.kind in REPORTED]
         heard = [entry.sample for entry in kept if entry.kind is SideInputKind.HEARD]
+        self._moving = [entry for entry in kept if entry.kind is SideInputKind.MOVING]
+        self._is_moving = False
         self.heard_until = max(heard, default=0)  # sample before which all was surely decided on
 
     def get(self, kind: SideInputKind, sample: int) -> SideInput | None:
@@ -90,3 +94,9 @@ class SideInputs:
         due = [entry for entry in self._reported if entry.sample <= sample]
         self._reported = self._reported[len(due) :]
         return due
+
+    def is_moving(self, sample: int) -> bool:
+        """Whether the robot moved at the frame, as noted then; asked frame by frame, in order."""
+        while self._moving and self._moving[0].sample <= sample:
+            self._is_moving = self._moving.pop(0).is_moving
+        return self._is_moving

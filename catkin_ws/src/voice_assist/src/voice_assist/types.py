@@ -49,6 +49,7 @@ class Frame:
     samples: Samples  # (n,), float32 in [-1, 1], 16 kHz mono, read-only
     first_sample: int  # index of samples[0] since the stream began
     stamp: float  # [s] clock time at which samples[0] was captured
+    is_moving: bool = False  # the robot moved as it was captured, or may have; see RobotMotion
 
     @property
     def duration(self) -> float:
@@ -130,6 +131,7 @@ class RejectionReason(Enum):
     TONE = "tone"
     ROBOT_SPEAKING = "robot_speaking"
     SAME_BREATH = "same_breath"
+    SECOND_VOICE = "second_voice"
     WRONG_MODE = "wrong_mode"
     OTHER_MODE = "other_mode"
     NO_COMMAND = "no_command"

@@ -130,6 +130,7 @@ UNHEARD: Final = _refusals(  # by Utterance.reason_code: the words of a command 
         "tone": "Say it again, or give it by hand.",
         "robot_speaking": "Wait until it has spoken, then repeat.",
         "same_breath": "Pause, then say the command alone.",
+        "second_voice": "Say it again while nobody else talks.",
         "wrong_mode": 'Say "hey robot" first.',
         "other_mode": "Wait for the other mode, then say it again.",
     }

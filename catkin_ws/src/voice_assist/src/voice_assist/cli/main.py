@@ -182,12 +182,15 @@ def _add_alarms(verbs: Any) -> None:
 
 
 def _add_evaluate(verbs: Any) -> None:
+    from voice_assist.evaluation.evaluator import MODES
+
     parser = verbs.add_parser("evaluate", help="run labelled clips through the pipeline")
     parser.add_argument("manifest", type=Path, help="CSV with the columns path and transcript")
     parser.add_argument("--out", type=Path, required=True, help="JSON file to write")
     parser.add_argument("--noise", type=Path, help="folder of sound files to add")
     parser.add_argument("--snr", type=float, help="speech over noise [dB]; with --noise")
-    parser.add_argument("--mode", choices=("active", "standby"), default="active")
+    help_ = "what counts: moving is active while the robot moves; default: active"
+    parser.add_argument("--mode", choices=MODES, default="active", help=help_)
     parser.add_argument("--jobs", type=_positive, help="processes; default: one per core")
     parser.add_argument("--model", help="embedded, a name or a file of a Whisper model")
     parser.add_argument("--details", type=Path, help="CSV file to write with a line per clip")

@@ -21,6 +21,7 @@ from typed_config import (
 )
 from voice_assist.config.calibration import Calibration
 from voice_assist.config.commands import NEVER_SURE, CommandConfig, CommandsConfig
+from voice_assist.config.moving import MovingConfig
 from voice_assist.config.profile import ProfileConfig
 from voice_assist.config.speaker import SpeakerConfig
 from voice_assist.errors import CommandsError
@@ -35,6 +36,7 @@ __all__ = [
     "DenoiseConfig",
     "EarlyConfig",
     "MicrophoneConfig",
+    "MovingConfig",
     "ProfileConfig",
     "RecognizerConfig",
     "RobotSpeechConfig",
@@ -57,6 +59,7 @@ SECTIONS = (
     "speaker",
     "profile",
     "commands",
+    "moving",
 )  # each a file and a key
 
 
@@ -247,6 +250,7 @@ class VoiceConfig:
     speaker: SpeakerConfig
     profile: ProfileConfig
     commands: CommandsConfig
+    moving: MovingConfig
 
     def __post_init__(self) -> None:
         """Check what no single file can show.

@@ -32,7 +32,6 @@ from voice_assist.evaluation.evaluator import (
 )
 from voice_assist.evaluation.metrics import summarize, verdict
 from voice_assist.profile.active import facts_of
-from voice_assist.types import Mode
 
 END_OF_SPEECH = "last 10 ms of the clip within 35 dB of its loudest and 10 dB above its quietest"
 
@@ -59,7 +58,7 @@ def evaluate(config: VoiceConfig, job: Job) -> dict[str, Any]:
     """
     if (job.noise is None) != (job.snr_db is None):
         raise ManifestError("noise and its level belong together: give both NOISE=dir and SNR=dB")
-    clips = read_manifest(job.manifest, config.commands)
+    clips = read_manifest(job.manifest, config.commands, job.mode)
     for path in (job.out, job.details):
         if path is not None:
             _check_writable(path)
@@ -102,7 +101,7 @@ def _prepare(config: VoiceConfig, job: Job) -> None:
     noises = read_noises(job.noise) if job.noise is not None else []
     evaluator = Evaluator(
         lambda clock: make_pipeline(config, clock, recognizer),
-        Mode(job.mode),
+        job.mode,
         noises,
         job.snr_db or 0.0,
     )

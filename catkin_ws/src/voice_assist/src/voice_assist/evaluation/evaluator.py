@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +18,11 @@ from voice_assist.config import CommandsConfig
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.text.normalize import normalize
+from voice_assist.text.normalize import contains, normalize
 from voice_assist.types import RATE, Frame, Match, Mode, Samples, UtteranceDecision
 
+MOVING = "moving"  # active, while the robot moves
+MODES = (Mode.ACTIVE.value, Mode.STANDBY.value, MOVING)  # in which clips may be heard
 BEFORE = 0.5  # [s] of quiet in front of a clip
 AFTER = 1.5  # [s] of quiet behind it, so that its end can be heard
 QUIET_DB = -75.0  # [dB] of full scale of that quiet
@@ -111,7 +113,7 @@ class Evaluator:
     def __init__(
         self,
         make_pipeline: Callable[[Callable[[], float]], Pipeline],
-        mode: Mode,
+        mode: str,
         noises: Sequence[Samples] = (),
         snr_db: float = 0.0,
     ) -> None:
@@ -119,13 +121,15 @@ class Evaluator:
 
         Args:
             make_pipeline: Builds it from a clock.
-            mode: In which every clip is heard, whatever was said in it before.
+            mode: One of MODES, in which every clip is heard, whatever was said in it before.
             noises: One of them, chosen by the row, is added to each clip.
             snr_db: Level of the clip's speech above the noise [dB].
         """
         self._clock = StreamClock()
         self._pipeline = make_pipeline(self._clock)
-        self._mode, self._noises, self._snr_db = mode, noises, snr_db
+        self._is_moving = mode == MOVING
+        self._mode = Mode.ACTIVE if self._is_moving else Mode(mode)
+        self._noises, self._snr_db = noises, snr_db
 
     def __call__(self, clip: LabelledClip) -> ClipOutcome:
         """Stream one clip.
@@ -169,7 +173,7 @@ class Evaluator:
         for frame in _frames(stream, began):
             self._pipeline.set_mode(self._mode, "evaluation")
             self._clock.begin(frame.stamp + frame.duration)
-            events = self._pipeline(frame)
+            events = self._pipeline(replace(frame, is_moving=self._is_moving))
             self._clock.end()
             yield from (event for event in events if isinstance(event, UtteranceDecision))
 
@@ -186,12 +190,15 @@ class Evaluator:
         return np.asarray(stream, np.float32)
 
 
-def read_manifest(path: str | Path, commands: CommandsConfig) -> list[LabelledClip]:
+def read_manifest(
+    path: str | Path, commands: CommandsConfig, mode: str = Mode.ACTIVE.value
+) -> list[LabelledClip]:
     """Rows of a manifest, all checked.
 
     Args:
         path: CSV with the columns `path` (relative to the manifest) and `transcript`.
         commands: Tell which transcripts are commands.
+        mode: One of MODES; while the robot moves, a halt among other words is one, too.
 
     Raises:
         ManifestError: The file or a row of it cannot be used; all that is wrong is named.
@@ -202,10 +209,11 @@ def read_manifest(path: str | Path, commands: CommandsConfig) -> list[LabelledCl
         for phrase, spellings in Mapper(commands).accepted().items()
         for spelling in spellings
     }
+    halts = [c.phrase for c in commands.commands if c.is_halt] if mode == MOVING else []
     clips, problems = [], []
     for row, (name, transcript) in _rows(path):
         try:
-            clips.append(_clip(path.parent, row, name, transcript, phrases))
+            clips.append(_clip(path.parent, row, name, transcript, phrases, halts))
         except (AudioError, ManifestError) as error:
             problems.append(f"row {row}: {error}")
     if problems:
@@ -255,13 +263,20 @@ def _rows(path: Path) -> Iterator[tuple[int, tuple[str, str]]]:
 
 
 def _clip(
-    folder: Path, row: int, name: str, transcript: str, phrases: dict[str, str]
+    folder: Path,
+    row: int,
+    name: str,
+    transcript: str,
+    phrases: Mapping[str, str],
+    halts: Sequence[str],
 ) -> LabelledClip:
     if not name.strip():
         raise ManifestError("the path is empty")
     path = folder / name.strip()
     open_sound(path).close()
-    return LabelledClip(row, path, transcript, phrases.get(" ".join(normalize(transcript)), ""))
+    words = normalize(transcript)
+    said = next((halt for halt in halts if contains(words, normalize(halt))), None)
+    return LabelledClip(row, path, transcript, said or phrases.get(" ".join(words), ""))
 
 
 def claims_of(decision: UtteranceDecision) -> list[ClaimedCommand]:

@@ -30,6 +30,7 @@ class DecisionContext:
     spotted: float | None = (
         None  # [nat] the spotter's best score recently; None: no spotter listens
     )
+    is_moving: bool = False  # the robot moves, or may: a "stop" in a sentence is one
 
 
 class EarlyDecision:

@@ -15,7 +15,7 @@ from voice_assist.config.calibration import log_odds
 from voice_assist.intent.early_decision import DecisionContext, EarlyDecision, too_unsure
 from voice_assist.intent.mapper import Mapper
 from voice_assist.intent.rejection_rules import RejectionRules
-from voice_assist.text.normalize import is_negated, normalize
+from voice_assist.text.normalize import contains, is_negated, normalize
 from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason
 
 if TYPE_CHECKING:
@@ -86,12 +86,16 @@ class Decider:
         self, transcript: Hypothesis, partial: PartialUtterance, context: DecisionContext
     ) -> Verdict | None:
         """Decide about the newest transcript; None: wait for more."""
+        if context.is_moving and (stop := self._stop_in_motion(transcript)) is not None:
+            return stop
         outcome = self._early_decision(transcript, context)
         stop = self.stop(outcome, transcript, partial, context.spotted)
         if stop is not None:
             return stop
         if isinstance(outcome, Match):
-            return self.command(outcome, transcript, partial)
+            is_motion = self._config.commands.get(outcome.command).is_motion
+            stop = self._stop_beside(transcript, partial) if is_motion else None
+            return stop or self.command(outcome, transcript, partial)
         if outcome is not None:
             worth = self._recognizer_config.confidence.transcript
             return Verdict(outcome, transcript, worth(log_odds(transcript.confidence)), RECOGNIZER)
@@ -138,6 +142,37 @@ class Decider:
         match = Match(self._stop_fusion.phrase, self._mapper(transcript.text).wer)
         confidence = self._recognizer_config.confidence.spotter(spotted.score)
         return Verdict(match, transcript, confidence, SPOTTER)
+
+    def _stop_in_motion(self, transcript: Hypothesis) -> Verdict | None:
+        """A stop among the words of a transcript, while the robot moves; None: there is none."""
+        least = self._config.moving.sentence_stop_confidence
+        for heard in (self._decoder.part, transcript):
+            if heard is None or heard.confidence < least:
+                continue
+            words = normalize(heard.text)
+            for phrase in self._halts:
+                if contains(words, normalize(phrase)):
+                    match = Match(phrase, self._mapper(heard.text).wer)
+                    worth = self._recognizer_config.confidence.transcript
+                    return Verdict(match, heard, worth(log_odds(heard.confidence)), RECOGNIZER)
+        return None
+
+    def _stop_beside(self, transcript: Hypothesis, partial: PartialUtterance) -> Verdict | None:
+        """What is said at the same time as a motion: a stop, or a reason to refuse the motion.
+
+        The motion would begin now, so the operating point of a moving robot counts for its sound.
+        """
+        moving = self._config.moving
+        spotted = self._stop_fusion.best_since(partial.utterance.speech_start)
+        if not moving.is_enabled or spotted is None or spotted < moving.refuse_spotter:
+            return None
+        phrase = self._stop_fusion.phrase
+        outcome: Match | NoMatch = Match(phrase, self._mapper(transcript.text).wer)
+        if spotted < moving.spotter_alone:
+            words = f"a {phrase!r} may be in the same sound: {spotted:.1f} nat"
+            outcome = outcome.rejected(Rejection(RejectionReason.SECOND_VOICE, words))
+        confidence = self._recognizer_config.confidence.spotter(spotted)
+        return Verdict(outcome, transcript, confidence, SPOTTER)
 
     def command(self, match: Match, transcript: Hypothesis, partial: PartialUtterance) -> Verdict:
         """A command that is no halt, or why it is not taken, by the scores of whole commands."""

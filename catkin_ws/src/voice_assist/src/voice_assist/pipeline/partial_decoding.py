@@ -33,8 +33,8 @@ class PartialDecoder:
     Decoder passes are `partial_interval` apart while there is speech. One more comes after `settle`
     of quiet. It stands until there is speech again, so that the end of the `pause` finds nothing
     left to compute. Of a long utterance only the last `window` is decoded, which bounds each pass:
-    a command is short. While the robot itself speaks, the very last part is decoded alone too,
-    since one word may stand by itself in it.
+    a command is short. While the robot itself speaks or moves, the very last part is decoded alone
+    too, since one word may stand by itself in it.
     """
 
     def __init__(
@@ -99,7 +99,7 @@ class PartialDecoder:
         self._has_paused |= is_pause
         is_new = self._is_due(partial, frame, time, is_turn)
         if is_new:
-            self._decode(partial, time, part)
+            self._decode(partial, time, part, frame.is_moving)
         return self.transcript is not None and (is_new or is_turn)
 
     def is_settled(self, partial: PartialUtterance) -> bool:
@@ -132,16 +132,18 @@ class PartialDecoder:
         is_time = time - decoded_at >= self._config.partial_interval - _SLACK
         return is_time or is_turn or self.is_settled(partial)
 
-    def _decode(self, partial: PartialUtterance, time: float, part: float) -> None:
+    def _decode(self, partial: PartialUtterance, time: float, part: float, is_moving: bool) -> None:
         whole = partial.utterance.samples
         is_final = partial.utterance.is_complete or self.is_settled(partial)
         self._sound = self._end_of(whole, self._config.window, is_final)
         self.is_window = len(whole) > round(self._config.window * RATE)
-        self.transcript = self._recognizer.transcribe(self._sound, self._is_hopeless)
         self.part = None
         if part > 0.0:
-            sound = self._end_of(whole, part, is_final)
-            self.part = self._recognizer.transcribe(sound, self._is_hopeless)
+            is_all = len(whole) <= round(part * RATE)  # encoded once, then
+            sound = self._sound if is_all else self._end_of(whole, part, is_final)
+            hopeless = never_hopeless if is_moving else self._is_hopeless  # a sentence counts, too
+            self.part = self._recognizer.transcribe(sound, hopeless)
+        self.transcript = self._recognizer.transcribe(self._sound, self._is_hopeless)
         if self.transcript.text:
             self.worded_at = time
         self._decoded_at, self._scores = time, {}

@@ -143,8 +143,9 @@ class Pipeline:
 
     def _window_alone(self, frame: Frame) -> float:
         """Length of the last part that is decoded by itself too [s]; 0: none is."""
-        is_speaking = self._robot_speech.is_in(frame.stamp)
-        return self._config.audio.robot_speech.window if is_speaking else 0.0
+        if self._robot_speech.is_in(frame.stamp):
+            return self._config.audio.robot_speech.window
+        return self._config.moving.window if frame.is_moving else 0.0
 
     def _transcribed(self, frame: Frame) -> tuple[Event, ...]:
         """The transcript so far, where it has changed."""
@@ -162,7 +163,8 @@ class Pipeline:
         is_whole = partial.is_whole and not self._decoder.is_window
         spotted = self._stop_fusion.best(frame.stamp + frame.duration)
         is_complete = partial.utterance.is_complete
-        context = DecisionContext(_end(frame), partial.quiet, is_complete, is_whole, spotted)
+        where = _end(frame), partial.quiet, is_complete, is_whole, spotted, frame.is_moving
+        context = DecisionContext(*where)
         verdict = self._decider(transcript, partial, context)
         return () if verdict is None else (self._conclude(verdict, partial),)
 

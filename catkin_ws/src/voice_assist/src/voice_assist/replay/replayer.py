@@ -34,7 +34,11 @@ if TYPE_CHECKING:
     from voice_assist.spotter.spotter import Spotting
 
 # Parts that an older recording, or another node, did not have, as it behaved without them.
-SWITCHED_OFF = {"speaker": {"gate": "off"}, "profile": {"name": "none"}}
+SWITCHED_OFF = {
+    "speaker": {"gate": "off"},
+    "profile": {"name": "none"},
+    "moving": {"is_enabled": False},
+}
 
 
 class NotReplayable(VoiceError, ValueError):
@@ -126,7 +130,7 @@ class PipelineReplay:
         Raises:
             NotReplayable: It is no frame of the pipeline.
         """
-        frame = _frame(sound)
+        frame = replace(_frame(sound), is_moving=self._past.is_moving(sound.first_sample))
         for given in self._past.take_reported(frame.first_sample):
             if given.kind is SideInputKind.SPEAKING:
                 self._pipeline.robot_spoke(RobotSpeechChange(given.is_speaking, given.time))
@@ -180,7 +184,9 @@ def replay_pipeline(
         past = SideInputs(from_text(note) for note in notes)
         recognizer = _recognizer(config.recognizer.model, config.recognizer.device)
         config, recognizer, missing = _with_profile(config, recognizer)
-        spotter, digest = make_spotter(config.spotter) if config.spotter.is_enabled else (None, "")
+        spotter, digest = None, ""
+        if config.spotter.is_enabled:
+            spotter, digest = make_spotter(config.spotter, config.moving)
     except (VoiceError, ConfigError, ValueError) as error:
         raise NotReplayable(str(error)) from error
     hearing = PipelineReplay(config, recognizer, spotter, past)

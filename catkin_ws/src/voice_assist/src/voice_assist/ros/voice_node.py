@@ -34,8 +34,10 @@ from voice_assist.errors import VoiceError
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Event
+from voice_assist.pipeline.robot_motion import RobotMotion
 from voice_assist.profile.active import facts_of
 from voice_assist.ros.command_client import CommandClient
+from voice_assist.ros.controller_state import follow_controller
 from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
@@ -56,6 +58,7 @@ from voice_assist.types import (
     HearingFault,
     Lost,
     Match,
+    Mode,
     Partial,
     Samples,
     SetMode,
@@ -118,6 +121,9 @@ class VoiceNode:
         self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, observer)
         self._client = CommandClient(config.commands.answer_within, self._answers.put)
         self._robot_speech = RobotSpeechTopic(_now)
+        self._motion = RobotMotion(config.moving)
+        self._was_moving = False
+        follow_controller(self._motion, _steady)
         self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
 
     def run(self) -> None:
@@ -158,6 +164,7 @@ class VoiceNode:
                 if self._over.is_set():
                     return
                 self._trouble(watch(frame), watch.fault)
+                frame = self._with_motion(frame)
                 if self._spotter is not None:
                     self._spotter.feed(frame)
                     self._health.spotter_dropped = self._spotter.dropped
@@ -169,6 +176,15 @@ class VoiceNode:
                     self._health.dropped += 1  # the pipeline notices the gap
                     self._publish.circumstance(SideInput(SideInputKind.UNHEARD, frame.first_sample))
         self._frames.put(None)
+
+    def _with_motion(self, frame: Frame) -> Frame:
+        """The frame with whether the robot moves; each change is noted for a replay."""
+        is_moving = self._motion.is_moving(_steady())
+        if is_moving != self._was_moving:
+            self._was_moving = is_moving
+            change = SideInput(SideInputKind.MOVING, frame.first_sample, is_moving=is_moving)
+            self._publish.circumstance(change)
+        return replace(frame, is_moving=is_moving)
 
     def _source(self) -> AudioSource:
         if self._config.audio.source == "topic":
@@ -222,19 +238,26 @@ class VoiceNode:
         if isinstance(action, Halt):
             self._stop()
         elif isinstance(action, Call):
+            if action.command not in self._repeatable:
+                self._motion.send()
             self._client.call(action.command, action.command in self._repeatable)
         elif isinstance(action, SetMode):
+            self._motion.arm(action.mode is Mode.ACTIVE)
             self._publish.mode(action.mode, action.reason, _now())
 
     def _stop(self) -> None:
         self._publish.stop()
         self._stopped = _now()
-        self._client.forget()
+        self._forget_commands()
 
     def _hold(self) -> None:
         """Stop because hearing failed; a stop that is spotted later is sent, too."""
         self._publish.stop()
+        self._forget_commands()
+
+    def _forget_commands(self) -> None:
         self._client.forget()
+        self._motion.drop(_steady())
 
     def _take_reports(self) -> None:
         for spoke in self._robot_speech.take():
@@ -243,6 +266,8 @@ class VoiceNode:
             self._take_answer(self._answers.get())
 
     def _take_answer(self, answered: Answered) -> None:
+        if answered.command not in self._repeatable:
+            self._motion.answer(_steady())
         if reply := spoken_reply(answered.message, self._config.commands.phrases):
             self._publish.reply(reply)
         if answered.is_accepted:
@@ -266,7 +291,7 @@ class VoiceNode:
     # --- thread 3: the second way to a stop
 
     def _load_spotter(self) -> Spotter:
-        spotter, self._health.spotter = make_spotter(self._config.spotter)
+        spotter, self._health.spotter = make_spotter(self._config.spotter, self._config.moving)
         return spotter
 
     def _in_thread(self, spotter: Spotter) -> SpotterThread:

@@ -51,9 +51,11 @@ class StopFusion:
 
     def best(self, now: float) -> float | None:
         """The spotter's best recent score [nat] at a clock time [s]; None: no spotter listens."""
-        if self._spotting is None:
-            return None
-        return self._spotting.best(now - self._config.agree_within)
+        return self.best_since(now - self._config.agree_within)
+
+    def best_since(self, since: float) -> float | None:
+        """The spotter's best score [nat] since a clock time [s]; None: no spotter listens."""
+        return None if self._spotting is None else self._spotting.best(since)
 
     def confirms(self, evidence: StopEvidence, phrase: str) -> bool:
         """Whether a halt that the recogniser wrote stops now (2, 3 and 5)."""

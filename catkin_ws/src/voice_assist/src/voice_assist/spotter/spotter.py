@@ -67,7 +67,12 @@ class Spotter:
     """
 
     def __init__(
-        self, config: SpotterConfig, embedder: Embedder, score: Score, context: int
+        self,
+        config: SpotterConfig,
+        embedder: Embedder,
+        score: Score,
+        context: int,
+        alone_in_motion: float | None = None,
     ) -> None:
         """Start with a silent past.
 
@@ -76,7 +81,11 @@ class Spotter:
             embedder: Makes embeddings of sound.
             score: The trained head.
             context: Embeddings that it sees.
+            alone_in_motion: Score from which it fires while the robot moves, if lower [nat]; None:
+                as at rest.
         """
+        least = config.alone if alone_in_motion is None else min(alone_in_motion, config.alone)
+        self._alone_in_motion = least
         self._config, self._embedder, self._score, self._context = config, embedder, score, context
         self._lock = threading.Lock()
         self._next_sample: int | None = None
@@ -96,7 +105,7 @@ class Spotter:
         self._next_sample = frame.first_sample + len(frame.samples)
         fired = None
         for embedding in self._embedder(frame.samples):
-            fired = self._look(embedding, frame.stamp + frame.duration) or fired
+            fired = self._look(embedding, frame) or fired
         return fired
 
     @property
@@ -118,7 +127,8 @@ class Spotter:
         self._before: float | None = None
         self._next_sample = None
 
-    def _look(self, embedding: Embeddings, time: float) -> Spotted | None:
+    def _look(self, embedding: Embeddings, frame: Frame) -> Spotted | None:
+        time = frame.stamp + frame.duration
         self._seen.append(embedding)
         newest = self._score(np.stack(self._seen))
         score = newest if self._before is None else (newest + self._before) / 2
@@ -126,7 +136,7 @@ class Spotter:
         self._before = newest
         with self._lock:
             self._looks.append(look)
-        if look.score < self._config.alone:
+        if look.score < (self._alone_in_motion if frame.is_moving else self._config.alone):
             return None
         is_latched = time < self._latched_until
         self._latched_until = time + self._config.rearm_after

@@ -102,6 +102,12 @@ def foreign(text: str) -> str:
     return next((c for c in text if not c.isascii() and unicodedata.category(c)[0] not in "PZ"), "")
 
 
+def contains(words: Words, some: Words) -> bool:
+    """Whether some words stand among the words, in their order and next to each other."""
+    length = len(some)
+    return any(words[i : i + length] == some for i in range(len(words) - length + 1))
+
+
 def is_negated(words: Words) -> bool:
     """Whether a word among them denies."""
     return not NEGATIONS.isdisjoint(words)

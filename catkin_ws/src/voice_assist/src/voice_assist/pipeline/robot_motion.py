@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether the robot moves, as far as the voice node can know; in doubt it does.
+
+While it moves, every "stop" that is heard stops it. At rest a whole utterance decides.
+"""
+
+from __future__ import annotations
+
+from threading import Lock
+
+from voice_assist.config.moving import MovingConfig
+
+AT_REST = frozenset({"standby", "active", "halted", "faulted"})  # states of the controller
+
+
+class RobotMotion:
+    """The rule; its inputs come from several threads. All times are of one steady clock [s].
+
+    The robot moves, or may:
+
+    1. while the newest state of the controller is none of rest,
+    2. from a motion that the node sends until `settle` after its answer,
+    3. while that state is older than `state_age`, or none came yet, and assistance is enabled.
+    """
+
+    def __init__(self, config: MovingConfig) -> None:
+        """Nothing is known, and assistance is not enabled."""
+        self._config, self._lock = config, Lock()
+        self._reported_at = float("-inf")  # [s]
+        self._is_at_rest = True  # by the newest state
+        self._is_assistance_reported = False  # by the newest state
+        self._is_armed = False  # the voice mode is active
+        self._unanswered = 0  # motions
+        self._settled_at = float("-inf")  # [s]
+
+    def report(self, state: str, is_assistance_enabled: bool, now: float) -> None:
+        """Take the controller's state as it comes."""
+        with self._lock:
+            self._reported_at, self._is_at_rest = now, state in AT_REST
+            self._is_assistance_reported = is_assistance_enabled
+
+    def arm(self, is_armed: bool) -> None:
+        """Take whether motion commands count by voice."""
+        with self._lock:
+            self._is_armed = is_armed
+
+    def send(self) -> None:
+        """The node is about to send a motion."""
+        with self._lock:
+            self._unanswered += 1
+
+    def answer(self, now: float) -> None:
+        """The controller answered a motion, or failed to."""
+        with self._lock:
+            self._unanswered = max(self._unanswered - 1, 0)
+            self._settled_at = now + self._config.settle
+
+    def drop(self, now: float) -> None:
+        """Motions that wait to be sent never will be; one that was sent may still begin."""
+        with self._lock:
+            if self._unanswered:
+                self._unanswered, self._settled_at = 0, now + self._config.settle
+
+    def is_moving(self, now: float) -> bool:
+        """Whether it moves now, or may."""
+        if not self._config.is_enabled:
+            return False
+        with self._lock:
+            if self._unanswered or now < self._settled_at:
+                return True
+            if now - self._reported_at <= self._config.state_age:
+                return not self._is_at_rest
+            return self._is_armed or self._is_assistance_reported or not self._is_at_rest
