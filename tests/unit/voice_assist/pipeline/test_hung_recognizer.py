@@ -107,9 +107,10 @@ class Room:
             "Publishers": lambda: self,
             "CommandClient": lambda *_: caller,
             "RobotSpeechTopic": lambda _: SimpleNamespace(take=list),
+            "follow_controller": lambda *_: None,
             "VoiceDiagnostics": self.diagnostics,
             "make_recognizer": lambda _: self.recognizer,
-            "make_spotter": lambda _: (self.spotter, "0"),
+            "make_spotter": lambda *_: (self.spotter, "0"),
             "make_source": lambda *_: self,
             "make_pipeline": self.pipeline,
         }

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The same sentences to a robot at rest and to one that moves."""
+
+from dataclasses import replace
+
+import pytest
+
+from tests.unit.voice_assist.pipeline.test_pipeline import (
+    StreamClock,
+    commands,
+    decisions,
+    refusals,
+    run,
+)
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
+from voice_assist.config import load_voice_config
+from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.spotter.fusion import StopFusion
+from voice_assist.types import Halt, Mode, RejectionReason
+
+WITH_STOP = ("he said stop now please", "do not stop", "pulling is stop he said", "never stop more")
+WITHOUT = ("he said pull more now", "do not pull less", "please release pulling", "never mumble")
+
+
+class SpotterOf:
+    """A spotter that gives one score, whatever it hears."""
+
+    def __init__(self, score):
+        self.score = score
+
+    def __call__(self, frame):
+        return None
+
+    def best(self, since, until=0):
+        return self.score
+
+    def reset(self):
+        """Nothing."""
+
+
+def hear(text, is_moving, mode=Mode.ACTIVE, recognizer=None, spotter=None, **changes):
+    config, clock = load_voice_config(**changes), StreamClock()
+    fusion = StopFusion(config.spotter, spotter)
+    recognizer = recognizer or FakeRecognizer()
+    pipeline = Pipeline(config, recognizer, make_detector(), clock, fusion)
+    pipeline.set_mode(mode, "test")
+    sound = [replace(frame, is_moving=is_moving) for frame in frames(say(text))]
+    return run(pipeline, clock, sound)
+
+
+@pytest.mark.parametrize("text", WITH_STOP)
+@pytest.mark.parametrize("mode", Mode)
+def test_a_stop_in_a_sentence_stops_a_robot_that_moves(text, mode):
+    events = hear(text, True, mode)
+    assert "stop" in commands(events)
+    assert any(isinstance(a, Halt) for d in decisions(events) for a in d.actions)
+
+
+@pytest.mark.parametrize("text", WITH_STOP)
+def test_at_rest_the_same_sentence_does_nothing(text):
+    assert commands(hear(text, False)) == []
+
+
+@pytest.mark.parametrize("text", WITHOUT)
+@pytest.mark.parametrize("is_moving", [False, True])
+def test_a_sentence_without_it_does_nothing(text, is_moving):
+    assert commands(hear(text, is_moving)) == []
+
+
+@pytest.mark.parametrize("command", ["tense", "release", "pull more", "pull less", "terminate"])
+def test_other_commands_are_heard_in_motion_as_at_rest(command):
+    assert commands(hear(command, True)) == commands(hear(command, False)) == [command]
+
+
+def test_a_transcript_that_is_too_unsure_stops_nothing():
+    unsure = FakeRecognizer(confidence=0.3)
+    assert commands(hear(WITH_STOP[0], True, recognizer=unsure)) == []
+    assert commands(hear(WITH_STOP[0], True, recognizer=FakeRecognizer(confidence=0.9))) == ["stop"]
+
+
+def test_a_second_stop_in_the_same_breath_stops_again():
+    assert commands(hear("he said stop now please is what he said stop", True)) == ["stop"] * 2
+
+
+def test_the_newest_sound_is_heard_by_itself_only_in_motion():
+    long = "he said what is the pulling what is he mumble what he said"
+    at_rest, moving = FakeRecognizer(), FakeRecognizer()
+    hear(long, False, recognizer=at_rest)
+    hear(long, True, recognizer=moving)
+    assert len(moving.heard) > len(at_rest.heard)
+
+
+SPOTTER = {"moving__refuse_spotter": 1.0, "moving__spotter_alone": 3.0}
+
+
+@pytest.mark.parametrize("command", ["tense", "release", "pull more", "pull less"])
+@pytest.mark.parametrize("is_moving", [False, True])
+def test_a_motion_with_a_stop_in_its_sound_is_refused_or_a_stop(command, is_moving):
+    assert commands(hear(command, is_moving, spotter=SpotterOf(0.9), **SPOTTER)) == [command]
+    refused = hear(command, is_moving, spotter=SpotterOf(1.5), **SPOTTER)
+    assert commands(refused) == []
+    assert refusals(refused)[0].rejection.reason is RejectionReason.SECOND_VOICE
+    assert "stop" in commands(hear(command, is_moving, spotter=SpotterOf(3.5), **SPOTTER))
+
+
+@pytest.mark.parametrize("command", ["hey robot", "terminate"])
+def test_what_moves_nothing_is_not_refused_for_it(command):
+    assert commands(hear(command, False, spotter=SpotterOf(1.5), **SPOTTER)) == [command]
+
+
+def test_switched_off_the_motion_is_taken_as_before():
+    off = {**SPOTTER, "moving__is_enabled": False}
+    assert commands(hear("pull more", False, spotter=SpotterOf(1.5), **off)) == ["pull more"]
