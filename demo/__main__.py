@@ -114,7 +114,7 @@ def _session(
             return _listen(system, timeline)
         with timeline.first_sound(SOUND_TIME, is_file=microphone is None) as first_sound:
             if microphone:
-                timeline.listening.wait(LISTEN_TIME)  # where it never does, the checks tell
+                timeline.listening.wait(LISTEN_TIME)  # where it never does, the checks show it
                 player = microphone.play(wav)
                 stack.callback(player.terminate)
             timeline.start_clock(first_sound() + lead)

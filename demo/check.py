@@ -11,7 +11,9 @@ from demo.script import Script, ScriptStep
 
 STEP = 0.02  # [N] least change of tension that counts as more or less
 SLACK = 0.05  # [N] tension that counts as none
-EARLY = 0.2  # [s] by which the beginning of speech may be told too early: clocks, noise before it
+EARLY = (
+    0.2  # [s] by which the beginning of speech may be reported too early: clocks, noise before it
+)
 REST = 1e-4  # [m/s] path speed that counts as rest
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""When the first sound was captured, as the chunks tell in which the voice node listens."""
+"""When the first sound was captured, by the chunks in which the voice node listens."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ class FirstSound:
         began, at, end = float("inf"), None, time.monotonic() + within
         while time.monotonic() < end:
             with suppress(queue.Empty):
-                told, found = self._heard.get(timeout=0.1)
-                began = min(began, told)  # what comes late looks as if it were captured late
+                start, found = self._heard.get(timeout=0.1)
+                began = min(began, start)  # what comes late looks as if it were captured late
                 if at is None and found is not None:
                     at, end = found, time.monotonic() + SETTLE
         if at is None:

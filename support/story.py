@@ -232,7 +232,7 @@ class Story:
         self.say(0.0, "/robot_description", "std_msgs/String", data=URDF)
 
     def trocar(self, time: float, position: tuple[float, float, float]) -> None:
-        """The remote centre in force from a time on."""
+        """The remote centre from a time on."""
         point = class_of("geometry_msgs/Point")()
         point.x, point.y, point.z = position
         message = class_of("geometry_msgs/PointStamped")()

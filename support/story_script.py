@@ -92,7 +92,7 @@ def tension(time: float) -> float:
 
 
 def png(width: int, height: int, k: int) -> bytes:
-    """A small picture: a gradient whose colour tells pictures apart."""
+    """A small picture: a gradient whose colour differs from picture to picture."""
     row = bytes(c for x in range(width) for c in (x * 255 // width, 60 + 30 * k, 160))
     raw = b"".join(b"\0" + row for _ in range(height))
 

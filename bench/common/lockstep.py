@@ -28,7 +28,7 @@ def do_nothing() -> None:
 
 
 class LockStep(ABC):
-    """Time goes on only by `tick`; a context manager. Whoever derives from it makes the parts."""
+    """Time goes on only by `tick`; a context manager. A subclass makes the parts."""
 
     executor: Executor
     queue: CommandQueue

@@ -22,7 +22,7 @@ from voice_assist.types import RATE, Samples
 
 # Languages whose voices training never had speak English; none is in voices.FOREIGN.
 ACCENTS = ("fi", "hu", "cs", "ro", "da", "nb", "el", "id", "sw", "ca", "ru", "sk", "lt", "et")
-MOST = 10  # enrolled repetitions of a command
+MAX_REPETITIONS = 10  # enrolled repetitions of a command
 TESTED = 3  # repetitions that are not enrolled
 SENTENCES = 12  # of free talk, and as many others that are not enrolled
 
@@ -51,7 +51,7 @@ class EnrolledSpeech:
 class SurgeonMaterial:
     """All that one surgeon said."""
 
-    enrolled: tuple[EnrolledSpeech, ...]  # MOST of each command, one of each after the other
+    enrolled: tuple[EnrolledSpeech, ...]  # of each command, one of each after the other
     tested: tuple[EnrolledSpeech, ...]  # TESTED of each command, in another room and on another day
     talk: tuple[EnrolledSpeech, ...]  # free talk that is enrolled
     other: tuple[EnrolledSpeech, ...]  # talk and near misses that are not
@@ -73,7 +73,7 @@ def material(surgeon: Surgeon, seed: int = 0) -> SurgeonMaterial:
     key = hashlib.sha256(f"{surgeon} {seed}".encode()).digest()
     rng = Random(key)
     chance = np.random.default_rng(list(key))
-    lines = [(text, "enrolled") for _ in range(MOST) for text in texts.COMMANDS]
+    lines = [(text, "enrolled") for _ in range(MAX_REPETITIONS) for text in texts.COMMANDS]
     lines += [(text, "tested") for _ in range(TESTED) for text in texts.COMMANDS]
     sentences = rng.sample(texts.TALK, 2 * SENTENCES)
     lines += [(text, "talk") for text in sentences[:SENTENCES]]

@@ -129,7 +129,7 @@ class KinovaRig(LockStep):
         now, count = self.now, self._steps
         self.bridge.on_force(self.robot.force, now)
         if count % 8 == 0:
-            self._tell_tool(now)
+            self._report_tool(now)
         if count % 25 == 0 and self.lost not in ("feedback", "bridge"):  # nobody would hear of it
             arm = self.drivers.arm_feedback()
             values = {"position": arm.position, "velocity": arm.velocity, "effort": arm.effort}
@@ -142,11 +142,11 @@ class KinovaRig(LockStep):
         if count % 10 == 0 and self._guard.is_stop_due(now):
             self.stop()
 
-    def _tell_tool(self, now: float) -> None:
+    def _report_tool(self, now: float) -> None:
         self.bridge.tool.tell_state(int(self.drivers.tool.state))
-        told = self.drivers.tool_feedback()
-        if told is not None:
-            values = {"position": told[0], "velocity": told[1], "effort": ()}
+        feedback = self.drivers.tool_feedback()
+        if feedback is not None:
+            values = {"position": feedback[0], "velocity": feedback[1], "effort": ()}
             self.bridge.on_tool(self._read_tool.read(self._tool_names, values, now))
 
     # Commands.

@@ -24,7 +24,7 @@ from support.figures import Figure
 
 SPEEDS = (0.020, 0.050)  # [m/s] of the tip, asked for
 REST = 2e-4  # [rad/s] joints slower than this are at rest
-LEAST_LENGTH = 0.02  # [m] of a path
+MIN_LENGTH = 0.02  # [m] of a path
 Targets = tuple[float | None, float | None]
 TARGETS: dict[str, Targets] = {"hard": (60.0, 0.6), "driver_soft": (None, 2.6)}  # [ms] and [mm]
 
@@ -33,14 +33,14 @@ TARGETS: dict[str, Targets] = {"hard": (60.0, 0.6), "driver_soft": (None, 2.6)} 
 class BrakedStop:
     """One braking."""
 
-    speed: float  # [m/s] of the tip when told to stop
+    speed: float  # [m/s] of the tip when the stop comes
     time: float  # [s] from there until the joints rest
     distance: float  # [m] that the tip still went
     rcm_error: float  # [m] largest while braking
 
 
 def measure(config: MotionConfig, simulation: SimulationConfig, stops: int) -> list[Figure]:
-    """Stops of random paths in the 1 kHz simulation, told at random moments.
+    """Stops of random paths in the 1 kHz simulation, given at random moments.
 
     Args:
         config: Settings of the controller.
@@ -82,7 +82,7 @@ def _stops(rig: Rig, count: int) -> list[BrakedStop]:
             path = rig.planner.leg(rig.planner_joints, pose)
         except Infeasible:
             continue
-        if path.length < LEAST_LENGTH:
+        if path.length < MIN_LENGTH:
             continue
         phase = rig.along(PhaseKind.REACH, path, rig.config.controller.speed.tip_speed)
         rig.executor.post(Order(Plan(COMMANDS["tense"], "moves", (phase,)), view.serial))
@@ -104,7 +104,7 @@ def _stop(rig: Rig, phase: Phase) -> BrakedStop:
     before = rig.tip
     rig.run(rig.period)
     speed = float(np.linalg.norm(rig.tip - before)) / rig.period
-    told, start, still = rig.robot.now, rig.tip, [rig.robot.now]
+    received, start, still = rig.robot.now, rig.tip, [rig.robot.now]
 
     def look() -> None:
         rcm.append(rig.rcm_error)
@@ -112,6 +112,6 @@ def _stop(rig: Rig, phase: Phase) -> BrakedStop:
             still[0] = rig.robot.now
 
     rig.executor.stop(Cause(Reason.STOP_TOPIC, "bench"))
-    while rig.robot.now < told + 1.5 and (rig.is_moving or rig.robot.now < still[0] + 0.02):
+    while rig.robot.now < received + 1.5 and (rig.is_moving or rig.robot.now < still[0] + 0.02):
         rig.tick(look)
-    return BrakedStop(speed, still[0] - told, float(np.linalg.norm(rig.tip - start)), max(rcm))
+    return BrakedStop(speed, still[0] - received, float(np.linalg.norm(rig.tip - start)), max(rcm))

@@ -18,9 +18,9 @@ from rst_control.types import PathState, Setpoint
 from support.figures import Figure
 
 SPEEDS = (0.020, 0.050)  # [m/s]
-LOAD = np.array([0.0, 0.0, -2.0])  # [N] on the tip, besides gravity
+LOAD = np.array([0.0, 0.0, -2.0])  # [N] on the tip, beside gravity
 JOINT_ERROR = (0.11, 0.11, 0.11)  # [rad] pitch and jaws: OpenRST's own mean tracking error
-LEAST_LENGTH = 0.035  # [m] of a path, so that the speed is reached
+MIN_LENGTH = 0.035  # [m] of a path, so that the speed is reached
 REST = 0.05  # [s] at the end of each path
 
 
@@ -75,7 +75,7 @@ def _ways(rig: Rig, legs: int, speed: float) -> Iterator[tuple[Path, MotionBound
             path = planner.leg(q, pose)
         except Infeasible:
             continue
-        if path.length < LEAST_LENGTH:
+        if path.length < MIN_LENGTH:
             continue
         samples = path.sample(planner.model.chain, planner.trocar)
         top, acceleration = speed_bounds(samples, planner.limits, speed, settings.acceleration)

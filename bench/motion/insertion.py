@@ -124,7 +124,7 @@ class InsertionJudge:
     def __init__(self, planner: Planner, witness: BulletWitness) -> None:
         self._planner, self._witness = planner, witness
         self._margin = planner.config.scene.surface_margin
-        self._least = planner.config.rcm.insertion[0]
+        self._min_insertion = planner.config.rcm.insertion[0]
         self._approved: set[Path] = set()  # the way in is the same for every approach
 
     def objection(self, q: Array, phases: tuple[Phase, ...], looks: int) -> str:
@@ -172,7 +172,11 @@ class InsertionJudge:
         if sight.error > RCM_WORST + FLOAT_NOISE:
             return f"shaft {sight.error * 1e6:.2f} um off the trocar"
         is_bent = np.abs(q[7:]).max() > 1e-9
-        return "bent in the trocar" if is_bent and sight.wrist < self._least - FLOAT_NOISE else ""
+        return (
+            "bent in the trocar"
+            if is_bent and sight.wrist < self._min_insertion - FLOAT_NOISE
+            else ""
+        )
 
     def _limits(self, phase: Phase) -> str:
         """Speeds and accelerations of the joints, by finite differences of the motion in time."""

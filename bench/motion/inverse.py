@@ -59,7 +59,7 @@ def reachable(planner: Planner, count: int) -> list[Array]:
     change, and kept where limits, insertion and workspace hold.
     """
     rng, poses = np.random.default_rng(3), list[Array]()
-    home, (least, most) = np.array(planner.config.scene.home), planner.config.rcm.insertion
+    home, (low, high) = np.array(planner.config.scene.home), planner.config.rcm.insertion
     radius = planner.config.scene.workspace_radius
     last = home
     while len(poses) < count:
@@ -70,7 +70,7 @@ def reachable(planner: Planner, count: int) -> list[Array]:
         here = Configuration(planner.model, q)
         if planner.limits.violation(q) is not None:
             continue
-        if not least <= rcm_state(here, planner.trocar).insertion <= most:
+        if not low <= rcm_state(here, planner.trocar).insertion <= high:
             continue
         if np.linalg.norm(here.tip - planner.centre) <= radius:
             poses.append(here.T_base_tip)

@@ -28,8 +28,8 @@ def measure() -> list[Figure]:
     """Measure everything; BENCH_SHARE=0.05 in the environment makes it twenty times shorter."""
     share = float(os.environ.get("BENCH_SHARE", "1"))
 
-    def count(full: int, least: int = 1) -> int:
-        return max(least, round(full * share))
+    def count(full: int, minimum: int = 1) -> int:
+        return max(minimum, round(full * share))
 
     motion, simulation = load_motion_config(), load_simulation_config()
     parts = (

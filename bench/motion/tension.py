@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Item 7: tension in newtons over a 50-fold range of tissue stiffness.
 
-The way of the tip takes time by itself: displacement over the pull speed. Times are told in total,
+The way of the tip takes time by itself: displacement over the pull speed. Times are given in total,
 and beyond that unavoidable travel. A first pull counts from the moment when the tissue is loaded.
 """
 
@@ -40,7 +40,7 @@ NOISY_SHARE = 0.3  # of the random steps, once more with that sensor
 
 
 @dataclass(frozen=True)
-class Pull:
+class TensionChange:
     """One change of tension."""
 
     start: float  # [N]
@@ -54,7 +54,7 @@ class Pull:
     peak: float  # [N]
 
 
-class Sensor:
+class LateSensor:
     """Reports a force with noise, one sample late.
 
     Args:
@@ -82,8 +82,8 @@ def measure(config: MotionConfig, simulation: SimulationConfig, steps: int) -> l
         simulation: Settings of the simulated robot.
         steps: Number of random "pull more" and "pull less".
     """
-    firsts: list[Pull] = []
-    singles: list[Pull] = []
+    firsts: list[TensionChange] = []
+    singles: list[TensionChange] = []
     for stiffness in STIFFNESSES:
         for target, step in zip(TARGETS, STEPS, strict=True):
             with Rig(with_tissue(config, stiffness=stiffness), simulation) as rig:
@@ -101,7 +101,7 @@ def measure(config: MotionConfig, simulation: SimulationConfig, steps: int) -> l
     ]
 
 
-def _figures(name: str, firsts: list[Pull], steps: list[Pull]) -> list[Figure]:
+def _figures(name: str, firsts: list[TensionChange], steps: list[TensionChange]) -> list[Figure]:
     everything = firsts + steps
     small = [p.total for p in steps if abs(p.target - p.start) <= SMALL + TOLERANCE]
     totals = [p.total for p in steps]
@@ -141,7 +141,7 @@ def _figures(name: str, firsts: list[Pull], steps: list[Pull]) -> list[Figure]:
     ]
 
 
-def _first_figures(name: str, firsts: list[Pull]) -> list[Figure]:
+def _first_figures(name: str, firsts: list[TensionChange]) -> list[Figure]:
     if not firsts:
         return []
     return [
@@ -161,7 +161,7 @@ def _first_figures(name: str, firsts: list[Pull]) -> list[Figure]:
     ]
 
 
-def _directions(pulls: list[Pull]) -> list[Figure]:
+def _directions(pulls: list[TensionChange]) -> list[Figure]:
     right = sum((p.held > p.start) == (p.target > p.start) for p in pulls)
     return [
         Figure(
@@ -177,13 +177,13 @@ def _directions(pulls: list[Pull]) -> list[Figure]:
 
 def _randoms(
     config: MotionConfig, simulation: SimulationConfig, steps: int, is_noisy: bool = False
-) -> Iterator[Pull]:
+) -> Iterator[TensionChange]:
     for stiffness in STIFFNESSES:
         rng = np.random.default_rng([int(stiffness), is_noisy])
         settings = with_tissue(config, stiffness=stiffness, nodes=NODES)
         with Rig(settings, simulation, is_light=True) as rig:
             if is_noisy:
-                rig.robot.sensor = Sensor(int(stiffness))  # type: ignore[union-attr]
+                rig.robot.sensor = LateSensor(int(stiffness))  # type: ignore[union-attr]
             rig.wake()
             _pull(rig, "tense", 1.0, 0.0)
             for _ in range(max(1, steps // len(STIFFNESSES))):
@@ -200,11 +200,11 @@ def _random_step(rng: np.random.Generator, now: float) -> tuple[str, float]:
             return words, step
 
 
-def _step(rig: Rig, words: str, step: float, now: float) -> Pull:
+def _step(rig: Rig, words: str, step: float, now: float) -> TensionChange:
     return _pull(rig, words, now + step if words == "pull more" else now - step, step)
 
 
-def _pull(rig: Rig, words: str, target: float, step: float) -> Pull:
+def _pull(rig: Rig, words: str, target: float, step: float) -> TensionChange:
     """Change the tension and watch it; `step` [N] is 0 for "tense"."""
     seen: list[tuple[float, float, float]] = []
     start = float(np.linalg.norm(rig.robot.force))
@@ -231,14 +231,14 @@ def _pull(rig: Rig, words: str, target: float, step: float) -> Pull:
     return _judge(np.array(seen), done, start, target, speed)
 
 
-def _judge(seen: Array, done: int, start: float, target: float, speed: float) -> Pull:
+def _judge(seen: Array, done: int, start: float, target: float, speed: float) -> TensionChange:
     time, force, s = seen.T
     outside = np.flatnonzero(np.abs(force - target) > TOLERANCE)
     last = int(outside[-1]) if len(outside) else 0
     loaded = 0 if start > LOADED else int(np.argmax(force > LOADED))
     sign = 1.0 if target > start else -1.0
     beyond = max(0.0, float((sign * (force - target)).max()))
-    return Pull(
+    return TensionChange(
         start=start,
         target=target,
         held=float(force[-1]),

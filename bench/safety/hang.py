@@ -38,7 +38,7 @@ WORDS = ("hey robot", "they will release the beds before the morning", "pull mor
 BURN = "while True: pass"
 
 
-class Watched:
+class WatchedThread:
     """Work in a thread of its own that another thread checks now and then."""
 
     def __init__(self, allowed: float) -> None:
@@ -68,7 +68,7 @@ def burning(count: int) -> Iterator[None]:
             burner.wait()
 
 
-def recognise(seconds: float, watched: Watched) -> list[float]:
+def recognise(seconds: float, watched: WatchedThread) -> list[float]:
     """Hear words one after the other, in real time; gives the time for each frame [s]."""
     config = load_voice_config()
     limit_torch(config)
@@ -87,9 +87,9 @@ def recognise(seconds: float, watched: Watched) -> list[float]:
     return taken
 
 
-def busy(allowed: float) -> tuple[list[float], Watched]:
+def busy(allowed: float) -> tuple[list[float], WatchedThread]:
     """Recognise beside the burners; gives the time of each frame [s], and what the watch saw."""
-    watched, taken = Watched(allowed), list[float]()
+    watched, taken = WatchedThread(allowed), list[float]()
     thread = threading.Thread(target=lambda: taken.extend(recognise(SECONDS, watched)))
     thread.start()
     while thread.is_alive():
@@ -100,7 +100,7 @@ def busy(allowed: float) -> tuple[list[float], Watched]:
 
 def hang(allowed: float, rng: np.random.Generator) -> float:
     """Let work hang; gives the time until the watch reports it [s]."""
-    watched, over = Watched(allowed), threading.Event()
+    watched, over = WatchedThread(allowed), threading.Event()
     threading.Thread(target=over.wait, daemon=True).start()
     time.sleep(rng.uniform(0.0, WATCH_PERIOD))
     watched.since = since = time.monotonic()
@@ -114,7 +114,7 @@ def hang(allowed: float, rng: np.random.Generator) -> float:
 def measure() -> list[Figure]:
     """Frames beside burners, then hangs beside them and alone."""
     allowed, rng = load_voice_config().recognizer.hung_after, np.random.default_rng(6)
-    note = "" if waits() else "(this kernel tells no waits: all time counts)"
+    note = "" if waits() else "(this kernel reports no waits: all time counts)"
     with burning(BURNERS):
         taken, watched = busy(allowed)
         slowly = [hang(allowed, rng) for _ in range(HANGS)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`make bench ONLY=torque_tension`: how well joint torques tell the tissue's pull, in PyBullet.
+"""`make bench ONLY=torque_tension`: how well joint torques show the tissue's pull, in PyBullet.
 
 PyBullet holds the arm, pulls at the jaws and leans on the shaft with forces that are known, and
 says what the motors give. To that come the errors of `torque_tension.yaml`, drawn anew for each
@@ -41,9 +41,14 @@ PERIOD = 0.025  # [s] of the Gen3 driver's feedback, 40 Hz
 WINDOW = 1.0  # [s] at rest before the pull, and under it
 SETTLING = 40  # steps of PyBullet until the motors carry the load
 STEP = 0.001  # [s]
-MOST_PULL, MOST_WAY = 2.0, 0.020  # [N], [m]
+MAX_PULL, MAX_WAY = 2.0, 0.020  # [N], [m]
 LEAN = 2.0  # [N] standard deviation of the trocar on the shaft, each way across it
 SEAL = 1.0  # [N] of friction in a trocar's seal, in the trials that show what it does
+CASES = (  # is tared, has lean
+    ("tared, shaft leans on the trocar", True, True),
+    ("tared, shaft free in the trocar", True, False),
+    ("not tared, shaft leans on the trocar", False, True),
+)
 TURN = 0.8  # [rad] of the pull away from the configured one
 OPEN, CLOSED = 0.6, 0.0  # [rad] between the jaws
 
@@ -114,7 +119,7 @@ class TensionBench:
         for pose in random_poses(self._motion, 20 * count, seed=5):
             pull = self._pull()
             moved = pose.copy()
-            moved[:3, 3] += pull * rng.uniform(0.0, MOST_WAY)
+            moved[:3, 3] += pull * rng.uniform(0.0, MAX_WAY)
             first = self._planner.solver.search(pose, self._trocar)
             last = self._planner.solver.settle(first.q, moved, self._trocar)
             if not (first.is_solved and last.is_solved):
@@ -123,7 +128,7 @@ class TensionBench:
             yield TensionTrial(
                 q=np.array([first.q, last.q]),
                 pull=pull,
-                force=rng.uniform(0.0, MOST_PULL),
+                force=rng.uniform(0.0, MAX_PULL),
                 lean=rng.normal(size=2) * LEAN,
                 offset=rng.normal(size=7) * error.offset,
                 friction=rng.normal(size=(2, 7)) * error.friction,
@@ -135,10 +140,10 @@ class TensionBench:
                 return
         raise RuntimeError(f"only {made} of {count} grasps could be solved")
 
-    def told(
+    def estimate(
         self, trial: TensionTrial, is_tared: bool, has_lean: bool, seal: float = 0.0
     ) -> tuple[float, float, str]:
-        """Error of the estimate [N], its standard deviation as told [N], and why no trust."""
+        """Error [N] and estimated standard deviation [N] of the estimate, and why it is invalid."""
         config = replace(self._config, pull_direction=tuple(trial.pull.tolist()))
         estimator = TorqueTension(config, self._text)
         now = 0.0
@@ -192,15 +197,14 @@ def measure() -> list[Figure]:
     try:
         trials = list(bench.trials(TRIALS))
         cases = {
-            "tared, shaft leans on the trocar": [bench.told(t, True, True) for t in trials],
-            "tared, shaft free in the trocar": [bench.told(t, True, False) for t in trials],
-            "not tared, shaft leans on the trocar": [bench.told(t, False, True) for t in trials],
+            name: [bench.estimate(t, is_tared, has_lean) for t in trials]
+            for name, is_tared, has_lean in CASES
         }
         ignored = [bench.ignoring_the_trocar(t) for t in trials]
-        sealed = [bench.told(t, True, True, SEAL)[0] for t in trials]
+        sealed = [bench.estimate(t, True, True, SEAL)[0] for t in trials]
     finally:
         bench.close()
-    figures = [f for name, told in cases.items() for f in _figures(name, told)]
+    figures = [f for name, found in cases.items() for f in _figures(name, found)]
     figures += _spread("tared, trocar taken for no load at all", ignored)
     figures += _spread(f"tared, {SEAL:g} N of friction in the trocar's seal", sealed)
     delay = load_torque_tension().filter_time
@@ -208,23 +212,23 @@ def measure() -> list[Figure]:
     return figures
 
 
-def _figures(name: str, told: Sequence[tuple[float, float, str]]) -> list[Figure]:
-    errors, sigmas = [t[0] for t in told], np.array([t[1] for t in told])
+def _figures(name: str, found: Sequence[tuple[float, float, str]]) -> list[Figure]:
+    errors, sigmas = [t[0] for t in found], np.array([t[1] for t in found])
     within = float(np.mean(np.abs(errors) <= 2.0 * sigmas))
     is_tared = name.startswith("tared")
-    trusted = float(np.mean([not t[2] for t in told]))
+    trusted = float(np.mean([not t[2] for t in found]))
     note = "" if is_tared else "(nothing is trusted without a tare)"
     return [
         *_spread(name, errors),
-        Figure(f"{name}: sigma as told, median", float(np.median(sigmas)), "N"),
-        Figure(f"{name}: errors within twice the sigma told", within, "", 0.95, False),
+        Figure(f"{name}: sigma as estimated, median", float(np.median(sigmas)), "N"),
+        Figure(f"{name}: errors within twice the estimated sigma", within, "", 0.95, False),
         Figure(f"{name}: trusted", trusted, "", None if is_tared else 0.0, note=note),
-        *(_spread(f"{name}, where trusted", [t[0] for t in told if not t[2]]) if trusted else ()),
+        *(_spread(f"{name}, where trusted", [t[0] for t in found if not t[2]]) if trusted else ()),
     ]
 
 
 def _spread(name: str, errors: Sequence[float]) -> list[Figure]:
-    note = f"({len(errors)} postures and ways, 0 to {MOST_PULL:g} N, assumed errors of the arm)"
+    note = f"({len(errors)} postures and ways, 0 to {MAX_PULL:g} N, assumed errors of the arm)"
     return [
         Figure(f"{name}: bias", float(np.mean(errors)), "N", note=note),
         Figure(f"{name}: sigma of the error", float(np.std(errors)), "N"),

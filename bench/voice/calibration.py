@@ -190,16 +190,19 @@ def fit(claims: Sequence[VoicedClaim]) -> Calibration:
     right = np.array([c.is_right for c in claims])
     wanted = np.where(right, (right.sum() + 1) / (right.sum() + 2), 1 / ((~right).sum() + 2))
 
-    def loss(curve: NDArray[np.float64], most: float) -> float:
-        odds = (MIN_SLOPE + np.exp(curve[0])) * np.minimum(evidence, most) + curve[1]
+    def loss(curve: NDArray[np.float64], maximum: float) -> float:
+        odds = (MIN_SLOPE + np.exp(curve[0])) * np.minimum(evidence, maximum) + curve[1]
         return float(np.sum(np.logaddexp(0.0, odds) - wanted * odds))
 
     start = np.array([-1.0, 0.0])
-    tried = {most: minimize(loss, start, (most,), method="Nelder-Mead") for most in MAX_EVIDENCES}
-    most = min(MAX_EVIDENCES, key=lambda one: tried[one].fun)
-    slope, offset = tried[most].x
+    tried = {
+        maximum: minimize(loss, start, (maximum,), method="Nelder-Mead")
+        for maximum in MAX_EVIDENCES
+    }
+    maximum = min(MAX_EVIDENCES, key=lambda one: tried[one].fun)
+    slope, offset = tried[maximum].x
     slope = MIN_SLOPE + float(np.exp(slope))
-    return Calibration(slope=round(slope, 3), offset=round(float(offset), 2), max_evidence=most)
+    return Calibration(slope=round(slope, 3), offset=round(float(offset), 2), max_evidence=maximum)
 
 
 def min_confidence(command: str) -> float:

@@ -29,7 +29,7 @@ FULL = 10.0  # [h]
 HOURS = min(FULL, float(os.environ.get("HOURS", "0.2")))
 SECONDS = 300.0  # [s] of one piece
 OUTLINED = 10.0  # [s] of a kind of noise, whose outline names the way it is made
-TOLD = "told"
+REPORTED = "reported"
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class NoiseChunk:
     kind: str  # of theatre_noise.KINDS, or RECORDED
     seed: int
     seconds: float = SECONDS
-    is_told: bool = False  # of all of it, that the robot itself speaks
+    is_reported: bool = False  # of all of it, that the robot itself speaks
 
     def name(self) -> str:
         """Digest of all this, and of how its kind sounds."""
@@ -50,9 +50,9 @@ class NoiseChunk:
         sound = theatre_noise.make(self.kind, self.seconds, self.seed)
         label: Label = {"kind": self.kind, "seed": self.seed, "seconds": len(sound) / RATE}
         spans: tuple[tuple[float, float], ...] = ()
-        if self.is_told:
+        if self.is_reported:
             spans = ((0.0, self.seconds),)
-        elif self.kind == theatre_noise.QUOTING:  # and the lab's speech output tells so
+        elif self.kind == theatre_noise.QUOTING:  # and the lab's speech output reports so
             spans = theatre_noise.when_quoting(self.seconds, self.seed)
         yield label, SoundScene(sound, Mode.ACTIVE, robot_speaks=spans)
 
@@ -70,11 +70,11 @@ def measure() -> list[Figure]:
     plans = {
         "": pieces.up_to("nothing", _plan(kinds), wanted),
         theatre_noise.QUOTING: _quoting(math.ceil(wanted / len(kinds))),
-        TOLD: _told(math.ceil(wanted / len(kinds))),
+        REPORTED: _reported(math.ceil(wanted / len(kinds))),
     }
     found = pieces.measured("nothing", plans)
     pieces.keep("nothing", [piece for some in plans.values() for piece in some])
-    records, quoting, told = found[""], found[theatre_noise.QUOTING], found[TOLD]
+    records, quoting, reported = found[""], found[theatre_noise.QUOTING], found[REPORTED]
     hours = _hours(records)
     figures = [
         resumable.measured(hours, "h", FULL),
@@ -85,15 +85,15 @@ def measure() -> list[Figure]:
         figures.append(_figure(f"{kind}: taken", some))
     if quoting:
         stops = [c for r in quoting for c in r.heard.taken if c == "stop"]
-        note = f"(in {_hours(quoting):.2f} h; told of, so that only a stop may be taken)"
+        note = f"(in {_hours(quoting):.2f} h; reported, so that only a stop may be taken)"
         others = sum(len(r.heard.taken) for r in quoting) - len(stops)
         figures.append(Figure("replies that quote: stops", len(stops), "", note=note))
         figures.append(Figure("replies that quote: other commands", others, "", 0.0))
-    if told:
-        figures.append(_figure("replies that are told of: taken", told))
+    if reported:
+        figures.append(_figure("replies that are reported: taken", reported))
     compute = sum(r.heard.compute for r in records)
     figures.append(Figure("real-time factor on noise", compute / (3600.0 * hours), ""))
-    data = {"mode": "active", "fired": _fired([*records, *quoting, *told])}
+    data = {"mode": "active", "fired": _fired([*records, *quoting, *reported])}
     resumable.write_details("voice/nothing_fired.json", hours, data)
     return figures
 
@@ -111,9 +111,9 @@ def _quoting(count: int) -> list[NoiseChunk]:
     return [NoiseChunk(theatre_noise.QUOTING, seed) for seed in range(count)]
 
 
-def _told(count: int) -> list[NoiseChunk]:
+def _reported(count: int) -> list[NoiseChunk]:
     """Replies in which a "stop" over them is looked for all the while."""
-    return [NoiseChunk("replies", seed, is_told=True) for seed in range(count)]
+    return [NoiseChunk("replies", seed, is_reported=True) for seed in range(count)]
 
 
 def _plan(kinds: Sequence[str]) -> list[NoiseChunk]:

@@ -2,7 +2,7 @@
 """Near misses, denied commands and commands inside sentences, in held-out voices.
 
 "pull moor" is "pull more" in some accents: what has the sounds of a command in the very voice that
-says it cannot be told from it by anybody, and is counted apart.
+says nobody can tell it apart, and is counted apart.
 """
 
 from __future__ import annotations
@@ -44,32 +44,32 @@ def measure() -> list[Figure]:
 def figures(records: Sequence[SceneRecord]) -> list[Figure]:
     """What was taken of phrases that are no command."""
     moved = motions()
-    told, same = _apart(records)
+    distinct, same = _apart(records)
     found = [
-        _share("near misses: taken as motion", told, moved, 0.005),
+        _share("near misses: taken as motion", distinct, moved, 0.005),
         _share("near misses, those that sound the same too: taken as motion", records, moved),
     ]
     if same:
         found.append(_share("same sounds as a command: taken as motion", same, moved))
-    new = [r for r in told if r.label["text"] not in TRAINED]
+    new = [r for r in distinct if r.label["text"] not in TRAINED]
     found.append(_share("near misses, words never trained on: taken as motion", new, moved))
     for name, phrases in ALL.items():
-        some = [r for r in told if r.label["text"] in phrases]
+        some = [r for r in distinct if r.label["text"] in phrases]
         target = 0.0 if name == "denied" else None
         found.append(_share(f"{name}: taken as motion", some, moved, target))
         found.append(_share(f"{name}: taken as stop", some, {"stop"}))
-    found.append(_share("near misses: taken as hey robot", told, {"hey robot"}))
-    found.append(_share("near misses: taken as terminate", told, {"terminate"}))
+    found.append(_share("near misses: taken as hey robot", distinct, {"hey robot"}))
+    found.append(_share("near misses: taken as terminate", distinct, {"terminate"}))
     return [f for f in found if f.unit]
 
 
 def of_named(records: Sequence[SceneRecord]) -> list[Figure]:
     """The list of the requirement, each phrase in every held-out voice."""
-    told, same = _apart(records)
+    distinct, same = _apart(records)
     name = "tents, dense, least ... terminal in every voice"
     found = [
-        _share(f"{name}: taken as motion", told, motions(), 0.005),
-        _share(f"{name}: taken as stop", told, {"stop"}),
+        _share(f"{name}: taken as motion", distinct, motions(), 0.005),
+        _share(f"{name}: taken as stop", distinct, {"stop"}),
     ]
     if same:
         title = f"{name}, same sounds as a command: taken as motion"
@@ -117,9 +117,9 @@ def _trials() -> dict[str, list[StreamedTrial]]:
 
 
 def _apart(records: Sequence[SceneRecord]) -> tuple[list[SceneRecord], list[SceneRecord]]:
-    """Those that can be told from a command, and those that sound the same."""
-    told = [r for r in records if not is_same(r)]
-    return told, [r for r in records if is_same(r)]
+    """Those that differ from a command, and those that sound the same."""
+    distinct = [r for r in records if not is_same(r)]
+    return distinct, [r for r in records if is_same(r)]
 
 
 def _share(

@@ -114,11 +114,11 @@ def right(name: str, count: TrialTally, target: float | None = None) -> Figure:
 
 def others(name: str, count: TrialTally, targets: bool = False) -> list[Figure]:
     """Share of another command, and how many of these go against what was said."""
-    most = at_most(count.wrong, count.n)
-    note = f"({count.wrong} of {count.n}, at most {most:.4f} with 95 %)"
+    bound = at_most(count.wrong, count.n)
+    note = f"({count.wrong} of {count.n}, at most {bound:.4f} with 95 %)"
     limit = 0.001 if targets else None
-    most = at_most(count.opposite, count.n)
-    against = f"(of {count.n}, at most {most:.4f} of all with 95 %)"
+    bound = at_most(count.opposite, count.n)
+    against = f"(of {count.n}, at most {bound:.4f} of all with 95 %)"
     return [
         Figure(f"{name}: another command", count.wrong / count.n, "of all", limit, note=note),
         Figure(f"{name}: opposite", count.opposite, "", 0.0 if targets else None, note=against),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`make bench ONLY=speaker`: how well the speaker gate tells voices apart that it never heard.
+"""`make bench ONLY=speaker`: how well the speaker gate separates voices that it never heard.
 
 Speakers of the splits `dev` and `false_accept_dev` of ../shared/speech; of each the first half of
 the recordings enrols and the second is tried, against its own voiceprint and those of all others
@@ -30,7 +30,7 @@ from voice_assist.training.speaker_cohort import speech_of
 from voice_assist.types import RATE, Samples
 
 LENGTHS = (0.5, 1.0, 2.0)  # [s] of speech; commands have 0.4 to 0.9
-MOST = 6  # utterances of each length and speaker
+MAX_UTTERANCES = 6  # utterances of each length and speaker
 POOLED = 3  # utterances of 1 s that are judged together
 ENROLLED = 10.0  # [s] at most
 TAKE = 1.0  # [s] of one take
@@ -93,7 +93,7 @@ def measure() -> list[Figure]:
 
 
 class _Memory:
-    """The network, with what it was told to listen to all at once."""
+    """The network, with what it heard in one batch."""
 
     def __init__(self) -> None:
         self._network, self._known = VoiceNetwork(), dict[bytes, Vector]()
@@ -125,7 +125,7 @@ def _speakers() -> Iterator[GateSpeaker]:
     for (source, _), clips in speech_of(SPEECH, ("dev", "false_accept_dev")):
         first, rest = _halves(clips)
         enrolled = _cut(first[: round(ENROLLED * RATE)], TAKE)
-        tried = {seconds: _cut(rest, seconds)[:MOST] for seconds in LENGTHS}
+        tried = {seconds: _cut(rest, seconds)[:MAX_UTTERANCES] for seconds in LENGTHS}
         if len(enrolled) >= 2 and tried[1.0]:
             yield GateSpeaker(source, enrolled, tried)
 

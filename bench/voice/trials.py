@@ -29,7 +29,7 @@ THIN = int(os.environ.get("THIN", "3"))  # one trial in so many in noise
 SEED = 5
 MOTIONS = ("tense", "release", "pull more", "pull less")
 STOP, OTHERS = ("stop",), ("hey robot", "terminate")
-LEAST = {MOTIONS: 3000, STOP: 1000, OTHERS: 500}  # trials of each group
+MIN_TRIALS = {MOTIONS: 3000, STOP: 1000, OTHERS: 500}  # trials of each group
 WHOLE = 3  # THIN from which on the plan counts as whole
 FOREIGN_EACH = 4  # times that each foreign voice says each command
 SNRS = (10, 6, 0)  # [dB]
@@ -70,10 +70,10 @@ def clips_of(commands: tuple[str, ...]) -> tuple[SpokenClip, ...]:
     """A group of commands in all held-out native voices.
 
     Args:
-        commands: A key of LEAST.
+        commands: A key of MIN_TRIALS.
     """
     cast = natives().present
-    each = math.ceil(LEAST[commands] / (len(commands) * len(cast)))
+    each = math.ceil(MIN_TRIALS[commands] / (len(commands) * len(cast)))
     return tuple(spoken(spread(commands, cast, each, SEED)))
 
 
@@ -91,7 +91,7 @@ def conditions(thin: int) -> dict[str, list[StreamedTrial]]:
     Args:
         thin: In noise one trial in so many.
     """
-    quiet = [trial for group in LEAST for trial in trials_of(clips_of(group))]
+    quiet = [trial for group in MIN_TRIALS for trial in trials_of(clips_of(group))]
     found = {"quiet": quiet}
     for snr in SNRS:
         some = quiet[::thin]
@@ -114,8 +114,8 @@ def _of_condition(condition: str, records: Sequence[SceneRecord]) -> list[Figure
         count, title = tally(some), f"{name}, {condition}"
         figures.append(right(title, count, TARGETS.get((condition, group))))
         if group == MOTIONS and condition == "quiet":
-            least = at_least(count.right, count.n)
-            figures.append(Figure(f"{title}: right at least, 95 %", least, "of all", 0.99, False))
+            bound = at_least(count.right, count.n)
+            figures.append(Figure(f"{title}: right at least, 95 %", bound, "of all", 0.99, False))
         for command in group if len(group) > 1 else ():
             said = [r for r in some if r.label["text"] == command]
             if said:

@@ -25,7 +25,7 @@ STEP_PHASES = ("step",)
 
 
 @dataclass(frozen=True)
-class DialogueState:
+class RobotDialogue:
     """The dialogue and the robot, at rest."""
 
     is_listening: bool  # the voice part is in active mode
@@ -54,7 +54,7 @@ class Planned:
     is_counted: bool = True  # False: the prompter says it, so that the dialogue can go on
 
 
-def allowed(situation: DialogueState, limits: TensionRange) -> tuple[str, ...]:
+def allowed(situation: RobotDialogue, limits: TensionRange) -> tuple[str, ...]:
     """Commands that the robot takes at rest in a situation, "stop" apart."""
     if situation.is_halted and situation.is_active and situation.is_listening:
         return HEY_ROBOT, TERMINATE
@@ -96,14 +96,14 @@ class PhrasePlan:
         self._limits, self._rng = limits, Random(seed)
         self._talk, self._heap = talk, list[str]()
         self._left = FARTHEST * (commands + self._talk_left)
-        self._last, self._in_a_row = ("", DialogueState(False, False, False, False)), 0
+        self._last, self._in_a_row = ("", RobotDialogue(False, False, False, False)), 0
 
     @property
     def left(self) -> int:
         """Number of phrases that are still wanted."""
         return max(self.remaining.total(), 0) + self._talk_left
 
-    def next(self, situation: DialogueState) -> Planned | None:
+    def next(self, situation: RobotDialogue) -> Planned | None:
         """Choose what to say at rest; None when all has been said or the plan gave up."""
         if self.left == 0 or self._left <= 0:
             return None
@@ -132,7 +132,7 @@ class PhrasePlan:
             self._rng.shuffle(self._heap)
         return self._heap.pop()
 
-    def _choose(self, situation: DialogueState) -> str:
+    def _choose(self, situation: RobotDialogue) -> str:
         """Draw among the allowed ones in proportion to what remains; else what leads there."""
         choices = allowed(situation, self._limits)
         weights = [self.remaining[command] for command in choices]
@@ -140,7 +140,7 @@ class PhrasePlan:
             return self._rng.choices(choices, weights)[0]
         return self._bridge(situation, choices)
 
-    def _bridge(self, situation: DialogueState, choices: tuple[str, ...]) -> str:
+    def _bridge(self, situation: RobotDialogue, choices: tuple[str, ...]) -> str:
         """A command that needs no repetition any more, on the way to one that does."""
         if len(choices) == 1 or situation.is_halted:
             return HEY_ROBOT
@@ -160,7 +160,7 @@ class PhrasePlan:
             return ""
         return self._rng.choice(PHASES.get(command, STEP_PHASES))
 
-    def _is_stuck(self, command: str, situation: DialogueState) -> bool:
+    def _is_stuck(self, command: str, situation: RobotDialogue) -> bool:
         """Tell whether the dialogue hangs on a phrase that failed too often in a row."""
         if command not in (HEY_ROBOT, TENSE, RELEASE):
             return False

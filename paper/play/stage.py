@@ -15,7 +15,7 @@ from paper.config import ExperimentConfig
 from paper.judging.trials import SpokenTrial, append
 from paper.play.room import PaperRoom
 from paper.play.speaker import SpokenPhrase
-from paper.play.watch import Watch
+from paper.play.watch import SessionWatch
 from support.launched_system import System
 
 SOUND_TIME = 20.0  # [s] allowed for the first sound to be heard
@@ -28,7 +28,7 @@ class PaperStage:
 
     system: System
     room: PaperRoom
-    watch: Watch
+    watch: SessionWatch
     folder: Path
 
     def say(
@@ -87,7 +87,7 @@ def stage(
         system = System(folder / "launch.log", room.microphone.environment)
         stack.enter_context(system)
         rospy.init_node("paper", anonymous=True, disable_signals=True)
-        watch = stack.enter_context(Watch())
+        watch = stack.enter_context(SessionWatch())
         system.launch_session(folder, source="microphone", device=room.microphone.device)
         sound: dict[str, threading.Event] = {"sound": watch.hears_sound}
         system.wait_for({**watch.ready, **sound}, say)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import rospy
 from std_msgs.msg import String
 
-from paper.play.plan import STOP, DialogueState
+from paper.play.plan import STOP, RobotDialogue
 from rst_control.msg import ControllerState, Event
 from voice_assist.msg import AudioChunk, Mode, Utterance
 
@@ -34,7 +34,7 @@ class Happened:
     words: str  # transcript or message
 
 
-class Watch:
+class SessionWatch:
     """Subscribes to the session; context manager. All times are wall clock [s]."""
 
     def __init__(self) -> None:
@@ -46,7 +46,7 @@ class Watch:
         self._changed = threading.Condition()
         self._intended = rospy.Publisher("voice_assist/intended", String, queue_size=10)
 
-    def __enter__(self) -> Watch:
+    def __enter__(self) -> SessionWatch:
         self._subscribers = [
             rospy.Subscriber("voice_assist/utterance", Utterance, self._on_utterance),
             rospy.Subscriber("voice_assist/mode", Mode, self._on_mode),
@@ -77,13 +77,13 @@ class Watch:
         """Put on record what begins to sound; empty: no command."""
         self._intended.publish(String(phrase))
 
-    def situation(self) -> DialogueState:
+    def situation(self) -> RobotDialogue:
         """State of dialogue and robot."""
         with self._changed:
             state = self._state
             if state is None:
-                return DialogueState(self._mode == "active", False, False, False)
-            return DialogueState(
+                return RobotDialogue(self._mode == "active", False, False, False)
+            return RobotDialogue(
                 is_listening=self._mode == "active",
                 is_active=state.assistance_enabled,
                 is_halted=state.halted,

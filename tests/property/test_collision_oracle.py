@@ -61,7 +61,7 @@ def joints(planner, count, seed):
 
 def test_distance_and_names_equal_pybullets_over_a_thousand_configurations(planner, model, bullet):
     for q in joints(planner, COUNT, seed=2):
-        distance, names = bullet.least(q)
+        distance, names = bullet.nearest(q)
         found = model.clearance(q)
         assert abs(found.distance - distance) < AGREEMENT
         if {found.first, found.second} != names:  # two are equally near

@@ -46,7 +46,7 @@ class BulletBodies(BulletRobot):
             if first.link != second.link and frozenset((first.link, second.link)) not in apart
         ]
 
-    def least(self, q: Array) -> Found:
+    def nearest(self, q: Array) -> Found:
         """The two that are nearest, of all that must keep apart, at q (9,) [rad]."""
         return min(self.distances(q), key=lambda found: found[0])
 

@@ -125,8 +125,8 @@ class Cases:
         config = self._moved(1.3, 0.5)
         rng, limits = self._rng, config.limits
         if rng.uniform() < 0.4:
-            least = float(rng.uniform(0.05, 0.14))
-            insertion = (least, least + float(rng.uniform(0.02, 0.10)))
+            low = float(rng.uniform(0.05, 0.14))
+            insertion = (low, low + float(rng.uniform(0.02, 0.10)))
             config = replace(config, rcm=replace(config.rcm, insertion=insertion))
         if rng.uniform() < 0.4:
             home, room = np.array(config.scene.home), rng.uniform(0.05, 0.6, 7)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Item 5: the feasibility gate: who is let through succeeds, who is refused is told why."""
+"""Item 5: the feasibility gate: what is accepted succeeds, a refusal has a true reason."""
 
 from __future__ import annotations
 

@@ -95,9 +95,9 @@ def with_clearance(config: MotionConfig, clearance: float) -> MotionConfig:
     return replace(config, collision=replace(config.collision, clearance=clearance))
 
 
-def with_manipulability(config: MotionConfig, least: float) -> MotionConfig:
-    """The same settings with another least manipulability."""
-    return replace(config, limits=replace(config.limits, min_manipulability=least))
+def with_manipulability(config: MotionConfig, minimum: float) -> MotionConfig:
+    """The same settings with another minimum of the manipulability."""
+    return replace(config, limits=replace(config.limits, min_manipulability=minimum))
 
 
 def _point(vector: Array) -> tuple[float, float, float]:

@@ -86,10 +86,10 @@ class GateJudge:
         return bool(max(away) > scene.workspace_radius)
 
     def _leaves_insertion(self, case: Case) -> bool:
-        least, most = case.config.rcm.insertion
+        low, high = case.config.rcm.insertion
         trocar = np.array(case.config.scene.trocar)
         depths = [_depth(T, trocar) for T in self._way(case, 2.0 * STRIDE)]
-        return min(depths) < least + CLOSE or max(depths) > most - CLOSE
+        return min(depths) < low + CLOSE or max(depths) > high - CLOSE
 
     def _can_follow(self, case: Case) -> bool:
         """Whether joints that keep their limits can be led along the whole way, step by step."""
@@ -103,7 +103,7 @@ class GateJudge:
         allowed = case.config.collision.clearance + BODIES_CLOSE
         ways = enumerate(self._led(case, 0.0))
         return any(
-            self._least_distance(case, q) < allowed for n, (q, _) in ways if n % BODY_STRIDE == 0
+            self._min_distance(case, q) < allowed for n, (q, _) in ways if n % BODY_STRIDE == 0
         )
 
     def _comes_near_singular(self, case: Case) -> bool:
@@ -111,13 +111,13 @@ class GateJudge:
         allowed = case.config.limits.min_manipulability * SINGULAR_CLOSE
         return any(self._manipulability(case, q) < allowed for q, _ in self._led(case, 0.0))
 
-    def _least_distance(self, case: Case, q: Array) -> float:
+    def _min_distance(self, case: Case, q: Array) -> float:
         config = replace(case.config.collision, clearance=0.0)
         if self._bodies is None or self._bodies[0] != config:
             if self._bodies is not None:
                 self._bodies[1].close()
             self._bodies = config, BulletBodies(config)
-        return self._bodies[1].least(q)[0]
+        return self._bodies[1].nearest(q)[0]
 
     def _manipulability(self, case: Case, q: Array) -> float:
         _, J = self._constraints(q, np.eye(4), np.array(case.config.scene.trocar))
@@ -205,7 +205,7 @@ class GateJudge:
         limits = make_limits(config.limits, config.controller.jaws.open)
         trocar, centre = np.array(config.scene.trocar), np.array(config.scene.workspace_centre)
         middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
-        least, most = config.rcm.insertion
+        low, high = config.rcm.insertion
         for s in np.linspace(min(phase.start, phase.target), phase.target, LOOKS):
             q, dq, ddq = path.evaluate(float(s))
             error, depth = self._trocar(q, trocar)
@@ -213,7 +213,7 @@ class GateJudge:
             acceleration = np.abs(dq) * phase.acceleration + np.abs(ddq) * phase.speed**2
             checks = {
                 "trocar": error <= RCM_WORST,
-                "insertion": least - TINY <= depth <= most + TINY,
+                "insertion": low - TINY <= depth <= high + TINY,
                 "workspace": np.linalg.norm(tip - centre) <= config.scene.workspace_radius + TINY,
                 "joint limit": bool((np.abs(q - middle) <= half + TINY).all()),
                 "joint speed": bool((np.abs(dq) * phase.speed <= 1.001 * limits.velocity).all()),
@@ -231,7 +231,7 @@ class GateJudge:
         manipulability = case.config.limits.min_manipulability / SINGULAR_CLOSE
         for s in np.linspace(min(phase.start, phase.target), phase.target, BODY_LOOKS):
             q = phase.path.evaluate(float(s)).q
-            if self._least_distance(case, q) < clearance - BODY_TINY:
+            if self._min_distance(case, q) < clearance - BODY_TINY:
                 return f"collision at {s * 1e3:.1f} mm"
             if self._manipulability(case, q) < manipulability:
                 return f"near singular at {s * 1e3:.1f} mm"

@@ -236,8 +236,8 @@ def _of_one(name: str, losses: Sequence[PartLoss], rule: LossRule) -> list[Figur
     if stopped:
         what = f"{name}: a stop given meanwhile to last movement"
         found += percentiles(what, stopped, "ms", {100: DEMANDED * 1e3})
-    most = max(loss.drift for loss in losses) * 1e6
-    found.append(Figure(f'{name}: way before "hey robot", max', most, "urad", STILL * 1e6))
+    furthest = max(loss.drift for loss in losses) * 1e6
+    found.append(Figure(f'{name}: way before "hey robot", max', furthest, "urad", STILL * 1e6))
     if back:
         found.append(Figure(f"{name}: return of the part to motion, max", max(back), "s"))
     lost = sum(not loss.found for loss in losses)

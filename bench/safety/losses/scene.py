@@ -44,7 +44,7 @@ class JointWatcher:
         self.recorded_at = float("-inf")  # [s] last heartbeat of the recorder
         self.failed_at = float("-inf")  # [s] when the recogniser failed
         self.finished_at = float("-inf")  # [s] when a motion came to its own end
-        self.stops = 0  # sent by topic, by whomever
+        self.stops = 0  # sent by topic, by anybody
         self._subscribers = [
             self._stream("joint_states", self._joints),
             self._stream("robot/servo_jp", self._setpoints),
@@ -202,7 +202,7 @@ class CommandLead:
         return [pull, "release"] if self._rng.random() < 0.7 else ["release", pull]
 
     def grasp(self) -> None:
-        """Take tissue, to its end; a refusal is told by what comes next."""
+        """Take tissue, to its end; a refusal shows in what comes next."""
         if self.say("tense").accepted:
             with suppress(RuntimeError):
                 wait_until(lambda: self._watcher.is_("moving"), "tensing", 3.0)

@@ -91,7 +91,7 @@ def _ip(*words: str) -> None:
 
 
 class Child:
-    """A module of this package as a process that is told lines of JSON and answers in such.
+    """A module of this package as a process that takes lines of JSON and answers in such.
 
     Args:
         command: That starts it.
@@ -108,7 +108,7 @@ class Child:
             bufsize=1,
         )
 
-    def tell(self, line: str) -> None:
+    def send(self, line: str) -> None:
         """Send a line.
 
         Raises:
@@ -161,7 +161,7 @@ class Relay:
 
     def set(self, link: RelayLink) -> float:
         """Bring conditions into force; returns when they are [s], time.monotonic()."""
-        self._child.tell(to_line(link))
+        self._child.send(to_line(link))
         return float(str(self._child.hear()))
 
     def end(self) -> None:

@@ -51,7 +51,7 @@ class RelayLink:
     to_voice: LinkConditions = LinkConditions()
 
 
-class Way:
+class RelayDirection:
     """One direction: takes packets, and gives them back when they are due, or never.
 
     Args:
@@ -106,7 +106,7 @@ def main() -> None:
         os.setpriority(os.PRIO_PROCESS, 0, -15)
     ends = [_attach(name, device) for name in (robot_side, voice_side)]
     # A packet read from one end is due at the other: index 0 is what the robot's host sent.
-    ways = [Way(int(seed)), Way(int(seed) + 1)]
+    ways = [RelayDirection(int(seed)), RelayDirection(int(seed) + 1)]
     print(json.dumps(time.monotonic()), flush=True)
     commands, rest = sys.stdin.fileno(), b""
     while True:

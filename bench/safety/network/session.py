@@ -58,7 +58,7 @@ class VoiceHost:
 
     def say(self, words: str) -> float:
         """Say a command; returns when it was handed to the network [s], time.monotonic()."""
-        self._child.tell(words)
+        self._child.send(words)
         while True:
             said = self._hear()
             if said[:2] == ["sent", words]:

@@ -108,16 +108,18 @@ def others(broken: Counter[str]) -> int:
 
 
 def _extremes(reports: Sequence[Report]) -> list[Figure]:
-    def most(name: str) -> float:
+    def largest(name: str) -> float:
         return float(max(report["extremes"][name] for report in reports))
 
     return [
-        Figure("RCM error of the true shaft, max", most("rcm") * 1e6, "um", 1000.0),
-        Figure("RCM error of set-points in motion, max", most("planned_rcm") * 1e6, "um"),
-        Figure("true tension, max", most("tension"), "N", 2.4),
-        Figure("set-point speed over its limit, max", most("speed"), "", 1.0),
-        Figure("set-point acceleration over its limit, max", most("acceleration"), "", 1.0 + SHARE),
-        Figure("stop to rest, max", most("stop"), "s", note="(arm and jaws)"),
+        Figure("RCM error of the true shaft, max", largest("rcm") * 1e6, "um", 1000.0),
+        Figure("RCM error of set-points in motion, max", largest("planned_rcm") * 1e6, "um"),
+        Figure("true tension, max", largest("tension"), "N", 2.4),
+        Figure("set-point speed over its limit, max", largest("speed"), "", 1.0),
+        Figure(
+            "set-point acceleration over its limit, max", largest("acceleration"), "", 1.0 + SHARE
+        ),
+        Figure("stop to rest, max", largest("stop"), "s", note="(arm and jaws)"),
     ]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Clients that stop the robot, each a process and a node of its own, told when by a pipe."""
+"""Clients that stop the robot, each a process and a node of its own; a pipe gives the moment."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@
 Controller and simulated robot as nodes. Received is a stop when the controller's transport hands it
 over: that time is the stamp of its event on `rst_control/event`. Answered it is by the
 first set-point due after it that is slower than the one before. Both carry the controller's own
-stamps; how long the answer truly took on its way is told beside, from the moment a client sent its
+stamps; how long the answer truly took on its way is given beside, from the moment a client sent its
 stop to the arrival of that set-point at this process.
 
 In one motion after the other: "hey robot", a pull as an action goal, the stop at a random moment.
@@ -50,7 +50,7 @@ KEPT = 4000  # messages of each stream: eight seconds
 LONGEST = 0.6  # [s] of a pull before its stop
 AT_REST = 0.15  # share of the stops that come at rest
 LOW, HIGH, STEP = 0.5, 1.5, 0.4  # [N] between which pulls are kept, and one pull
-LEAD = 0.03  # [s] before its moment that a client is told
+LEAD = 0.03  # [s] before its moment that a client gets it
 LIMIT = 20.0  # [s] for anything to happen
 AT_ONCE = 0.01  # [s]
 TRIES = 5  # to grasp: a watchdog may halt the robot where the machine pauses
@@ -235,7 +235,7 @@ class StopSession:
         self.watcher.wait("active", "moving")
 
     def _pull(self) -> bool:
-        """Set off with a pull, as an action goal, so that it can be cancelled; tells whether."""
+        """Set off with a pull, as an action goal that can be cancelled; gives whether it moves."""
         state = self.watcher.state
         if state is None or not state.tissue_held:
             self.grasp()

@@ -41,7 +41,7 @@ class SoundScene:
     mode: Mode  # at its beginning
     keeps_mode: bool = True  # whatever is heard, the mode stays; False: as in the node
     way: Way = "both"
-    robot_speaks: tuple[tuple[float, float], ...] = ()  # [s] from, to: told of, as a lab would
+    robot_speaks: tuple[tuple[float, float], ...] = ()  # [s] from, to; reported, as a lab would
 
 
 @dataclass(frozen=True)
@@ -118,12 +118,12 @@ class SceneListener:
         began, compute = self._clock() + 1.0, self._clock.compute
         said: list[SceneDecision] = []
         armed = 0
-        told = [(began + at, i == 0) for span in scene.robot_speaks for i, at in enumerate(span)]
+        changes = [(began + at, i == 0) for span in scene.robot_speaks for i, at in enumerate(span)]
         for frame in Framer().push(whole_frames(scene.sound), began):
             if scene.keeps_mode:
                 pipeline.set_mode(scene.mode, "bench")
-            while told and told[0][0] < frame.stamp + frame.duration:
-                at, is_speaking = told.pop(0)
+            while changes and changes[0][0] < frame.stamp + frame.duration:
+                at, is_speaking = changes.pop(0)
                 pipeline.robot_spoke(RobotSpeechChange(is_speaking, at))
             armed += pipeline.state.mode is Mode.ACTIVE
             self._clock.begin(frame.stamp + frame.duration)

@@ -67,8 +67,8 @@ class ClipChunk:
                 "end": end,
                 "seconds": seconds,
             }
-            told = ((0.0, len(sound) / RATE),) if trial.background == "speaking" else ()
-            yield label, SoundScene(sound, Mode(trial.mode), way=trial.way, robot_speaks=told)
+            spans = ((0.0, len(sound) / RATE),) if trial.background == "speaking" else ()
+            yield label, SoundScene(sound, Mode(trial.mode), way=trial.way, robot_speaks=spans)
 
 
 def chunks(trials: Sequence[StreamedTrial]) -> list[ClipChunk]:

@@ -37,7 +37,7 @@ from bench.voice.soak.judge import (
     answers_to,
     figures,
 )
-from bench.voice.trials import LEAST, clips_of
+from bench.voice.trials import MIN_TRIALS, clips_of
 from support.figures import ROOT, Figure
 from voice_assist.assembly import make_pipeline
 from voice_assist.audio.mixing import end_of_speech
@@ -161,7 +161,7 @@ def main() -> None:
 
 @cache
 def _clips() -> tuple[SpokenClip, ...]:
-    return tuple(clip for group in LEAST for clip in clips_of(group))
+    return tuple(clip for group in MIN_TRIALS for clip in clips_of(group))
 
 
 def _minute(index: int) -> tuple[Samples, list[SpokenCommand]]:

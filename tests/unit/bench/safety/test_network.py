@@ -8,7 +8,7 @@ import pytest
 
 from bench.safety.network import hosts, suite
 from bench.safety.network.judge import NetworkTrial, figures, judge, rest
-from bench.safety.network.relay import LinkConditions, RelayLink, Way, from_line, to_line
+from bench.safety.network.relay import LinkConditions, RelayDirection, RelayLink, from_line, to_line
 from bench.safety.stops.judge import SetpointCourse
 
 PERIOD = 0.002
@@ -147,11 +147,11 @@ PACKETS = [bytes([n % 256, n // 256]) for n in range(2000)]
 
 
 def test_a_good_link_carries_all_in_order_and_at_once():
-    assert carried(Way(1), PACKETS, until=0.0) == PACKETS
+    assert carried(RelayDirection(1), PACKETS, until=0.0) == PACKETS
 
 
 def test_a_link_that_is_cut_carries_nothing_not_even_what_was_on_its_way():
-    way = Way(1)
+    way = RelayDirection(1)
     way.conditions = LinkConditions(delay=0.5)
     way.take(b"before", 0.0)
     way.conditions = LinkConditions(loss=1.0)
@@ -161,7 +161,7 @@ def test_a_link_that_is_cut_carries_nothing_not_even_what_was_on_its_way():
 def test_loss_is_about_as_much_as_asked_for_and_the_same_for_the_same_seed():
     counts = []
     for seed in (1, 1, 2):
-        way = Way(seed)
+        way = RelayDirection(seed)
         way.conditions = LinkConditions(loss=0.2)
         counts.append(carried(way, PACKETS))
     assert 0.17 < 1 - len(counts[0]) / len(PACKETS) < 0.23
@@ -169,7 +169,7 @@ def test_loss_is_about_as_much_as_asked_for_and_the_same_for_the_same_seed():
 
 
 def test_a_delayed_packet_comes_when_it_is_due_and_no_sooner():
-    way = Way(1)
+    way = RelayDirection(1)
     way.conditions = LinkConditions(delay=0.5)
     way.take(b"late", 1.0)
     assert way.due(1.499) == [] and way.next_due == pytest.approx(1.5)

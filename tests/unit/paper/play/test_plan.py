@@ -15,15 +15,15 @@ from paper.play.plan import (
     STOP,
     TENSE,
     TERMINATE,
-    DialogueState,
     PhrasePlan,
+    RobotDialogue,
     TensionRange,
     allowed,
 )
 
 LIMITS = TensionRange(minimum=0.1, maximum=2.0, step=0.25)
 TALK = ("pull over", "we release him tomorrow", "a tense moment")
-STANDBY = DialogueState(False, False, False, False)
+STANDBY = RobotDialogue(False, False, False, False)
 
 
 def plan(repetitions=30, share=0.125, seed="1"):
@@ -162,17 +162,17 @@ def test_the_plan_gives_up_where_nothing_is_ever_heard():
     ("situation", "commands"),
     [
         (STANDBY, {HEY_ROBOT}),
-        (DialogueState(False, True, False, False), {HEY_ROBOT}),
-        (DialogueState(True, False, False, False), {HEY_ROBOT}),
-        (DialogueState(True, True, True, True, 1.0), {HEY_ROBOT, TERMINATE}),
-        (DialogueState(False, False, True, True, 1.0), {HEY_ROBOT}),
-        (DialogueState(True, True, False, False), {TENSE, TERMINATE}),
+        (RobotDialogue(False, True, False, False), {HEY_ROBOT}),
+        (RobotDialogue(True, False, False, False), {HEY_ROBOT}),
+        (RobotDialogue(True, True, True, True, 1.0), {HEY_ROBOT, TERMINATE}),
+        (RobotDialogue(False, False, True, True, 1.0), {HEY_ROBOT}),
+        (RobotDialogue(True, True, False, False), {TENSE, TERMINATE}),
         (
-            DialogueState(True, True, False, True, 1.0),
+            RobotDialogue(True, True, False, True, 1.0),
             {RELEASE, TERMINATE, PULL_MORE, PULL_LESS},
         ),
-        (DialogueState(True, True, False, True, 2.0), {RELEASE, TERMINATE, PULL_LESS}),
-        (DialogueState(True, True, False, True, 0.4), {RELEASE, TERMINATE, PULL_MORE}),
+        (RobotDialogue(True, True, False, True, 2.0), {RELEASE, TERMINATE, PULL_LESS}),
+        (RobotDialogue(True, True, False, True, 0.4), {RELEASE, TERMINATE, PULL_MORE}),
     ],
 )
 def test_what_is_allowed_follows_the_table_of_commands(situation, commands):
