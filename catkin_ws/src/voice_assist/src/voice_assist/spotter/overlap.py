@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Hears "stop" while others talk: the recogniser's encoder over the newest 1.6 s, every 80 ms.
+
+A second way beside `head`: it has neither that way's network nor its embeddings. Endpointing does
+not matter to it. `Spotter` follows the stream and fires; this module gives it windows and scores.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from whisper.model import AudioEncoder, ModelDimensions
+
+from typed_config import package_folder
+from voice_assist.errors import ModelError
+from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, Checkpoint, read_checkpoint
+from voice_assist.recognizer.hybrid import encode_short
+from voice_assist.recognizer.mel import log_mel
+from voice_assist.recognizer.safe_weights import check_weights, read_weights
+from voice_assist.types import Samples
+
+PATH = package_folder("voice_assist") / "models" / "overlap.pt"
+STEP = 1280  # samples between two looks, 80 ms
+WINDOW = 25_600  # samples that a look sees, 1.6 s
+TRAINED = 2  # blocks of the encoder, the last ones, that have weights of their own
+ENCODER_SHA256, STATE = "encoder_sha256", "state"  # keys of the file
+_WIDE, _NARROW, _REACH = 128, 64, 5  # channels and width of the convolutions
+
+Windows = NDArray[np.float32]
+
+
+class OverlapNetwork(nn.Module):
+    """Log-odds that the word ended within the last 0.4 s of a window.
+
+    Each 20 ms of the window has a value, and a weight that says whether the word is there.
+    """
+
+    def __init__(self, dims: ModelDimensions) -> None:
+        """Start with random weights.
+
+        Args:
+            dims: Of the recogniser, whose encoder it takes.
+        """
+        super().__init__()
+        sizes = (dims.n_mels, dims.n_audio_ctx, dims.n_audio_state)
+        self.encoder = AudioEncoder(*sizes, dims.n_audio_head, dims.n_audio_layer)
+        self.head = nn.Sequential(
+            nn.Conv1d(dims.n_audio_state, _WIDE, _REACH, padding=_REACH // 2),
+            nn.GELU(),
+            nn.Conv1d(_WIDE, _NARROW, _REACH, padding=_REACH // 2),
+            nn.GELU(),
+            nn.Conv1d(_NARROW, 2, _REACH, padding=_REACH // 2),
+        )
+
+    def forward(self, sound: Tensor) -> tuple[Tensor, Tensor]:
+        """Opinion on windows.
+
+        Args:
+            sound: Within [-1, 1], 16 kHz. Shape (batch, WINDOW).
+
+        Returns:
+            Log-odds [nat] of shape (batch,), and of the word in each 20 ms, (batch, WINDOW / 320).
+        """
+        return self.judge(encode_short(self.encoder, log_mel(sound)))
+
+    def judge(self, states: Tensor) -> tuple[Tensor, Tensor]:
+        """The same from the encoder's states, shape (batch, time, d)."""
+        value, there = self.head(states.transpose(1, 2)).float().unbind(1)
+        return (there.softmax(-1) * value).sum(-1), there
+
+    def own_state(self) -> dict[str, Tensor]:
+        """Weights that are not the recogniser's."""
+        first = len(self.encoder.blocks) - TRAINED
+        own = (*(f"encoder.blocks.{first + i}." for i in range(TRAINED)), "encoder.ln_post.")
+        return {
+            name: weight
+            for name, weight in self.state_dict().items()
+            if name.startswith((*own, "head."))
+        }
+
+
+class WindowCutter:
+    """Follows a stream; the newest 1.6 s of it after every `STEP` samples, whatever the blocks.
+
+    Before its first sample the stream is taken to be silent.
+    """
+
+    def __init__(self) -> None:
+        """Begin a stream."""
+        self.quiet: Windows = np.zeros(WINDOW, np.float32)
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin a new stream."""
+        self._sound = np.zeros(WINDOW - STEP, np.float32)
+
+    def __call__(self, samples: Samples) -> Iterator[Windows]:
+        """Take the next samples, shape (n,), within [-1, 1]; gives windows, each (WINDOW,)."""
+        self._sound = np.concatenate([self._sound, samples.astype(np.float32, copy=False)])
+        while len(self._sound) >= WINDOW:
+            window, self._sound = self._sound[:WINDOW], self._sound[STEP:]
+            yield window
+
+
+def untrained(checkpoint: Checkpoint) -> OverlapNetwork:
+    """A network with the recogniser's encoder and a random head."""
+    network = OverlapNetwork(checkpoint.dims)
+    network.encoder.load_state_dict(
+        {
+            name.removeprefix("encoder."): weight.float()
+            for name, weight in checkpoint.state.items()
+            if name.startswith("encoder.")
+        }
+    )
+    return network
+
+
+def read_overlap(path: Path = PATH, encoder: Path = EMBEDDED_PATH) -> tuple[OverlapNetwork, str]:
+    """Network of a file, by weights only, and the SHA-256 of the file.
+
+    Args:
+        path: What `write_overlap` wrote.
+        encoder: The recogniser whose encoder it was trained on.
+
+    Raises:
+        ModelError: A file is missing, damaged, or holds something else, or they are no pair.
+    """
+    content, digest = read_weights(path)
+    if not isinstance(content, dict) or content.keys() != {ENCODER_SHA256, STATE}:
+        raise ModelError(f"{path}: no spotter; allowed: a file with {ENCODER_SHA256} and {STATE}")
+    checkpoint = read_checkpoint(encoder)
+    if content[ENCODER_SHA256] != checkpoint.sha256:
+        made_for = str(content[ENCODER_SHA256])[:64]
+        raise ModelError(f"{path} belongs to the encoder {made_for}, {encoder} is another")
+    network = untrained(checkpoint)
+    shapes = {name: tuple(weight.shape) for name, weight in network.own_state().items()}
+    state = check_weights(f"spotter model {path}", content[STATE], shapes)
+    network.load_state_dict({n: w.float() for n, w in state.items()}, strict=False)
+    return network.eval(), digest
+
+
+def write_overlap(network: OverlapNetwork, encoder_sha256: str, path: Path) -> None:
+    """Write the weights that are not the recogniser's, in half precision, all or nothing."""
+    state = {name: weight.detach().half() for name, weight in network.own_state().items()}
+    temporary = path.with_suffix(".tmp")
+    torch.save({ENCODER_SHA256: encoder_sha256, STATE: state}, temporary)
+    temporary.replace(path)
+
+
+def overlap_scorer(network: OverlapNetwork) -> Callable[[Windows], float]:
+    """The network for one look: from a window, shape (1, WINDOW), to log-odds [nat]."""
+
+    def score(window: Windows) -> float:
+        with torch.inference_mode():
+            return float(network(torch.from_numpy(window))[0])
+
+    return score

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Train the spotter that hears over talk: python -m voice_assist.training.spotter.train_overlap."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+from torch.nn.functional import binary_cross_entropy_with_logits
+
+from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
+from voice_assist.recognizer.hybrid import encode_short
+from voice_assist.recognizer.mel import log_mel
+from voice_assist.spotter.overlap import (
+    PATH,
+    TRAINED,
+    OverlapNetwork,
+    untrained,
+    write_overlap,
+)
+from voice_assist.training.data.kokoro import spoken_words
+from voice_assist.training.fit.train_recognizer import REPOSITORY
+from voice_assist.training.precision import cheap_numbers
+from voice_assist.training.spotter.dataset import LOG, SpotterAmounts, load_material
+from voice_assist.training.spotter.overlap_mixture import Batch, OverlapMaterial, arrange, draw
+from voice_assist.training.spotter.streams import WORD
+
+AMOUNTS = SpotterAmounts(synthetic=240, near=420, recorded=5)
+_SHARE_OF_FRAMES = 0.3  # of the loss
+_PLAIN = 0.4  # of the steps have the full rate; then it falls in a line
+_KEEP = 0.998  # of the running mean of the weights
+_SAVE_EVERY = 50  # steps
+
+
+def parse(arguments: list[str] | None = None) -> argparse.Namespace:
+    """Options of a run; the defaults make the shipped file."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    add = parser.add_argument
+    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add("--cache", type=Path, default=REPOSITORY / ".cache" / "training" / "overlap")
+    add("--packages", type=Path, default=REPOSITORY / ".cache" / "training" / "openai")
+    add("--out", type=Path, default=PATH)
+    add("--seed", type=int, default=1)
+    add("--steps", type=int, default=3000)
+    add("--batch", type=int, default=24, help="windows of a step")
+    add("--head-rate", type=float, default=1e-3, help="peak learning rate of the head")
+    add("--rate", type=float, default=1e-4, help="peak learning rate of the encoder's last blocks")
+    add("--threads", type=int, default=1)
+    return parser.parse_args(arguments)
+
+
+def load_overlap_material(speech: Path, cache: Path, packages: Path, seed: int) -> OverlapMaterial:
+    """People, synthetic voices and surroundings; spoken once, and kept in the cache."""
+    material = load_material(speech, cache, seed, AMOUNTS)
+    kokoro = spoken_words(packages, cache / "kokoro")
+    said = [clip for clip in kokoro if clip.text == WORD]
+    near = [clip for clip in kokoro if clip.text != WORD]
+    # Kokoro's few clips count twice, since its voices are the most like people.
+    synthetic = [*material.synthetic, *said, *said]
+    return arrange(
+        material.stops, synthetic, material.words, [*material.near, *near, *near], material.around
+    )
+
+
+def freeze(network: OverlapNetwork) -> None:
+    """Keep what is the recogniser's as it is."""
+    own = network.own_state().keys()
+    for name, weight in network.named_parameters():
+        weight.requires_grad = name in own
+
+
+def loss_of(network: OverlapNetwork, batch: Batch) -> Tensor:
+    """Cross entropy of the windows, and some of their frames."""
+    with cheap_numbers():
+        states = encode_short(network.encoder, log_mel(torch.from_numpy(batch.sound)))
+        odds, there = network.judge(states)
+    said = binary_cross_entropy_with_logits(odds.float(), torch.from_numpy(batch.is_word))
+    where = binary_cross_entropy_with_logits(there.float(), torch.from_numpy(batch.frames))
+    return said + _SHARE_OF_FRAMES * where
+
+
+def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[OverlapNetwork, str]:
+    """Run all steps.
+
+    Returns:
+        The running mean of the network, and the digest of the recogniser it began from.
+    """
+    torch.manual_seed(options.seed)
+    checkpoint = read_checkpoint(EMBEDDED_PATH)
+    network, mean = untrained(checkpoint), untrained(checkpoint)
+    mean.load_state_dict(network.state_dict())
+    freeze(network)
+    blocks = [w for w in network.encoder.parameters() if w.requires_grad]
+    groups = [
+        {"params": blocks, "lr": options.rate, "peak": options.rate},
+        {"params": network.head.parameters(), "lr": options.head_rate, "peak": options.head_rate},
+    ]
+    optimiser = torch.optim.AdamW(groups, weight_decay=0.01)
+    progress = options.cache / f"progress_{options.seed}_{options.steps}_{options.batch}.pt"
+    done = _resume(progress, network, mean, optimiser)
+    began, sum_ = time.monotonic(), 0.0
+    for step in range(done + 1, options.steps + 1):
+        rng = np.random.default_rng([options.seed, step])  # the same after a break
+        left = (options.steps - step + 1) / options.steps
+        for group in optimiser.param_groups:
+            group["lr"] = group["peak"] * min(1.0, step / 50, left / (1.0 - _PLAIN))
+        loss = loss_of(network, draw(material, options.batch, rng))
+        optimiser.zero_grad(set_to_none=True)
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_([w for w in network.parameters() if w.requires_grad], 1.0)
+        optimiser.step()
+        average(mean, network, step)
+        sum_ += loss.item()
+        if step % 50 == 0:
+            LOG.info("step %d: %.4f, %.0f s", step, sum_ / 50, time.monotonic() - began)
+            sum_ = 0.0
+        if step % _SAVE_EVERY == 0:
+            _save(progress, step, network, mean, optimiser)
+            write_overlap(mean, checkpoint.sha256, options.cache / f"step_{step:05d}.pt")
+    return mean, checkpoint.sha256
+
+
+def average(mean: OverlapNetwork, network: OverlapNetwork, step: int) -> None:
+    """Move the running mean of the trained weights on; faster in the first steps."""
+    keep = min(_KEEP, (1 + step) / (10 + step))
+    newest, held = network.own_state(), mean.own_state()
+    for name, weight in held.items():
+        weight.mul_(keep).add_(newest[name].detach(), alpha=1.0 - keep)
+
+
+def _save(
+    path: Path,
+    step: int,
+    network: OverlapNetwork,
+    mean: OverlapNetwork,
+    optimiser: torch.optim.Optimizer,
+) -> None:
+    """Write all that going on needs; a crash leaves the old file."""
+    temporary = path.with_suffix(".tmp")
+    own = {"network": network.own_state(), "mean": mean.own_state()}
+    torch.save({"step": step, "optimiser": optimiser.state_dict(), **own}, temporary)
+    temporary.replace(path)
+
+
+def _resume(
+    path: Path, network: OverlapNetwork, mean: OverlapNetwork, optimiser: torch.optim.Optimizer
+) -> int:
+    """Go on where a run was broken off; gives the steps that are done."""
+    if not path.exists():
+        return 0
+    state = torch.load(path, map_location="cpu", weights_only=True)
+    network.load_state_dict(state["network"], strict=False)
+    mean.load_state_dict(state["mean"], strict=False)
+    optimiser.load_state_dict(state["optimiser"])
+    done: int = state["step"]
+    return done
+
+
+def main() -> None:
+    """Gather the material, train, write the file."""
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
+    options = parse()
+    torch.set_num_threads(options.threads)
+    material = load_overlap_material(options.speech, options.cache, options.packages, options.seed)
+    counts = (material.human, material.synthetic, material.others, material.near, material.talk)
+    LOG.info("said, synthetic, others, near, talk: %s; blocks %d", [*map(len, counts)], TRAINED)
+    network, encoder = train(material, options)
+    write_overlap(network, encoder, options.out)
+    LOG.info("%s", options.out)
+
+
+if __name__ == "__main__":
+    main()

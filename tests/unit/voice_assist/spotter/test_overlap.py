@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+import torch
+from whisper.model import ModelDimensions
+
+from tests.unit.voice_assist.support.fake_speech import frames
+from voice_assist.config import load_voice_config
+from voice_assist.errors import ModelError
+from voice_assist.recognizer.checkpoint import read_checkpoint
+from voice_assist.recognizer.whisper_shapes import whisper_shapes
+from voice_assist.spotter.overlap import (
+    STEP,
+    WINDOW,
+    WindowCutter,
+    overlap_scorer,
+    read_overlap,
+    untrained,
+    write_overlap,
+)
+from voice_assist.spotter.spotter import Spotter
+from voice_assist.types import RATE
+
+DIMS = {
+    **{"n_mels": 80, "n_audio_ctx": 512, "n_audio_state": 4, "n_audio_head": 2, "n_audio_layer": 3},
+    **{"n_vocab": 51864, "n_text_ctx": 64, "n_text_state": 4, "n_text_head": 2, "n_text_layer": 1},
+}
+CONFIG = load_voice_config().spotter
+
+
+@pytest.fixture(scope="module")
+def encoder(tmp_path_factory):
+    """A small recogniser of random weights."""
+    draw = torch.Generator().manual_seed(0)
+    shapes = whisper_shapes(ModelDimensions(**DIMS))
+    state = {name: 0.1 * torch.randn(shape, generator=draw) for name, shape in shapes.items()}
+    path = tmp_path_factory.mktemp("encoder") / "encoder.pt"
+    torch.save({"dims": DIMS, "model_state_dict": state}, path)
+    return path
+
+
+@pytest.fixture
+def written(encoder, tmp_path):
+    """A spotter's file, and the network in it."""
+    checkpoint = read_checkpoint(encoder)
+    torch.manual_seed(0)
+    network = untrained(checkpoint).eval()
+    path = tmp_path / "overlap.pt"
+    write_overlap(network, checkpoint.sha256, path)
+    return path, network
+
+
+def talk(seconds):
+    return np.random.default_rng(1).uniform(-0.1, 0.1, round(seconds * RATE)).astype(np.float32)
+
+
+@pytest.mark.parametrize("block", [1, 512, STEP, 5000])
+def test_windows_do_not_depend_on_the_blocks_they_come_in(block):
+    sound, cutter = talk(0.5 if block == 1 else 2.0), WindowCutter()
+    seen = [w for at in range(0, len(sound), block) for w in cutter(sound[at : at + block])]
+    assert len(seen) == len(sound) // STEP
+    padded = np.concatenate([np.zeros(WINDOW, np.float32), sound])
+    for number, window in enumerate(seen, 1):
+        np.testing.assert_array_equal(window, padded[number * STEP :][:WINDOW])
+
+
+def test_a_new_stream_begins_in_silence():
+    cutter = WindowCutter()
+    first = list(cutter(talk(1.0)))
+    cutter.reset()
+    for one, other in zip(first, cutter(talk(1.0)), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_what_is_written_is_read_and_judges_alike(written, encoder):
+    path, network = written
+    read, digest = read_overlap(path, encoder)
+    assert len(digest) == 64
+    window = talk(1.6)[None]
+    assert overlap_scorer(read)(window) == pytest.approx(overlap_scorer(network)(window), abs=0.01)
+
+
+def test_the_file_holds_no_weight_of_the_frozen_encoder(written):
+    path, _ = written
+    state = torch.load(path, weights_only=True)["state"]
+    blocks = {name.split(".")[2] for name in state if name.startswith("encoder.blocks")}
+    assert blocks == {"1", "2"}
+    assert all(weight.dtype == torch.float16 for weight in state.values())
+
+
+def test_another_encoder_is_refused(written, encoder, tmp_path):
+    path, network = written
+    write_overlap(network, "0" * 64, path)
+    with pytest.raises(ModelError, match=r"belongs to the encoder 000"):
+        read_overlap(path, encoder)
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda content: content["state"].popitem(),
+        lambda content: content["state"].update(other=torch.ones(1)),
+        lambda content: content["state"]["head.0.weight"].fill_(float("nan")),
+        lambda content: content.pop("encoder_sha256"),
+    ],
+)
+def test_a_file_that_holds_something_else_is_named(written, encoder, spoil):
+    path, _ = written
+    content = torch.load(path, weights_only=True)
+    spoil(content)
+    torch.save(content, path)
+    with pytest.raises(ModelError, match=r"overlap\.pt"):
+        read_overlap(path, encoder)
+
+
+def test_a_missing_or_damaged_file_is_named(encoder, tmp_path):
+    path = tmp_path / "overlap.pt"
+    with pytest.raises(ModelError, match=r"overlap\.pt cannot be read"):
+        read_overlap(path, encoder)
+    path.write_bytes(b"no weights")
+    with pytest.raises(ModelError, match=r"overlap\.pt"):
+        read_overlap(path, encoder)
+
+
+def test_it_fires_once_for_a_word_and_again_after_a_second():
+    times = {10, 11, 12, 13, 30, 31}  # looks that are sure
+
+    def score(windows):
+        assert windows.shape == (1, WINDOW)
+        score.looks += 1
+        return 12.0 if score.looks in times else -12.0
+
+    score.looks = 0
+    spotter = Spotter(CONFIG, WindowCutter(), score, 1)
+    fired = [found for frame in frames(talk(3.2)) if (found := spotter(frame))]
+    assert len(fired) == 2
+    assert fired[1].time - fired[0].time > CONFIG.rearm_after
