@@ -21,8 +21,8 @@ from bench.voice.hearing.fingerprint import outline
 from bench.voice.hearing.pieces import Label, SceneRecord
 from bench.voice.hearing.replay_stream import SoundScene
 from bench.voice.material import theatre_noise
-from bench.voice.outcomes import rate_at_most
 from support.figures import Figure
+from voice_assist.evaluation.exact_bounds import rate_at_most
 from voice_assist.types import RATE, Mode
 
 FULL = 10.0  # [h]

@@ -10,12 +10,12 @@ from functools import cache
 from typing import Any, Literal
 
 import numpy as np
-from scipy.stats import chi2
 
 from bench.voice.hearing.pieces import SceneRecord
-from session_log.report.bounds import CONFIDENCE, at_least, at_most
+from session_log.report.bounds import at_least, at_most
 from support.figures import Figure
 from voice_assist.config import load_voice_config
+from voice_assist.evaluation.exact_bounds import rate_at_most
 
 # The sense in which a command moves: more pull, less pull, or an end to it all.
 SENSE = {
@@ -139,16 +139,6 @@ def latencies(records: Iterable[SceneRecord]) -> dict[str, list[float]]:
 def quantiles(times: Sequence[float]) -> dict[str, float]:
     """Percentiles of times."""
     return {f"p{q}": float(np.percentile(times, q)) for q in (50, 95, 99)}
-
-
-def rate_at_most(count: int, hours: float) -> float:
-    """Upper bound on the rate behind so many events in a time [1/h] (Garwood 1936).
-
-    Args:
-        count: Events, taken as a Poisson process.
-        hours: Watched, above 0 [h].
-    """
-    return float(chi2.ppf(CONFIDENCE, 2 * count + 2)) / (2.0 * hours)
 
 
 def rate(name: str, count: int, hours: float, target: float | None = None) -> Figure:

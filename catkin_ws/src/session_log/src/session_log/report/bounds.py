@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import beta, quantile_test
+from scipy.stats import binomtest, quantile_test
 
 CONFIDENCE = 0.95
 
@@ -44,7 +44,8 @@ def at_least(hits: int, trials: int, confidence: float = CONFIDENCE) -> float:
         trials: At least one.
         confidence: That the share is not below it, in (0, 1).
     """
-    return float(beta.ppf(1.0 - confidence, hits, trials - hits + 1)) if hits else 0.0
+    test = binomtest(hits, trials, alternative="greater")
+    return float(test.proportion_ci(confidence, "exact").low)
 
 
 def at_most(hits: int, trials: int, confidence: float = CONFIDENCE) -> float:
@@ -55,7 +56,8 @@ def at_most(hits: int, trials: int, confidence: float = CONFIDENCE) -> float:
         trials: At least one.
         confidence: That the share is not above it, in (0, 1).
     """
-    return float(beta.ppf(confidence, hits + 1, trials - hits)) if hits < trials else 1.0
+    test = binomtest(hits, trials, alternative="less")
+    return float(test.proportion_ci(confidence, "exact").high)
 
 
 def quantile(values: Sequence[float], p: float) -> Bounded:

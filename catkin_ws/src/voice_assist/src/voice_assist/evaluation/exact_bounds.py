@@ -3,22 +3,25 @@
 
 from __future__ import annotations
 
-from scipy.stats import beta, chi2
+from scipy.stats import binomtest, chi2
 
 CONFIDENCE = 0.95  # of each bound, and of an interval
 
 
 def share_interval(count: int, trials: int) -> tuple[float, float]:
     """Two-sided interval of the share behind `count` of `trials` (Clopper and Pearson 1934)."""
-    tail = (1 - CONFIDENCE) / 2
-    low = float(beta.ppf(tail, count, trials - count + 1)) if count else 0.0
-    high = float(beta.ppf(1 - tail, count + 1, trials - count)) if count < trials else 1.0
-    return low, high
+    if not trials:
+        return 0.0, 1.0
+    interval = binomtest(count, trials).proportion_ci(CONFIDENCE, "exact")
+    return float(interval.low), float(interval.high)
 
 
 def share_at_most(count: int, trials: int) -> float:
     """Upper bound on the share behind `count` of `trials` (Clopper and Pearson 1934)."""
-    return float(beta.ppf(CONFIDENCE, count + 1, trials - count)) if count < trials else 1.0
+    if not trials:
+        return 1.0
+    test = binomtest(count, trials, alternative="less")
+    return float(test.proportion_ci(CONFIDENCE, "exact").high)
 
 
 def rate_at_most(count: int, hours: float) -> float:
