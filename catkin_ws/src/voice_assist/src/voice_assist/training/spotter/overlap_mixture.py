@@ -74,12 +74,13 @@ def arrange(
 ) -> OverlapMaterial:
     """Sort what is like the word out of the others, and measure how loud the talk is."""
     like = [clip for clip in others if clip.text in _OFTEN]
-    talk = [
-        Talk(samples, speech_power(samples.astype(np.float32) / 32768))
-        for samples in around.talkers
-    ]
+    talk = [Talk(samples, _power(samples)) for samples in around.talkers]
     heard = [one for one in talk if one.power > 0.0]
     return OverlapMaterial(human, synthetic, others, [*near, *like], heard, around)
+
+
+def _power(samples: NDArray[np.int16]) -> float:
+    return speech_power(samples.astype(np.float32) / np.float32(32768))
 
 
 def draw(material: OverlapMaterial, count: int, rng: Generator) -> Batch:

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A word at a level over somebody's talk, and what a network hears in such sound."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from voice_assist.audio.mixing import end_of_speech, speech_power
+from voice_assist.spotter.overlap import STEP, OverlapNetwork, WindowCutter
+from voice_assist.types import RATE, Samples
+
+BEFORE, AFTER = 1.6, 0.64  # [s] of the talk before the word and behind it
+LATEST = 0.56  # [s] after the end of a word in which a look at it counts
+_PEAK = 0.5  # of full scale
+_AT_ONCE = 32  # windows
+
+Looks = NDArray[np.float64]
+
+
+def over_talk(
+    word: Samples, talk: Samples | None, level: float, rng: np.random.Generator
+) -> tuple[Samples, float]:
+    """A word in the middle of talk.
+
+    Args:
+        word: Shape (n,).
+        talk: Repeated where it is too short; a random part is taken. None: silence.
+        level: Power of the word over that of the talk, each while it speaks [dB].
+        rng: Chooses the part.
+
+    Returns:
+        The sound, and when the word ends in it [s].
+    """
+    begin = round(BEFORE * RATE)
+    sound = np.zeros(begin + len(word) + round(AFTER * RATE))
+    if talk is not None:
+        bed = np.resize(np.roll(talk, -int(rng.integers(len(talk)))), len(sound))
+        ratio = speech_power(word) / max(speech_power(talk), 1e-12)
+        sound += bed * np.sqrt(ratio / 10 ** (level / 10))
+    sound[begin:][: len(word)] += word
+    loudest = max(float(np.abs(sound).max()), 1e-6)
+    return np.asarray(sound * (_PEAK / loudest), np.float32), BEFORE + end_of_speech(word)
+
+
+def looks_at(
+    network: OverlapNetwork, sound: Samples, begin: float = 0.0, end: float = np.inf
+) -> Looks:
+    """What the spotter makes of sound: the mean of each look and the one before.
+
+    Args:
+        network: Evaluated as it is shipped.
+        sound: Shape (n,), 16 kHz.
+        begin: No look before it counts [s].
+        end: No look after it counts [s].
+
+    Returns:
+        Log-odds [nat], one for each 80 ms from `begin` to `end`.
+    """
+    windows = list(WindowCutter()(sound))
+    first = max(int(np.ceil(begin * RATE / STEP)) - 1, 0)
+    last = min(int(min(end, len(sound) / RATE) * RATE / STEP), len(windows))
+    chosen = windows[max(first - 1, 0) : last]
+    if not chosen:
+        return np.zeros(0)
+    odds = np.concatenate(
+        [_odds(network, chosen[at : at + _AT_ONCE]) for at in range(0, len(chosen), _AT_ONCE)]
+    )
+    means = np.array([(one + other) / 2 for one, other in pairwise(odds)])
+    return means if first else np.concatenate([odds[:1], means])
+
+
+def _odds(network: OverlapNetwork, windows: Sequence[Samples]) -> Looks:
+    with torch.inference_mode():
+        found = network(torch.from_numpy(np.stack(windows)))[0]
+    return np.asarray(found.numpy(), np.float64).reshape(len(windows))
+
+
+def alarms(looks: Looks, apart: float = 1.0) -> list[float]:
+    """Heights of the highest looks, none of them nearer to a higher one than so many seconds."""
+    near = round(apart * RATE / STEP)
+    left, found = looks.copy(), []
+    while len(left) and np.isfinite(left.max()):
+        at = int(left.argmax())
+        found.append(float(left[at]))
+        left[max(at - near, 0) : at + near + 1] = -np.inf
+    return found
+
+
+def threshold_at(heights: Sequence[float], hours: float, per_hour: float) -> float:
+    """Lowest threshold [nat] at which no more than so many alarms an hour are raised."""
+    allowed = int(per_hour * hours)
+    higher = sorted(heights, reverse=True)
+    return float(np.nextafter(higher[allowed], np.inf)) if allowed < len(higher) else -np.inf

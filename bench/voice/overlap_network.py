@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The network that hears "stop" over talk, alone: share heard against false alarms an hour.
+
+THIN takes one piece of talk and one word in so many; OVERLAP names another file of weights.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from bench.voice.material.over_talk import LATEST, alarms, looks_at, over_talk, threshold_at
+from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded
+from support.figures import ROOT, Figure
+from voice_assist.audio.wav_file import read_sound
+from voice_assist.spotter.overlap import PATH, WINDOW, OverlapNetwork, overlap_scorer, read_overlap
+from voice_assist.types import RATE, Samples
+
+WORD = "stop"
+LEVELS = (12.0, 6.0, 0.0, -6.0)  # [dB] of the word over the talk
+RATES = (0.5, 1.0, 3.0, 6.0, 12.0)  # [1/h] of false alarms in talk
+GOALS = {"12 dB over talk": 0.99, "6 dB over talk": 0.95, "0 dB over talk": 0.80, "alone": 0.99}
+GOAL_RATE = 6.0  # [1/h] at which they hold
+THIN = int(os.environ.get("THIN", "1"))
+SHORTEST = 2.0  # [s] of talk
+
+
+def measure() -> list[Figure]:
+    """Table of the network on people whom training never heard; empty without them or weights."""
+    path = Path(os.environ.get("OVERLAP", PATH))
+    words = [c for c in recorded(DEV) if c.text == WORD][::THIN]
+    talk = [s for c in _others() if len(s := read_sound(ROOT / c.path)) >= SHORTEST * RATE][::THIN]
+    if not path.is_file() or not words or not talk:
+        print(f"overlap_network left out: it needs {path} and people in ../shared/speech")
+        return []
+    torch.set_num_threads(1)
+    network, _ = read_overlap(path)
+    hours = sum(map(len, talk)) / RATE / 3600
+    heights = [height for sound in talk for height in alarms(looks_at(network, sound))]
+    figures = [
+        Figure("talk", hours, "h", note=f"({len(talk)} pieces, nobody says the word)"),
+        Figure("look", 1e3 * _cost(network), "ms", 15.0, note="(one thread)"),
+    ]
+    found = {f"{level:g} dB over talk": _best(network, words, talk, level) for level in LEVELS}
+    found["alone"] = _best(network, words, [], 0.0)
+    for rate in RATES:
+        threshold = threshold_at(heights, hours, rate)
+        figures.append(Figure(f"threshold at {rate:g} an hour", threshold, "nat"))
+        for name, best in found.items():
+            heard = int(np.sum(best >= threshold))
+            goal = GOALS.get(name) if rate == GOAL_RATE else None
+            figures.append(
+                Figure(
+                    f"{name}, {rate:g} an hour",
+                    heard / len(best),
+                    "of all",
+                    goal,
+                    at_most=False,
+                    note=f"({heard} of {len(best)})",
+                )
+            )
+    return figures
+
+
+def _others() -> list[SpokenClip]:
+    return [clip for clip in recorded(TALK) if WORD not in clip.text.split()]
+
+
+def _best(
+    network: OverlapNetwork, words: list[SpokenClip], talk: list[Samples], level: float
+) -> np.ndarray:
+    """Highest look at each word, from half its length on."""
+    best = []
+    for index, clip in enumerate(words):
+        word = read_sound(ROOT / clip.path)
+        under = talk[index * 7 % len(talk)] if talk else None
+        sound, end = over_talk(word, under, level, np.random.default_rng(index))
+        best.append(float(looks_at(network, sound, end - 0.1, end + LATEST).max()))
+    return np.array(best)
+
+
+def _cost(network: OverlapNetwork) -> float:
+    """CPU time of a look [s], the median of several."""
+    score, window = overlap_scorer(network), np.zeros((1, WINDOW), np.float32)
+    times = []
+    for _ in range(15):
+        begin = time.process_time()
+        score(window)
+        times.append(time.process_time() - begin)
+    return float(np.median(times))
