@@ -18,6 +18,7 @@ from bench.voice import (
     false_alarms,
     idle,
     near_misses,
+    overlap,
     overlap_network,
     stop,
     trials,
@@ -29,6 +30,7 @@ from support.figures import Figure
 PARTS: dict[str, Callable[[], list[Figure]]] = {
     "trials": trials.measure,
     "stop": stop.measure,
+    "overlap": overlap.measure,
     "near": near_misses.measure,
     "overlap_network": overlap_network.measure,
     "armed": armed.measure,

@@ -12,6 +12,7 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, fields, is_dataclass
 from functools import cache
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -39,22 +40,27 @@ DIGITS = 3  # of full scale, in an outline
 UNHEARD = {"recognizer__hung_after": 0.35}  # of the node alone; as when rows were first kept
 
 
-def decisions(model: str) -> list[list[object]]:
-    """Decisions on each clip: command, whether it was taken, origin, text, rounded confidence."""
+def decisions(model: str, is_moving: bool = False) -> list[list[object]]:
+    """Decisions on each clip: command, whether it was taken, origin, text, rounded confidence.
+
+    Args:
+        model: That listens.
+        is_moving: The robot moves; then one clip in three is enough.
+    """
     listener = SceneListener(model)
     return [
         [[s.command, s.is_taken, s.origin, s.text, round(s.confidence, 1)] for s in heard.said]
-        for heard in map(listener, scenes())
+        for heard in map(listener, scenes(is_moving))
     ]
 
 
-def scenes() -> Iterator[SoundScene]:
+def scenes(is_moving: bool = False) -> Iterator[SoundScene]:
     """The clips: every phrase in two voices, in quiet and in noise, armed and in standby."""
-    for i, phrase in enumerate(PHRASES):
-        for voice in VOICES:
-            for snr in SNRS:
-                mode = Mode.STANDBY if i % 4 == 3 else Mode.ACTIVE
-                yield SoundScene(_in_noise(speak(phrase, voice, 150), snr, i), mode)
+    every = list(product(enumerate(PHRASES), VOICES, SNRS))
+    for (i, phrase), voice, snr in every[:: 3 if is_moving else 1]:
+        mode = Mode.STANDBY if i % 4 == 3 else Mode.ACTIVE
+        sound = _in_noise(speak(phrase, voice, 150), snr, i)
+        yield SoundScene(sound, mode, is_moving=is_moving)
 
 
 def fingerprint(decided: Sequence[object]) -> str:
@@ -77,6 +83,16 @@ def identity(model: str) -> str:
     path = resumable.CACHE / "fingerprints" / f"{model}-{now}.json"
     decided = resumable.remembered(path, lambda: decisions(model))
     return digest(network, spotter, settings, fingerprint(decided))
+
+
+@cache
+def identity_in_motion(model: str) -> str:
+    """The same with all that decides what is heard while the robot moves."""
+    moving = values(load_voice_config().moving)
+    now = digest(identity(model), moving, code(Path(pipeline.__file__).parent.parent))
+    path = resumable.CACHE / "fingerprints" / f"{model}-{now}-moving.json"
+    decided = resumable.remembered(path, lambda: decisions(model, is_moving=True))
+    return digest(identity(model), moving, fingerprint(decided))
 
 
 def at_rest(config: VoiceConfig) -> tuple[object, ...]:

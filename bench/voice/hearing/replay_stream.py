@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -41,6 +41,7 @@ class SoundScene:
     mode: Mode  # at its beginning
     keeps_mode: bool = True  # whatever is heard, the mode stays; False: as in the node
     way: Way = "both"
+    is_moving: bool = False  # the robot, all the time
     robot_speaks: tuple[tuple[float, float], ...] = ()  # [s] from, to; reported, as a lab would
 
 
@@ -127,7 +128,7 @@ class SceneListener:
                 pipeline.robot_spoke(RobotSpeechChange(is_speaking, at))
             armed += pipeline.state.mode is Mode.ACTIVE
             self._clock.begin(frame.stamp + frame.duration)
-            events = pipeline(frame)
+            events = pipeline(replace(frame, is_moving=scene.is_moving))
             self._clock.end()
             said += [
                 _said(event, began) for event in events if isinstance(event, UtteranceDecision)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from typed_config import flag, number
+from typed_config import flag, integer, number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,6 +16,7 @@ class MovingConfig:
     state_age: float = number(0.1, 10.0, "s")
     settle: float = number(0.1, 10.0, "s")
     spotter_alone: float = number(-100.0, 1000.0, "nat")
-    sentence_stop_confidence: float = number(0.0, 1.0, "")
+    sentence_confidence: float = number(0.0, 1.0, "")
+    sentence_agreement: int = integer(1, 10, "transcripts")
     window: float = number(0.0, 4.0, "s")
     refuse_spotter: float = number(-100.0, 1000.0, "nat")

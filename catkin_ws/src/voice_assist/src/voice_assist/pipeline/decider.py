@@ -66,6 +66,7 @@ class Decider:
         commands = config.commands.commands
         self._halts = {c.phrase: c for c in commands if c.is_halt}
         self._halted_until = float("-inf")  # [s] clock time up to which sound has led to a halt
+        self._votes = 0  # transcripts in a row with a halt among their words, in motion
 
     def reset(self) -> None:
         """Forget the stream so far."""
@@ -75,11 +76,13 @@ class Decider:
     def start_utterance(self) -> None:
         """What is said next belongs to a new utterance."""
         self._early_decision.reset()
+        self._votes = 0
 
     def accept(self, command: CommandConfig, partial: PartialUtterance) -> None:
         """Note that a command was taken from an utterance."""
         self._early_decision.accept(command.phrase)
         if command.is_halt:
+            self._votes = 0
             self._halted_until = partial.utterance.speech_end + partial.quiet
 
     def __call__(
@@ -144,17 +147,24 @@ class Decider:
         return Verdict(match, transcript, confidence, SPOTTER)
 
     def _stop_in_motion(self, transcript: Hypothesis) -> Verdict | None:
-        """A stop among the words of a transcript, while the robot moves; None: there is none."""
-        least = self._config.moving.sentence_stop_confidence
+        """A stop among the words of enough transcripts in a row, while the robot moves."""
+        written = self._written_among(transcript)
+        self._votes = self._votes + 1 if written else 0
+        if written is None or self._votes < self._config.moving.sentence_agreement:
+            return None
+        phrase, heard = written
+        worth = self._recognizer_config.confidence.transcript(log_odds(heard.confidence))
+        return Verdict(Match(phrase, self._mapper(heard.text).wer), heard, worth, RECOGNIZER)
+
+    def _written_among(self, transcript: Hypothesis) -> tuple[str, Hypothesis] | None:
+        """A halt that stands among other words, and the transcript; None: there is none."""
+        least = self._config.moving.sentence_confidence
         for heard in (self._decoder.part, transcript):
-            if heard is None or heard.confidence < least:
-                continue
-            words = normalize(heard.text)
-            for phrase in self._halts:
-                if contains(words, normalize(phrase)):
-                    match = Match(phrase, self._mapper(heard.text).wer)
-                    worth = self._recognizer_config.confidence.transcript
-                    return Verdict(match, heard, worth(log_odds(heard.confidence)), RECOGNIZER)
+            if heard is not None and heard.confidence >= least:
+                words = normalize(heard.text)
+                for phrase in self._halts:
+                    if contains(words, normalize(phrase)):
+                        return phrase, heard
         return None
 
     def _stop_beside(self, transcript: Hypothesis, partial: PartialUtterance) -> Verdict | None:

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A "stop" while others talk, at rest and while the robot moves; two commands in one moment.
+
+SHARE=0.33 takes the same third of each set every time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+
+import numpy as np
+
+from bench.common import resumable
+from bench.voice.hearing import pieces
+from bench.voice.hearing.pieces import SceneRecord
+from bench.voice.hearing.replay_stream import WAYS, Way
+from bench.voice.material.held_out_voices import natives, spread
+from bench.voice.material.overlap import OverlapTrial, overlap_chunks
+from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded, spoken
+from bench.voice.outcomes import motions, rate
+from bench.voice.trials import STOP
+from session_log.report.bounds import at_least
+from support.figures import Figure
+
+SEED = 11
+LEVELS = (12.0, 6.0, 0.0, -6.0)  # [dB] of the word over the talk
+AT_ONCE = (6.0, 0.0, -6.0)  # [dB] of "stop" over the other command
+OTHER = "pull more"
+STATES = {False: "at rest", True: "moving"}
+RECALL = {12.0: 0.99, 6.0: 0.95, 0.0: 0.80}  # share heard while the robot moves
+LATE = {"p50": 100.0, "p99": 500.0}  # [ms] over talk, while the robot moves
+
+
+def measure() -> list[Figure]:
+    """Share heard, latency, commands at once, and false stops; the robot at rest and moving."""
+    plans = dict(_plans())
+    if not plans:
+        print("no human speech in ../shared/speech: overlap left out")
+        return []
+    every = pieces.measured("overlap", {name: overlap_chunks(t) for name, t in plans.items()})
+    found = {name: records for name, records in every.items() if records}
+    figures = [resumable.measured(sum(map(len, found.values())), "scenes", _full(plans))]
+    for name, records in found.items():
+        trial = plans[name][0]
+        figures += _of(name, trial, records)
+    return figures
+
+
+def _of(name: str, trial: OverlapTrial, records: Sequence[SceneRecord]) -> list[Figure]:
+    if trial.kind == "talk alone":
+        hours = sum(r.label["seconds"] for r in records) / 3600.0
+        stops = sum(r.heard.taken.count("stop") for r in records)
+        limit = 6.0 if trial.is_moving else 0.5
+        return [rate(f"{name}: false stops", stops, hours, limit), _moved(name, records)]
+    target = RECALL.get(trial.level) if trial.is_moving and trial.kind == "under talk" else None
+    if trial.kind == "at once" and trial.level >= 0.0:
+        target = 1.0
+    stopped = [r for r in records if "stop" in r.heard.taken]
+    n = len(records)
+    note = f"({len(stopped)} of {n}, at least {at_least(len(stopped), n):.3f} with 95 %)"
+    figures = [Figure(f"{name}: stopped", len(stopped) / n, "of all", target, False, note)]
+    if trial.kind == "at once":
+        return [*figures, _moved(name, records)]
+    return figures + (_latency(name, stopped) if trial.is_moving and trial.way == "both" else [])
+
+
+def _moved(name: str, records: Sequence[SceneRecord]) -> Figure:
+    """Scenes in which a motion was taken."""
+    count = sum(bool(motions() & set(r.heard.taken)) for r in records)
+    return Figure(f"{name}: motion taken", count, "", 0.0, note=f"(of {len(records)})")
+
+
+def _latency(name: str, stopped: Sequence[SceneRecord]) -> list[Figure]:
+    """From the end of the word to the first stop; where that came before, the word's beginning."""
+    times = [
+        1e3
+        * (next(s.at for s in r.heard.said if s.is_taken and s.command == "stop") - r.label["end"])
+        for r in stopped
+    ]
+    if not times:
+        return []
+    return [
+        Figure(f"{name}: {q}", float(np.percentile(times, int(q[1:]))), "ms", limit)
+        for q, limit in LATE.items()
+    ]
+
+
+def _plans() -> Iterator[tuple[str, list[OverlapTrial]]]:
+    humans = [clip for clip in recorded(DEV) if clip.text in STOP][::2]
+    talk = _talk()
+    if not humans or not talk:
+        return
+    voices = spoken(spread(STOP, natives().present, 2, SEED))
+    for who, words in (("human", humans), ("synthetic", voices)):
+        for level, is_moving in product(LEVELS, STATES):
+            yield from _under(who, words, talk, level, is_moving, "both")
+        for level, way in product((12.0, 0.0), WAYS[1:]):
+            yield from _under(who, words, talk, level, True, way)
+    others = spoken(spread((OTHER,), natives().present, 2, SEED))
+    for level, is_moving in product(AT_ONCE, STATES):
+        name = f'"stop" {level:g} dB over {OTHER!r}, {STATES[is_moving]}'
+        turned = [*others[len(others) // 2 :], *others[: len(others) // 2]]  # by another voice
+        pairs = zip(voices, turned, strict=False)
+        yield (
+            name,
+            [
+                OverlapTrial("at once", word, other, level, index, is_moving)
+                for index, (word, other) in enumerate(pairs)
+            ],
+        )
+    for is_moving, way in product(STATES, WAYS):
+        trials = [
+            OverlapTrial("talk alone", clip, None, 0.0, index, is_moving, way)
+            for index, clip in enumerate(talk)
+        ]
+        yield f"human talk, {STATES[is_moving]}, {_ears(way)}", trials
+
+
+def _under(
+    who: str,
+    words: Sequence[SpokenClip],
+    talk: Sequence[SpokenClip],
+    level: float,
+    is_moving: bool,
+    way: Way,
+) -> Iterator[tuple[str, list[OverlapTrial]]]:
+    name = f'{who} "stop" {level:g} dB over talk, {STATES[is_moving]}, {_ears(way)}'
+    trials = [
+        OverlapTrial("under talk", word, talk[index % len(talk)], level, index, is_moving, way)
+        for index, word in enumerate(words)
+    ]
+    yield name, trials
+
+
+def _talk() -> list[SpokenClip]:
+    """Sentences of people, of whom nobody says "stop"."""
+    return [clip for clip in recorded(TALK) if not clip.text]
+
+
+def _ears(way: Way) -> str:
+    return "both ways" if way == "both" else f"{way} alone"
+
+
+def _full(plans: dict[str, list[OverlapTrial]]) -> int:
+    return sum(map(len, plans.values()))
