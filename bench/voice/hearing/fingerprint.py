@@ -22,7 +22,7 @@ from bench.common import resumable
 from bench.common.resumable import code, digest
 from bench.voice.hearing.replay_stream import SceneListener, SoundScene
 from support.theatre_sound import LEVEL, speak, theatre_noise
-from voice_assist.assembly import make_recognizer, make_spotter
+from voice_assist.assembly import make_recognizer, make_spotter, make_spotters
 from voice_assist.config import CONFIG_DIR, VoiceConfig, load_voice_config
 from voice_assist.pipeline import pipeline
 from voice_assist.types import RATE, Mode, Samples
@@ -88,7 +88,9 @@ def identity(model: str) -> str:
 @cache
 def identity_in_motion(model: str) -> str:
     """The same with all that decides what is heard while the robot moves."""
-    moving = values(load_voice_config().moving)
+    config = load_voice_config()
+    _, spotters = make_spotters(config)
+    moving = values(config.moving), spotters
     now = digest(identity(model), moving, code(Path(pipeline.__file__).parent.parent))
     path = resumable.CACHE / "fingerprints" / f"{model}-{now}-moving.json"
     decided = resumable.remembered(path, lambda: decisions(model, is_moving=True))

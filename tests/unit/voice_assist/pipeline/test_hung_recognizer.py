@@ -110,7 +110,7 @@ class Room:
             "follow_controller": lambda *_: None,
             "VoiceDiagnostics": self.diagnostics,
             "make_recognizer": lambda _: self.recognizer,
-            "make_spotter": lambda *_: (self.spotter, "0"),
+            "make_spotters": lambda _: (self.spotter, "0"),
             "make_source": lambda *_: self,
             "make_pipeline": self.pipeline,
         }

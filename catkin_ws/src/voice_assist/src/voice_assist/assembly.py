@@ -5,6 +5,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from hashlib import sha256
 from typing import TYPE_CHECKING
 
 from voice_assist.audio.microphone import Microphone, Pause
@@ -21,7 +24,9 @@ from voice_assist.vad.detector import make_detector
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
     from voice_assist.speaker.gate import Gate
+    from voice_assist.spotter.overlap import OverlapNetwork
     from voice_assist.spotter.spotter import Spotter, Spotting
+    from voice_assist.types import Samples
 
 CODE_KEPT = "ONEDNN_PRIMITIVE_CACHE_CAPACITY"
 MOST_KEPT = 64  # 34 MB less after 20 minutes of talk and commands than 1,024, and no slower
@@ -56,12 +61,14 @@ def make_recognizer(config: VoiceConfig) -> Recognizer:
     return personalise(config.profile, base)
 
 
-def make_spotter(config: SpotterConfig, moving: MovingConfig | None = None) -> tuple[Spotter, str]:
+def make_spotter(
+    config: SpotterConfig, alone_in_motion: float | None = None
+) -> tuple[Spotter, str]:
     """Load the spotter; gives the SHA-256 of its model too.
 
     Args:
         config: When it fires at rest.
-        moving: When it fires while the robot moves; None: as at rest.
+        alone_in_motion: Score from which it fires in motion [nat]; None: as at rest.
 
     Raises:
         ModelError: The model or the networks below it are missing or damaged.
@@ -71,8 +78,35 @@ def make_spotter(config: SpotterConfig, moving: MovingConfig | None = None) -> t
     from voice_assist.spotter.spotter import Spotter
 
     head, digest = read_head()
-    in_motion = None if moving is None else moving.spotter_alone
-    return Spotter(config, Embedder(), scorer(head), CONTEXT, in_motion), digest
+    return Spotter(config, Embedder(), scorer(head), CONTEXT, alone_in_motion), digest
+
+
+def make_spotters(config: VoiceConfig) -> tuple[Spotting, str]:
+    """All spotters that the settings ask for, as one, and the SHA-256 of their models.
+
+    Raises:
+        ModelError: A model is missing or damaged.
+    """
+    moving = config.moving
+    always, digest = make_spotter(config.spotter, moving.spotter_alone)
+    if not (moving.is_enabled and moving.over_talk):
+        return always, digest
+    from voice_assist.spotter.in_motion import SpotterInMotion
+    from voice_assist.spotter.overlap import WindowCutter, overlap_scorer
+    from voice_assist.spotter.spotter import Spotter
+
+    network, digest_of_second = _over_talk()
+    thresholds = replace(config.spotter, alone=moving.over_talk_alone)
+    second = Spotter(thresholds, WindowCutter(), overlap_scorer(network), 1)
+    both = sha256((digest + digest_of_second).encode()).hexdigest()
+    return SpotterInMotion(always, second), both
+
+
+@cache
+def _over_talk() -> tuple[OverlapNetwork, str]:
+    from voice_assist.spotter.overlap import read_overlap
+
+    return read_overlap()
 
 
 def make_pipeline(
@@ -103,10 +137,19 @@ def make_pipeline(
     config, own = with_profile(config)
     voiceprint = voiceprint or own
     if spotting is None and config.spotter.is_enabled:
-        spotting, _ = make_spotter(config.spotter, config.moving)
+        spotting, _ = make_spotters(config)
     second, gate = StopFusion(config.spotter, spotting), _make_gate(config, voiceprint)
     detector = make_detector(config.audio.vad)
-    return Pipeline(config, recognizer, detector, clock, second, observer, gate)
+    in_sound = _stop_in_sound(config.moving)
+    return Pipeline(config, recognizer, detector, clock, second, observer, gate, in_sound)
+
+
+def _stop_in_sound(config: MovingConfig) -> Callable[[Samples], float] | None:
+    if not (config.is_enabled and config.over_talk):
+        return None
+    from voice_assist.spotter.overlap import sound_scorer
+
+    return sound_scorer(_over_talk()[0])
 
 
 def _make_gate(config: VoiceConfig, voiceprint: bytes | None) -> Gate | None:

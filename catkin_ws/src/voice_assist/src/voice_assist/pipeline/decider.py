@@ -7,6 +7,7 @@ Every other command is taken in `Decider.command`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,7 @@ from voice_assist.intent.early_decision import DecisionContext, EarlyDecision, t
 from voice_assist.intent.mapper import Mapper
 from voice_assist.intent.rejection_rules import RejectionRules
 from voice_assist.text.normalize import contains, is_negated, normalize
-from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason
+from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason, Samples
 
 if TYPE_CHECKING:
     from voice_assist.pipeline.partial_decoding import PartialDecoder
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from voice_assist.vad.segmenter import PartialUtterance
 
 RECOGNIZER, SPOTTER = "recognizer", "spotter"  # who decided
+StopInSound = Callable[[Samples], float]
 NEVER = 1000.0  # [nat] a `halt_score_threshold` that switches halts by score off
 
 
@@ -48,6 +50,7 @@ class Decider:
         decoder: PartialDecoder,
         stop_fusion: StopFusion,
         rejection_rules: RejectionRules,
+        stop_in_sound: StopInSound | None = None,
     ) -> None:
         """Join the rules.
 
@@ -57,7 +60,9 @@ class Decider:
             decoder: Holds the newest transcript, and scores phrases in its sound.
             stop_fusion: Joins recogniser and spotter.
             rejection_rules: What keeps a motion from being taken.
+            stop_in_sound: How surely a stop is anywhere in a sound [nat]; None: nobody says.
         """
+        self._stop_in_sound = stop_in_sound
         self._config, self._recognizer_config = config, config.recognizer
         self._mapper, self._decoder, self._stop_fusion = mapper, decoder, stop_fusion
         self._rejection_rules = rejection_rules
@@ -173,16 +178,24 @@ class Decider:
         The motion would begin now, so the operating point of a moving robot counts for its sound.
         """
         moving = self._config.moving
-        spotted = self._stop_fusion.best_since(partial.utterance.speech_start)
-        if not moving.is_enabled or spotted is None or spotted < moving.refuse_spotter:
+        if not moving.is_enabled:
             return None
+        spotted = self._stop_fusion.best_since(partial.utterance.speech_start)
+        by_spotter = NEVER if spotted is None else moving.spotter_alone - spotted
+        missing = [(by_spotter, moving.spotter_alone - moving.refuse_spotter)]
+        if self._stop_in_sound is not None:
+            lacks = moving.over_talk_alone - self._stop_in_sound(self._decoder.sound)
+            missing.append((lacks, moving.over_talk_alone - moving.refuse_over_talk))
+        if all(lacks > allowed for lacks, allowed in missing):
+            return None
+        lacks = min(lacks for lacks, _ in missing)
         phrase = self._stop_fusion.phrase
         outcome: Match | NoMatch = Match(phrase, self._mapper(transcript.text).wer)
-        if spotted < moving.spotter_alone:
-            words = f"a {phrase!r} may be in the same sound: {spotted:.1f} nat"
+        if lacks > 0.0:
+            words = f"a {phrase!r} may be in the same sound: {lacks:.1f} nat short of one"
             outcome = outcome.rejected(Rejection(RejectionReason.SECOND_VOICE, words))
-        confidence = self._recognizer_config.confidence.spotter(spotted)
-        return Verdict(outcome, transcript, confidence, SPOTTER)
+        worth = self._recognizer_config.confidence.spotter(moving.spotter_alone - lacks)
+        return Verdict(outcome, transcript, worth, SPOTTER)
 
     def command(self, match: Match, transcript: Hypothesis, partial: PartialUtterance) -> Verdict:
         """A command that is no halt, or why it is not taken, by the scores of whole commands."""

@@ -23,7 +23,7 @@ from voice_assist.intent.dialogue import (
 from voice_assist.intent.early_decision import DecisionContext
 from voice_assist.intent.mapper import Mapper
 from voice_assist.intent.rejection_rules import RejectionRules
-from voice_assist.pipeline.decider import Decider, Verdict
+from voice_assist.pipeline.decider import Decider, StopInSound, Verdict
 from voice_assist.pipeline.partial_decoding import PartialDecoder
 from voice_assist.side_inputs import Observer, SideInput, SideInputKind, ignore
 from voice_assist.spotter.fusion import StopFusion
@@ -71,6 +71,7 @@ class Pipeline:
         stop_fusion: StopFusion | None = None,
         observer: Observer = ignore,
         gate: Gate | None = None,
+        stop_in_sound: StopInSound | None = None,
     ) -> None:
         """Join the stages.
 
@@ -82,6 +83,7 @@ class Pipeline:
             stop_fusion: The spotter and the rule that joins it; without it the recogniser is alone.
             observer: Gets all inputs besides sound, and all sound that is skipped for lack of time.
             gate: Refuses motions in other voices; None: any voice may move the robot.
+            stop_in_sound: How surely a stop is anywhere in a sound [nat]; None: nobody says.
         """
         self._config, self._clock, self._observer = config, clock, observer
         self._next_sample = 0  # index of the sample that follows all those taken
@@ -97,7 +99,8 @@ class Pipeline:
         self._decoder = PartialDecoder(recognizer, early, clock, observer, mapper.cannot_become)
         self._robot_speech = RobotSpeech(config.audio.robot_speech)
         rejection_rules = RejectionRules(config, self._robot_speech, gate)
-        self._decider = Decider(config, mapper, self._decoder, self._stop_fusion, rejection_rules)
+        rules = self._stop_fusion, rejection_rules, stop_in_sound
+        self._decider = Decider(config, mapper, self._decoder, *rules)
         self._dialogue_state = AT_START
         self._shown = ""  # the transcript published last
         self._start_utterance()

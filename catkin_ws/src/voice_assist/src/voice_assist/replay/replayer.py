@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from typed_config import ConfigError, load_yaml, with_present_keys
-from voice_assist.assembly import limit_torch, make_pipeline, make_spotter
+from voice_assist.assembly import limit_torch, make_pipeline, make_spotters
 from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.audio.source import FRAME
 from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, voice_config
@@ -186,7 +186,7 @@ def replay_pipeline(
         config, recognizer, missing = _with_profile(config, recognizer)
         spotter, digest = None, ""
         if config.spotter.is_enabled:
-            spotter, digest = make_spotter(config.spotter, config.moving)
+            spotter, digest = make_spotters(config)
     except (VoiceError, ConfigError, ValueError) as error:
         raise NotReplayable(str(error)) from error
     hearing = PipelineReplay(config, recognizer, spotter, past)

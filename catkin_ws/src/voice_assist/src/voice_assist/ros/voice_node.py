@@ -19,7 +19,7 @@ from voice_assist.assembly import (
     make_pipeline,
     make_recognizer,
     make_source,
-    make_spotter,
+    make_spotters,
 )
 from voice_assist.audio.input_check import SoundWatch, at_full_scale
 from voice_assist.audio.source import AudioSource, level_db
@@ -46,7 +46,7 @@ from voice_assist.ros.robot_commands import require_known
 from voice_assist.ros.robot_speech import RobotSpeechTopic
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.side_inputs import SideInput, SideInputKind
-from voice_assist.spotter.spotter import Spotted, Spotter
+from voice_assist.spotter.spotter import Spotted, Spotting
 from voice_assist.spotter.thread import SpotterThread
 from voice_assist.text.spoken_reply import spoken_reply
 from voice_assist.types import (
@@ -290,11 +290,11 @@ class VoiceNode:
 
     # --- thread 3: the second way to a stop
 
-    def _load_spotter(self) -> Spotter:
-        spotter, self._health.spotter = make_spotter(self._config.spotter, self._config.moving)
+    def _load_spotter(self) -> Spotting:
+        spotter, self._health.spotter = make_spotters(self._config)
         return spotter
 
-    def _in_thread(self, spotter: Spotter) -> SpotterThread:
+    def _in_thread(self, spotter: Spotting) -> SpotterThread:
         callbacks = self._spotted, self._spotter_failed
         patience = self._config.spotter.patience
         observer = self._publish.circumstance

@@ -29,6 +29,7 @@ STEP = 1280  # samples between two looks, 80 ms
 WINDOW = 25_600  # samples that a look sees, 1.6 s
 TRAINED = 2  # blocks of the encoder, the last ones, that have weights of their own
 ENCODER_SHA256, STATE = "encoder_sha256", "state"  # keys of the file
+_HOP, _MOST_WINDOWS = 3 * STEP, 8  # of a whole sound: each 0.24 s, 1.9 s in all
 _WIDE, _NARROW, _REACH = 128, 64, 5  # channels and width of the convolutions
 
 Windows = NDArray[np.float32]
@@ -158,5 +159,18 @@ def overlap_scorer(network: OverlapNetwork) -> Callable[[Windows], float]:
     def score(window: Windows) -> float:
         with torch.inference_mode():
             return float(network(torch.from_numpy(window))[0])
+
+    return score
+
+
+def sound_scorer(network: OverlapNetwork) -> Callable[[Samples], float]:
+    """The network for a whole sound, shape (n,): the best log-odds [nat] of its newest seconds."""
+
+    def score(sound: Samples) -> float:
+        padded = np.concatenate([np.zeros(WINDOW, np.float32), sound.astype(np.float32)])
+        ends = range(len(padded), WINDOW, -_HOP)[:_MOST_WINDOWS]
+        windows = np.stack([padded[end - WINDOW : end] for end in ends or (len(padded),)])
+        with torch.inference_mode():
+            return float(network(torch.from_numpy(windows))[0].max())
 
     return score
