@@ -3,7 +3,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import torch
 
 from tests.unit.voice_assist.support.fake_speech import quiet_frame
 from voice_assist.spotter.in_motion import SpotterInMotion
@@ -63,7 +62,3 @@ def test_the_newest_seconds_of_a_sound_are_seen_whole(seconds, place):
         return windows.max(1).values, windows
 
     assert sound_scorer(loudest)(sound) == (1.0 if len(newest) else 0.0)
-    assert (
-        isinstance(sound_scorer(loudest)(sound), float)
-        and torch.is_inference_mode_enabled() is False
-    )
