@@ -68,11 +68,11 @@ class KinovaRig(LockStep):
         with quiet():
             self.robot = PybulletRobot(settings, start=START)
         self.drivers = KinovaRobot(stand_in, self._limits, self.robot)
-        kinova = replace(bridge or load_kinova_config(), limits=motion.limits)
+        kinova = replace(bridge or load_kinova_config(), limits=motion.limits, scene=motion.scene)
         self.bridge = Bridge(kinova, self)
         arm, tool = kinova.bridge.arm, kinova.bridge.tool
-        self._read_arm = FeedbackReader(arm.joints, (1.0,) * 7, turns=True)
-        self._read_tool = FeedbackReader(tool.joints, tool.signs, turns=False)
+        self._read_arm = FeedbackReader(arm.joints, (1.0,) * 7, kinova.first_turns)
+        self._read_tool = FeedbackReader(tool.joints, tool.signs, None)
         self.arm_names, self._tool_names = arm.joints, tool.joints
         self._steps, self._is_sending = 0, False
         self._guard = StopGuard(kinova.bridge.guard)

@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from bench.safety.suite import gather
-from bench.site import tension
+from bench.site import tension, turns
 from support.figures import RESULTS, Figure
 
 PARTS: dict[str, Callable[[], list[Figure]]] = {
     "tension": tension.measure,  # a sensor that fails in each way, while tissue is held
+    "turns": turns.measure,  # joints that turn for ever, written in each of their turns
 }
 
 

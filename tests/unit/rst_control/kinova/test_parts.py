@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rst_control.config import CONFIG_FOLDER
-from rst_control.kinova.config import BridgeConfig
+from rst_control.kinova.config import BridgeConfig, load_kinova_config
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, unwrapped
 from rst_control.kinova.guard import StopGuard
 from rst_control.kinova.velocity_ramp import Ramp, feasible_share, velocity_for
@@ -25,7 +25,7 @@ def values(*position):
 
 class TestFeedback:
     def test_other_orders_and_strangers_are_put_right(self):
-        read = FeedbackReader(NAMES, (1.0, 1.0, -1.0), turns=False)
+        read = FeedbackReader(NAMES, (1.0, 1.0, -1.0), None)
         told = read.read(("c", "x", "a", "b"), values(3.0, 9.0, 1.0, 2.0), 5.0)
         np.testing.assert_allclose(told.position, [1.0, 2.0, -3.0])
         assert told.stamp == 5.0
@@ -39,18 +39,34 @@ class TestFeedback:
         ],
     )
     def test_what_cannot_be_used_is_refused(self, names, position, words):
-        read = FeedbackReader(NAMES, (1.0, 1.0, 1.0), turns=True)
+        read = FeedbackReader(NAMES, (1.0, 1.0, 1.0), (0.0,) * 3)
         with pytest.raises(BadFeedback, match=words):
             read.read(names, values(*position), 0.0)
 
     def test_angles_go_on_over_half_a_turn(self):
-        read = FeedbackReader(("a",), (1.0,), turns=True)
+        read = FeedbackReader(("a",), (1.0,), (1.0,))
         course = np.linspace(2.0, 9.0, 200)
         told = [
             read.read(("a",), values(float(np.mod(q + np.pi, 2 * np.pi) - np.pi)), 0.0).position
             for q in course
         ]
         np.testing.assert_allclose(np.ravel(told), course, atol=1e-12)
+
+    def test_the_first_state_is_in_the_turn_of_home(self):
+        read = FeedbackReader(NAMES, (1.0, 1.0, 1.0), (3.1, -3.1, float("nan")))
+        read_on = read.read(NAMES, values(-3.1, 3.1, 3.1), 0.0)
+        turn = 2 * np.pi
+        np.testing.assert_allclose(read_on.position, [turn - 3.1, 3.1 - turn, 3.1])
+        read_on = read.read(NAMES, values(-3.0, 3.0, -3.1), 0.025)
+        np.testing.assert_allclose(read_on.position, [turn - 3.0, 3.0 - turn, turn - 3.1])
+
+    def test_only_joints_that_turn_for_ever_take_the_turn_of_home(self):
+        config = load_kinova_config()
+        is_endless = np.isfinite(config.first_turns)
+        assert is_endless.tolist() == [True, False] * 3 + [True]
+        np.testing.assert_array_equal(
+            np.array(config.first_turns)[is_endless], config.scene.home[0:7:2]
+        )
 
     @given(st.floats(-20.0, 20.0), st.floats(-3.0, 3.0))
     def test_unwrapping_takes_the_nearest_turn(self, last, step):

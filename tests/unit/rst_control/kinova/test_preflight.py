@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
+import yaml
 
 from rst_control.config import CONFIG_FOLDER
 from rst_control.kinova.preflight import NotReady, check, main
-from typed_config import ConfigError
+from typed_config import ConfigError, load_yaml
 
 LIMITS, SCENE = CONFIG_FOLDER / "kinova_limits.yaml", CONFIG_FOLDER / "scene.yaml"
 TROCAR = (0.406, -0.024, 0.415)
@@ -46,6 +49,25 @@ def test_what_is_missing_is_named(changes, words):
     with pytest.raises(NotReady) as refused:
         check(**{**given, **changes})
     assert words in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("joint", "words"),
+    [
+        (1, "joint_2 at 5.966 rad, allowed -2.240 to 2.240 rad"),
+        (6, "joint_7 at 4.606 rad, allowed -3.142 to 3.142 rad"),
+    ],
+)
+def test_a_home_in_the_angles_of_the_web_page_is_named(tmp_path, joint, words):
+    data = load_yaml(SCENE)
+    reported = data["home"][joint]
+    data["home"][joint] = reported + 2 * math.pi
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(yaml.safe_dump(data))
+    with pytest.raises(NotReady) as refused:
+        check(True, False, TROCAR, LIMITS, scene, 0.1)
+    assert words in str(refused.value)
+    assert f"the driver reports {reported:.3f} rad" in str(refused.value)
 
 
 def test_a_limits_file_that_is_none_is_refused(tmp_path):

@@ -74,6 +74,16 @@ class InsertionOutOfRange(Infeasible):
         self.depth, self.least, self.most = depth, least, most
 
 
+class LongWay(Infeasible):
+    """A joint or the elbow would move much further than the tool needs."""
+
+    def __init__(self, what: str, way: str, length: float, allowed: str) -> None:
+        super().__init__(
+            f"{what} would move by {way} on a way of {length * 1e3:.1f} mm, allowed {allowed}"
+        )
+        self.what, self.length = what, length
+
+
 class Collision(Infeasible):
     """Two parts of the robot, or one and what stands around it, would come too near."""
 

@@ -13,6 +13,7 @@ from rst_control.errors import (
     Infeasible,
     InsertionOutOfRange,
     JointLimitExceeded,
+    LongWay,
     NearSingular,
     NoGrasp,
     OutsideWorkspace,
@@ -31,6 +32,7 @@ REASONS: Final[dict[type[Infeasible], Reason]] = {
     Collision: Reason.COLLISION,
     NoWay: Reason.COLLISION,
     NearSingular: Reason.SINGULAR,
+    LongWay: Reason.JOINT_LIMIT,
 }
 
 

@@ -109,6 +109,9 @@ class RcmConfig:
     insertion: tuple[float, float] = number(0.0, 0.6, "m")
     knot_spacing: float = number(1e-4, 2e-3, "m")
     rotation_radius: float = number(1e-3, 1.0, "m")
+    max_joint_way: float = number(0.5, 6.2832, "rad")
+    elbow_allowance: float = number(0.0, 1.0, "m")
+    elbow_ratio: float = number(0.0, 100.0, "")
     solver: SolverConfig
     registration: RegistrationConfig
 

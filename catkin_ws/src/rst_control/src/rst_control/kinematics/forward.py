@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 
 SHAFT, TOOL0, TIP = 9, 10, 11  # rows of `frames` beside the 9 moving joints
 LOCKS = 12  # row of a chain: 1 for each joint 0 to 8 that is locked, row by row
+ELBOW = 3  # row of joint_4
 PITCH = 7  # row of the pitch joint: far end of the shaft
 
 

@@ -66,9 +66,9 @@ class IkSolver:
             trocar: Base frame, [m]. Shape (3,).
         """
         q = np.array(q_start, dtype=np.float64)
-        target = np.ascontiguousarray(T_base_tip[:3])
+        target, posture = np.ascontiguousarray(T_base_tip[:3]), self._posture_near(q)
         missing, iterations = constrained_ik.solve(
-            self.model.chain, q, target, trocar, self.posture, self._rule, True
+            self.model.chain, q, target, trocar, posture, self._rule, True
         )
         return self._result(q, missing, 1, iterations)
 
@@ -92,6 +92,15 @@ class IkSolver:
             best,
         )
         return self._result(best, missing, starts, iterations)
+
+    def _posture_near(self, q: Vector) -> Array:
+        """The posture with its reference in the turns of q (9,), held within the limits."""
+        turns = self.limits.turns_towards(self.reference, q)
+        if not turns.any():
+            return self.posture
+        posture = self.posture.copy()
+        posture[0] = np.clip(self.reference + turns, self.limits.lower, self.limits.upper)
+        return posture
 
     def _result(self, q: Vector, missing: float, starts: int, iterations: int) -> IkResult:
         is_solved = missing < self.config.tolerance and self.limits.violation(q) is None

@@ -4,14 +4,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rst_control.config import LimitLayer, LimitsConfig
 from rst_control.errors import JointLimitExceeded, UnknownLimitLayerError
 from rst_control.types import ARM_JOINTS, Vector, frozen_array
 
 PLAN_NAMES = (*ARM_JOINTS, "joint_pitch", "yaw")
+TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +25,15 @@ class JointLimits:
     upper: Vector  # [rad], margin taken off
     velocity: Vector  # [rad/s]
     acceleration: Vector  # [rad/s^2]
+
+    @cached_property
+    def endless(self) -> NDArray[np.bool_]:
+        """Joints whose range is more than a turn: one place, several angles. Shape (9,)."""
+        return self.upper - self.lower > TURN
+
+    def turns_towards(self, q: Vector, goal: Vector) -> Vector:
+        """Whole turns [rad] by which q (9,) comes as near to `goal` (9,) as can be; 0 elsewhere."""
+        return np.where(self.endless, TURN * np.round((goal - q) / TURN), 0.0)
 
     def violation(self, q: Vector) -> JointLimitExceeded | None:
         """What `require` would raise, or None."""

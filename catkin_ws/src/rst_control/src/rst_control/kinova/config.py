@@ -3,17 +3,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from rst_control.config import CONFIG_FOLDER, LimitsConfig
+from rst_control.config import CONFIG_FOLDER, LimitsConfig, SceneConfig
 from rst_control.config.simulator import ServoConfig
 from typed_config import choice, flag, load_config, load_yaml, number, require, text
 
 Seven = tuple[float, float, float, float, float, float, float]
 Triple = tuple[float, float, float]
+TURN = 2.0 * math.pi
 ARM_COUNT = 7  # joints of the arm
 TOOL_COUNT = 3  # joints of OpenRST: pitch, left jaw, right jaw
 
@@ -130,7 +132,14 @@ class KinovaConfig:
     """All that the bridge reads: the form of its node's private parameters."""
 
     limits: LimitsConfig
+    scene: SceneConfig  # whose home says in which turn each joint of the arm is
     bridge: BridgeConfig
+
+    @property
+    def first_turns(self) -> tuple[float, ...]:
+        """Home of each arm joint that turns for ever [rad]; NaN for the others. Shape (7,)."""
+        limits = zip(self.limits.arm_lower, self.limits.arm_upper, self.scene.home, strict=False)
+        return tuple(home if high - low > TURN else math.nan for low, high, home in limits)
 
 
 def load_kinova_config(folder: Path = CONFIG_FOLDER) -> KinovaConfig:
@@ -140,7 +149,9 @@ def load_kinova_config(folder: Path = CONFIG_FOLDER) -> KinovaConfig:
         typed_config.ConfigError: A key is unknown, missing or out of range; names it and its file.
     """
     limits, bridge = folder / "limits.yaml", folder / "kinova_bridge.yaml"
+    scene = folder / "scene.yaml"
     return KinovaConfig(
         limits=load_config(LimitsConfig, load_yaml(limits), limits.name),
+        scene=load_config(SceneConfig, load_yaml(scene), scene.name),
         bridge=load_config(BridgeConfig, load_yaml(bridge), bridge.name),
     )

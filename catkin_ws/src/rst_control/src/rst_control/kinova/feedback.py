@@ -31,9 +31,10 @@ class JointFeedback:
 def unwrapped(position: Vector, last: Vector) -> Vector:
     """Positions [rad] by whole turns as near to the last ones as can be; both of shape (n,).
 
-    The arm's driver reports angles between -pi and pi, also of joints that turn for ever.
+    The arm's driver reports angles between -pi and pi, also of joints that turn for ever. Where
+    the last one is NaN the position is left as it is.
     """
-    return position - TURN * np.round((position - last) / TURN)
+    return position - TURN * np.nan_to_num(np.round((position - last) / TURN))
 
 
 class FeedbackReader:
@@ -42,12 +43,15 @@ class FeedbackReader:
     Args:
         names: Joints as the driver names them, in our order.
         signs: Our joint over the driver's, each 1 or -1; shape (n,).
-        turns: Whether the driver's angles start again after a turn.
+        near: Angles [rad] that the first state is half a turn from, at most; NaN: as reported.
+            None: the driver's angles do not start again after a turn. Shape (n,).
     """
 
-    def __init__(self, names: Sequence[str], signs: Sequence[float], turns: bool) -> None:
-        self._names, self._signs, self._turns = tuple(names), np.array(signs), turns
-        self._last: Vector | None = None
+    def __init__(
+        self, names: Sequence[str], signs: Sequence[float], near: Sequence[float] | None
+    ) -> None:
+        self._names, self._signs = tuple(names), np.array(signs)
+        self._last = None if near is None else np.array(near, dtype=float)
 
     def read(
         self,
@@ -75,9 +79,8 @@ class FeedbackReader:
         effort = np.zeros(len(order))
         if len(values["effort"]):
             effort = self._signs * _picked("effort", values["effort"], order, len(names))
-        if self._turns and self._last is not None:
-            position = unwrapped(position, self._last)
-        self._last = position
+        if self._last is not None:
+            position = self._last = unwrapped(position, self._last)
         count = len(order)
         return JointFeedback(
             frozen_array(position, count),

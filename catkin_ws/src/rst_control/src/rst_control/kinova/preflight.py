@@ -17,6 +17,7 @@ import numpy as np
 from rst_control.config import CONFIG_FOLDER, LimitsConfig, RcmConfig, SceneConfig
 from rst_control.errors import RstError
 from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.joint_limits import TURN
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
 from typed_config import ConfigError, load_config, load_yaml
@@ -68,10 +69,25 @@ def check(
         )
     if not 0.0 < scale <= 1.0:
         raise NotReady(f"speed_scale is {scale:g}, allowed above 0, up to 1")
-    layer = load_config(LimitsConfig, load_yaml(limits), limits.name).layer
-    _check_home(load_config(SceneConfig, load_yaml(scene), scene.name), trocar, scene)
+    bounds = load_config(LimitsConfig, load_yaml(limits), limits.name)
+    home = load_config(SceneConfig, load_yaml(scene), scene.name)
+    _check_turns(home, bounds, scene)
+    _check_home(home, trocar, scene)
     what = "simulated drivers" if is_simulated else "the real robot"
-    return f"{what}, limits {layer}, speeds times {scale:g}"
+    return f"{what}, limits {bounds.layer}, speeds times {scale:g}"
+
+
+def _check_turns(scene: SceneConfig, limits: LimitsConfig, file: Path) -> None:
+    """Home is in the angles that the driver reports, not in those of the robot's web page."""
+    ends = zip(scene.home, limits.arm_lower, limits.arm_upper, strict=False)
+    for joint, (angle, low, high) in enumerate(ends, 1):
+        if not max(low, -math.pi) <= angle <= min(high, math.pi):
+            reported = math.remainder(angle, TURN)
+            raise NotReady(
+                f"home of {file} has joint_{joint} at {angle:.3f} rad, allowed "
+                f"{max(low, -math.pi):.3f} to {min(high, math.pi):.3f} rad: the web page counts "
+                f"from 0 to 360 degrees, the driver reports {reported:.3f} rad; give that"
+            )
 
 
 def _check_home(scene: SceneConfig, trocar: Sequence[float], file: Path) -> None:

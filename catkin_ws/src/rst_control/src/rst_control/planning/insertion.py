@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 from rst_control.errors import (
     Infeasible,
     InsertionOutOfRange,
+    LongWay,
     OutsideWorkspace,
     TrocarDrift,
     Unreachable,
 )
 from rst_control.kinematics import continuation
 from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.joint_limits import PLAN_NAMES, TURN
 from rst_control.planning.free_space import Approach
 from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
@@ -38,6 +40,7 @@ STRAIGHT: Final = 1e-9  # [rad] of pitch and yaw, below which the tool counts as
 NEARLY_STRAIGHT: Final = 0.01  # [rad] that may be straightened in the trocar: 0.3 mm at the tip
 WRIST_LENGTH: Final = 0.0265  # [m] from the pitch joint to the tip of a straight tool
 SLIGHT: Final = 1e-7  # [m] of way that is none
+DETOUR: Final = np.pi  # [rad] that an approach may turn a joint further than straight there
 
 
 class ToolBent(Infeasible):
@@ -96,6 +99,31 @@ class Insertion:
         out = self._withdraw(self.working)
         return tuple(Leg(PhaseKind.INSERT, leg.path.reversed()) for leg in reversed(out))
 
+    def _way_in_near(self, q: Vector) -> tuple[Leg, ...]:
+        """The way in, each endless joint in the turn nearest to q (9,) that its limits leave."""
+        legs, limits = self._way_in, self._planner.limits
+        turns = limits.turns_towards(legs[0].path.start, q)
+        knots = np.concatenate([leg.path.knots for leg in legs])
+        turns = np.where(knots.max(axis=0) + turns > limits.upper, turns - TURN, turns)
+        turns = np.where(knots.min(axis=0) + turns < limits.lower, turns + TURN, turns)
+        turns = np.where(limits.endless, turns, 0.0)
+        return tuple(Leg(leg.kind, leg.path.turned(turns)) for leg in legs)
+
+    def _require_short(self, q: Vector, corners: tuple[Vector, ...]) -> None:
+        """Keep an approach from q (9,) by the corners (9,) from turning a joint the long way."""
+        if not corners:
+            return
+        direct = np.abs(corners[-1] - q)
+        turned = np.abs(np.diff([q, *corners], axis=0)).sum(axis=0)
+        endless, most = self._planner.limits.endless, self._rcm.max_joint_way
+        allowed = np.where(endless & (direct > most), most, direct + DETOUR)
+        worst = int((turned - allowed).argmax())
+        if not turned[worst] <= allowed[worst]:
+            ways = f"{turned[worst]:.2f} rad", f"{allowed[worst]:.2f} rad"
+            tips = [Configuration(self._planner.model, x).tip for x in (q, corners[-1])]
+            length = float(np.linalg.norm(tips[1] - tips[0]))
+            raise LongWay(PLAN_NAMES[worst], ways[0], length, ways[1])
+
     @property
     def _home_pose(self) -> Array:
         return Configuration(self._planner.model, self._scene.home).T_base_tip
@@ -117,8 +145,10 @@ class Insertion:
         """
         if not self._patient.trocar_pose(q).is_outside:
             return self._insert_on(q)
-        ways = self._approach.way(np.array(q), self._way_in[0].path.start)
-        return (*(Leg(PhaseKind.APPROACH, way) for way in ways), *self._way_in)
+        way_in = self._way_in_near(q)
+        ways = self._approach.way(np.array(q), way_in[0].path.start)
+        self._require_short(q, tuple(way.end for way in ways))
+        return (*(Leg(PhaseKind.APPROACH, way) for way in ways), *way_in)
 
     def withdraw(self, q: Vector) -> tuple[Leg, ...]:
         """Ways from q (9,), in the trocar, to outside: the tool straightened, then out along it.

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.config import MotionConfig
-from rst_control.errors import InsertionOutOfRange, OutsideWorkspace, TrocarDrift
+from rst_control.errors import InsertionOutOfRange, LongWay, OutsideWorkspace, TrocarDrift
 from rst_control.kinematics import manipulability
-from rst_control.kinematics.joint_limits import JointLimits
+from rst_control.kinematics.joint_limits import PLAN_NAMES, JointLimits
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.planning.collision import CollisionModel
 from rst_control.trajectory.path import Samples
@@ -53,6 +53,7 @@ class PathChecks:
         self.insertion(samples)
         self.workspace(samples.tip)
         self.posture(samples)  # from here on, limits that depend on the elbow
+        self.detour(samples)
         self.rcm(samples)  # last: what strays does so near a singularity, mostly
 
     def seating(self, samples: Samples) -> None:
@@ -105,6 +106,22 @@ class PathChecks:
         """
         for q in (samples.q[:, 0].min(axis=0), samples.q[:, 0].max(axis=0)):
             self._limits.require(q)
+
+    def detour(self, samples: Samples) -> None:
+        """Check that joints and elbow move no further than such a way of the tool needs.
+
+        Raises:
+            LongWay: One does; with how far, and what is allowed.
+        """
+        rcm, length = self._config.rcm, float(samples.s[-1])
+        turned = np.abs(np.diff(samples.q[:, 0], axis=0)).sum(axis=0)
+        worst = int(turned.argmax())
+        if not (way := float(turned[worst])) <= rcm.max_joint_way:
+            allowed = f"{rcm.max_joint_way:.2f} rad"
+            raise LongWay(PLAN_NAMES[worst], f"{way:.2f} rad", length, allowed)
+        way = float(np.linalg.norm(np.diff(samples.elbow, axis=0), axis=1).sum())
+        if not way <= (most := rcm.elbow_allowance + rcm.elbow_ratio * length):
+            raise LongWay("the elbow", f"{way * 1e3:.0f} mm", length, f"{most * 1e3:.0f} mm")
 
     def rcm(self, samples: Samples) -> None:
         """Check that the shaft stays in the trocar.

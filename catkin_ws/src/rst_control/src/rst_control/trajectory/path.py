@@ -60,6 +60,7 @@ def _sample(
         seen[n, 0], seen[n, 1] = np.sqrt(x * x + y * y), along
         for i in range(3):
             seen[n, 2 + i] = frames[kin.TIP, i, 3]
+            seen[n, 5 + i] = frames[kin.ELBOW, i, 3]
 
 
 class PathPoint(NamedTuple):
@@ -79,6 +80,7 @@ class Samples:
     rcm_error: Vector  # (n,), [m]
     along: Vector  # (n,), [m] of shaft from interface_link to the trocar
     tip: Array  # (n, 3), base frame, [m]
+    elbow: Array  # (n, 3), base frame, [m]: joint_4
 
 
 class Path:
@@ -110,6 +112,10 @@ class Path:
         """Joints at s = length [rad]. Shape (9,)."""
         return self.knots[-1]
 
+    def turned(self, turns: Vector) -> Path:
+        """The same motion with joints further by whole turns (9,) [rad]."""
+        return Path(self.knots + turns, self.slopes, self.length)
+
     def reversed(self) -> Path:
         """The same motion backwards."""
         return Path(self.knots[::-1], -self.slopes[::-1], self.length)
@@ -117,9 +123,9 @@ class Path:
     def sample(self, chain: Array, trocar: Vector, per_knot: int = 10) -> Samples:
         """Look at the path at every knot and between, `per_knot` times as densely."""
         s = np.linspace(0.0, self.length, (len(self.knots) - 1) * per_knot + 1)
-        q, seen = np.empty((len(s), 3, 9)), np.empty((len(s), 5))
+        q, seen = np.empty((len(s), 3, 9)), np.empty((len(s), 8))
         _sample(chain, self.knots, self.slopes, self.spacing, trocar, s, q, seen)
-        return Samples(s, q, seen[:, 0], seen[:, 1], seen[:, 2:])
+        return Samples(s, q, seen[:, 0], seen[:, 1], seen[:, 2:5], seen[:, 5:])
 
 
 def speed_bounds(

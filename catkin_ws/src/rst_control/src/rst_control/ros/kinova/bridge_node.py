@@ -59,7 +59,7 @@ class KinovaBridgeNode:
 
     def __init__(self, config: KinovaConfig) -> None:
         self._config = config.bridge
-        self._hardware = KinovaHardware(config.bridge)
+        self._hardware = KinovaHardware(config.bridge, config.first_turns)
         self._bridge = Bridge(config, self._hardware)
         self._offset, self._reader = wall_offset(), JointStateReader(JOINTS)
         self._jobs: deque[Callable[[], None]] = deque(maxlen=MAX_JOBS)

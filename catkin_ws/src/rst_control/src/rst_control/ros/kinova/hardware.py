@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import rospy
 from kortex_driver.msg import Base_JointSpeeds, JointSpeed
@@ -32,9 +32,11 @@ class KinovaHardware:
 
     Args:
         config: Names of the drivers and of their joints.
+        first_turns: Of the arm's joints [rad], for `FeedbackReader`. Shape (7,).
     """
 
-    def __init__(self, config: BridgeConfig) -> None:
+    def __init__(self, config: BridgeConfig, first_turns: Sequence[float]) -> None:
+        self._first_turns = first_turns
         arm, tool = config.arm.namespace, config.tool.namespace
         self._config, self._is_closed = config, False
         newest = {"queue_size": 1, "tcp_nodelay": True}
@@ -89,7 +91,7 @@ class KinovaHardware:
         """Begin to hand over what the drivers report, from threads of rospy."""
         arm, tool = self._config.arm, self._config.tool
         newest = {"queue_size": 1, "tcp_nodelay": True}
-        reader = FeedbackReader(arm.joints, (1.0,) * len(arm.joints), turns=True)
+        reader = FeedbackReader(arm.joints, (1.0,) * len(arm.joints), self._first_turns)
         self._subscribers = [
             rospy.Subscriber(
                 f"{arm.namespace}/base_feedback/joint_state",
@@ -100,7 +102,7 @@ class KinovaHardware:
             rospy.Subscriber(
                 f"{tool.namespace}/joint_states",
                 JointState,
-                _to(FeedbackReader(tool.joints, tool.signs, turns=False), on_tool),
+                _to(FeedbackReader(tool.joints, tool.signs, None), on_tool),
                 **newest,
             ),
             rospy.Subscriber(
