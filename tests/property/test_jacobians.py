@@ -15,22 +15,13 @@ from rst_control.kinematics import constrained_ik, continuation, forward, manipu
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_offset
 from rst_control.kinematics.robot_model import load_robot, rotation
+from tests.support.jacobians import differences
 
-STEP = 1e-6  # [rad] of finite differences
 TROCAR = np.array([0.406, -0.024, 0.415])
 RADIAN = 0.1  # [m] that a radian of the tool counts as
 
 angles = st.floats(-2.0, 2.0)
 configurations = st.lists(angles, min_size=9, max_size=9).map(np.array)
-
-
-def differences(function, q, step=STEP):
-    columns = []
-    for joint in range(len(q)):
-        change = np.zeros(len(q))
-        change[joint] = step
-        columns.append((function(q + change) - function(q - change)) / (2.0 * step))
-    return np.stack(columns, axis=-1)
 
 
 def constraints(model, q):
@@ -98,19 +89,6 @@ def test_the_free_direction_moves_neither_tool_nor_shaft(q, is_straight):
     else:
         lateral = [rcm_offset(c.frames, TROCAR)[:2] for c in (ahead, behind)]
         assert_allclose(*lateral, atol=1e-8)
-
-
-@given(configurations)
-def test_small_joint_steps_change_what_a_straight_wrist_misses_by_minus_its_rows(q):
-    J = np.full((8, 9), np.nan)
-    constrained_ik.hold_wrist(q, np.empty(8), J)
-
-    def missing(joints):
-        r = np.empty(8)
-        constrained_ik.hold_wrist(joints, r, np.empty((8, 9)))
-        return r[:2]
-
-    assert_allclose(-J[:2], differences(missing, q), atol=1e-9)
 
 
 # Posture: its step descends the cost that it is said to descend.

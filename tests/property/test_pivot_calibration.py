@@ -41,14 +41,8 @@ def fit(a, d):
 def test_lines_through_a_point_give_back_that_point(seed, count, trocar):
     result = fit(*shafts(seed, count, trocar))
     assert_allclose(result.position, trocar, atol=1e-11)
-    assert result.largest < 1e-11
+    assert result.largest < 1e-11 and result.deviation < 1e-10
     assert result.outliers == ()
-
-
-@given(seeds, counts, points, st.floats(-0.3, 0.3))
-def test_sliding_along_the_shafts_changes_nothing(seed, count, trocar, slide):
-    a, d = shafts(seed, count, trocar, noise=1e-3)
-    assert_allclose(fit(a + slide * d, d).position, fit(a, d).position, atol=1e-10)
 
 
 @given(seeds, counts, points, st.tuples(*[st.floats(-3.0, 3.0)] * 3), points)
@@ -64,6 +58,7 @@ def test_moving_everything_moves_the_point_and_nothing_else(seed, count, trocar,
 
 @given(seeds, counts, points)
 def test_at_the_fit_the_sum_of_squares_is_at_its_least(seed, count, trocar):
+    """Of distances to whole lines: where along its shaft a pose was recorded plays no part."""
     a, d = shafts(seed, count, trocar, noise=1e-3)
 
     def squares(p):
@@ -106,10 +101,10 @@ def test_more_noise_means_more_residual_in_proportion(seed, trocar, times):
     assert more.deviation == pytest.approx(times * one.deviation, rel=1e-6)
 
 
-@given(seeds, counts, points, points)
-def test_parallel_shafts_are_refused(seed, count, trocar, direction):
+@given(seeds, counts, points, points, st.sampled_from([0.0, 0.01]))
+def test_parallel_shafts_are_refused(seed, count, trocar, direction, width):
     length = float(np.linalg.norm(direction))
     d = direction / length if length > 0.05 else np.array([0.0, 0.0, 1.0])
-    aside = np.random.default_rng(seed).normal(0.0, 0.01, (count, 3))
+    aside = np.random.default_rng(seed).normal(0.0, width, (count, 3))
     with pytest.raises(TooLittleSpread):
         fit_pivot(trocar + aside, np.tile(d, (count, 1)), 3, 0.0)

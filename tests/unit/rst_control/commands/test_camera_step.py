@@ -20,7 +20,6 @@ from rst_control.types import Reason, Rejected, State
 from tests.unit.rst_control.support.executor_rig import Rig, shared
 from tests.unit.rst_control.support.situations import request
 
-PICOMETRE = 1e-12
 SINGLE = 2e-6  # [m] of PyBullet's single precision, over the length of the arm
 ROUND = tuple(c for c in CAMERA_STEPS if not STEPS[c.phrase][2])  # the eight directions
 OPPOSITE = {tuple(np.negative(step)): phrase for phrase, step in STEPS.items()}
