@@ -269,10 +269,6 @@ class Graph:
     def depth(self):
         return max(len(way) for way in self.way.values())
 
-    @property
-    def edge_count(self):
-        return sum(len(edges) for edges in self.edges.values())
-
 
 def explore(given=None, deepest=None, is_first_enough=False):
     """Breadth first from the start to the fixed point, or to a depth."""

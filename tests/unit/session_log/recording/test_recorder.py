@@ -26,6 +26,13 @@ def full():
     return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
+def on_disk(folder, write):
+    """A writer whose bytes go through this function."""
+    writer = SessionWriter(folder / "s.mcap")
+    writer._stream._write = write
+    return writer
+
+
 def test_many_threads_lose_nothing(tmp_path, recorder_config):
     recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
     tallies = [recorder.register(text(f"/t{i}")) for i in range(8)]
@@ -110,12 +117,9 @@ def test_a_disk_that_fills_and_empties_again_costs_nothing(tmp_path, recorder_co
         room[0] -= len(data)
         return os.write(fd, data)
 
-    def open_writer():
-        writer = SessionWriter(tmp_path / "s.mcap")
-        writer._stream._write = write
-        return writer
-
-    recorder = Recorder(open_writer, replace(recorder_config, retry_period=0.05), time.time_ns)
+    recorder = Recorder(
+        lambda: on_disk(tmp_path, write), replace(recorder_config, retry_period=0.05), time.time_ns
+    )
     tally = recorder.register(text())
     recorder.start()
     for _ in range(300):
@@ -133,13 +137,8 @@ def test_memory_stays_bounded_while_the_disk_is_full(tmp_path, recorder_config):
     def write(fd, data):
         raise full()
 
-    def open_writer():
-        writer = SessionWriter(tmp_path / "s.mcap")
-        writer._stream._write = write
-        return writer
-
     config = replace(recorder_config, queue_messages=100, retry_period=0.05)
-    recorder = Recorder(open_writer, config, time.time_ns)
+    recorder = Recorder(lambda: on_disk(tmp_path, write), config, time.time_ns)
     tally = recorder.register(text())
     recorder.offer(tally, b"x")
     recorder.start()
@@ -250,12 +249,9 @@ class Blocking:
 def test_a_disk_that_hangs_without_an_error_is_an_error_until_it_goes_on(tmp_path, recorder_config):
     disk, now = Blocking(), [0.0]
 
-    def open_writer():
-        writer = SessionWriter(tmp_path / "s.mcap")
-        writer._stream._write = disk.write
-        return writer
-
-    recorder = Recorder(open_writer, recorder_config, time.time_ns, lambda: now[0])
+    recorder = Recorder(
+        lambda: on_disk(tmp_path, disk.write), recorder_config, time.time_ns, lambda: now[0]
+    )
     tally = recorder.register(text())
     recorder.start()
     wait_until(lambda: recorder.status().is_recording)

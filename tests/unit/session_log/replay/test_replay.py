@@ -48,6 +48,19 @@ def replayed(tmp_path, config, capsys):
     return run
 
 
+@pytest.fixture
+def refusal(config, capsys):
+    """What is said where nothing can be replayed."""
+
+    def run(path):
+        with pytest.raises(SystemExit) as end:
+            main(["replay", str(path), "--config", str(config)])
+        assert end.value.code == 2
+        return capsys.readouterr().err
+
+    return run
+
+
 def say(story, end, **changes):
     """A recorded utterance that ended at a time of the session [s]."""
     u = utterance(end, **changes)
@@ -153,13 +166,10 @@ def test_a_recording_without_sound_is_an_error(tmp_path, replayed):
     assert list(result["failed"]) == [str(path)]
 
 
-def test_a_missing_recording_and_an_empty_folder_are_errors(tmp_path, config, capsys):
+def test_a_missing_recording_and_an_empty_folder_are_errors(tmp_path, refusal):
     (tmp_path / "empty").mkdir()
-    for path, words in (("none.mcap", "no such file"), ("empty", "without recordings")):
-        with pytest.raises(SystemExit) as end:
-            main(["replay", str(tmp_path / path), "--config", str(config)])
-        assert end.value.code == 2
-        assert words in capsys.readouterr().err
+    assert "no such file" in refusal(tmp_path / "none.mcap")
+    assert "without recordings" in refusal(tmp_path / "empty")
 
 
 def test_sound_that_the_pipeline_cannot_take_is_an_error(tmp_path, replayed):
@@ -178,21 +188,15 @@ def test_sound_that_the_pipeline_cannot_take_is_an_error(tmp_path, replayed):
         ("json", "is no module and function"),
     ],
 )
-def test_a_pipeline_that_is_not_there_is_a_clear_error(tmp_path, config, capsys, pipeline, words):
+def test_a_pipeline_that_is_not_there_is_a_clear_error(tmp_path, config, refusal, pipeline, words):
     config.write_text(yaml.safe_dump({**load_yaml(config), "pipeline": pipeline}))
-    with pytest.raises(SystemExit) as end:
-        main(["replay", str(ordinary(tmp_path / "session.mcap")), "--config", str(config)])
-    assert end.value.code == 2
-    assert words in capsys.readouterr().err
+    assert words in refusal(ordinary(tmp_path / "session.mcap"))
 
 
-def test_the_former_key_of_the_pipeline_is_refused_with_its_present_name(tmp_path, config, capsys):
+def test_the_former_key_of_the_pipeline_is_refused_with_its_present_name(tmp_path, config, refusal):
     settings = dict(load_yaml(config))
     config.write_text(yaml.safe_dump({**settings, "hearer": settings.pop("pipeline")}))
-    with pytest.raises(SystemExit) as end:
-        main(["replay", str(ordinary(tmp_path / "session.mcap")), "--config", str(config)])
-    assert end.value.code == 2
-    assert "its name is now pipeline" in capsys.readouterr().err
+    assert "its name is now pipeline" in refusal(ordinary(tmp_path / "session.mcap"))
 
 
 # --- models

@@ -24,60 +24,22 @@ TAKEN = {
     ],
     "terminate": ["terminate", "Terminate."],
 }
-IGNORED = [
-    *("", "   ", "...", "thank you", "pull", "more", "less", "hey", "robot"),
-    *(
-        "tents",
-        "dense",
-        "tens",
-        "tension",
-        "intense",
-        "pretense",
-        "tensed",
-        "tense up",
-        "tense tense",
-    ),
-    *("least", "lease", "police", "re lease", "released", "releasing", "the release form"),
-    *(
-        "release forms",
-        "release it",
-        "please release",
-        "full more",
-        "pull moor",
-        "bull more",
-        "poor more",
-    ),
-    *(
-        "pull more gauze",
-        "pull me more",
-        "more pull",
-        "pull less hard",
-        "less pull",
-        "pull more or less",
-    ),
-    *(
-        "pull more pull less",
-        "shop",
-        "top",
-        "step",
-        "stopped",
-        "stopping",
-        "stop pulling",
-        "stopwatch",
-    ),
-    *("stop the bleeding", "non stop", "bus stop", "don't stop", "do not stop", "never stop"),
-    *("don't pull more", "do not pull less", "never release", "not tense", "no pull more"),
-    *("don't terminate", "terminal", "terminated", "termination", "terminate it", "germinate"),
-    *("a robot", "hey robin", "they rob it", "hey robot arm", "robot", "hey robot look", "hey"),
-    *(
-        "can you pass me the scissors",
-        "he told me to pull more shifts",
-        "pull more is what he said",
-    ),
-    *("i would release it and pull more", "the tension is high", "we should stop for coffee later"),
-    *("zero one two", "5", "hey robot tense", "tense release", "no", "not", "never", "stop not"),
-    *("stop no", "no tense", "less more", "pull les", "pul more", "hey robots"),
-]
+TALK = """
+... | thank you | pull | more | less | hey | robot | tents | dense | tens | tension | intense |
+pretense | tensed | tense up | tense tense | least | lease | police | re lease | released |
+releasing | the release form | release forms | release it | please release | full more |
+pull moor | bull more | poor more | pull more gauze | pull me more | more pull |
+pull less hard | less pull | pull more or less | pull more pull less | shop | top | step |
+stopped | stopping | stop pulling | stopwatch | stop the bleeding | non stop | bus stop |
+don't stop | do not stop | never stop | don't pull more | do not pull less | never release |
+not tense | no pull more | don't terminate | terminal | terminated | termination |
+terminate it | germinate | a robot | hey robin | they rob it | hey robot arm | robot |
+hey robot look | hey | can you pass me the scissors | he told me to pull more shifts |
+pull more is what he said | i would release it and pull more | the tension is high |
+we should stop for coffee later | zero one two | 5 | hey robot tense | tense release | no |
+not | never | stop not | stop no | no tense | less more | pull les | pul more | hey robots
+"""
+IGNORED = ["", "   ", *(text.strip() for text in TALK.split("|"))]
 
 
 @pytest.mark.parametrize(
@@ -95,10 +57,6 @@ def test_what_is_no_command_does_nothing(text):
     outcome = MAPPER(text)
     assert isinstance(outcome, NoMatch)
     assert outcome.rejection.words
-
-
-def test_more_phrases_must_do_nothing_than_something():
-    assert len(IGNORED) > sum(map(len, TAKEN.values()))
 
 
 def test_a_tie_is_no_match_and_names_both():
