@@ -12,7 +12,7 @@ RUN := unset PYTHONPATH PYTHONHOME; . catkin_ws/devel/setup.sh; export ROS_IP=12
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
 
-.PHONY: FORCE help setup install demo check test bench fuzz evaluate train paper lint report clean
+.PHONY: FORCE help setup install demo check fast test bench fuzz evaluate train paper lint report clean
 
 help: ## list the verbs
 	@echo "Voice interface for surgical robot assistants. Say one of:"
@@ -46,7 +46,11 @@ install: setup ## PREFIX=/opt/voice_assist: an install space that runs without t
 demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you, ROBOT=kinova_strict leads it as Kinova's driver is led
 	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out '$(OUT)')
 
-check: lint ## before a change is proposed: lint, and the tests that need no node and little time
+check: .setup/dev ## before a change is proposed: lint, and the tests that need no node and little time
+	@$(MAKE) --no-print-directory --keep-going --jobs 2 lint fast
+
+# Beside mypy, which without a cache of its own is as long at work on one core
+fast:
 	@$(RUN) python -m tests --fast
 
 test: .setup/dev ## all tests; [ARGS="tests/unit/x.py -k y"] those alone

@@ -3,6 +3,7 @@
 
 import ast
 import re
+from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
@@ -21,6 +22,7 @@ def named(file):
     return {m[1].lower() for line in lines if (m := re.match(r"([\w.-]+)==", line))}
 
 
+@cache
 def imported(*folders):
     """Distributions of the Python environment that the code of these folders imports."""
     found = packages_distributions()
