@@ -5,17 +5,17 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from voice_assist.config import SpotterConfig
-from voice_assist.types import Frame
+from voice_assist.types import Frame, Samples
 
 if TYPE_CHECKING:
-    from voice_assist.spotter.features import Embedder, Embeddings
+    from voice_assist.spotter.features import Embeddings
 
 _KEPT = 256  # looks, 20 s: more than the recogniser's queue can hold it back
 NEWEST = 1 << 62  # a sample that no stream reaches
@@ -39,6 +39,18 @@ class Spotted:
     time: float  # [s] clock time at which the sound it is about ended
     score: float  # [nat]
     is_sent: bool = False  # the stop was sent already by the thread of the spotter
+
+
+class LookCutter(Protocol):
+    """What a look sees: something for every 80 ms of a stream, whatever the blocks it comes in."""
+
+    quiet: Embeddings  # that of silence
+
+    def reset(self) -> None:
+        """Begin a new stream."""
+
+    def __call__(self, samples: Samples) -> Iterator[Embeddings]:
+        """Take the next samples, shape (n,), within [-1, 1]."""
 
 
 class Spotting(Protocol):
@@ -69,7 +81,7 @@ class Spotter:
     def __init__(
         self,
         config: SpotterConfig,
-        embedder: Embedder,
+        embedder: LookCutter,
         score: Score,
         context: int,
         alone_in_motion: float | None = None,
@@ -78,7 +90,7 @@ class Spotter:
 
         Args:
             config: When to fire.
-            embedder: Makes embeddings of sound.
+            embedder: Makes embeddings of sound, or cuts windows out of it.
             score: The trained head.
             context: Embeddings that it sees.
             alone_in_motion: Score from which it fires while the robot moves, if lower [nat]; None:
