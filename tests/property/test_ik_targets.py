@@ -85,15 +85,6 @@ def test_settling_gives_one_posture_wherever_it_starts_nearby(planner, home):
     np.testing.assert_allclose(postures, np.tile(postures[0], (30, 1)), atol=1e-6)
 
 
-def test_a_pose_far_away_is_not_called_solved(planner):
-    target = np.eye(4)
-    target[:3, :3] = rotation((0.3, 0.2, 0.1))
-    target[:3, 3] = [1.5, 0.0, 0.3]
-    result = planner.solver.search(target, planner.trocar)
-    assert not result.is_solved
-    assert result.residual > 0.1
-
-
 def test_a_pose_that_only_forbidden_joints_reach_is_not_called_solved(planner, home):
     configuration = Configuration(planner.model, home)
     target = configuration.T_base_tip

@@ -60,4 +60,4 @@ def test_more_than_one_start_is_tried_before_giving_up(planner):
     result = planner.solver.search(target, planner.trocar)
     assert not result.is_solved
     assert result.starts == planner.config.rcm.solver.restarts + 1
-    assert np.isfinite(result.q).all()
+    assert result.residual > 0.1 and np.isfinite(result.q).all()

@@ -8,7 +8,6 @@ import pytest
 
 from rst_control.errors import JointLimitExceeded
 from rst_control.kinematics.joint_limits import make_limits
-from typed_config import ConfigError
 
 
 def test_limits_lie_inside_the_robots_by_the_margin(motion_config):
@@ -28,11 +27,6 @@ def test_the_layer_in_force_sets_velocity_and_acceleration(motion_config):
     hard = make_limits(replace(motion_config.limits, layer="hard"), 0.0)
     assert soft.velocity[0] == pytest.approx(0.8727)
     assert (soft.acceleration[:4] < hard.acceleration[:4]).all()
-
-
-def test_an_unknown_layer_is_refused_and_the_known_ones_named(motion_config):
-    with pytest.raises(ConfigError, match="layer is 'softer', allowed: one of hard, driver_soft"):
-        make_limits(replace(motion_config.limits, layer="softer"), 0.0)
 
 
 def test_the_joint_furthest_outside_is_named_with_its_range(motion_config):

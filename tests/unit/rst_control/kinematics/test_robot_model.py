@@ -81,9 +81,3 @@ def test_the_yaw_turns_the_tip_but_not_the_shaft(robot, home):
     before, after = Configuration(robot, home), Configuration(robot, turned)
     np.testing.assert_array_equal(before.T_base_shaft, after.T_base_shaft)
     assert np.linalg.norm(before.tip - after.tip) == pytest.approx(2 * 0.015 * np.sin(0.15))
-
-
-def test_frames_are_listed_in_the_order_that_the_kernels_name(robot, home):
-    frames = Configuration(robot, home).frames
-    shaft = frames[forward.PITCH, :, 3] - frames[forward.SHAFT, :, 3]
-    assert np.linalg.norm(shaft) == pytest.approx(0.28)

@@ -168,18 +168,12 @@ def test_corrected_utterances_become_takes_once(tmp_path: Path, reader: str) -> 
     assert [take.phrase for take in profile.manifest.takes] == ["tense", "release", ""]
 
 
-@pytest.mark.parametrize(
-    ("said", "problem"),
-    [({1: "banana"}, "said 'banana', allowed: hey robot, .*, or nothing")],
-)
-def test_a_correction_that_is_no_command_is_refused(
-    tmp_path: Path, reader: str, said: dict[int, str], problem: str
-) -> None:
+def test_a_correction_that_is_no_command_is_refused(tmp_path: Path, reader: str) -> None:
     path = tmp_path / "said.csv"
     with pytest.raises(Uncorrected):
         read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
-    correct(path, said)
-    with pytest.raises(ManifestError, match=problem):
+    correct(path, {1: "banana"})
+    with pytest.raises(ManifestError, match=r"said 'banana', allowed: hey robot, .*, or nothing"):
         read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
 
 

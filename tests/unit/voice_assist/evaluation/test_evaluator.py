@@ -267,18 +267,9 @@ def test_rates_of_nothing_are_none():
 
 
 def test_percentiles_are_those_of_the_clips():
-    outcomes = [
-        ClipOutcome(
-            LabelledClip(i, None, "stop", "stop"),
-            1.0,
-            (Taken("stop", "stop", i / 1e3, 1.0),),
-            (),
-            (),
-            0,
-            1,
-        )
-        for i in range(101)
-    ]
+    said = LabelledClip(2, None, "stop", "stop")
+    taken = [(Taken("stop", "stop", i / 1e3, 1.0),) for i in range(101)]
+    outcomes = [ClipOutcome(said, 1.0, one, (), (), 0, 1) for one in taken]
     assert summarize(outcomes, ("stop",))["latency_ms"]["stop"] == {
         "p50": pytest.approx(50.0),
         "p95": pytest.approx(95.0),
