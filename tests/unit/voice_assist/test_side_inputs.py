@@ -32,3 +32,11 @@ def test_progress_is_the_furthest_sample():
     past = SideInputs(SideInput(SideInputKind.HEARD, s) for s in (15_872, 31_744))
     assert past.heard_until == 31_744
     assert SideInputs([]).heard_until == 0
+
+
+def test_the_robot_moves_from_the_frame_of_its_note_to_that_of_the_next():
+    notes = ((512, True), (1536, False))
+    past = SideInputs(SideInput(SideInputKind.MOVING, s, is_moving=m) for s, m in notes)
+    found = [past.is_moving(sample) for sample in (0, 512, 1024, 1536, 2048)]
+    assert found == [False, True, True, False, False]
+    assert not SideInputs([]).is_moving(4096)

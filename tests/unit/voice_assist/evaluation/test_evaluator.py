@@ -124,6 +124,17 @@ def test_in_standby_motions_are_rejected(manifest, fakes):
     assert figures["negatives"]["accepted"] == 0
 
 
+def test_while_the_robot_moves_a_stop_among_other_words_is_one(manifest, fakes):
+    spoken = "he said stop now"
+    with manifest.open("a") as rows:
+        rows.write(f"8,{write(manifest.parent / 'h.wav', spoken)},{spoken},x\n")
+    at_rest, moving = (evaluate(CONFIG, job(manifest, mode=m)) for m in ("active", "moving"))
+    assert at_rest["commands"]["stop"]["n"] == 1 and moving["commands"]["stop"]["n"] == 2
+    assert moving["commands"]["stop"]["correct"] == 2
+    assert at_rest["negatives"]["by_command"] == moving["negatives"]["by_command"]
+    assert moving["mode"] == "moving"
+
+
 def test_a_line_per_clip_can_be_written(manifest, fakes):
     details = manifest.parent / "details.csv"
     evaluate(CONFIG, job(manifest, details=details))

@@ -2,7 +2,7 @@
 """What the live pipeline decided must be decided again from what was recorded of it."""
 
 import random
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
 from typing import get_args, get_type_hints
 
 import numpy as np
@@ -387,3 +387,18 @@ def test_a_folder_of_recordings_loads_its_model_once(monkeypatch):
     finally:
         module._recognizer.cache_clear()
     assert loaded == ["embedded"] and first.model == second.model == "fake"
+
+
+def test_a_stop_in_a_sentence_is_decided_again_as_the_robot_moved_then():
+    sound = [
+        replace(frame, is_moving=frame.stamp > 104.0)
+        for frame in frames(say("he said stop now 3 he said stop now"))
+    ]
+    live = Live()
+    first = next(frame for frame in sound if frame.is_moving)
+    live.observe(SideInput(SideInputKind.MOVING, first.first_sample, is_moving=True))
+    live.hear(sound)
+    stops = [d for d in live.decisions if isinstance(d.outcome, Match)]
+    assert [d.outcome.command for d in stops] == ["stop"]
+    assert as_heard(again(live)) == as_decided(live.decisions)
+    assert all(not heard.command for heard in again(live, notes=[]))

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""From sound to a robot that stops, or does not: the same sentences at rest and in motion."""
+
+import sys
+import threading
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+
+from support.theatre_sound import speak
+from tests.support.robot_client import RobotClient
+from voice_assist.audio.source import FRAME
+from voice_assist.msg import AudioChunk, Utterance
+from voice_assist.types import FULL_SCALE, RATE
+
+WITH_STOP = ("he said stop and went on", "we should stop here for now")
+WITHOUT = ("he said pull more and went on", "the nurse told us to wait here")
+READY = 120.0  # [s] allowed for the voice node to listen
+HEARD = 15.0  # [s] allowed for a decision after the end of a sentence
+
+
+class Microphone:
+    """A quiet room on the audio topic, in real time, in which sentences are said."""
+
+    def __init__(self):
+        self.topic = rospy.Publisher("audio_in", AudioChunk, queue_size=100)
+        self.waiting, self.lock, self.sent = np.zeros(0, np.int16), threading.Lock(), 0
+        self.noise = np.random.default_rng(0)
+        self.timer = rospy.Timer(rospy.Duration(FRAME / RATE), self.send)
+
+    def say(self, words):
+        """Say them; returns when the last of it was sent."""
+        sound = np.round(speak(words, "en-us", 150) * FULL_SCALE).astype(np.int16)
+        with self.lock:
+            self.waiting = np.concatenate([self.waiting, sound])
+        while len(self.waiting):
+            rospy.sleep(0.02)
+
+    def send(self, _):
+        with self.lock:
+            said, self.waiting = self.waiting[:FRAME], self.waiting[FRAME:]
+        block = np.round(3.0 * self.noise.standard_normal(FRAME)).astype(np.int16)
+        block[: len(said)] += said
+        chunk = AudioChunk(rate=RATE, first_sample=self.sent, samples=block.tolist())
+        chunk.header.stamp = rospy.Time.now()
+        self.topic.publish(chunk)
+        self.sent += FRAME
+
+
+class StopInASentence(unittest.TestCase):
+    """As many sentences that must do nothing as sentences that must stop."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.robot, cls.microphone, cls.heard = RobotClient(), Microphone(), []
+        rospy.Subscriber("voice_assist/utterance", Utterance, cls.heard.append)
+        cls.robot.start_fresh()
+        end = rospy.get_time() + READY
+        while not cls.heard and rospy.get_time() < end:
+            cls.microphone.say("good morning")
+            rospy.sleep(2.0)
+        assert cls.heard, "the voice node hears nothing"
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.microphone.timer.shutdown()
+        cls.robot.leave()
+
+    def setUp(self):
+        self.robot.start_fresh()
+        self.heard.clear()
+
+    def say(self, words):
+        """Say a sentence; returns when something was decided about it."""
+        self.microphone.say(words)
+        self.robot.wait(lambda: self.heard, HEARD)
+        rospy.sleep(0.5)
+
+    def commands(self):
+        return [one.command for one in self.heard if one.command]
+
+    def move(self):
+        self.robot.say("tense")
+        self.robot.wait_for_state("moving")
+
+    def test_in_motion_a_stop_in_a_sentence_stops(self):
+        for words in WITH_STOP:
+            with self.subTest(words):
+                self.setUp()
+                self.move()
+                self.say(words)
+                self.robot.wait_for_state("halted", limit=5)
+                self.assertEqual(self.robot.state.halt_reason_code, "stop_topic")
+                self.assertEqual(set(self.commands()), {"stop"})
+
+    def test_at_rest_the_same_sentences_do_nothing(self):
+        for words in WITH_STOP:
+            with self.subTest(words):
+                self.setUp()
+                self.say(words)
+                self.assertEqual(self.robot.state.state, "active")
+                self.assertEqual(self.commands(), [])
+
+    def test_in_motion_a_sentence_without_it_does_nothing(self):
+        for words in WITHOUT:
+            with self.subTest(words):
+                self.setUp()
+                self.move()
+                self.say(words)
+                self.assertIn(self.robot.state.state, ("moving", "active"))
+                self.assertEqual(self.commands(), [])
+
+
+if __name__ == "__main__":
+    rospy.init_node("stop_in_a_sentence")
+    rostest.rosrun("rst_control", "stop_in_a_sentence", StopInASentence, sys.argv)
