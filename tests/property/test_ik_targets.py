@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bench.site.near_limits import is_right, near_limits
 from rst_control.errors import TrocarDrift
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration
@@ -13,6 +14,8 @@ from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import rotation
 
 COUNT = 400
+NEAR_LIMITS = 40
+FEW_STARTS = 20  # of 400; 1,000 poses took up to 7
 LEAST_STEEPNESS = 0.3  # cosine of the shaft from straight down
 BENCHMARK_TURN = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
@@ -54,6 +57,13 @@ def test_every_reachable_pose_is_solved_from_cold(planner, reachable):
     for configuration in reachable:
         target = configuration.T_base_tip
         assert_solved(planner, planner.solver.search(target, planner.trocar), target)
+
+
+def test_poses_with_joints_within_5_mrad_of_their_limits_are_solved_in_few_starts(planner, home):
+    poses = [pose for _, pose in near_limits(planner, NEAR_LIMITS, seed=5)]
+    results = [planner.solver.search(pose, planner.trocar, home) for pose in poses]
+    assert all(is_right(planner, result, pose) for result, pose in zip(results, poses, strict=True))
+    assert max(result.starts for result in results) <= FEW_STARTS
 
 
 def test_the_same_pose_gives_the_same_joints_again(planner, reachable):

@@ -23,6 +23,8 @@ ROTATION_SCALE = 0.1  # [m/rad], so that rows of J are alike: a radian of the to
 ROWS = 8
 LIMIT_POWER = 7  # of the pull away from a limit: weak in the middle, hard at the end
 SWING_LIMIT = 0.3  # [rad] largest step of the swing
+INSIDE = 1e-6  # [rad] of the limit to which joints outside are brought back
+NEARLY = 1e-3  # [m] of what is missing, from where on the limits come before the posture
 STALLED = 1e-9  # [rad] swing step below which the posture counts as settled
 
 
@@ -128,6 +130,26 @@ def posture_step(J: Any, L: Any, q: Any, posture: Any, out: Any) -> float:
         steep = x ** (LIMIT_POWER - 1)
         slope[j] = -posture[1, j] * (q[j] - posture[0, j]) - steep * x / half
         bend[j] = posture[1, j] + LIMIT_POWER * steep / half**2
+    return _swing(J, L, slope, bend, out)
+
+
+@kernel
+def limit_step(J: Any, L: Any, q: Any, posture: Any, out: Any) -> float:
+    """Write the swing that brings joints back inside their limits into out (9,).
+
+    Newton's step for the square of what they are outside, which is exact for one joint. Arguments
+    and result are those of `posture_step`.
+    """
+    slope, bend = np.zeros(9), np.zeros(9)
+    for j in range(9):
+        slope[j] = max(0.0, posture[2, j] + INSIDE - q[j]) - max(0.0, q[j] - posture[3, j] + INSIDE)
+        bend[j] = 1.0 if slope[j] != 0.0 else 0.0
+    return _swing(J, L, slope, bend, out)
+
+
+@kernel
+def _swing(J: Any, L: Any, slope: Any, bend: Any, out: Any) -> float:
+    """Write the way down `slope` (9,) that changes no constraint into out (9,); its length."""
     project(J, L, slope, out)
     square, curvature = 0.0, 0.0
     for j in range(9):
@@ -176,14 +198,20 @@ def solve(
     frames, J, L = np.empty((12, 3, 4)), np.zeros((ROWS, 9)), np.zeros((ROWS, ROWS))
     r, dq, swing = np.empty(ROWS), np.empty(9), np.zeros(9)
     kin.forward(chain, q, frames)
-    missing, swung = residual(frames, target, trocar, r), 1.0
+    missing, swung, is_led = residual(frames, target, trocar, r), 1.0, False  # by the limits
     for iteration in range(int(rule[3])):
         if missing < rule[0] and (swung < STALLED if is_settling else is_inside(q, posture)):
             return missing, iteration
         constraints(frames, trocar, J)
         factor(J, rule[1] * missing * missing, L)
         min_norm_step(J, L, r, dq)
-        swung = posture_step(J, L, q, posture, swing)
+        is_led = is_led or (not is_settling and missing < NEARLY and not is_inside(q, posture))
+        if is_led:
+            swung = limit_step(J, L, q, posture, swing)
+            if swung < STALLED and missing < rule[0]:  # no swing from here keeps the limits
+                return missing, iteration
+        else:
+            swung = posture_step(J, L, q, posture, swing)
         for j in range(9):
             dq[j] += swing[j]
         _move(q, dq, rule[2])
