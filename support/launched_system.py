@@ -93,6 +93,7 @@ class System:
         self.launch(
             ROOT / "launch" / "kinova.launch",
             simulate=True,
+            in_air=True,
             dry_run=False,
             speed_scale="1.0",
             **{f"trocar_{axis}": str(value) for axis, value in zip("xyz", trocar, strict=True)},

@@ -28,6 +28,7 @@ def test_the_arm_is_stopped_and_the_launch_ends(host, tmp_path):
     system = host.launch(
         "kinova",
         i_have_an_emergency_stop="true",
+        in_air="true",
         limits=LIMITS,
         speed_scale=1.0,
         bridge_overrides=ROSTEST / "kinova" / "kinova_bridge.yaml",

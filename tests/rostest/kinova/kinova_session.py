@@ -75,6 +75,8 @@ class KinovaSession(unittest.TestCase):
         self.assertIn("not homed", self.robot.refused("hey robot"))
 
     def test_2_homing_makes_it_ready(self):
+        self.assertIn("rst_control/confirm", self.home_tool().message)
+        self.assertTrue(self.confirm().success)
         reply = self.home_tool()
         self.assertTrue(reply.success, reply.message)
         self.robot.wait(lambda: self.fault == "")
@@ -100,6 +102,10 @@ class KinovaSession(unittest.TestCase):
         self.assertAlmostEqual(self.robot.tension, 1.0, delta=0.06)
         self.assertLess(self.worst_rcm_error(), 5e-4)
         self.assertIn("confirmed before", self.confirm().message)
+        place = self.truth[-1][0]
+        self.assertIn("assistance is active", self.home_tool().message)
+        self.assertTrue(self.gripped)
+        np.testing.assert_allclose(self.truth[-1][0], place, atol=1e-3)
 
     def test_5_pull_more_and_less_step_by_a_quarter_newton(self):
         self.robot.say_and_finish("pull more")

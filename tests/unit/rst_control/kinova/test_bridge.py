@@ -246,6 +246,24 @@ def test_jaws_that_stay_open_tell_of_tissue(hardware):
     assert not hardware.bridge.is_gripped
 
 
+def test_it_is_not_homed_while_tissue_is_held_or_the_arm_is_led(hardware, way):
+    tool = hardware.bridge.tool
+    hardware.bridge.on_contact(True)
+    hardware.bridge._grip.is_gripped = True
+    assert "hold tissue" in hardware.bridge.begin_homing() and tool.is_homed
+    hardware.bridge._grip.is_gripped = False
+    hardware.advance(1.0, way)
+    assert "not at rest: course" in hardware.bridge.begin_homing() and tool.is_homed
+
+
+def test_while_it_is_homed_no_set_point_moves_the_arm(hardware, way):
+    assert hardware.bridge.begin_homing() == ""
+    place = hardware.arm.copy()
+    hardware.advance(1.0, way)
+    np.testing.assert_array_equal(hardware.arm, place)
+    assert "not homed" in hardware.bridge.fault(hardware.now)
+
+
 def test_closing_on_nothing_grips_nothing(hardware):
     stand = hardware.joints
 

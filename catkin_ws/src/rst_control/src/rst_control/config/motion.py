@@ -207,6 +207,7 @@ class ControllerConfig:
     state_rate: float = number(1.0, 200.0, "Hz")
     spoken_by: str = text()
     first_motion: str = choice("free", "confirmed")
+    homing: str = choice("outside", "anywhere")
     speed: SpeedConfig
     jaws: JawsConfig
     tension: TensionConfig

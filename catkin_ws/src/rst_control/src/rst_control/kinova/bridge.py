@@ -171,6 +171,15 @@ class Bridge:
             self._servo.fail(reason, now)
         self._stop(now)
 
+    def begin_homing(self) -> str:
+        """Take the tool out of service, to be homed; why that cannot be; empty: it was done."""
+        if self._lead is not Lead.NOBODY:
+            return f"the arm is not at rest: {self._lead.value}"
+        if self.is_gripped:
+            return "the jaws hold tissue: release it first"
+        self.tool.is_homed = False
+        return ""
+
     # What the controller receives.
 
     def fault(self, now: float) -> str:

@@ -20,6 +20,10 @@ class HomingFailed(RstError):
         self.request = request
 
 
+class NotAllowed(RstError):
+    """The tool may not be homed now; says why."""
+
+
 def home(
     request: Callable[[str], bool],
     state: Callable[[], ToolState | None],

@@ -62,6 +62,7 @@ class Patient:
         self.outward = frozen_array(normal, 3)  # base frame
         self._trocar = frozen_array(scene.trocar, 3)
         self._watched = WATCHED_SHARE * scene.surface_margin
+        self.sweep = _reach(self._chain, self._shaft) + scene.surface_margin  # [m] of pitch and yaw
 
         def kept_off(clearance: float, *exempt: str) -> CollisionModel:
             x, y, z = (float(v) for v in normal)
@@ -75,6 +76,14 @@ class Patient:
         kept_above = shapes.stops[shapes.stops[:, 1] == shapes.stops[:, 1].max(), 0]  # of this last
         self._capsules, self._frames = shapes.capsules[kept_above], shapes.frames[kept_above]
 
+    def wrist_height(self, q: Vector) -> float:
+        """Height of the tool's wrist above the surface at q (9,) [rad], whatever the tool's [m]."""
+        frames = np.empty((12, 3, 4))
+        kin.forward(self._chain, np.array(q), frames)
+        shaft = frames[kin.SHAFT]
+        wrist = shaft[:, 3] + self._shaft * shaft[:, 2]
+        return float(self.outward @ (wrist - self._trocar))
+
     def trocar_pose(self, q: Vector) -> TrocarPose:
         """Where tool and arm are at q (9,) [rad]."""
         error, along, tip, height, tip_height = _measure(
@@ -85,6 +94,14 @@ class Patient:
         # Outside, a tool that points elsewhere may have its tip beyond the trocar along its shaft.
         insertion = min(tip, -tip_height) if tip_height > 0.0 else tip
         return TrocarPose(error, insertion, self._shaft - along, height, is_outside)
+
+
+def _reach(chain: Any, shaft_length: float) -> float:
+    """Furthest that the tip is from the wrist [m]: with the tool straight."""
+    frames = np.empty((12, 3, 4))
+    kin.forward(chain, np.zeros(9), frames)
+    wrist = frames[kin.SHAFT, :, 3] + shaft_length * frames[kin.SHAFT, :, 2]
+    return float(np.linalg.norm(frames[kin.TIP, :, 3] - wrist))
 
 
 @kernel

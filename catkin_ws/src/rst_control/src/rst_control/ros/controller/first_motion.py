@@ -11,6 +11,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.admission.command_queue import Verify
 from rst_control.admission.first_motion_gate import FirstMotion
+from rst_control.admission.homing_gate import VALID_FOR, HomingGate
 from rst_control.commands.request import Plan
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.marker_topic import MarkerTopic
@@ -18,6 +19,7 @@ from rst_control.visualization.controller_shapes import AHEAD, LINE
 from rst_control.visualization.shapes import Shape, ShapeKind
 from rst_control.visualization.tip_route import PER_KNOT
 
+CONFIRMED = f"confirmed: call robot/home_tool again within {VALID_FOR:.0f} s"
 FOR_EVER = 0.0  # [s] lifetime of the markers
 
 
@@ -27,16 +29,19 @@ class ConfirmedFirst:
     Args:
         verify: Decides everything else.
         context: Knows robot and trocar.
+        homing: Asks for a confirmation, too.
     """
 
-    def __init__(self, verify: Verify, context: ActiveTrocarContext) -> None:
-        self._context = context
+    def __init__(self, verify: Verify, context: ActiveTrocarContext, homing: HomingGate) -> None:
+        self._context, self._homing = context, homing
         self._topic = MarkerTopic("rst_control/preview", FOR_EVER)
         self.verify = FirstMotion(verify, self._show, time.monotonic)
         self._service = rospy.Service("rst_control/confirm", Trigger, self._on_confirm)
         rospy.logwarn("dry run: the first motion is shown and has to be confirmed")
 
     def _on_confirm(self, _: object) -> TriggerResponse:
+        if self._homing.confirm():
+            return TriggerResponse(True, CONFIRMED)
         reply = self.verify.confirm()
         return TriggerResponse(reply.accepted, reply.message)
 

@@ -12,6 +12,7 @@ import rospy
 
 from rst_control.admission.callers import CallLimiter
 from rst_control.admission.command_queue import CommandQueue, Verify
+from rst_control.admission.homing_gate import HomingGate
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.config import MotionConfig
@@ -29,6 +30,7 @@ from rst_control.ros.controller.command_service import CommandService
 from rst_control.ros.controller.control_loop import ControlLoop
 from rst_control.ros.controller.diagnostics import Diagnostics
 from rst_control.ros.controller.first_motion import ConfirmedFirst
+from rst_control.ros.controller.homing_service import HomingService
 from rst_control.ros.controller.liveness_watch import LivenessWatch
 from rst_control.ros.controller.markers import ControllerMarkers
 from rst_control.ros.controller.messages import RosClock, event_message, state_message
@@ -68,9 +70,11 @@ class ControllerNode:
         )
         watch = RecordingWatch(settings.recording, time.monotonic)
         self._recording = RecordingLink(watch, self._executor)
+        homing = HomingGate(settings, lambda: self._context.current.planner.patient, time.monotonic)
+        self._homing = HomingService(homing, self._look)
         verify: Verify = RecordedOnly(self._context.verify, watch)
         if settings.first_motion == "confirmed":
-            verify = ConfirmedFirst(verify, self._context).verify
+            verify = ConfirmedFirst(verify, self._context, homing).verify
         self._commands = CommandQueue(self._executor, verify, time.monotonic)
         self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)

@@ -9,6 +9,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Future
 
 import numpy as np
 import rospy
@@ -21,7 +22,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from rst_control.errors import RstError
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import KinovaConfig
-from rst_control.kinova.homing import home
+from rst_control.kinova.homing import NotAllowed, home
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Repeated
@@ -45,6 +46,10 @@ from typed_config import ConfigError, load_config
 BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard
 TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
 DIAGNOSTICS_PERIOD = 1.0  # [s]
+ANSWER_TIME = 2.0  # [s] for the controller to say whether the tool may be homed
+NOBODY_KNOWS = (
+    "whether the tool is outside the patient, is not known: the controller does not answer"
+)
 MAX_JOBS = 1000  # that wait for the loop; set-points beyond are missed
 STILL = np.zeros(len(JOINTS))
 SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
@@ -112,6 +117,7 @@ class KinovaBridgeNode:
         self._fault = rospy.Publisher("robot/fault", String, queue_size=10, latch=True)
         self._beat = rospy.Publisher("kinova_bridge/beat", Empty, queue_size=1, **newest)
         self._diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
+        self._ask = rospy.ServiceProxy("rst_control/may_home_tool", Trigger)
         self._service = rospy.Service("robot/home_tool", Trigger, self._on_home)
 
     def _subscribe(self) -> None:
@@ -167,7 +173,7 @@ class KinovaBridgeNode:
         if not self._homing.acquire(blocking=False):
             return TriggerResponse(False, "OpenRST is being homed already")
         try:
-            self._jobs.append(lambda: setattr(self._bridge.tool, "is_homed", False))
+            self._may_home()
             words = home(self._hardware.request, lambda: self._bridge.tool.state, _wait)
             self._jobs.append(lambda: setattr(self._bridge.tool, "is_homed", True))
         except (RstError, rospy.ServiceException, rospy.ROSException) as error:
@@ -175,6 +181,28 @@ class KinovaBridgeNode:
         finally:
             self._homing.release()
         return TriggerResponse(True, words)
+
+    def _may_home(self) -> None:
+        """Ask the controller, then take the tool out of service.
+
+        Raises:
+            NotAllowed: Says why.
+        """
+        try:
+            self._ask.wait_for_service(ANSWER_TIME)
+            answer = self._ask()
+        except (rospy.ServiceException, rospy.ROSException) as error:
+            raise NotAllowed(f"{NOBODY_KNOWS} ({error})") from error
+        if not answer.success:
+            raise NotAllowed(answer.message)
+        refusal: Future[str] = Future()
+        self._jobs.append(lambda: refusal.set_result(self._bridge.begin_homing()))
+        try:
+            words = refusal.result(ANSWER_TIME)
+        except TimeoutError as error:
+            raise NotAllowed("the bridge is being shut down") from error
+        if words:
+            raise NotAllowed(words)
 
     def _tell(self, now: float) -> None:
         bridge, measured = self._bridge, self._bridge.measured
