@@ -144,13 +144,13 @@ def _carry_out_step(rig: HeldTissue, step: Step) -> bool:
 
 def measure() -> list[Figure]:
     """Carry out what is drawn, or as many as the time allows."""
+    limit = ABOVE * load_motion_config().controller.tension.limit
     numbers, found = list(range(SITUATIONS)), list[TensionPeak]()
     until = time.monotonic() + 60.0 * MINUTES
     with ProcessPoolExecutor(PROCESSES, multiprocessing.get_context("spawn")) as pool:
         while numbers and time.monotonic() < until:
             now, numbers = numbers[: 40 * PROCESSES], numbers[40 * PROCESSES :]
             found += pool.map(_carry_out_number, now, chunksize=10)
-    limit = ABOVE * load_motion_config().controller.tension.limit
     return [*_figures(found, limit), *_unbound(), *_healthy(limit)]
 
 
