@@ -172,7 +172,7 @@ def test_a_type_that_this_workspace_does_not_have_is_recorded_by_its_definition(
 
 
 def test_a_recording_is_played_for_viewers_that_open_no_files(ros, session):
-    listener = talk(ros, "listen")
+    listener = talk(ros, "listen", "/played")
     wait_until(listener.stdout.readline, "the listener")
     play = [sys.executable, str(PACKAGE / "scripts" / "play"), str(session[0])]
     player = ros.start(*play, "--rate", "2", stdout=subprocess.DEVNULL)
@@ -183,12 +183,24 @@ def test_a_recording_is_played_for_viewers_that_open_no_files(ros, session):
     assert player.wait(PATIENCE) == 0
 
 
+def test_a_recording_is_not_played_to_those_who_only_listen(ros, session):
+    """The controller hears joint states that nobody publishes yet."""
+    listener = talk(ros, "listen", "")
+    wait_until(listener.stdout.readline, "the listener")
+    play = [sys.executable, str(PACKAGE / "scripts" / "play"), str(session[0])]
+    refused = ros.start(*play, "--recorded-names", stderr=subprocess.PIPE, text=True)
+    assert "/joint_states by /talker" in refused.communicate(timeout=PATIENCE)[1]
+    assert refused.returncode == 1
+    listener.kill()
+    listener.wait(PATIENCE)
+
+
 def test_a_recording_is_not_played_into_a_running_system(ros, session):
     robot = talk(ros, "until_killed")
     wait_until(lambda: ["/joint_states", "sensor_msgs/JointState"] in topics(ros), "the robot")
     play = [sys.executable, str(PACKAGE / "scripts" / "play"), str(session[0])]
-    refused = ros.start(*play, stderr=subprocess.PIPE, text=True)
-    assert "someone publishes /joint_states" in refused.communicate(timeout=PATIENCE)[1]
+    refused = ros.start(*play, "--recorded-names", stderr=subprocess.PIPE, text=True)
+    assert "/joint_states by /talker" in refused.communicate(timeout=PATIENCE)[1]
     assert refused.returncode == 1
     robot.kill()
     robot.wait(PATIENCE)

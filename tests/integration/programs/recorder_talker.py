@@ -144,14 +144,14 @@ def watch():
     rospy.spin()
 
 
-def listen():
+def listen(prefix):
     """Hear a recording that is played, by ROS's own classes, until the joint states end."""
     import rospy
     from sensor_msgs.msg import JointState
 
     joints, odd = [], []
-    rospy.Subscriber("/joint_states", JointState, joints.append)
-    rospy.Subscriber("/odd", odd_classes()["strange_msgs/Odd"], odd.append)
+    rospy.Subscriber(f"{prefix}/joint_states", JointState, joints.append)
+    rospy.Subscriber(f"{prefix}/odd", odd_classes()["strange_msgs/Odd"], odd.append)
     say(ready=True)
     while not joints or joints[-1].position[0] < 1499.0:
         rospy.sleep(0.05)
@@ -159,7 +159,7 @@ def listen():
         joints=[m.position[0] for m in joints],
         name=joints[0].name[6],
         odd=odd == [odd_message()],
-        urdf=rospy.get_param("/robot_description"),
+        urdf=rospy.get_param(f"{prefix}/robot_description"),
     )
 
 
@@ -170,7 +170,7 @@ def main(words):
     if words[0] == "traffic":
         traffic(int(words[1]))
     elif words[0] == "listen":
-        listen()
+        listen(words[1])
     elif words[0] == "until_killed":
         until_killed()
     else:

@@ -47,6 +47,7 @@ class HostileCalls(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
+        cls.strangers = ""
         cls.robot = RobotClient()
         cls.ticks = []
         cls.diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, cls.take_diagnostics)
@@ -60,6 +61,8 @@ class HostileCalls(unittest.TestCase):
     def take_diagnostics(cls, array):
         for status in array.status:
             for value in status.values:
+                if status.name == "rst_control: strangers":
+                    cls.strangers = status.message
                 if value.key == "ticks":
                     cls.ticks.append(int(value.value))
 
@@ -170,6 +173,21 @@ class HostileCalls(unittest.TestCase):
 
     def test_9_after_the_junk_it_moves_and_stops_as_ever(self):
         self.assert_moves_and_stops()
+
+    def test_9_strangers_keep_nothing_moving_and_are_named(self):
+        grip = rospy.Publisher("robot/gripped", Bool, queue_size=1)
+        beat = rospy.Publisher("rst_control/heartbeat", Time, queue_size=1)
+        self.robot.wait(lambda: grip.get_num_connections() and beat.get_num_connections())
+        for _ in range(30):
+            grip.publish(True)
+            beat.publish(rospy.Time.now())
+            rospy.sleep(0.05)
+        self.assertFalse(self.robot.state.tissue_held)
+        self.robot.wait(lambda: "/robot/gripped from /hostile_calls" in self.strangers)
+        self.assertIn("/rst_control/heartbeat from /hostile_calls", self.strangers)
+        for publisher in (grip, beat):
+            publisher.unregister()
+        self.robot.wait(lambda: "/hostile_calls" not in self.strangers)
 
 
 if __name__ == "__main__":

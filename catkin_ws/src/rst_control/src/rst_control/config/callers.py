@@ -19,6 +19,15 @@ class CallersConfig:
     burst: int = integer(1, 1000)
 
     def __post_init__(self) -> None:
-        for pattern in self.allowed:
-            if not pattern.startswith("/") or "*" in pattern[:-1]:
-                raise ConfigError("allowed", pattern, PATTERN)
+        require_names("allowed", self.allowed)
+
+
+def require_names(key: str, patterns: tuple[str, ...]) -> None:
+    """Refuse patterns that no name of a node fits.
+
+    Raises:
+        typed_config.ConfigError: Names the key.
+    """
+    for pattern in patterns:
+        if not pattern.startswith("/") or "*" in pattern[:-1]:
+            raise ConfigError(key, pattern, PATTERN)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, TypeVar
 
+from rst_control.config.believed import BelievedConfig
 from rst_control.config.callers import CallersConfig
 from rst_control.config.camera import CameraStepConfig
 from rst_control.config.collision import CollisionConfig
@@ -215,6 +216,7 @@ class ControllerConfig:
     watchdogs: WatchdogConfig
     recording: RecordingConfig
     callers: CallersConfig
+    believed: BelievedConfig
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""

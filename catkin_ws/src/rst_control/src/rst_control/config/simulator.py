@@ -5,8 +5,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rst_control.config.callers import require_names
 from rst_control.types import JOINT_COUNT, PLAN_COUNT
-from typed_config import choice, flag, integer, number, require
+from typed_config import choice, flag, integer, number, require, text
 
 Point = tuple[float, float, float]
 
@@ -58,6 +59,7 @@ class SimulatorConfig:
     publish_rate: float = number(10.0, 1000.0, "Hz")
     real_time_factor: float = number(0.0, 100.0, "")
     catch_up: float = number(0.001, 10.0, "s")
+    led_by: tuple[str, ...] = text()
     gui: bool = flag()
     closed_opening: float = number(0.0, 0.5, "rad")
     held_opening: float = number(0.0, 0.5, "rad")
@@ -70,6 +72,7 @@ class SimulatorConfig:
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
+        require_names("led_by", self.led_by)
         start = list(self.start_position)
         allowed = f"a list of {PLAN_COUNT} angles [rad], or [] for the scene's home"
         require(len(start) in (0, PLAN_COUNT), "start_position", start, allowed)

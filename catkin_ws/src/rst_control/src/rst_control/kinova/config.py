@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import ClassVar
 
 from rst_control.config import CONFIG_FOLDER, LimitsConfig, SceneConfig
+from rst_control.config.believed import BridgeBelievedConfig
+from rst_control.config.callers import require_names
 from rst_control.config.simulator import ServoConfig
 from typed_config import choice, flag, load_config, load_yaml, number, require, text
 
@@ -102,9 +104,11 @@ class GuardConfig:
     silence: float = number(0.03, 1.0, "s")
     repeat: float = number(0.01, 1.0, "s")
     insist: float = number(0.1, 60.0, "s")
+    bridge: tuple[str, ...] = text()
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
+        require_names("bridge", self.bridge)
         allowed = f"from repeat on, {self.repeat:g} s"
         require(self.insist >= self.repeat, "insist", self.insist, allowed)
 
@@ -119,6 +123,7 @@ class BridgeConfig:
     grip: GripConfig
     tension: TensionSourceConfig
     guard: GuardConfig
+    believed: BridgeBelievedConfig
     servo: ServoConfig
 
     def __post_init__(self) -> None:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Publishes a recording again at its own pace, for viewers such as rviz that open no files.
 
-It needs a roscore of its own: on that of a running system it would speak for the robot, so it
-refuses where a topic of the recording has a publisher already.
+Its topics lie below a prefix, so that no node of a running system takes them for its own. Under the
+recorded names it plays only where nobody publishes or hears one of them but viewers, and ends when
+somebody does.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Callable, Collection
 from io import BytesIO
 
 import rosgraph
@@ -20,6 +22,9 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.types import Message, MessageSource
 
 URDF_TOPIC = "/robot_description"
+PREFIX = "/played"
+VIEWERS = ("/rviz", "/rosout", "/foxglove")  # beginnings of the names of nodes that move nothing
+CHECK_PERIOD = 1.0  # [s] between looks for nodes that came meanwhile
 CONNECT_TIME = 1.0  # [s] for viewers to connect before the first message
 
 
@@ -41,20 +46,43 @@ class RecordingPlayer:
     Args:
         reader: The recording.
         rate: Recorded over real time.
+        prefix: Of all topics; empty: the recorded names.
+        live: Nodes of a running system on the topics that are played.
+
+    Raises:
+        LiveSystem: There are some.
     """
 
-    def __init__(self, reader: SessionReader, rate: float) -> None:
-        self._reader, self._rate = reader, rate
+    def __init__(
+        self,
+        reader: SessionReader,
+        rate: float,
+        prefix: str,
+        live: Callable[[Collection[str]], list[str]],
+    ) -> None:
+        self._reader, self._rate, self._prefix, self._live = reader, rate, prefix, live
+        self._checked = 0.0  # [s] steady clock
         self._out: dict[str, rospy.Publisher] = {}
+        self._names: list[str] = []  # of the topics that are played
         self.count = 0
 
     def prepare(self) -> None:
         """Announce every topic, and set the recorded robot_description."""
-        for message in self._reader.messages():
-            if message.source.topic not in self._out:
-                self._out[message.source.topic] = _publisher(message.source)
-                if message.source.topic == URDF_TOPIC:
-                    rospy.set_param(URDF_TOPIC, message.data[4:].decode("utf-8", "replace"))
+        sources = {m.source.topic: m for m in self._reader.messages()}
+        self._names = [self._prefix + topic for topic in sources]
+        self._check()
+        for topic, message in sources.items():
+            self._out[topic] = _publisher(message.source, self._prefix + topic)
+            if topic == URDF_TOPIC:
+                words = message.data[4:].decode("utf-8", "replace")
+                rospy.set_param(self._prefix + URDF_TOPIC, words)
+
+    def _check(self) -> None:
+        if time.monotonic() - self._checked < CHECK_PERIOD:
+            return
+        self._checked = time.monotonic()
+        if live := self._live(self._names):
+            raise LiveSystem(live)
 
     def play(self) -> None:
         """Publish all, each message when it is due."""
@@ -66,6 +94,7 @@ class RecordingPlayer:
             time.sleep(max(due - time.monotonic(), 0.0))
             if rospy.is_shutdown():
                 return
+            self._check()
             self._publish(message)
 
     def _publish(self, message: Message) -> None:
@@ -75,7 +104,17 @@ class RecordingPlayer:
             self.count += 1
 
 
-def _publisher(source: MessageSource) -> rospy.Publisher:
+class LiveSystem(SessionLogError):
+    """A running system has a topic that would be played."""
+
+    def __init__(self, live: list[str]) -> None:
+        super().__init__(
+            f"in use by a running system: {', '.join(live[:3])}; play on a roscore of its own, or "
+            "without --recorded-names"
+        )
+
+
+def _publisher(source: MessageSource, name: str) -> rospy.Publisher:
     facts = {
         "_type": source.datatype,
         "_md5sum": source.md5sum,
@@ -84,14 +123,18 @@ def _publisher(source: MessageSource) -> rospy.Publisher:
     }
     kind = type("Recorded", (RawMessage,), facts)
     latch = source.is_latched or source.topic in (URDF_TOPIC, "/tf_static")
-    return rospy.Publisher(source.topic, kind, queue_size=1000, latch=latch)
+    return rospy.Publisher(name, kind, queue_size=1000, latch=latch)
 
 
-def _busy(reader: SessionReader) -> list[str]:
-    """Topics of the recording that someone else publishes at this moment."""
-    published = {t for t, _ in rosgraph.Master(rospy.get_name()).getPublishedTopics("")}
-    recorded = {m.source.topic for m in reader.messages()}
-    return sorted(published & recorded - {"/rosout", "/rosout_agg"})
+def live_nodes(topics: Collection[str]) -> list[str]:
+    """Nodes other than this one and viewers that publish or hear one of the topics."""
+    publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+    found = []
+    for topic, nodes in (*publishers, *subscribers):
+        if topic in topics and topic not in ("/rosout", "/rosout_agg"):
+            others = (n for n in nodes if n != rospy.get_name() and not n.startswith(VIEWERS))
+            found += [f"{topic} by {node}" for node in others]
+    return sorted(set(found))
 
 
 def main() -> None:
@@ -99,18 +142,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="play", description=__doc__)
     parser.add_argument("session", help="folder of the session, or its MCAP file")
     parser.add_argument("--rate", type=float, default=1.0, help="recorded over real time")
+    parser.add_argument(
+        "--recorded-names",
+        action="store_true",
+        help=f"publish under the recorded names instead of below {PREFIX}",
+    )
     options = parser.parse_args(rospy.myargv(sys.argv)[1:])
     if not 0.0 < options.rate <= 100.0:
         parser.error(f"--rate is {options.rate:g}, allowed: above 0, up to 100")
     rospy.init_node("player", anonymous=True)
     try:
         reader = SessionReader(options.session)
-        busy = _busy(reader)
-        if busy:
-            sys.exit(
-                f"someone publishes {', '.join(busy[:3])} already; play on a roscore of its own"
-            )
-        player = RecordingPlayer(reader, options.rate)
+        prefix = "" if options.recorded_names else PREFIX
+        player = RecordingPlayer(reader, options.rate, prefix, live_nodes)
         player.prepare()
         time.sleep(CONNECT_TIME)
         player.play()

@@ -33,6 +33,8 @@ _PART_OF = {  # name of a status in diagnostics, without the node's name space, 
     "rst_control: recording": "recording",
     "rst_control: control loop": "control loop",
     "rst_control: motion": "motion",
+    "rst_control: strangers": "strangers of the controller",
+    "robot: strangers": "strangers of the robot",
 }
 
 

@@ -152,6 +152,8 @@ PARTS: Final = {  # by a part and the code of its status; by the part alone for 
     "voice": Advice("Stop by hand meanwhile; check the microphone."),
     "controller: silent": Advice("Free the tissue by hand; start the controller again."),
     "recording": _mild("Start the recorder before the next motion."),
+    "strangers of the controller": _mild("End the program that is named; it is not believed."),
+    "strangers of the robot": _mild("End the program that is named; it is not believed."),
     "control loop": _mild("Read the log; restart the controller at a pause."),
     "motion: no_master": Advice("Start the ROS master again."),
     "motion": Advice("Check the robot's power, cable and driver.", at_rest=Priority.LOW),

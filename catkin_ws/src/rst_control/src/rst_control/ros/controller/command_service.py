@@ -16,6 +16,7 @@ from rst_control.commands.parser import MAX_LENGTH, is_stop, read_command, unkno
 from rst_control.commands.spec import Role
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Reply
+from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.ros.rospy_patches.message_framing import announced
 from rst_control.srv import Command, CommandRequest, CommandResponse
@@ -67,6 +68,7 @@ class CommandService:
         limiter: Knows who may command, and how often.
         spoken_by: Name of the node whose commands count as spoken.
         heartbeat_age: Age of the last heartbeat up to which that node counts as alive [s].
+        known: Makes the subscriber to the heartbeat, which is believed of that node alone.
     """
 
     def __init__(
@@ -76,6 +78,7 @@ class CommandService:
         limiter: CallLimiter,
         spoken_by: str,
         heartbeat_age: float,
+        known: KnownPublishers,
     ) -> None:
         self._commands, self._executor, self._limiter = commands, executor, limiter
         self._spoken_by, self._heartbeat = spoken_by, Heartbeat(heartbeat_age)
@@ -83,8 +86,8 @@ class CommandService:
         # Of what piles up on one connection the newest counts; a flood is not queued.
         newest = {"tcp_nodelay": True, "queue_size": 1}
         self._stop = rospy.Subscriber("rst_control/stop", Empty, self._on_stop, **newest)
-        self.heartbeats = rospy.Subscriber(
-            "rst_control/heartbeat", Time, self._on_heartbeat, **newest
+        self.heartbeats = known.subscribe(
+            "rst_control/heartbeat", Time, self._on_heartbeat, (spoken_by,), **newest
         )
         self._service: rospy.Service | None = None
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
@@ -34,7 +36,7 @@ class Diagnostics:
         objection: str,
         command_age: float,
         trocar: str,
-        recording: DiagnosticStatus,
+        others: Sequence[DiagnosticStatus],
     ) -> None:
         """Publish one report.
 
@@ -44,10 +46,10 @@ class Diagnostics:
             objection: What is wrong with the robot's messages; empty: nothing.
             command_age: Time since the last command came [s].
             trocar: The active remote centre, in words.
-            recording: Whether what happens is being recorded.
+            others: Whether what happens is recorded, and who publishes unasked.
         """
         robot = self._robot(view, objection, command_age, trocar)
-        array = DiagnosticArray(status=[robot, self._loop(loop), recording])
+        array = DiagnosticArray(status=[robot, self._loop(loop), *others])
         array.header.stamp = rospy.Time.now()
         self._publisher.publish(array)
 

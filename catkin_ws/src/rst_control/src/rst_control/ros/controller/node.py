@@ -23,6 +23,8 @@ from rst_control.msg import ControllerState, Event
 from rst_control.registration.trocar import position_words
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.exposure_warning import warn_of_listeners
+from rst_control.ros.common.known_publishers import KnownPublishers
+from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.starting import ends_on_interrupt
 from rst_control.ros.controller.action_server import AssistServer
@@ -62,14 +64,23 @@ class ControllerNode:
     def __init__(self, config: MotionConfig, model: RobotModel) -> None:
         settings = config.controller
         self._clock = RosClock()
-        self._link = RobotLink(self._clock, settings.watchdogs, settings.tension.source)
+        self._known = KnownPublishers()
+        self._link = RobotLink(
+            self._clock,
+            settings.watchdogs,
+            settings.tension.source,
+            self._known,
+            settings.believed,
+        )
         self._context = ActiveTrocarContext(make_trocar_context(config, model))
         self._liveness = NodeLiveness()
         self._executor = make_executor(
             config, self._context, self._link.clear_fault, self._liveness
         )
         watch = RecordingWatch(settings.recording, time.monotonic)
-        self._recording = RecordingLink(watch, self._executor)
+        self._recording = RecordingLink(
+            watch, self._executor, self._known, settings.believed.recorder
+        )
         homing = HomingGate(settings, lambda: self._context.current.planner.patient, time.monotonic)
         self._homing = HomingService(homing, self._look)
         verify: Verify = RecordedOnly(self._context.verify, watch)
@@ -91,6 +102,7 @@ class ControllerNode:
             limiter,
             settings.spoken_by,
             settings.watchdogs.voice_heartbeat_age,
+            self._known,
         )
         self._state_period = 1.0 / settings.state_rate
         self._due = dict.fromkeys(("feedback", "diagnostics", "collect"), 0.0)
@@ -163,8 +175,8 @@ class ControllerNode:
         if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
             loop, age = self._loop.statistics.summary(), now - self._service.last_command
             trocar = position_words(self._context.current.trocar)
-            recording = self._recording.status()
-            self._diagnostics.publish(view, loop, self._link.objection, age, trocar, recording)
+            others = (self._recording.status(), self._known.status("rst_control", "controller"))
+            self._diagnostics.publish(view, loop, self._link.objection, age, trocar, others)
         if not view.is_moving and self._is_due("collect", now, COLLECT_PERIOD):
             gc.collect()
 
@@ -181,7 +193,7 @@ def main() -> None:
     publish_without_waiting()
     rospy.init_node("controller")
     try:
-        config = load_config(MotionConfig, rospy.get_param("~", {}), "controller parameters")
+        config = load_config(MotionConfig, launch_settings(), "controller parameters")
         model = parse_robot(rospy.get_param("robot_description"))
         with ends_on_interrupt():
             node = ControllerNode(config, model)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -13,6 +14,7 @@ from rst_control.admission.recording_gate import RecordingNews, RecordingWatch
 from rst_control.commands.parser import shown
 from rst_control.execution.executor import Executor
 from rst_control.execution.snapshot import ControllerSnapshot
+from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.controller.diagnostics import make_status
 from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.types import Reason, State
@@ -29,14 +31,27 @@ class RecordingLink:
     Args:
         watch: Knows of the recording.
         executor: Brakes the motion under way where the setting says so.
+        known: Makes the subscriber.
+        recorders: Nodes that are believed to record.
     """
 
-    def __init__(self, watch: RecordingWatch, executor: Executor) -> None:
+    def __init__(
+        self,
+        watch: RecordingWatch,
+        executor: Executor,
+        known: KnownPublishers,
+        recorders: Sequence[str],
+    ) -> None:
         self._watch, self._executor = watch, executor
         self._senders: set[str] = set()
         self._news = RecordingNews(watch, GRACE, time.monotonic)
-        self._subscriber = rospy.Subscriber(
-            "session_log/recording", String, self._on_beat, tcp_nodelay=True, queue_size=1
+        self._subscriber = known.subscribe(
+            "session_log/recording",
+            String,
+            self._on_beat,
+            recorders,
+            tcp_nodelay=True,
+            queue_size=1,
         )
 
     @property

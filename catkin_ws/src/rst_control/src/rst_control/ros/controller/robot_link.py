@@ -15,7 +15,9 @@ from std_msgs.msg import Bool, Empty, String
 
 from rst_control.commands.parser import shown
 from rst_control.config import WatchdogConfig
+from rst_control.config.believed import BelievedConfig
 from rst_control.robot.backend import RobotBackend
+from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.raw_messages import RawJointState, RawWrench, WrittenJointState
 from rst_control.ros.common.serialization import write_joint_state
 from rst_control.ros.controller.measurement_assembler import MeasurementAssembler
@@ -33,9 +35,18 @@ class RobotLink(RobotBackend):
         clock: Makes stamps.
         watchdogs: How old messages may be.
         tension: Where the tension comes from, as `tension.source` says.
+        known: Makes the subscribers.
+        believed: Nodes whose messages count.
     """
 
-    def __init__(self, clock: RosClock, watchdogs: WatchdogConfig, tension: str) -> None:
+    def __init__(
+        self,
+        clock: RosClock,
+        watchdogs: WatchdogConfig,
+        tension: str,
+        known: KnownPublishers,
+        believed: BelievedConfig,
+    ) -> None:
         self._clock, self._has_tension = clock, tension != "none"
         self._assembler = MeasurementAssembler(watchdogs, time.monotonic, tension)
         self._sent = 0
@@ -43,14 +54,19 @@ class RobotLink(RobotBackend):
         self._hold = rospy.Publisher("robot/hold", Empty, queue_size=1, tcp_nodelay=True)
         self._clear = rospy.Publisher("robot/clear_fault", Empty, queue_size=1, tcp_nodelay=True)
         newest = {"tcp_nodelay": True, "queue_size": 1}  # of what piles up on one connection
+        invalid, robot, tension_by = (
+            "robot/tension_invalid_reason",
+            believed.robot,
+            believed.tension,
+        )
         self._subscribers = [
-            rospy.Subscriber("joint_states", RawJointState, self._on_joints, **newest),
-            rospy.Subscriber("robot/tension", RawWrench, self._on_wrench, **newest),
-            rospy.Subscriber("robot/tension_invalid_reason", String, self._on_tension_invalid),
+            known.subscribe("joint_states", RawJointState, self._on_joints, robot, **newest),
+            known.subscribe("robot/tension", RawWrench, self._on_wrench, tension_by, **newest),
+            known.subscribe(invalid, String, self._on_tension_invalid, tension_by),
             rospy.Subscriber(FORMER_TOPIC, String, self._on_former_topic),
-            rospy.Subscriber("robot/setpoint_js", RawJointState, self._on_rest, **newest),
-            rospy.Subscriber("robot/gripped", Bool, self._on_gripped, **newest),
-            rospy.Subscriber("robot/fault", String, self._on_fault, **newest),
+            known.subscribe("robot/setpoint_js", RawJointState, self._on_rest, robot, **newest),
+            known.subscribe("robot/gripped", Bool, self._on_gripped, robot, **newest),
+            known.subscribe("robot/fault", String, self._on_fault, robot, **newest),
         ]
 
     def measured_js(self) -> Measurement | None:

@@ -23,6 +23,8 @@ from rst_control.errors import RstError
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import KinovaConfig
 from rst_control.kinova.homing import NotAllowed, home
+from rst_control.ros.common.known_publishers import KnownPublishers
+from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Repeated
@@ -64,7 +66,8 @@ class KinovaBridgeNode:
 
     def __init__(self, config: KinovaConfig) -> None:
         self._config = config.bridge
-        self._hardware = KinovaHardware(config.bridge, config.first_turns)
+        self._known = KnownPublishers()
+        self._hardware = KinovaHardware(config.bridge, config.first_turns, self._known)
         self._bridge = Bridge(config, self._hardware)
         self._offset, self._reader = wall_offset(), JointStateReader(JOINTS)
         self._jobs: deque[Callable[[], None]] = deque(maxlen=MAX_JOBS)
@@ -122,21 +125,27 @@ class KinovaBridgeNode:
 
     def _subscribe(self) -> None:
         bridge, newest = self._bridge, {"tcp_nodelay": True, "queue_size": 1}
+        known, by = self._known.subscribe, self._config.believed
         self._hardware.listen(
             lambda feedback: self._jobs.append(lambda: bridge.on_arm(feedback)),
             lambda feedback: self._jobs.append(lambda: bridge.on_tool(feedback)),
             lambda state: self._jobs.append(lambda: bridge.tool.tell_state(state)),
         )
         self._subscribers = [
-            rospy.Subscriber("robot/servo_jp", RawJointState, self._on_setpoint, tcp_nodelay=True),
-            rospy.Subscriber("robot/hold", Empty, self._on(bridge.hold), **newest),
-            rospy.Subscriber("robot/clear_fault", Empty, self._on(bridge.clear_fault), **newest),
-            rospy.Subscriber("kinova_guard/alive", Empty, self._on(bridge.on_guard), **newest),
-            rospy.Subscriber("robot/tension_sensor", WrenchStamped, self._on_tension, **newest),
-            rospy.Subscriber(
+            known(
+                "robot/servo_jp", RawJointState, self._on_setpoint, by.controller, tcp_nodelay=True
+            ),
+            known("robot/hold", Empty, self._on(bridge.hold), by.controller, **newest),
+            known(
+                "robot/clear_fault", Empty, self._on(bridge.clear_fault), by.controller, **newest
+            ),
+            known("kinova_guard/alive", Empty, self._on(bridge.on_guard), by.guard, **newest),
+            known("robot/tension_sensor", WrenchStamped, self._on_tension, by.sensors, **newest),
+            known(
                 "robot/jaw_contact",
                 Bool,
                 lambda message: self._jobs.append(lambda: bridge.on_contact(message.data)),
+                by.sensors,
                 **newest,
             ),
         ]
@@ -263,7 +272,8 @@ class KinovaBridgeNode:
             message=robot_fault(fault).words if fault else "leads the arm by velocities",
             values=[KeyValue(key, value) for key, value in values.items()],
         )
-        array = DiagnosticArray(status=[status])
+        strangers = self._known.status("robot", "kinova_bridge")
+        array = DiagnosticArray(status=[status, strangers])
         array.header.stamp = rospy.Time.now()
         self._diagnostics.publish(array)
 
@@ -289,7 +299,7 @@ def main() -> None:
     publish_without_waiting()
     rospy.init_node("kinova_bridge")
     try:
-        config = load_config(KinovaConfig, rospy.get_param("~", {}), "bridge parameters")
+        config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
         node = KinovaBridgeNode(config)
     except (ConfigError, RstError) as error:
         rospy.logfatal(f"the bridge cannot start: {error}; launch/kinova.launch starts it")

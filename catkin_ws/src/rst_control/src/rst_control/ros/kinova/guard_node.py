@@ -11,6 +11,8 @@ from std_msgs.msg import Empty
 
 from rst_control.kinova.config import GuardConfig
 from rst_control.kinova.guard import StopGuard
+from rst_control.ros.common.known_publishers import KnownPublishers
+from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.kinova.hardware import send_at_shutdown
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
@@ -25,15 +27,23 @@ def main() -> None:
     publish_without_waiting()
     rospy.init_node("kinova_guard")
     try:
-        config = load_config(GuardConfig, rospy.get_param("~bridge/guard", {}), "guard parameters")
+        settings = launch_settings()
+        guard_settings = settings.get("bridge", {}).get("guard", {})
+        config = load_config(GuardConfig, guard_settings, "guard parameters")
     except ConfigError as error:
         rospy.logfatal(f"the stop guard cannot start: {error}; launch/kinova.launch starts it")
         sys.exit(2)
     guard = StopGuard(config)
     newest = {"queue_size": 1, "tcp_nodelay": True}
-    stop = rospy.Publisher(f"{rospy.get_param('~arm_namespace')}/in/stop", Empty, **newest)
+    stop = rospy.Publisher(f"{settings['arm_namespace']}/in/stop", Empty, **newest)
     alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
-    rospy.Subscriber("kinova_bridge/beat", Empty, lambda _: guard.heard(time.monotonic()), **newest)
+    KnownPublishers().subscribe(
+        "kinova_bridge/beat",
+        Empty,
+        lambda _: guard.heard(time.monotonic()),
+        config.bridge,
+        **newest,
+    )
     # A guard that ends guards no longer: the arm stops, whether the bridge is there or not.
     rospy.on_shutdown(lambda: send_at_shutdown(lambda: stop.publish(Empty())))
     ask_for_priority()

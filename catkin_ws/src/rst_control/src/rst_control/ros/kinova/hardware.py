@@ -14,6 +14,7 @@ from std_msgs.msg import Empty, Float64MultiArray, Int32MultiArray
 
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
+from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.types import Vector
 
 LAST_TIMES, LAST_PERIOD = 5, 0.02  # that a last message is sent, and [s] between them
@@ -33,12 +34,15 @@ class KinovaHardware:
     Args:
         config: Names of the drivers and of their joints.
         first_turns: Of the arm's joints [rad], for `FeedbackReader`. Shape (7,).
+        known: Makes the subscribers.
     """
 
-    def __init__(self, config: BridgeConfig, first_turns: Sequence[float]) -> None:
+    def __init__(
+        self, config: BridgeConfig, first_turns: Sequence[float], known: KnownPublishers
+    ) -> None:
         self._first_turns = first_turns
         arm, tool = config.arm.namespace, config.tool.namespace
-        self._config, self._is_closed = config, False
+        self._config, self._known, self._is_closed = config, known, False
         newest = {"queue_size": 1, "tcp_nodelay": True}
         self._speeds = rospy.Publisher(f"{arm}/in/joint_velocity", Base_JointSpeeds, **newest)
         self._stop = rospy.Publisher(f"{arm}/in/stop", Empty, **newest)
@@ -92,23 +96,27 @@ class KinovaHardware:
         arm, tool = self._config.arm, self._config.tool
         newest = {"queue_size": 1, "tcp_nodelay": True}
         reader = FeedbackReader(arm.joints, (1.0,) * len(arm.joints), self._first_turns)
+        known, by = self._known.subscribe, self._config.believed
         self._subscribers = [
-            rospy.Subscriber(
+            known(
                 f"{arm.namespace}/base_feedback/joint_state",
                 JointState,
                 _to(reader, on_arm),
+                by.arm,
                 **newest,
             ),
-            rospy.Subscriber(
+            known(
                 f"{tool.namespace}/joint_states",
                 JointState,
                 _to(FeedbackReader(tool.joints, tool.signs, None), on_tool),
+                by.tool,
                 **newest,
             ),
-            rospy.Subscriber(
+            known(
                 f"{tool.namespace}/openrst_state",
                 Int32MultiArray,
                 lambda message: on_tool_state(message.data[0] if message.data else -1),
+                by.tool,
                 **newest,
             ),
         ]

@@ -45,8 +45,8 @@ class SimulatorDiagnostics:
         """Whether it is time to publish."""
         return time.monotonic() - self._wall >= PERIOD
 
-    def publish(self) -> None:
-        """Publish what happened since the last time."""
+    def publish(self, strangers: DiagnosticStatus) -> None:
+        """Publish what happened since the last time, and who is not believed."""
         pace, robot = self._pace, self._robot
         wall, busy = time.monotonic(), time.process_time()
         periods, late = pace.periods - self._periods, pace.late - self._late
@@ -68,7 +68,7 @@ class SimulatorDiagnostics:
         }
         status = DiagnosticStatus(level=level, name="robot: simulation", message=words)
         status.values = [KeyValue(key, value) for key, value in values.items()]
-        message = DiagnosticArray(status=[status, self._exposure()])
+        message = DiagnosticArray(status=[status, self._exposure(), strangers])
         message.header.stamp = rospy.Time.now()
         self._topic.publish(message)
 

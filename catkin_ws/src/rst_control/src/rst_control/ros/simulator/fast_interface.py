@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import rospy
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 
+from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
@@ -36,6 +37,8 @@ class SetpointInterface:
         jobs: What the simulator's loop does between two steps.
         stamper: Time of the messages.
         is_real_time: Whether stamps of others are on the same clock.
+        known: Makes the subscribers.
+        led_by: Nodes that may lead the robot.
     """
 
     def __init__(
@@ -44,6 +47,8 @@ class SetpointInterface:
         jobs: deque[Callable[[], None]],
         stamper: Stamper,
         is_real_time: bool,
+        known: KnownPublishers,
+        led_by: Sequence[str],
     ) -> None:
         self._robot, self._jobs, self._stamper = robot, jobs, stamper
         self._is_real_time = is_real_time
@@ -59,9 +64,13 @@ class SetpointInterface:
         self._gripped = rospy.Publisher("robot/gripped", Bool, queue_size=10, latch=True)
         self._fault = rospy.Publisher("robot/fault", String, queue_size=10, latch=True)
         self._subscribers = [
-            rospy.Subscriber("robot/servo_jp", RawJointState, self._on_setpoint, tcp_nodelay=True),
-            rospy.Subscriber("robot/hold", Empty, self._on(robot.hold), queue_size=1),
-            rospy.Subscriber("robot/clear_fault", Empty, self._on(robot.clear_fault), queue_size=1),
+            known.subscribe(
+                "robot/servo_jp", RawJointState, self._on_setpoint, led_by, tcp_nodelay=True
+            ),
+            known.subscribe("robot/hold", Empty, self._on(robot.hold), led_by, queue_size=1),
+            known.subscribe(
+                "robot/clear_fault", Empty, self._on(robot.clear_fault), led_by, queue_size=1
+            ),
         ]
 
     def lead(self) -> None:

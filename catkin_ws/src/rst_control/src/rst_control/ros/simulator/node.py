@@ -23,6 +23,8 @@ from rst_control.config import URDF_FILE, SimulationConfig
 from rst_control.errors import RstError
 from rst_control.kinova.stand_in import StandInConfig, as_driven
 from rst_control.robot.setpoint_servo import ServoState
+from rst_control.ros.common.known_publishers import KnownPublishers
+from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.starting import ends_on_interrupt
 from rst_control.ros.kinova.stand_in_interface import DriverInterface
@@ -85,6 +87,7 @@ class SimulatorNode:
         self._stamper = Stamper(self._is_real_time)
         self._jobs: deque[Callable[[], None]] = deque()
         self._clock = None if self._is_real_time else rospy.Publisher("/clock", Clock, queue_size=1)
+        self._known = KnownPublishers()
         self._interface = self._make_interface(config, stand_in)
         self._service = rospy.Service("robot/reset_tissue", Trigger, self._on_reset)
         self._trail = Trail()
@@ -124,7 +127,8 @@ class SimulatorNode:
     ) -> RobotInterface:
         robot, jobs, stamper = self.robot, self._jobs, self._stamper
         if stand_in is None:
-            return SetpointInterface(robot, jobs, stamper, self._is_real_time)
+            led_by = config.simulator.led_by
+            return SetpointInterface(robot, jobs, stamper, self._is_real_time, self._known, led_by)
         return DriverInterface(robot, jobs, stamper, config, stand_in)
 
     def _publish(self) -> None:
@@ -133,7 +137,7 @@ class SimulatorNode:
             self._clock.publish(Clock(rospy.Time(*self._stamper.split(self.robot.now))))
         if self._diagnostics.is_due():
             self._stamper.follow_wall_clock()
-            self._diagnostics.publish()
+            self._diagnostics.publish(self._known.status("robot", "simulator"))
 
     def _fall_behind(self, behind: float) -> None:
         """Too late to make up for: at rest, time is given up; in motion the robot brakes first."""
@@ -204,7 +208,7 @@ def main() -> None:
     publish_without_waiting()
     rospy.init_node("robot")
     try:
-        given = rospy.get_param("~", {})
+        given = launch_settings()
         config, stand_in = read_parameters(given)
         with ends_on_interrupt():
             node = SimulatorNode(config, Path(given.get("urdf", URDF_FILE)), stand_in)

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which nodes are believed, by the names that they give themselves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rst_control.config.callers import require_names
+from typed_config import text
+
+
+@dataclass(frozen=True, kw_only=True)
+class BelievedConfig:
+    """Nodes whose messages count for the controller; [] stands for anybody."""
+
+    robot: tuple[str, ...] = text()
+    tension: tuple[str, ...] = text()
+    recorder: tuple[str, ...] = text()
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        for key in ("robot", "tension", "recorder"):
+            require_names(key, getattr(self, key))
+
+
+@dataclass(frozen=True, kw_only=True)
+class BridgeBelievedConfig:
+    """Nodes whose messages count for the bridge; [] stands for anybody."""
+
+    controller: tuple[str, ...] = text()
+    guard: tuple[str, ...] = text()
+    arm: tuple[str, ...] = text()
+    tool: tuple[str, ...] = text()
+    sensors: tuple[str, ...] = text()
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        for key in ("controller", "guard", "arm", "tool", "sensors"):
+            require_names(key, getattr(self, key))
