@@ -60,7 +60,8 @@ class KnownPublishers:
         found = []
         for link, patterns in self._links:
             connections = list(link.impl.connections) if link.impl is not None else []
-            names = {caller_name(c.callerid_pub) for c in connections if not c.done}
+            open_ones = (c.callerid_pub for c in connections if not c.done)
+            names = {caller_name(n) for n in open_ones if n}  # none while it is being made
             found += [(link.resolved_name, n) for n in names if not is_allowed(n, patterns)]
         for topic, name in set(found) - self._warned:
             if len(self._warned) < MAX_STRANGERS:
