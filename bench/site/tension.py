@@ -35,7 +35,9 @@ SOFT: Final = 0.2  # of the stiffness stated
 PATIENCE: Final = 12.0  # [s] for a command
 WAKES: Final = 0.4  # [s] that a person waits before "hey robot"
 SEED: Final = 31
-COMPARED: Final = 200  # situations, of scaled sensors and of good ones
+COMPARED: Final = int(
+    os.environ.get("BENCH_COMPARED", "200")
+)  # situations, of scaled sensors and of good ones
 
 
 @dataclass(frozen=True)
