@@ -7,7 +7,7 @@ PY := .venv/bin/python
 # Packages under ~/.local would come before Debian's and ours
 export PYTHONNOUSERSITE := 1
 # ROS on loopback only; the workspace's packages on every path
-RUN := unset PYTHONPATH PYTHONHOME; . catkin_ws/devel/setup.sh; export ROS_IP=127.0.0.1 PATH="$(CURDIR)/.venv/bin:$$PATH";
+RUN := unset PYTHONPATH PYTHONHOME ROS_HOSTNAME ROS_NAMESPACE; . catkin_ws/devel/setup.sh; export ROS_IP=127.0.0.1 PATH="$(CURDIR)/.venv/bin:$$PATH";
 
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)

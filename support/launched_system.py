@@ -39,6 +39,8 @@ class System:
     def __init__(self, log: Path, environment: dict[str, str]) -> None:
         port = free_port()
         os.environ["ROS_IP"] = "127.0.0.1"
+        for name in ("ROS_HOSTNAME", "ROS_NAMESPACE"):  # of the user's shell: for another system
+            os.environ.pop(name, None)
         os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
         os.environ["ROS_LOG_DIR"] = str(log.parent / "ros_logs")
         self._log, self._port = log, port

@@ -3,25 +3,33 @@
 
 roslaunch takes the last of two equal keys without a word, and a file that was cut off as far as it
 goes; the nodes see only what is left. roslaunch runs this while it reads a launch file, and ends
-where it ends with an error.
+where it ends with an error. With `--launch FILE` the command line of roslaunch is checked too.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from typed_config.errors import ConfigError
+from typed_config.launch_line import caller_words, check_launch_line
 from typed_config.strict_yaml import load_yaml
 
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Read the files named, print how many, or end with the reason on the error output."""
-    files = sys.argv[1:] if argv is None else argv
+    parser = argparse.ArgumentParser(prog="check_settings", description=__doc__)
+    parser.add_argument("--launch", type=Path, help="the launch file that asks for this")
+    parser.add_argument("files", nargs="*", help="settings files, YAML")
+    given = parser.parse_args(argv)
     try:
-        for file in files:
+        if given.launch is not None:
+            check_launch_line(given.launch, caller_words())
+        for file in given.files:
             load_yaml(file)
     except ConfigError as error:
         print(f"\nthis launch does not start: {error}\n", file=sys.stderr)
         sys.exit(2)
-    print(f"{len(files)} files")
+    print(f"{len(given.files)} files")

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What roslaunch takes without a word: a misspelt argument, and a host name that opens the master.
+
+roslaunch keeps an argument that no launch file declares, and uses it nowhere. Without `ROS_IP` and
+`ROS_HOSTNAME` the master, roslaunch itself and the nodes of others listen on all addresses.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from typed_config.errors import ConfigError, Missing
+
+_ARGUMENT = re.compile(r"(?P<name>[A-Za-z]\w*):=")  # names with a leading "_" are ROS's own
+
+
+def check_launch_line(
+    file: Path, words: Sequence[str], environment: Mapping[str, str] | None = None
+) -> None:
+    """Check how a launch file was called.
+
+    Args:
+        file: The launch file that asks for this.
+        words: Command line of the program that reads it.
+        environment: Of that program; of this process where it is left out.
+
+    Raises:
+        ConfigError: An argument on the command line is unknown to this file, or no address is set.
+    """
+    given = os.environ if environment is None else environment
+    if not (given.get("ROS_IP") or given.get("ROS_HOSTNAME")):
+        raise ConfigError(
+            "ROS_IP",
+            Missing(),
+            "an address of this machine; source the workspace's setup.sh, or export"
+            " ROS_IP=127.0.0.1, else everybody on the network may command the robot",
+        )
+    if not any(_names(word, file) for word in words):
+        return  # another launch file includes this one, and roslaunch checks what it passes on
+    known = arguments(file)
+    for match in filter(None, map(_ARGUMENT.match, words)):
+        if match["name"] not in known:
+            close = difflib.get_close_matches(match["name"], known, n=1)
+            hint = f"did you mean {close[0]}:= ?" if close else "one of " + ", ".join(known)
+            raise ConfigError(
+                f"argument of {file.name}", match["name"], f"{hint} (roslaunch --ros-args explains)"
+            )
+
+
+def arguments(file: Path) -> list[str]:
+    """Names of the arguments that a launch file declares for its caller, in its order."""
+    declared = ElementTree.parse(file).getroot().findall("arg")
+    return [argument.attrib["name"] for argument in declared if "value" not in argument.attrib]
+
+
+def caller_words() -> list[str]:
+    """Command line of the process that started this one; empty where /proc does not show it."""
+    try:
+        line = Path("/proc", str(os.getppid()), "cmdline").read_bytes()
+    except OSError:
+        return []
+    return line.decode(errors="replace").split("\0")[:-1]
+
+
+def _names(word: str, file: Path) -> bool:
+    """Whether a word of a command line is this file: by its path, or by its name in a package."""
+    if "/" not in word and not Path(word).exists():
+        return word == file.name
+    return Path(word).exists() and Path(word).samefile(file)

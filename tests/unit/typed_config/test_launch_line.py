@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How a launch file is called: unknown arguments and a missing address are refused by name."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.support.doc_lines import PAGES, ROOT, doc_lines
+from typed_config import ConfigError
+from typed_config.launch_line import arguments, check_launch_line
+
+LAUNCH = ROOT / "launch"
+SYSTEM = LAUNCH / "system.launch"
+HERE = {"ROS_IP": "127.0.0.1"}
+
+
+def check(*words, file=SYSTEM, environment=HERE):
+    check_launch_line(file, ["/usr/bin/python3", "/usr/bin/roslaunch", *words], environment)
+
+
+@pytest.mark.parametrize("named", ["system.launch", str(SYSTEM)])
+def test_a_misspelt_argument_is_refused_with_the_nearest(named):
+    with pytest.raises(ConfigError, match=r"'profil'.*did you mean profile:="):
+        check("voice_assist", named, "profil:=ada")
+
+
+def test_an_argument_like_no_other_is_refused_with_all_of_them():
+    with pytest.raises(ConfigError, match=r"'qqqq'.*gui.*controller_overrides"):
+        check(str(SYSTEM), "qqqq:=1")
+
+
+@pytest.mark.parametrize(
+    "words", [(), ("profile:=ada", "config:=/a b/c"), ("__name:=x", "wav:=/tmp/profil:=.wav")]
+)
+def test_known_arguments_and_those_of_ros_pass(words):
+    check("voice_assist", "system.launch", *words)
+
+
+@pytest.mark.parametrize("caller", ["mine.launch", "voice.launch"])
+def test_an_included_file_leaves_the_command_line_to_the_one_that_was_called(caller):
+    check("mine", caller, "profil:=ada")
+
+
+def test_a_file_of_the_same_name_elsewhere_is_another(tmp_path):
+    other = tmp_path / "system.launch"
+    other.write_text("<launch/>")
+    check(str(other), "profil:=ada")
+
+
+@pytest.mark.parametrize("environment", [{}, {"ROS_IP": ""}])
+def test_without_an_address_nothing_is_launched(environment):
+    with pytest.raises(ConfigError, match=r"ROS_IP is missing.*setup\.sh"):
+        check("voice_assist", "system.launch", environment=environment)
+
+
+def test_a_host_name_is_an_address_too():
+    check("voice_assist", "system.launch", environment={"ROS_HOSTNAME": "robot"})
+
+
+def test_every_launch_file_of_ours_asks_for_the_check_by_its_own_name():
+    for file in LAUNCH.glob("*.launch"):
+        assert f"--launch '$(dirname)/{file.name}'" in file.read_text("utf-8"), file.name
+
+
+def test_the_system_passes_on_each_argument_of_the_voice_that_a_site_sets():
+    ours = {"source", "device", "wav", "model", "model_device", "denoise", "profile", "config"}
+    for file in (SYSTEM, LAUNCH / "kinova.launch"):
+        assert ours <= set(arguments(file)), file.name
+        text = file.read_text("utf-8")
+        assert all(f'<arg name="{name}" value="$(arg {name})"/>' in text for name in ours)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_launch_line_of_the_pages_has_arguments_that_exist(page):
+    for line in doc_lines((ROOT / page).read_text("utf-8"), page):
+        files = [LAUNCH / Path(word).name for word in line.words if word.endswith(".launch")]
+        if line.words[0] == "roslaunch" and files and files[0].exists():
+            check(str(files[0]), *line.words[2:], file=files[0])
+
+
+@pytest.mark.parametrize(("given", "shown"), [("", "127.0.0.1"), ("10.7.0.1", "10.7.0.1")])
+def test_sourcing_the_workspace_sets_loopback_unless_an_address_is_given(given, shown):
+    script = f'. {ROOT}/catkin_ws/devel/setup.sh; printf %s "$ROS_IP"'
+    environment = {k: v for k, v in os.environ.items() if k not in ("ROS_IP", "ROS_HOSTNAME")}
+    environment |= {"ROS_IP": given} if given else {}
+    done = subprocess.run(
+        ["sh", "-c", script], env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == shown
