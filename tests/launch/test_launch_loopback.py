@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from roslaunch.config import load_config_default
+from roslaunch.core import RLException
 
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
 FILES = sorted(LAUNCH.glob("*.launch"))
@@ -19,9 +20,16 @@ def nodes(file):
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
-def test_every_node_binds_to_loopback_by_itself(file, monkeypatch):
+def test_without_an_address_no_file_is_launched(file, monkeypatch):
     for name in ("ROS_IP", "ROS_HOSTNAME"):
         monkeypatch.delenv(name, raising=False)
+    with pytest.raises(RLException, match="Cannot load command parameter"):
+        nodes(file)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_every_node_gets_the_address_of_the_shell(file, monkeypatch):
+    monkeypatch.setenv("ROS_IP", "127.0.0.1")
     found = nodes(file)
     assert found
     for node in found:

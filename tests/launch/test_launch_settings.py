@@ -27,8 +27,9 @@ def test_every_file_that_is_loaded_was_checked(name):
     loaded = {e.get("file") for e in tree.iter("rosparam") if e.get("command") == "load"}
     checks = [e.get("command") for e in tree.iter("param") if "check_settings" in str(e.attrib)]
     assert len(checks) == 1
-    command, *files = shlex.split(checks[0].replace("$(find ", "$(find:"))
+    command, _, own, *files = shlex.split(checks[0].replace("$(find ", "$(find:"))
     assert command == "$(find:typed_config)/check_settings"
+    assert own == f"$(dirname)/{name}"
     assert set(files) == {file.replace("$(find ", "$(find:") for file in loaded}
 
 
