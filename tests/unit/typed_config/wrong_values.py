@@ -45,6 +45,7 @@ NO_OTHER_UNIT = {  # units that people write in one way
     "times real time": "a ratio",
     "frames": "a count",
     "partials": "a count",
+    "transcripts": "a count",
     "threads": "a count",
     "messages": "a count",
     "pixels": "a count",

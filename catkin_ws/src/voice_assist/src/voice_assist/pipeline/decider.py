@@ -190,10 +190,11 @@ class Decider:
             return None
         lacks = min(lacks for lacks, _ in missing)
         phrase = self._stop_fusion.phrase
-        outcome: Match | NoMatch = Match(phrase, self._mapper(transcript.text).wer)
+        stop = Match(phrase, self._mapper(transcript.text).wer)
+        outcome: Match | NoMatch = stop
         if lacks > 0.0:
             words = f"a {phrase!r} may be in the same sound: {lacks:.1f} nat short of one"
-            outcome = outcome.rejected(Rejection(RejectionReason.SECOND_VOICE, words))
+            outcome = stop.rejected(Rejection(RejectionReason.SECOND_VOICE, words))
         worth = self._recognizer_config.confidence.spotter(moving.spotter_alone - lacks)
         return Verdict(outcome, transcript, worth, SPOTTER)
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from voice_assist.spotter.spotter import Spotting
 
 # Parts that an older recording, or another node, did not have, as it behaved without them.
-SWITCHED_OFF = {
+SWITCHED_OFF: dict[str, dict[str, Any]] = {
     "speaker": {"gate": "off"},
     "profile": {"name": "none"},
     "moving": {"is_enabled": False},
