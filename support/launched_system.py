@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import os
+import random
 import signal
 import socket
 import subprocess
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import rosgraph
@@ -21,16 +23,22 @@ from support.interrupt import undisturbed
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = ROOT / "catkin_ws" / "src" / "rst_control" / "config"
+MASTER_PORTS = (20_000, 32_768)  # Linux deals out ports from 32768 on
 START_TIME = 20.0  # [s] allowed for roscore to answer
 READY_TIME = 90.0  # [s] allowed for all parts to come up
 STOP_TIME = 60.0  # [s] for roslaunch, which gives each node up to 17 s, to end before it is killed
 
 
 def free_port() -> int:
-    """Return a TCP port of the loopback that nobody uses at this moment."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """Return a TCP port of the loopback that nobody uses at this moment.
+
+    It is below those that the system deals out, so that no node of another master takes it before
+    it is used, and no caller who waits for a master there is connected to itself.
+    """
+    while True:
+        with socket.socket() as probe, suppress(OSError):
+            probe.bind(("127.0.0.1", random.randrange(*MASTER_PORTS)))
+            return int(probe.getsockname()[1])
 
 
 class System:

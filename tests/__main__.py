@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
-The tests without nodes run first, on every core. Those with nodes follow, one system at a time and
-with nothing beside it: a robot holds where its machine does not keep up. With other arguments: one
-pytest with them.
+Tests with nodes mostly wait, so two systems run at once. The others run on every core beside them,
+at a lower priority. With other arguments: one pytest with them.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -16,11 +17,13 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 ROOT = Path(__file__).resolve().parents[1]
-RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form
-WITH_NODES = ("rostest", "integration")
-WITHOUT = ("state_search", "simulation", "property", "docs", "launch", "traps", "unit")
+RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form, and what the tests beside printed
+WITH_NODES = ("rostest", "integration", "launch")
+WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit")
 CORES = len(os.sched_getaffinity(0))
+SYSTEMS = 2  # that run at once; each takes less than a core
 SPREAD = ("--dist", "loadfile", "--no-loadscope-reorder")  # what a file's tests share is made once
+NICE = 19  # of the tests without nodes
 SLOWEST = 20
 COUNTS = ("passed", "failed", "skipped")
 
@@ -29,13 +32,26 @@ def main(arguments: Sequence[str]) -> int:
     """Run them; 0 when all passed."""
     RESULTS.mkdir(parents=True, exist_ok=True)
     if arguments == ["--fast"]:
-        fast = subprocess.call(_command("fast", WITHOUT, CORES, "-m", "not slow"))
+        fast = subprocess.call(_command("fast", (*WITHOUT, *WITH_NODES), CORES, "-m", "not slow"))
         return _conclude(["fast"], [fast])
     if arguments:
         return subprocess.call(_pytest(*_places(arguments), *arguments))
-    print("Tests without nodes first; those with nodes follow, one system at a time.", flush=True)
-    runs = [_command("others", WITHOUT, CORES), _command("nodes", WITH_NODES, 1)]
-    return _conclude(["others", "nodes"], [subprocess.call(run) for run in runs])
+    print("Tests with nodes first; the others run beside them and are shown last.", flush=True)
+    log = RESULTS / "others.log"
+    with log.open("wb") as file:
+        beside = subprocess.Popen(
+            _command("others", WITHOUT, CORES),
+            stdout=file,
+            stderr=subprocess.STDOUT,
+            preexec_fn=_give_way,
+        )
+    try:
+        codes = [subprocess.call(_command("nodes", WITH_NODES, SYSTEMS)), beside.wait()]
+    finally:
+        if beside.poll() is None:
+            os.killpg(beside.pid, signal.SIGTERM)
+        print(log.read_text(encoding="utf-8", errors="replace"), flush=True)
+    return _conclude(["nodes", "others"], codes)
 
 
 def _conclude(names: Sequence[str], codes: Sequence[int]) -> int:
@@ -88,6 +104,14 @@ def _places(arguments: Sequence[str]) -> list[str]:
     """All tests, unless the arguments name some by their paths."""
     named = [word for word in arguments if Path(word.partition("::")[0]).exists()]
     return [] if named else [str(ROOT / "tests")]
+
+
+def _give_way() -> None:
+    """In the child: lower its priority, and that of its session, which Linux weighs as a whole."""
+    os.nice(NICE)
+    os.setsid()
+    with contextlib.suppress(OSError):  # a kernel without groups of sessions
+        Path("/proc/self/autogroup").write_text(str(NICE), encoding="ascii")
 
 
 if __name__ == "__main__":

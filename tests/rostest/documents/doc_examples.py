@@ -25,7 +25,7 @@ A_SESSION = re.compile(r"^sessions/\S+$")
 FEEDBACK = "/my_gen3/base_feedback/joint_state"
 LIMIT = 90.0  # [s] for one line
 RECORDED = 5.0  # [s] of the session that the lines are about, at least
-LISTENING = 8.0  # [s] for one that runs until it is ended
+RATE, RATES = "average rate", 3  # what one that runs until it is ended prints, and how often
 WAY_IN_OR_OUT = ("'insert'\"", "'withdraw'\"")  # long, so one after the other, in the end
 ENDLESS = ("rostopic hz",)
 
@@ -98,9 +98,13 @@ class DocExamples(unittest.TestCase):
         running = subprocess.Popen(
             words, cwd=ROOT, stdout=subprocess.PIPE, text=True, env=unbuffered
         )
-        rospy.sleep(LISTENING)
+        printed = ""
+        while printed.count(RATE) < RATES:
+            line = running.stdout.readline()
+            self.assertTrue(line, f"it ended: {printed}")
+            printed += line
         running.send_signal(signal.SIGINT)
-        return running.communicate(timeout=LIMIT)[0]
+        return printed + running.communicate(timeout=LIMIT)[0]
 
     def place(self, word):
         """The session of this test in the place of the one that a page names."""
