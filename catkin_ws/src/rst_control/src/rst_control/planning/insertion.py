@@ -40,7 +40,6 @@ STRAIGHT: Final = 1e-9  # [rad] of pitch and yaw, below which the tool counts as
 NEARLY_STRAIGHT: Final = 0.01  # [rad] that may be straightened in the trocar: 0.3 mm at the tip
 WRIST_LENGTH: Final = 0.0265  # [m] from the pitch joint to the tip of a straight tool
 SLIGHT: Final = 1e-7  # [m] of way that is none
-DETOUR: Final = np.pi  # [rad] that an approach may turn a joint further than straight there
 
 
 class ToolBent(Infeasible):
@@ -110,13 +109,16 @@ class Insertion:
         return tuple(Leg(leg.kind, leg.path.turned(turns)) for leg in legs)
 
     def _require_short(self, q: Vector, corners: tuple[Vector, ...]) -> None:
-        """Keep an approach from q (9,) by the corners (9,) from turning a joint the long way."""
+        """Keep an approach from q (9,) by the corners (9,) from turning a joint the long way.
+
+        The shortest way of an endless joint counts in any turn, also where its limits rule it out.
+        """
         if not corners:
             return
-        direct = np.abs(corners[-1] - q)
+        direct = corners[-1] - q
         turned = np.abs(np.diff([q, *corners], axis=0)).sum(axis=0)
-        endless, most = self._planner.limits.endless, self._rcm.max_joint_way
-        allowed = np.where(endless & (direct > most), most, direct + DETOUR)
+        shortest = np.abs(direct + self._planner.limits.turns_towards(direct, np.zeros_like(q)))
+        allowed = shortest + self._rcm.max_joint_way
         worst = int((turned - allowed).argmax())
         if not turned[worst] <= allowed[worst]:
             ways = f"{turned[worst]:.2f} rad", f"{allowed[worst]:.2f} rad"
