@@ -18,7 +18,7 @@ COMMANDS = {"hey robot", "tense", "release", "pull more", "pull less", "stop", "
 @pytest.fixture(scope="module")
 def session(tmp_path_factory):
     out = tmp_path_factory.mktemp("paper")
-    words = ["--session", VOICE, "--voices", VOICE, "--repetitions", "1", "--out", str(out)]
+    words = ["--session", "--voices", VOICE, "--repetitions", "1", "--out", str(out)]
     done = subprocess.run(
         [sys.executable, "-m", "paper", *words],
         cwd=ROOT,

@@ -47,7 +47,7 @@ class RecordingPlayer:
         reader: The recording.
         rate: Recorded over real time.
         prefix: Of all topics; empty: the recorded names.
-        live: Nodes of a running system on the topics that are played.
+        live: Nodes of a running system on the topics that are played; not asked with a prefix.
 
     Raises:
         LiveSystem: There are some.
@@ -78,7 +78,7 @@ class RecordingPlayer:
                 rospy.set_param(self._prefix + URDF_TOPIC, words)
 
     def _check(self) -> None:
-        if time.monotonic() - self._checked < CHECK_PERIOD:
+        if self._prefix or time.monotonic() - self._checked < CHECK_PERIOD:
             return
         self._checked = time.monotonic()
         if live := self._live(self._names):
