@@ -76,7 +76,6 @@ def table_text(table: TextTable, caption: str, label: str) -> str:
     """Set one table as a floating environment; numbers stand to the right."""
     environment = "table*" if _width(table) > WIDE else "table"
     form = "".join("r" if i in table.numbers else "l" for i in range(len(table.columns)))
-    marks = table.marks or ("",) * len(table.rows)
     lines = [
         rf"\begin{{{environment}}}",
         r"  \centering",
@@ -89,7 +88,7 @@ def table_text(table: TextTable, caption: str, label: str) -> str:
         "    " + _row(_head(column) for column in table.columns),
         r"    \midrule",
     ]
-    for row, mark in zip(table.rows, marks, strict=True):
+    for row, mark, _ in table.lines():
         if mark == "total":
             lines.append(r"    \midrule")
         lines.append("    " + _row(escape(cell) for cell in row))

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 from session_log.report.bounds import Bounded
 
@@ -22,6 +23,12 @@ class TextTable:
     links: tuple[str, ...] = ()  # address behind the first cell of each row; empty: none
     numbers: tuple[int, ...] = ()  # columns that hold numbers
     is_compact: bool = False  # fits a phone as it is; others become cards there
+    NONE: ClassVar[str] = NONE  # a cell without a value
+
+    def lines(self) -> Iterator[tuple[tuple[str, ...], str, str]]:
+        """Each row with its mark and its link."""
+        nothing = ("",) * len(self.rows)
+        yield from zip(self.rows, self.marks or nothing, self.links or nothing, strict=True)
 
 
 def seconds(value: float) -> str:

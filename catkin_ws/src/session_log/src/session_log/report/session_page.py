@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page of one session: its parts, in their order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from datetime import datetime
+from typing import Any
+
+from session_log.mcap_file.summary import RecordingSummary
+from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, ReportFigure, SessionMaterial
+from session_log.report.page import Image, Section, page, table_section
+from session_log.report.pool.pool import Pool
+from session_log.report.sections import figure_section, large_facts
+from session_log.report.session.stops import stops, stops_table
+from session_log.report.session.summary import SessionSummary
+from session_log.report.tables import session_tables
+from session_log.report.tables.text_table import size_words
+
+COMMANDS_NOTE = "Decision and action: time after the end of speech."
+BELOW_COMMANDS = (
+    "accuracy",
+    "confusion",
+    "latency",
+    "rcm_error",
+    "tension",
+    "scene",
+    "joints",
+    "loop_timing",
+)
+_ALL_FIGURES: tuple[ReportFigure[Any], ...] = (*SESSION_FIGURES, *POOL_FIGURES)
+_FIGURES = {figure.name: figure for figure in _ALL_FIGURES}
+
+
+def session_page(
+    material: SessionMaterial, summary: SessionSummary, pool: Pool, images: Mapping[str, Image]
+) -> str:
+    """Set the page.
+
+    Args:
+        material: Of the session.
+        summary: Of the session.
+        pool: Of this session alone.
+        images: The figures that could be drawn.
+    """
+    return page(
+        f"Session {summary.name}",
+        _subtitle(material.data.recording),
+        " ".join(_warnings(material)),
+        large_facts(pool, {"spoken commands": sum(given.is_spoken for given in summary.given)}),
+        _sections(material, pool, images),
+    )
+
+
+def _sections(
+    material: SessionMaterial, pool: Pool, images: Mapping[str, Image]
+) -> Iterator[Section]:
+    data = material.data
+    yield figure_section(_FIGURES["timeline"], images, pool)
+    yield Section("Commands", COMMANDS_NOTE, table=session_tables.commands_table(material))
+    found = stops_table(stops(data.events, data.states))
+    yield table_section("What stopped the robot, and why", found, "Nothing stopped the robot.")
+    refused = session_tables.refused_table(material)
+    yield table_section("What was refused, and why", refused, "Nothing was refused.")
+    for name in BELOW_COMMANDS:
+        if name != "confusion" or name in images:  # else the accuracy's place says why
+            yield figure_section(_FIGURES[name], images, pool)
+    health = session_tables.health_table(material)
+    yield table_section("Health", health, "The recording holds no diagnostics.")
+    yield Section("Recording", table=session_tables.topics_table(material))
+    metadata = dict(sorted(data.recording.condition.metadata))
+    yield Section(
+        "Origin", "" if metadata else "The recording holds no metadata.", details=metadata
+    )
+
+
+def _subtitle(recording: RecordingSummary) -> str:
+    began = datetime.fromtimestamp(recording.start * 1e-9).astimezone() if recording.start else None
+    words = began.strftime("%d %B %Y, %H:%M:%S %Z") if began else "no messages"
+    extent = f"{recording.duration:.1f} s, {recording.messages} messages"
+    return f"{words} · {extent} · {size_words(recording.condition.size)}"
+
+
+def _warnings(material: SessionMaterial) -> Iterator[str]:
+    recording, condition = material.data.recording, material.data.recording.condition
+    if not condition.is_closed:
+        yield "The recorder did not close this file: it was killed, or is still running."
+    if condition.checksum == "wrong":
+        yield "The file was changed after it was written: its checksum is wrong."
+    if condition.damage:
+        lost = sum(damage.length for damage in condition.damage)
+        yield f"{lost} bytes in {len(condition.damage)} places cannot be read."
+    if recording.missing:
+        yield f"{recording.missing} messages were received but are not in the file."
+    for name, loss in condition.latest("losses").items():
+        yield f"Lost on {name}: {loss}."
+    for topic, count in material.data.undecodable.items():
+        yield f"{count} messages of {topic} do not fit what the report expects."
+    for what in sorted(material.data.missing_fields):
+        yield f"Left out: {what}."
