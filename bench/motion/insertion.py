@@ -95,11 +95,16 @@ ACTIVE = ControllerMode(State.ACTIVE, is_active=True)
 
 
 def outside_starts(planner: Planner, count: int, seed: int) -> Iterator[Array]:
-    """Random joints (9,) [rad] at which nothing touches and the robot is outside the patient."""
+    """Random joints (9,) [rad] at which nothing touches and the robot is outside the patient.
+
+    Endless joints are within half a turn, as the arm's driver reports them.
+    """
     rng, limits, outside = np.random.default_rng(seed), planner.limits, planner.patient.outside
+    most = np.where(limits.endless, np.pi, np.inf)
+    lower, upper = np.maximum(limits.lower, -most), np.minimum(limits.upper, most)
     made = 0
     while made < count:
-        q = rng.uniform(limits.lower, limits.upper)
+        q = rng.uniform(lower, upper)
         found = outside.clearance(q)
         if found.distance >= found.allowed:
             made += 1

@@ -53,12 +53,13 @@ def test_every_plan_keeps_trocar_surface_joint_limits_and_their_derivatives(judg
     assert judged > 0.9 * STARTS
 
 
-def test_approaches_differ_but_all_lead_through_the_same_trocar(judge, decisions):
+def test_approaches_differ_but_all_lead_through_the_same_trocar(planner, judge, decisions):
     plans = [d.plan for _, d in decisions if not isinstance(d, Rejected)]
     counts = {sum(p.kind is PhaseKind.APPROACH for p in plan.phases) for plan in plans}
     assert 1 in counts and max(counts) > 2
     ends = np.array([plan.phases[-1].path.end for plan in plans])
-    np.testing.assert_allclose(ends, np.tile(ends[0], (len(ends), 1)), atol=1e-12)
+    turns = planner.limits.turns_towards(ends, ends[0])  # the shortest way may end in another turn
+    np.testing.assert_allclose(ends + turns, np.tile(ends[0], (len(ends), 1)), atol=1e-12)
     assert judge.worst_inside(plans[0].phases, RATE) < RCM_WORST
 
 
