@@ -68,7 +68,7 @@ def _sections(
     health = session_tables.health_table(material)
     yield table_section("Health", health, "The recording holds no diagnostics.")
     yield Section("Recording", table=session_tables.topics_table(material))
-    metadata = dict(sorted(data.recording.condition.metadata))
+    metadata = dict(sorted(dict(data.recording.condition.metadata).items()))  # the latest of each
     yield Section(
         "Origin", "" if metadata else "The recording holds no metadata.", details=metadata
     )
