@@ -15,6 +15,7 @@ import torch
 
 from bench.voice.material.over_talk import LATEST, alarms, looks_at, over_talk, threshold_at
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded
+from bench.voice.trials import THIN
 from support.figures import ROOT, Figure
 from voice_assist.audio.wav_file import read_sound
 from voice_assist.spotter.overlap import PATH, WINDOW, OverlapNetwork, overlap_scorer, read_overlap
@@ -25,7 +26,6 @@ LEVELS = (12.0, 6.0, 0.0, -6.0)  # [dB] of the word over the talk
 RATES = (0.5, 1.0, 3.0, 6.0, 12.0)  # [1/h] of false alarms in talk
 GOALS = {"12 dB over talk": 0.99, "6 dB over talk": 0.95, "0 dB over talk": 0.80, "alone": 0.99}
 GOAL_RATE = 6.0  # [1/h] at which they hold
-THIN = int(os.environ.get("THIN", "1"))
 SHORTEST = 2.0  # [s] of talk
 
 

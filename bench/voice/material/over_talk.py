@@ -23,7 +23,11 @@ Looks = NDArray[np.float64]
 
 
 def over_talk(
-    word: Samples, talk: Samples | None, level: float, rng: np.random.Generator
+    word: Samples,
+    talk: Samples | None,
+    level: float,
+    rng: np.random.Generator,
+    around: tuple[float, float] = (BEFORE, AFTER),
 ) -> tuple[Samples, float]:
     """A word in the middle of talk.
 
@@ -32,19 +36,31 @@ def over_talk(
         talk: Repeated where it is too short; a random part is taken. None: silence.
         level: Power of the word over that of the talk, each while it speaks [dB].
         rng: Chooses the part.
+        around: Talk before the word and behind it [s].
 
     Returns:
         The sound, and when the word ends in it [s].
     """
-    begin = round(BEFORE * RATE)
-    sound = np.zeros(begin + len(word) + round(AFTER * RATE))
+    before, after = around
+    begin = round(before * RATE)
+    sound = np.zeros(begin + len(word) + round(after * RATE))
     if talk is not None:
-        bed = np.resize(np.roll(talk, -int(rng.integers(len(talk)))), len(sound))
-        ratio = speech_power(word) / max(speech_power(talk), 1e-12)
-        sound += bed * np.sqrt(ratio / 10 ** (level / 10))
+        bed = np.resize(np.roll(talk, -int(rng.integers(len(talk)))), len(sound)).astype(float)
+        sound += bed * gain_below(word, talk, level)
     sound[begin:][: len(word)] += word
+    return at_peak(sound), before + end_of_speech(word)
+
+
+def gain_below(word: Samples, other: Samples, level: float) -> float:
+    """Factor of another voice that puts a word over it by a level [dB], each while it speaks."""
+    ratio = speech_power(word) / max(speech_power(other), 1e-12)
+    return float(np.sqrt(ratio / 10 ** (level / 10)))
+
+
+def at_peak(sound: Samples) -> Samples:
+    """The sound with its loudest sample at half of full scale."""
     loudest = max(float(np.abs(sound).max()), 1e-6)
-    return np.asarray(sound * (_PEAK / loudest), np.float32), BEFORE + end_of_speech(word)
+    return np.asarray(sound * (_PEAK / loudest), np.float32)
 
 
 def looks_at(

@@ -14,16 +14,16 @@ from bench.common.resumable import digest, share_of
 from bench.voice.hearing.fingerprint import identity_in_motion, outline
 from bench.voice.hearing.pieces import MODEL, Label
 from bench.voice.hearing.replay_stream import SoundScene, Way
+from bench.voice.material.over_talk import at_peak, gain_below, over_talk
 from bench.voice.material.synthesis import SpokenClip
 from support.figures import ROOT
-from voice_assist.audio.mixing import end_of_speech, speech_power
+from voice_assist.audio.mixing import end_of_speech
 from voice_assist.audio.wav_file import read_sound
 from voice_assist.types import RATE, Mode, Samples
 
 Kind = Literal["under talk", "at once", "talk alone"]
-BEFORE, AFTER = 1.5, 1.5  # [s] of the talk before the word and behind it
+AROUND = 1.5, 1.5  # [s] of the talk before the word and behind it
 QUIET = 0.8  # [s] before and behind two commands
-PEAK = 0.5  # of full scale, of the louder of both
 PER_CHUNK = 40  # trials: some two minutes of sound
 
 
@@ -82,27 +82,16 @@ def stream_of(trial: OverlapTrial) -> tuple[Samples, float]:
     rng = np.random.default_rng(trial.index)
     word = _spoken(trial.clip)
     if trial.other is None:
-        return _loud(word), len(word) / RATE
+        return at_peak(word), len(word) / RATE
     other = _spoken(trial.other)
-    if trial.kind == "at once":
-        before = after = QUIET
-        length = max(len(word), len(other)) + round((before + after) * RATE)
-        bed = np.zeros(length)
-        bed[round(before * RATE) :][: len(other)] = other
-    else:
-        before, after = BEFORE, AFTER
-        length = len(word) + round((before + after) * RATE)
-        bed = np.resize(np.roll(other, -int(rng.integers(len(other)))), length).astype(float)
-    gain = np.sqrt(speech_power(word) / max(speech_power(other), 1e-12) / 10 ** (trial.level / 10))
-    sound = gain * bed
-    sound[round(before * RATE) :][: len(word)] += word
-    return _loud(sound), before + end_of_speech(word)
+    if trial.kind == "under talk":
+        return over_talk(word, other, trial.level, rng, AROUND)
+    begin = round(QUIET * RATE)
+    sound = np.zeros(max(len(word), len(other)) + 2 * begin)
+    sound[begin:][: len(other)] = gain_below(word, other, trial.level) * other
+    sound[begin:][: len(word)] += word
+    return at_peak(sound), QUIET + end_of_speech(word)
 
 
 def _spoken(clip: SpokenClip) -> Samples:
     return read_sound(ROOT / clip.path)
-
-
-def _loud(sound: Samples) -> Samples:
-    peak = max(float(np.abs(sound).max()), 1e-6)
-    return np.asarray(sound * (PEAK / peak), np.float32)
