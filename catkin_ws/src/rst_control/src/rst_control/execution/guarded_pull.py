@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rst_control.config import TensionConfig
-from rst_control.execution.phase_execution import TowardsTension, tension_invalid
+from rst_control.execution.phase_execution import TowardsTension
 from rst_control.planning.plan import Phase
 from rst_control.tension.delay_bound import DelayBound
 from rst_control.tension.grasp_response import GraspResponse
@@ -49,12 +49,12 @@ class GuardedPull(TowardsTension):
         config: TensionConfig,
         response: GraspResponse,
     ) -> None:
-        super().__init__(phase, path, state, opening, brakes)
+        super().__init__(phase, path, state, opening, brakes, response)
         rise = max(config.delay, 1e-3) * config.blind_stiffness  # [N s/m]
         speed = min(bounds.speed, config.tolerance / rise)
         self._profile = MotionProfile(state, replace(bounds, speed=speed))
         self._delay_bound = DelayBound(config.delay)
-        self._response, self._aim = response, state.s
+        self._aim = state.s
 
     @property
     def state(self) -> PathState:
@@ -72,7 +72,7 @@ class GuardedPull(TowardsTension):
         state = profile.step(dt)
         self.is_done = profile.is_done and (self._brake is not None or self._aim == end)
         if self._brake is None:
-            self.failure = self._response.objection or tension_invalid(measured)
+            self.failure = self._objection(measured)
             if self.failure or self._is_reached:
                 self._brake_from(state)
         return self._joints(state)

@@ -143,12 +143,20 @@ class TowardsTension(Braking):
         state: Where on the path, and how fast, it starts.
         opening: Of the jaws, which stays [rad].
         brakes: Of a stop.
+        response: Of the tissue held.
     """
 
     def __init__(
-        self, phase: Phase, path: Path, state: PathState, opening: float, brakes: MotionBounds
+        self,
+        phase: Phase,
+        path: Path,
+        state: PathState,
+        opening: float,
+        brakes: MotionBounds,
+        response: GraspResponse,
     ) -> None:
         super().__init__(phase, path, opening, brakes)
+        self._response = response
         self._goal = phase.tension or 0.0
         self._first: float | None = None  # [N] when it began
         self._now = 0.0
@@ -162,14 +170,16 @@ class TowardsTension(Braking):
         way = share_done(self._started, self.state.s, self._furthest)
         return max(way, share_done(self._first, self._now, self._goal))
 
-    def _feel(self, tension: float) -> bool:
-        """Note the present tension [N]; whether it is the first."""
+    def _feel(self, tension: float) -> None:
+        """Note the present tension [N]."""
         self._now = tension
-        is_first = self._first is None
         if self._first is None:
             self._first = tension
             self.is_pulling = self._goal > tension
-        return is_first
+
+    def _objection(self, measured: Measurement) -> Cause | None:
+        """Why the tension is no reason to go on; None: nothing speaks against it."""
+        return self._response.objection or tension_invalid(measured)
 
 
 class TensionPhase(TowardsTension):
@@ -199,8 +209,7 @@ class TensionPhase(TowardsTension):
         config: TensionConfig,
         response: GraspResponse,
     ) -> None:
-        super().__init__(phase, path, state, opening, brakes)
-        self._response = response
+        super().__init__(phase, path, state, opening, brakes, response)
         self._control = TensionControl(config, bounds, brakes, self._furthest, state, self._goal)
 
     @property
@@ -217,7 +226,7 @@ class TensionPhase(TowardsTension):
             return self._joints(state)
         self._control.bound = self._control.state.s + self._response.room
         state = self._control.step(self._now, dt)
-        self.failure = self._response.objection or tension_invalid(measured)
+        self.failure = self._objection(measured)
         if self.failure or self._control.is_settled or self._control.is_at_limit:
             self._brake_from(state)
         return self._joints(state)
