@@ -16,8 +16,8 @@ import rospy
 def ends_on_interrupt() -> Iterator[None]:
     """While a node starts, SIGINT ends it at once.
 
-    rospy's own handler only sets a flag, which nothing reads before the node runs. A start takes
-    long where kernels have to be compiled.
+    rospy's own handler lets the start go on to its end, which is long where kernels have to be
+    compiled. A signal while the start speaks to the master can still hang, as both need one lock.
     """
     by_rospy = signal.signal(signal.SIGINT, _end)
     try:
