@@ -183,14 +183,19 @@ def test_a_recording_is_played_for_viewers_that_open_no_files(ros, session):
     assert player.wait(PATIENCE) == 0
 
 
-def test_a_recording_is_not_played_to_those_who_only_listen(ros, session):
-    """The controller hears joint states that nobody publishes yet."""
-    listener = talk(ros, "listen", "")
-    wait_until(listener.stdout.readline, "the listener")
+def require_refusal(ros, session):
+    """Under the recorded names it is not played, and the refusal names topic and node."""
     play = [sys.executable, str(PACKAGE / "scripts" / "play"), str(session[0])]
     refused = ros.start(*play, "--recorded-names", stderr=subprocess.PIPE, text=True)
     assert "/joint_states by /talker" in refused.communicate(timeout=PATIENCE)[1]
     assert refused.returncode == 1
+
+
+def test_a_recording_is_not_played_to_those_who_only_listen(ros, session):
+    """The controller hears joint states that nobody publishes yet."""
+    listener = talk(ros, "listen", "")
+    wait_until(listener.stdout.readline, "the listener")
+    require_refusal(ros, session)
     listener.kill()
     listener.wait(PATIENCE)
 
@@ -198,10 +203,7 @@ def test_a_recording_is_not_played_to_those_who_only_listen(ros, session):
 def test_a_recording_is_not_played_into_a_running_system(ros, session):
     robot = talk(ros, "until_killed")
     wait_until(lambda: ["/joint_states", "sensor_msgs/JointState"] in topics(ros), "the robot")
-    play = [sys.executable, str(PACKAGE / "scripts" / "play"), str(session[0])]
-    refused = ros.start(*play, "--recorded-names", stderr=subprocess.PIPE, text=True)
-    assert "/joint_states by /talker" in refused.communicate(timeout=PATIENCE)[1]
-    assert refused.returncode == 1
+    require_refusal(ros, session)
     robot.kill()
     robot.wait(PATIENCE)
 
