@@ -69,6 +69,5 @@ def caller_words() -> list[str]:
 
 def _names(word: str, file: Path) -> bool:
     """Whether a word of a command line is this file: by its path, or by its name in a package."""
-    if "/" not in word and not Path(word).exists():
-        return word == file.name
-    return Path(word).exists() and Path(word).samefile(file)
+    path = Path(word)
+    return path.samefile(file) if path.exists() else word == file.name

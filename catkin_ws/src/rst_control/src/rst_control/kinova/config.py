@@ -17,7 +17,6 @@ from typed_config import choice, flag, load_config, load_yaml, number, require, 
 
 Seven = tuple[float, float, float, float, float, float, float]
 Triple = tuple[float, float, float]
-TURN = 2.0 * math.pi
 ARM_COUNT = 7  # joints of the arm
 TOOL_COUNT = 3  # joints of OpenRST: pitch, left jaw, right jaw
 
@@ -144,7 +143,7 @@ class KinovaConfig:
     def first_turns(self) -> tuple[float, ...]:
         """Home of each arm joint that turns for ever [rad]; NaN for the others. Shape (7,)."""
         limits = zip(self.limits.arm_lower, self.limits.arm_upper, self.scene.home, strict=False)
-        return tuple(home if high - low > TURN else math.nan for low, high, home in limits)
+        return tuple(home if high - low > math.tau else math.nan for low, high, home in limits)
 
 
 def load_kinova_config(folder: Path = CONFIG_FOLDER) -> KinovaConfig:

@@ -17,7 +17,6 @@ import numpy as np
 from rst_control.config import CONFIG_FOLDER, LimitsConfig, RcmConfig, SceneConfig
 from rst_control.errors import RstError
 from rst_control.kinematics.configuration import Configuration
-from rst_control.kinematics.joint_limits import TURN
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
 from typed_config import ConfigError, load_config, load_yaml
@@ -82,7 +81,7 @@ def _check_turns(scene: SceneConfig, limits: LimitsConfig, file: Path) -> None:
     ends = zip(scene.home, limits.arm_lower, limits.arm_upper, strict=False)
     for joint, (angle, low, high) in enumerate(ends, 1):
         if not max(low, -math.pi) <= angle <= min(high, math.pi):
-            reported = math.remainder(angle, TURN)
+            reported = math.remainder(angle, math.tau)
             raise NotReady(
                 f"home of {file} has joint_{joint} at {angle:.3f} rad, allowed "
                 f"{max(low, -math.pi):.3f} to {min(high, math.pi):.3f} rad: the web page counts "

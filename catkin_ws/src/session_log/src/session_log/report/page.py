@@ -36,9 +36,9 @@ class Section:
     details: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # open on a click
 
 
-def table_section(title: str, table: TextTable, nothing: str, note: str = "") -> Section:
+def table_section(title: str, table: TextTable, nothing: str) -> Section:
     """A table, or what is said in its place where it has no row."""
-    return Section(title, note, table=table) if table.rows else Section(title, nothing)
+    return Section(title, table=table) if table.rows else Section(title, nothing)
 
 
 def page(

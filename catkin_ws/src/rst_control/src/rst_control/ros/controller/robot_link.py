@@ -54,15 +54,13 @@ class RobotLink(RobotBackend):
         self._hold = rospy.Publisher("robot/hold", Empty, queue_size=1, tcp_nodelay=True)
         self._clear = rospy.Publisher("robot/clear_fault", Empty, queue_size=1, tcp_nodelay=True)
         newest = {"tcp_nodelay": True, "queue_size": 1}  # of what piles up on one connection
-        invalid, robot, tension_by = (
-            "robot/tension_invalid_reason",
-            believed.robot,
-            believed.tension,
-        )
+        robot, tension_by = believed.robot, believed.tension
         self._subscribers = [
             known.subscribe("joint_states", RawJointState, self._on_joints, robot, **newest),
             known.subscribe("robot/tension", RawWrench, self._on_wrench, tension_by, **newest),
-            known.subscribe(invalid, String, self._on_tension_invalid, tension_by),
+            known.subscribe(
+                "robot/tension_invalid_reason", String, self._on_tension_invalid, tension_by
+            ),
             rospy.Subscriber(FORMER_TOPIC, String, self._on_former_topic),
             known.subscribe("robot/setpoint_js", RawJointState, self._on_rest, robot, **newest),
             known.subscribe("robot/gripped", Bool, self._on_gripped, robot, **newest),
