@@ -18,6 +18,7 @@ from typing import Any
 from support.figures import RESULTS, Figure
 
 NAMES = (
+    "ends",  # Ctrl-C at moments of the start and after it
     "hang",  # a recogniser that hangs, and a machine that is busy
     "flood",  # a minute of 10,000 calls a second
     "network",  # voice on one host, controller on another, and a bad network between them
@@ -30,6 +31,7 @@ NAMES = (
 )
 
 MODULES = {  # of the parts that are not the suite of a folder
+    "ends": "ends",
     "hang": "hang",
     "flood": "flood",
     "stops_system": "stops.system",

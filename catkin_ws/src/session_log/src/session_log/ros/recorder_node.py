@@ -21,7 +21,13 @@ from session_log.recording.recorder import Recorder
 from session_log.ros.diagnostics import RecorderDiagnostics
 from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
 from session_log.types import MessageSource
-from typed_config import ConfigError, load_config, package_folder, package_version
+from typed_config import (
+    ConfigError,
+    ends_on_signal,
+    load_config,
+    package_folder,
+    package_version,
+)
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
 REPORT_PERIOD = 1.0  # [s] between two statuses in /diagnostics
@@ -204,11 +210,13 @@ class RecorderNode:
 
 def main() -> None:
     """Run the recorder node."""
-    rospy.init_node("recorder")
-    settings: Any = rospy.get_param("~", {})
-    try:
-        config = load_config(RecorderConfig, settings, "recorder.yaml")
-    except ConfigError as error:
-        rospy.logfatal("NOT RECORDING: %s", error)
-        sys.exit(1)
-    RecorderNode(config).run()
+    with ends_on_signal(rospy.core.register_signals):
+        rospy.init_node("recorder", disable_signals=True)
+        settings: Any = rospy.get_param("~", {})
+        try:
+            config = load_config(RecorderConfig, settings, "recorder.yaml")
+        except ConfigError as error:
+            rospy.logfatal("NOT RECORDING: %s", error)
+            sys.exit(1)
+        node = RecorderNode(config)
+    node.run()

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import rospy
 
-from typed_config import ConfigError
+from typed_config import ConfigError, ends_on_signal
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
@@ -27,12 +27,13 @@ _AUDIO, _MODE, _SERVICE = "voice_assist/audio", "voice_assist/mode", "voice_assi
 
 def main() -> None:
     """Run the enrolment node."""
-    rospy.init_node("enrolment")
-    try:
-        EnrolmentNode()
-    except (ConfigError, VoiceError) as error:
-        rospy.logfatal("%s", error)
-        sys.exit(2)
+    with ends_on_signal(rospy.core.register_signals):
+        rospy.init_node("enrolment", disable_signals=True)
+        try:
+            EnrolmentNode()
+        except (ConfigError, VoiceError) as error:
+            rospy.logfatal("%s", error)
+            sys.exit(2)
     rospy.spin()
 
 

@@ -13,7 +13,7 @@ from queue import Empty, Full, Queue
 import numpy as np
 import rospy
 
-from typed_config import ConfigError, load_yaml
+from typed_config import ConfigError, ends_on_signal, load_yaml
 from voice_assist.assembly import (
     limit_torch,
     make_pipeline,
@@ -75,12 +75,13 @@ _DIAGNOSTICS_EVERY = 20  # heartbeats
 def main() -> None:
     """Run the voice node."""
     priority = hear_first()
-    rospy.init_node("voice_assist")
-    rospy.loginfo("priority: %s", priority)
     try:
-        config = _load_config()
-        require_known(config.commands)
-        node = VoiceNode(config)
+        with ends_on_signal(rospy.core.register_signals):
+            rospy.init_node("voice_assist", disable_signals=True)
+            rospy.loginfo("priority: %s", priority)
+            config = _load_config()
+            require_known(config.commands)
+            node = VoiceNode(config)
         node.run()
     except (ConfigError, VoiceError) as error:
         rospy.logfatal("%s", error)

@@ -26,7 +26,6 @@ from rst_control.ros.common.exposure_warning import warn_of_listeners
 from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
-from rst_control.ros.common.starting import ends_on_interrupt
 from rst_control.ros.controller.action_server import AssistServer
 from rst_control.ros.controller.command_service import CommandService
 from rst_control.ros.controller.control_loop import ControlLoop
@@ -45,7 +44,7 @@ from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_wa
 from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.tension_trust import unbounded_pull
 from rst_control.types import Cause, Reason
-from typed_config import ConfigError, load_config
+from typed_config import ConfigError, ends_on_signal, load_config
 
 FEEDBACK_RATE = 20.0  # [Hz] to action clients
 DIAGNOSTICS_PERIOD = 1.0  # [s]
@@ -191,17 +190,17 @@ def main() -> None:
     """Run the controller node."""
     limit_messages()
     publish_without_waiting()
-    rospy.init_node("controller")
-    try:
-        config = load_config(MotionConfig, launch_settings(), "controller parameters")
-        model = parse_robot(rospy.get_param("robot_description"))
-        with ends_on_interrupt():
+    with ends_on_signal(rospy.core.register_signals):
+        rospy.init_node("controller", disable_signals=True)
+        try:
+            config = load_config(MotionConfig, launch_settings(), "controller parameters")
+            model = parse_robot(rospy.get_param("robot_description"))
             node = ControllerNode(config, model)
-    except (ConfigError, RstError, KeyError) as error:
-        rospy.logfatal(
-            f"the controller cannot start: {error}; start it by launch/controller.launch"
-        )
-        sys.exit(2)
+        except (ConfigError, RstError, KeyError) as error:
+            rospy.logfatal(
+                f"the controller cannot start: {error}; start it by launch/controller.launch"
+            )
+            sys.exit(2)
     with node:
         rospy.on_shutdown(node.close)
         warn_of_listeners()

@@ -43,7 +43,7 @@ from rst_control.types import (
     Vector,
     robot_fault,
 )
-from typed_config import ConfigError, load_config
+from typed_config import ConfigError, ends_on_signal, load_config
 
 BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard
 TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
@@ -297,13 +297,14 @@ def main() -> None:
     """Run the bridge node."""
     limit_messages()
     publish_without_waiting()
-    rospy.init_node("kinova_bridge")
-    try:
-        config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
-        node = KinovaBridgeNode(config)
-    except (ConfigError, RstError) as error:
-        rospy.logfatal(f"the bridge cannot start: {error}; launch/kinova.launch starts it")
-        sys.exit(2)
+    with ends_on_signal(rospy.core.register_signals):
+        rospy.init_node("kinova_bridge", disable_signals=True)
+        try:
+            config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
+            node = KinovaBridgeNode(config)
+        except (ConfigError, RstError) as error:
+            rospy.logfatal(f"the bridge cannot start: {error}; launch/kinova.launch starts it")
+            sys.exit(2)
     sys.setswitchinterval(SWITCH_INTERVAL)
     gc.collect()
     gc.freeze()

@@ -26,7 +26,6 @@ from rst_control.robot.setpoint_servo import ServoState
 from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
-from rst_control.ros.common.starting import ends_on_interrupt
 from rst_control.ros.kinova.stand_in_interface import DriverInterface
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
@@ -40,7 +39,7 @@ from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.simulation.rendering.state import SceneState
 from rst_control.simulation.rendering.trail import Trail
 from rst_control.simulation.rendering.worker import SceneLostError
-from typed_config import ConfigError, load_config
+from typed_config import ConfigError, ends_on_signal, load_config
 
 log = logging.getLogger("rosout.rst_control.simulator")
 
@@ -206,15 +205,15 @@ def main() -> None:
     """Run the simulator node."""
     limit_messages()
     publish_without_waiting()
-    rospy.init_node("robot")
-    try:
-        given = launch_settings()
-        config, stand_in = read_parameters(given)
-        with ends_on_interrupt():
+    with ends_on_signal(rospy.core.register_signals):
+        rospy.init_node("robot", disable_signals=True)
+        try:
+            given = launch_settings()
+            config, stand_in = read_parameters(given)
             node = SimulatorNode(config, Path(given.get("urdf", URDF_FILE)), stand_in)
-    except (ConfigError, RstError, SceneLostError, FileNotFoundError) as error:
-        rospy.logfatal(f"the simulator cannot start: {error}; launch/robot.launch starts it")
-        sys.exit(2)
+        except (ConfigError, RstError, SceneLostError, FileNotFoundError) as error:
+            rospy.logfatal(f"the simulator cannot start: {error}; launch/robot.launch starts it")
+            sys.exit(2)
     sys.setswitchinterval(SWITCH_INTERVAL)
     gc.collect()
     gc.freeze()

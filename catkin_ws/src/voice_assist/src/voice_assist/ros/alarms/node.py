@@ -18,7 +18,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from visualization_msgs.msg import Marker
 
 from rst_control.msg import ControllerState, Event
-from typed_config import ConfigError
+from typed_config import ConfigError, ends_on_signal
 from voice_assist.alarms.annunciator import Annunciator
 from voice_assist.alarms.appearance import is_lit, line
 from voice_assist.alarms.board import Board, Standing
@@ -158,12 +158,13 @@ class AlarmNode:
 
 def main() -> None:
     """Run the alarm node."""
-    rospy.init_node("alarms")
-    try:
-        node = AlarmNode(_load_config())
-    except ConfigError as error:
-        rospy.logfatal("%s", error)
-        sys.exit(2)
+    with ends_on_signal(rospy.core.register_signals):
+        rospy.init_node("alarms", disable_signals=True)
+        try:
+            node = AlarmNode(_load_config())
+        except ConfigError as error:
+            rospy.logfatal("%s", error)
+            sys.exit(2)
     node.run()
 
 

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Does Ctrl-C end simulator and controller, at any moment of their start and after it?
+
+Both are started and ended again and again on one master. Moments are spread evenly over the first
+seconds. In the environment: TURNS (50).
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+from bench.common.resumable import measured
+from support.figures import ROOT, Figure
+from support.launched_system import System, end_group
+from support.waiting import wait_until
+
+FULL = 50
+TURNS = int(os.environ.get("TURNS", FULL))
+FILES = [str(ROOT / "launch" / name) for name in ("robot.launch", "controller.launch")]
+STARTED = ("process[robot-", "process[controller-")  # printed by roslaunch
+SPAN = 6.0  # [s] after that; a start takes four
+START_TIME = 60.0  # [s] allowed for roslaunch to read its files
+ALLOWED = 5.0  # [s]; roslaunch gives a node 15 s, and then kills it
+ESCALATION = "escalating to"  # printed by roslaunch then
+
+
+def measure() -> list[Figure]:
+    """Start and end both, and count what took long."""
+    with tempfile.TemporaryDirectory() as name, System(Path(name) / "master.log", {}):
+        ends = [_end_after(SPAN * k / TURNS, Path(name) / f"{k}.log") for k in range(TURNS)]
+        logs = "".join(log.read_text() for log in Path(name).glob("[0-9]*.log"))
+    note = f"(SIGINT within {SPAN:g} s of the start)"
+    return [
+        measured(TURNS, "starts and ends", FULL),
+        Figure("until simulator and controller end, longest", max(ends), "s", ALLOWED, note=note),
+        Figure("until simulator and controller end, mean", sum(ends) / TURNS, "s"),
+        Figure("nodes that had to be killed", logs.count(ESCALATION), "", 0.0),
+    ]
+
+
+def _end_after(delay: float, log: Path) -> float:
+    """Time that both take to end [s], asked to so long [s] after their processes have begun."""
+    with log.open("wb") as file:
+        launch = subprocess.Popen(
+            ["roslaunch", *FILES], stdout=file, stderr=subprocess.STDOUT, start_new_session=True
+        )
+    try:
+        wait_until(lambda: all(s in log.read_text() for s in STARTED), "both nodes", START_TIME)
+        time.sleep(delay)
+    finally:
+        asked = time.monotonic()
+        end_group(launch)
+    return time.monotonic() - asked
