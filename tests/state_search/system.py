@@ -29,7 +29,7 @@ from tests.state_search.rules import is_latched
 from voice_assist.config import load_voice_config
 from voice_assist.intent import dialogue
 from voice_assist.intent.mapper import Mapper
-from voice_assist.types import Call, Halt, Match, Mode
+from voice_assist.types import Call, Halt, Match, Mode, SetMode
 
 SPOKEN = load_voice_config().commands
 TALK = ("they will pull more people in", "do not stop pulling it", "the patient was tense all day")
@@ -104,6 +104,7 @@ class Search:
             for key in self.keys
         ]
         self.hear, self.queue = cache(self._hear), cache(self._queue)
+        self.report = cache(self._report)
         self.refused, self.passes = cache(self._refused), cache(self._passes)
         self.must_stop = cache(self._must_stop)
 
@@ -139,6 +140,7 @@ class Search:
 
     def _steps(self, state):
         yield from self._voice(state)
+        yield from self._reports(state)
         for command in TRIED:
             for by, is_spoken in (("service", False), ("action", False), ("voice's node", True)):
                 yield from self._given(state, command, by, is_spoken)
@@ -165,6 +167,18 @@ class Search:
             calls = [a.command for a in done.actions if isinstance(a, Call)]
             for command in map(COMMANDS.__getitem__, calls):
                 yield from self._given(heard, command, name, True, state.mode)
+
+    def _reports(self, state):
+        """The robot's mode reaches the voice: that of now, or one that the network held back."""
+        now = Mode.ACTIVE if self.keys[state.controller][1] else Mode.STANDBY
+        for mode in Mode:
+            done = self.report(state.mode, mode)
+            words = ""
+            if not all(isinstance(action, SetMode) for action in done.actions):
+                words = f"a report did {done.actions}"
+            if mode is now and done.state.mode is not now:
+                words = "the voice is not in the robot's mode"
+            yield f"{mode.value} reported", state._replace(mode=done.state.mode), words
 
     def _given(self, state, command, by, is_spoken, heard_in=None):
         """A command reaches the queue; spoken ones of the node only where it was heard."""
@@ -245,6 +259,10 @@ class Search:
         if not isinstance(outcome, Match):
             return dialogue.DialogueStep(state, (), outcome.rejection)
         return dialogue.step(state, dialogue.CommandRecognized(SPOKEN.get(outcome.command)))
+
+    def _report(self, mode, reported):
+        state = dialogue.DialogueState(mode, "")
+        return dialogue.step(state, dialogue.ModeReported(reported))
 
     def _queue(self, command, is_spoken):
         posted = _Posted()

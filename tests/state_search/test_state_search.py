@@ -232,8 +232,17 @@ def a_dialogue_that_hears_commands_in_standby(patch):
     patch.setattr(dialogue, "step", awake)
 
 
+def a_voice_that_keeps_a_mode_of_its_own(patch):
+    patch.setattr(dialogue, "_reported", lambda state, mode: dialogue.DialogueStep(state, ()))
+
+
 @pytest.mark.parametrize(
-    "fault", [a_recorder_nobody_asks_for, a_dialogue_that_hears_commands_in_standby]
+    "fault",
+    [
+        a_recorder_nobody_asks_for,
+        a_dialogue_that_hears_commands_in_standby,
+        a_voice_that_keeps_a_mode_of_its_own,
+    ],
 )
 def test_a_broken_rule_around_the_controller_is_found(graph, fault, monkeypatch):
     fault(monkeypatch)

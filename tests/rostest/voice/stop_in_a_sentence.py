@@ -13,7 +13,7 @@ import rostest
 from support.theatre_sound import speak
 from tests.support.robot_client import RobotClient
 from voice_assist.audio.source import FRAME
-from voice_assist.msg import AudioChunk, Utterance
+from voice_assist.msg import AudioChunk, Mode, Utterance
 from voice_assist.types import FULL_SCALE, RATE
 
 WITH_STOP = ("he said stop and went on", "we should stop here for now")
@@ -55,7 +55,8 @@ class StopInASentence(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.robot, cls.microphone, cls.heard = RobotClient(), Microphone(), []
+        cls.robot, cls.microphone, cls.heard, cls.modes = RobotClient(), Microphone(), [], []
+        rospy.Subscriber("voice_assist/mode", Mode, lambda m: cls.modes.append(m.mode))
         rospy.Subscriber("voice_assist/utterance", Utterance, cls.heard.append)
         cls.robot.start_fresh()
         end = rospy.get_time() + READY
@@ -112,6 +113,11 @@ class StopInASentence(unittest.TestCase):
                 self.say(words)
                 self.assertIn(self.robot.state.state, ("moving", "active"))
                 self.assertEqual(self.commands(), [])
+
+    def test_a_word_by_hand_puts_the_voice_into_the_robots_mode(self):
+        for words, mode in (("terminate", "standby"), ("hey robot", "active")):
+            self.robot.say(words)
+            self.robot.wait(lambda mode=mode: self.modes[-1:] == [mode], 2.0)
 
 
 if __name__ == "__main__":

@@ -6,13 +6,17 @@ from voice_assist.side_inputs import SideInput, SideInputKind, SideInputs, from_
 
 @pytest.mark.parametrize("kind", SideInputKind)
 def test_text_and_back_is_the_same(kind):
-    one = SideInput(kind, 512, 1024, "pull more", True, 'it said "no" \n')
+    one = SideInput(kind, 512, 1024, "pull more", True, 'it said "no" \n', mode="active")
     assert from_text(to_text(one)) == one
     assert "\n" not in to_text(one)
 
 
 @pytest.mark.parametrize(
-    "line", ["", "{}", "[]", '{"kind": "tired", "sample": 1}', '{"kind": "lost"}']
+    "line",
+    [
+        *("", "{}", "[]", '{"kind": "tired", "sample": 1}', '{"kind": "lost"}'),
+        *('{"kind": "robot mode", "sample": 1}', '{"kind": "robot mode", "sample": 1, "mode": 1}'),
+    ],
 )
 def test_other_text_is_refused(line):
     with pytest.raises(ValueError, match="is no side input"):

@@ -2,7 +2,14 @@
 import pytest
 
 from voice_assist.config import load_voice_config
-from voice_assist.intent.dialogue import AT_START, Answered, CommandRecognized, DialogueState, step
+from voice_assist.intent.dialogue import (
+    AT_START,
+    Answered,
+    CommandRecognized,
+    DialogueState,
+    ModeReported,
+    step,
+)
 from voice_assist.types import Call, Halt, Mode, Rejection, RejectionReason, SetMode
 
 COMMANDS = load_voice_config().commands
@@ -75,3 +82,22 @@ def test_a_refused_motion_leaves_the_mode_alone():
 def test_an_accepted_call_changes_nothing():
     outcome = step(ACTIVE, Answered("tense", True, "tensing"))
     assert (outcome.state, outcome.actions) == (ACTIVE, ())
+
+
+def test_hey_robot_by_hand_activates_the_voice_too():
+    outcome = step(AT_START, ModeReported(Mode.ACTIVE))
+    assert outcome.state.mode is Mode.ACTIVE
+    assert outcome.actions == (SetMode(Mode.ACTIVE, "active at the robot"),)
+    assert after(outcome.state, "tense").actions == (Call("tense"),)
+
+
+def test_terminate_by_hand_puts_the_voice_into_standby():
+    outcome = step(ACTIVE, ModeReported(Mode.STANDBY))
+    assert outcome.actions == (SetMode(Mode.STANDBY, "standby at the robot"),)
+    assert after(outcome.state, "tense").actions == ()
+
+
+@pytest.mark.parametrize("state", [AT_START, ACTIVE])
+def test_a_report_of_the_same_mode_changes_nothing(state):
+    outcome = step(state, ModeReported(state.mode))
+    assert (outcome.state, outcome.actions) == (state, ())

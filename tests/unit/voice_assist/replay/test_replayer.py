@@ -25,7 +25,7 @@ from voice_assist.replay.replayer import (
 from voice_assist.side_inputs import SideInput, SideInputKind, SideInputs, from_text, to_text
 from voice_assist.spotter.fusion import StopFusion
 from voice_assist.spotter.spotter import NEWEST, Spotted
-from voice_assist.types import FULL_SCALE, Match, UtteranceDecision
+from voice_assist.types import FULL_SCALE, Match, Mode, UtteranceDecision
 
 TALK = (
     "0.3 tense 0.8 hey robot 0.8 he said pull more 0.8 tense 0.8 stop pulling 0.8 hey robot"
@@ -195,6 +195,18 @@ def test_what_was_told_of_the_robots_own_speech_is_told_again():
     live.pipeline.robot_spoke(RobotSpeechChange(True, middle[0].stamp))
     live.hear(middle)
     assert [isinstance(d.outcome, Match) for d in live.decisions] == [True, True, False]
+    assert as_heard(again(live)) == as_decided(live.decisions)
+    assert as_heard(again(live, notes=[])) != as_decided(live.decisions)
+
+
+def test_a_mode_that_was_set_by_hand_is_taken_again():
+    live, sound = Live(), frames(say("tense 0.8 tense"))
+    live.hear(sound[: len(sound) // 2])
+    live.pipeline.follow(Mode.ACTIVE)
+    live.pipeline.follow(Mode.ACTIVE)  # a report of the same mode is no news
+    live.hear(sound[len(sound) // 2 :])
+    assert [d.mode for d in live.decisions] == [Mode.STANDBY, Mode.ACTIVE]
+    assert sum('"robot mode"' in note for note in live.notes) == 1
     assert as_heard(again(live)) == as_decided(live.decisions)
     assert as_heard(again(live, notes=[])) != as_decided(live.decisions)
 

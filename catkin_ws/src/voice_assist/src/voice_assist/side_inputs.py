@@ -13,12 +13,15 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from enum import Enum
 
+from voice_assist.types import Mode
+
 
 class SideInputKind(Enum):
     """What happened at a frame."""
 
     HEARD = "heard"  # every second or so: all before this frame was heard and decided on
     ANSWERED = "answered"  # the controller answered before this frame was heard
+    ROBOT_MODE = "robot mode"  # before it, the robot was found in another mode than the voice
     SPEAKING = "speaking"  # before it, the robot's own speech began or ended
     MOVING = "moving"  # from it on the robot moves, or rests
     BEHIND = "behind"  # it was heard too late for a look before the end of the utterance
@@ -29,7 +32,11 @@ class SideInputKind(Enum):
     SPOTTER_FAILED = "spotter failed"  # from it on the recogniser alone listened
 
 
-REPORTED = (SideInputKind.ANSWERED, SideInputKind.SPEAKING)  # by others, between two frames
+REPORTED = (  # by others, between two frames
+    SideInputKind.ANSWERED,
+    SideInputKind.ROBOT_MODE,
+    SideInputKind.SPEAKING,
+)
 
 
 @dataclass(frozen=True)
@@ -45,6 +52,7 @@ class SideInput:
     is_speaking: bool = False  # of SPEAKING, as is the next
     time: float = 0.0  # [s] clock time at which it was reported
     is_moving: bool = False  # of MOVING
+    mode: str = ""  # of ROBOT_MODE
 
 
 Observer = Callable[[SideInput], None]
@@ -67,7 +75,10 @@ def from_text(line: str) -> SideInput:
     """
     try:
         fields = json.loads(line)
-        return SideInput(**{**fields, "kind": SideInputKind(fields["kind"])})
+        found = SideInput(**{**fields, "kind": SideInputKind(fields["kind"])})
+        if found.kind is SideInputKind.ROBOT_MODE:
+            Mode(found.mode)
+        return found
     except (TypeError, KeyError, ValueError) as error:
         raise ValueError(f"{line!r} is no side input of the pipeline: {error}") from error
 

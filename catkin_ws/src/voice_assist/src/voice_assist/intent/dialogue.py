@@ -34,6 +34,13 @@ class Answered:
 
 
 @dataclass(frozen=True)
+class ModeReported:
+    """The robot's own mode, where no word of the voice is on its way to it."""
+
+    mode: Mode
+
+
+@dataclass(frozen=True)
 class DialogueStep:
     """Outcome of one event."""
 
@@ -45,12 +52,15 @@ class DialogueStep:
 AT_START = DialogueState(Mode.STANDBY, "start")
 
 
-def step(state: DialogueState, event: CommandRecognized | Answered) -> DialogueStep:
+def step(state: DialogueState, event: CommandRecognized | Answered | ModeReported) -> DialogueStep:
     """Next state and what to do; pure.
 
-    A command counts only in its modes. A refusal by the controller leaves the mode as the spoken
-    word set it, but is written into the reason, so that nobody takes the mode for the robot's.
+    A command counts only in its modes. A refusal by the controller is written into the reason; the
+    mode stays as the spoken word set it until the robot reports another. Its mode is also set by
+    hand, pedal and action.
     """
+    if isinstance(event, ModeReported):
+        return _reported(state, event.mode)
     if isinstance(event, Answered):
         return _answered(state, event)
     command = event.command
@@ -74,6 +84,13 @@ def _answered(state: DialogueState, event: Answered) -> DialogueStep:
     if state.reason != event.command:
         return DialogueStep(state, ())
     return DialogueStep(DialogueState(state.mode, reason), (SetMode(state.mode, reason),))
+
+
+def _reported(state: DialogueState, mode: Mode) -> DialogueStep:
+    if mode is state.mode:
+        return DialogueStep(state, ())
+    reason = f"{mode.value} at the robot"
+    return DialogueStep(DialogueState(mode, reason), (SetMode(mode, reason),))
 
 
 def _wrong_mode(command: CommandConfig, mode: Mode) -> Rejection:

@@ -18,6 +18,7 @@ from voice_assist.intent.dialogue import (
     Answered,
     CommandRecognized,
     DialogueState,
+    ModeReported,
     step,
 )
 from voice_assist.intent.early_decision import DecisionContext
@@ -251,6 +252,15 @@ class Pipeline:
         reply = answered.command, answered.is_accepted, answered.message
         self._observer(SideInput(SideInputKind.ANSWERED, self._next_sample, 0, *reply))
         outcome = step(self._dialogue_state, answered)
+        self._dialogue_state = outcome.state
+        return outcome.actions
+
+    def follow(self, mode: Mode) -> tuple[Action, ...]:
+        """Take the robot's mode; gives what to do about it."""
+        if mode is not self._dialogue_state.mode:
+            found = SideInput(SideInputKind.ROBOT_MODE, self._next_sample, mode=mode.value)
+            self._observer(found)
+        outcome = step(self._dialogue_state, ModeReported(mode))
         self._dialogue_state = outcome.state
         return outcome.actions
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from threading import Lock
 
 from voice_assist.config.moving import MovingConfig
+from voice_assist.pipeline.unanswered_calls import UnansweredCalls
 
 AT_REST = frozenset({"standby", "active", "halted", "faulted"})  # states of the controller
 
@@ -30,8 +31,7 @@ class RobotMotion:
         self._is_at_rest = True  # by the newest state
         self._is_assistance_reported = False  # by the newest state
         self._is_armed = False  # the voice mode is active
-        self._unanswered = 0  # motions
-        self._settled_at = float("-inf")  # [s]
+        self._motions = UnansweredCalls(config.settle)
 
     def report(self, state: str, is_assistance_enabled: bool, now: float) -> None:
         """Take the controller's state as it comes."""
@@ -47,26 +47,24 @@ class RobotMotion:
     def send(self) -> None:
         """The node is about to send a motion."""
         with self._lock:
-            self._unanswered += 1
+            self._motions.send()
 
     def answer(self, now: float) -> None:
         """The controller answered a motion, or failed to."""
         with self._lock:
-            self._unanswered = max(self._unanswered - 1, 0)
-            self._settled_at = now + self._config.settle
+            self._motions.answer(now)
 
     def drop(self, now: float) -> None:
         """Motions that wait to be sent never will be; one that was sent may still begin."""
         with self._lock:
-            if self._unanswered:
-                self._unanswered, self._settled_at = 0, now + self._config.settle
+            self._motions.drop(now)
 
     def is_moving(self, now: float) -> bool:
         """Whether it moves now, or may."""
         if not self._config.is_enabled:
             return False
         with self._lock:
-            if self._unanswered or now < self._settled_at:
+            if not self._motions.are_settled(now):
                 return True
             if now - self._reported_at <= self._config.state_age:
                 return not self._is_at_rest

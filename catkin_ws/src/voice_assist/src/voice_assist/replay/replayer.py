@@ -26,7 +26,7 @@ from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.pipeline import Event, Pipeline
 from voice_assist.profile.active import personalise
 from voice_assist.replay.recorded_spotter import RecordedSpotter
-from voice_assist.side_inputs import SideInputKind, SideInputs, from_text
+from voice_assist.side_inputs import SideInput, SideInputKind, SideInputs, from_text
 from voice_assist.types import RATE, Frame, Mode, UtteranceDecision, frozen_samples
 
 if TYPE_CHECKING:
@@ -132,10 +132,7 @@ class PipelineReplay:
         """
         frame = replace(_frame(sound), is_moving=self._past.is_moving(sound.first_sample))
         for given in self._past.take_reported(frame.first_sample):
-            if given.kind is SideInputKind.SPEAKING:
-                self._pipeline.robot_spoke(RobotSpeechChange(given.is_speaking, given.time))
-            else:
-                self._pipeline.answer(Answered(given.command, given.is_accepted, given.message))
+            self._take(given)
         if self._spotter is not None:
             self._spotter.feed(frame)
         if self._past.get(SideInputKind.UNHEARD, frame.first_sample):
@@ -144,6 +141,15 @@ class PipelineReplay:
         if self._past.get(SideInputKind.BEHIND, frame.first_sample):
             self._clock.now += 2.0 * self._config.recognizer.early.max_backlog + 1.0
         return _decisions(self._pipeline(frame), frame.stamp + frame.duration)
+
+    def _take(self, given: SideInput) -> None:
+        match given.kind:
+            case SideInputKind.SPEAKING:
+                self._pipeline.robot_spoke(RobotSpeechChange(given.is_speaking, given.time))
+            case SideInputKind.ROBOT_MODE:
+                self._pipeline.follow(Mode(given.mode))
+            case _:
+                self._pipeline.answer(Answered(given.command, given.is_accepted, given.message))
 
     def set_mode(self, mode: str, reason: str) -> None:
         """Put the dialogue into a recorded mode, where what led to it was not recorded.

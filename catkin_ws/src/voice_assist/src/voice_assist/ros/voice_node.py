@@ -34,6 +34,7 @@ from voice_assist.errors import VoiceError
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Event
+from voice_assist.pipeline.robot_mode import RobotMode
 from voice_assist.pipeline.robot_motion import RobotMotion
 from voice_assist.profile.active import facts_of
 from voice_assist.ros.command_client import CommandClient
@@ -124,7 +125,8 @@ class VoiceNode:
         self._robot_speech = RobotSpeechTopic(_now)
         self._motion = RobotMotion(config.moving)
         self._was_moving = False
-        follow_controller(self._motion, _steady)
+        self._robot_mode = RobotMode(config.moving)
+        follow_controller(self._motion, self._robot_mode, _steady)
         self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
 
     def run(self) -> None:
@@ -241,6 +243,7 @@ class VoiceNode:
         elif isinstance(action, Call):
             if action.command not in self._repeatable:
                 self._motion.send()
+            self._robot_mode.send()
             self._client.call(action.command, action.command in self._repeatable)
         elif isinstance(action, SetMode):
             self._motion.arm(action.mode is Mode.ACTIVE)
@@ -259,16 +262,21 @@ class VoiceNode:
     def _forget_commands(self) -> None:
         self._client.forget()
         self._motion.drop(_steady())
+        self._robot_mode.drop(_steady())
 
     def _take_reports(self) -> None:
         for spoke in self._robot_speech.take():
             self._pipeline.robot_spoke(spoke)
         while not self._answers.empty():
             self._take_answer(self._answers.get())
+        if (mode := self._robot_mode(_steady())) is not None:
+            for action in self._pipeline.follow(mode):
+                self._do(action)
 
     def _take_answer(self, answered: Answered) -> None:
         if answered.command not in self._repeatable:
             self._motion.answer(_steady())
+        self._robot_mode.answer(_steady())
         if reply := spoken_reply(answered.message, self._config.commands.phrases):
             self._publish.reply(reply)
         if answered.is_accepted:
