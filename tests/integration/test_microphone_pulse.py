@@ -55,8 +55,10 @@ class Sink:
         self.add()
 
     def add(self):
-        words = ["pactl", "load-module", "module-null-sink"]
-        words += [f"sink_name={self.name}", f"rate={self.rate}"]
+        self.load("module-null-sink", f"sink_name={self.name}", f"rate={self.rate}")
+
+    def load(self, *module):
+        words = ["pactl", "load-module", *module]
         done = subprocess.run(words, capture_output=True, text=True, check=True)
         self.module = done.stdout.strip()
 
@@ -142,6 +144,30 @@ def test_a_source_that_goes_is_reported_never_replaced_and_taken_up_again(surgeo
     assert listener.reports[-1] == ""
     jumps = np.diff([f.first_sample for f in listener.frames])
     assert jumps.max() > RATE, "the time without sound is a gap"
+
+
+@pytest.fixture
+def plugged(server):
+    """A microphone that is the default, to be unplugged by a call of its `remove`."""
+    room = Sink("room", 48_000)
+    plugged = Sink("headset", 48_000)
+    plugged.remove()
+    plugged.load("module-remap-source", "master=room.monitor", "source_name=headset")
+    subprocess.run(["pactl", "set-default-source", "headset"], check=True)
+    yield plugged
+    plugged.remove()
+    room.remove()
+
+
+def test_the_default_that_is_unplugged_is_waited_for_and_no_monitor_is_taken(plugged):
+    with Listener("") as listener:
+        listener.hears(10)
+        plugged.remove()
+        listener.wait_until(lambda: any("headset': not found" in r for r in listener.reports))
+        heard = len(listener.frames)
+        time.sleep(1.0)
+        assert len(listener.frames) == heard
+        assert listener.reports[-1].startswith("microphone 'pulse:headset'")
 
 
 def test_a_missing_source_is_named_with_those_that_exist(server):

@@ -49,14 +49,20 @@ def test_a_topic_is_left_to_the_node():
 
 
 def test_sources_of_pulseaudio_are_read_from_its_list(monkeypatch):
-    listing = "0\tsurgeon.monitor\tmodule\ts16le\tIDLE\n1\talsa_input.usb\tmodule\ts16le\tIDLE\n"
+    rows = "0\tsurgeon.monitor\tmodule\ts16le 1ch 16000Hz\tIDLE"
+    rows += "\n1\talsa_input.usb\tmodule\ts24le 2ch 48000Hz\tIDLE"
+    answers = {"list": rows, "get-default-source": "alsa_input.usb\n"}
 
-    def run(*_, **__):
-        return subprocess.CompletedProcess([], 0, stdout=listing)
+    def run(words, **__):
+        return subprocess.CompletedProcess([], 0, stdout=answers[words[1]])
 
     monkeypatch.setattr(pulse.shutil, "which", lambda _: "pactl")
     monkeypatch.setattr(pulse.subprocess, "run", run)
-    assert pulse.pulse_sources() == ("surgeon.monitor", "alsa_input.usb")
+    monitor, usb = pulse.pulse_sources()
+    assert monitor == pulse.Source("surgeon.monitor", 1, is_default=False)
+    assert usb == pulse.Source("alsa_input.usb", 2, is_default=True)
+    answers["get-default-source"] = "surgeon.monitor\n"
+    assert not any(source.is_default for source in pulse.pulse_sources())
 
 
 def test_without_pactl_or_an_answer_there_are_no_sources(monkeypatch):

@@ -46,6 +46,12 @@ def test_who_crashes_is_started_anew(tmp_path, crash, capfd):
     assert capfd.readouterr().err.count("is started anew") == 2
 
 
+def test_only_what_is_started_again_after_a_crash_is_told_so(tmp_path):
+    then = "from rst_control.host.respawn import is_restart\nassert is_restart() == (count > 1)"
+    assert respawn.Respawner(command(tmp_path, f"{then}\nif count < 2: os.abort()")).run() == 0
+    assert len(pids(tmp_path)) == 2
+
+
 @pytest.mark.parametrize("status", [0, 2, 7])
 def test_who_ends_by_itself_has_ended(tmp_path, status):
     assert respawn.Respawner(command(tmp_path, f"sys.exit({status})")).run() == status

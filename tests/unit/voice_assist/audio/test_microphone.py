@@ -5,12 +5,14 @@ import threading
 import numpy as np
 import pytest
 
+from support.waiting import wait_until
 from voice_assist.audio.microphone import Microphone
 from voice_assist.audio.portaudio import Device, choose
 from voice_assist.config import load_voice_config
 from voice_assist.errors import DeviceError
 from voice_assist.types import RATE
 
+MONITOR = Device("pulse:hdmi.monitor", RATE, True)
 USB, BUILT_IN = Device("USB Headset: Audio (hw:1,0)", 48_000, False), Device("pulse", 44_100, True)
 
 
@@ -54,7 +56,7 @@ def blocks(count, size=512, value=1000):
     return [(0.0, np.full(size, value, np.int16), False)] * count
 
 
-def listen(sound, device="", attempts=5, lost_after=0.2):
+def listen(sound, device="", attempts=5, lost_after=0.2, on_wait=None):
     """All frames and reports until the given number of waits for a device are over."""
     reports = []
     left = [attempts]
@@ -63,6 +65,8 @@ def listen(sound, device="", attempts=5, lost_after=0.2):
         if seconds:
             left[0] -= 1
             sound.now += seconds
+            if on_wait:
+                on_wait(microphone, attempts - left[0])
         return left[0] <= 0
 
     config = load_voice_config(
@@ -163,7 +167,7 @@ def test_reading_ends_when_asked_to():
 def test_the_whole_name_wins_over_a_part_of_another():
     devices = [Device("pulse", RATE, True), Device("pulse:surgeon.monitor", RATE, False)]
     assert choose("pulse", devices) is devices[0]
-    assert choose("SURGEON", devices) is devices[1]
+    assert choose("SURGEON.Monitor", devices) is devices[1]
     assert choose("", devices) is devices[0]
 
 
@@ -176,3 +180,78 @@ def test_a_name_that_fits_several_is_refused():
 def test_without_any_microphone_the_list_says_none():
     with pytest.raises(DeviceError, match="default microphone: not found; microphones found: none"):
         choose("", [])
+
+
+def test_the_default_that_goes_is_waited_for_though_another_becomes_the_default():
+    other = Device(USB.name, USB.rate, True)
+    sound = FakeSound([[BUILT_IN, USB], [other], [other], [MONITOR], [BUILT_IN]], [blocks(4)] * 2)
+    frames, reports = listen(sound, attempts=5)
+    assert set(sound.opened) == {BUILT_IN.name}
+    assert len(frames) == 8
+    assert "'pulse': not found; microphones found: 'USB Headset" in reports[2]
+
+
+def test_a_part_of_the_name_counts_until_one_is_opened():
+    other = Device("USB Webcam", RATE, False)
+    sound = FakeSound([[USB], [other], [USB, other]], [blocks(4)] * 2)
+    frames, _ = listen(sound, "usb", attempts=3)
+    assert set(sound.opened) == {USB.name}
+    assert len(frames) == 8
+
+
+@pytest.mark.parametrize("name", ["", "hdmi", "pulse"])
+def test_a_monitor_is_taken_only_by_a_name_that_says_so(name):
+    with pytest.raises(DeviceError, match=r"not found; microphones found: 'pulse:hdmi\.monitor'"):
+        choose(name, [MONITOR])
+    assert choose("hdmi.monitor", [MONITOR]) is MONITOR
+
+
+class Person:
+    """Chooses microphones, each as soon as the one before was answered."""
+
+    def __init__(self, *names):
+        self._names, self.answers = names, []
+
+    def ask(self, microphone):
+        self._microphone = microphone
+        threading.Thread(target=self._ask, daemon=True).start()
+        self.wait(0)
+
+    def _ask(self):
+        for name in self._names:
+            self.answers.append(self._microphone.change(name))
+
+    def wait(self, answered):
+        """Until so many were answered, and the next is asked."""
+        wait_until(lambda: len(self.answers) == answered, "an answer")
+        if answered < len(self._names):
+            wait_until(lambda: not self._microphone._choices.empty(), "a choice")
+
+
+def test_a_person_may_choose_another_and_a_wrong_name_changes_nothing():
+    person = Person("no such", "usb")
+
+    def on_wait(microphone, number):
+        if number == 1:
+            person.ask(microphone)
+        else:
+            person.wait(min(number - 1, 2))
+
+    sound = FakeSound([[BUILT_IN, USB]], [blocks(4)] * 2)
+    listen(sound, attempts=4, on_wait=on_wait)
+    assert sound.opened[:3] == [BUILT_IN.name, BUILT_IN.name, USB.name]
+    assert person.answers[0].startswith("microphone 'no such': not found") and not person.answers[1]
+
+
+def test_a_working_microphone_is_left_for_the_chosen_one_at_once_with_a_gap():
+    sound = FakeSound([[BUILT_IN, USB]], [blocks(10), blocks(4)])
+    config = load_voice_config(audio__microphone__open_within=0.2).audio.microphone
+    person, heard = Person("usb"), []
+    with Microphone(config, sound, sound.clock, bool, lambda _: None) as microphone:
+        for frame in microphone:
+            heard.append(frame.first_sample)
+            if len(heard) == 3:
+                person.ask(microphone)
+    person.wait(1)
+    assert sound.opened == [BUILT_IN.name, USB.name]
+    assert len(heard) == 7 and heard[3] > 3 * 512

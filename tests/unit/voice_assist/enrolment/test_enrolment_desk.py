@@ -224,7 +224,7 @@ def test_the_terminal_asks_again_and_goes_on_after_ctrl_c(tmp_path: Path) -> Non
     with pytest.raises(KeyboardInterrupt):
         guide(
             EnrolmentScript(profile, config, PHRASES, check),
-            lambda: Microphone(said),
+            Microphone(said),
             console,
             ready,
         )

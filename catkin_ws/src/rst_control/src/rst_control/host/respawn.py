@@ -30,6 +30,7 @@ SPAN: Final = 120.0  # [s]
 PARENT_PERIOD: Final = 0.5  # [s] between two checks that the parent is still there
 PATIENCE: Final = 10.0  # [s] for a node to end by itself once that one is gone
 _PR_SET_PDEATHSIG: Final = 1
+_RESTART: Final = "RESPAWN_RESTART"  # variable that says to the command that it had crashed
 
 
 class Respawner:
@@ -48,8 +49,12 @@ class Respawner:
 
     def run(self) -> int:
         """Run it until it ends otherwise than by a crash; gives its status."""
+        variables = dict(os.environ)
         while True:
-            self._child = subprocess.Popen(self._command, preexec_fn=_die_with_parent)
+            self._child = subprocess.Popen(
+                self._command, preexec_fn=_die_with_parent, env=variables
+            )
+            variables[_RESTART] = "1"
             if self._is_asked_to_end:
                 self._child.send_signal(signal.SIGINT)
             status = self._wait(self._child)
@@ -89,6 +94,11 @@ class Respawner:
             return True
         _say(f"{self._command[0]} ended {MOST} times within {SPAN:g} s; it is given up")
         return False
+
+
+def is_restart() -> bool:
+    """Whether this process runs in place of one that crashed."""
+    return _RESTART in os.environ
 
 
 def is_crash(status: int) -> bool:

@@ -1,17 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A microphone by its name: a missing or lost one is reported and waited for, never replaced."""
+"""A microphone by its name: a missing or lost one is reported and waited for, never replaced.
+
+The settings may name a part of it, or leave it to the system's default. That counts until one is
+opened. From then on only that one is opened, until a person chooses another.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from queue import Empty, Full, Queue
+from contextlib import suppress
+from dataclasses import dataclass, field
+from queue import Empty, Full, Queue, SimpleQueue
 from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from voice_assist.audio.portaudio import Backend, Device, Stream, choose
+from voice_assist.audio.pulse import PREFIX, is_monitor, pulse_sources
 from voice_assist.audio.resample import Resampler
 from voice_assist.audio.source import Clock, Framer, Report
 from voice_assist.config import MicrophoneConfig
@@ -20,6 +26,7 @@ from voice_assist.types import RATE, Frame
 
 _QUEUE = 500  # blocks of 32 ms between the sound card's thread and the reader
 _CHECK_EVERY = 2.0  # [s] between looks whether a PulseAudio source is still there
+_CHOICE_TIME = 10.0  # [s] in which a choice is answered: one look for devices may take 2 s
 _OVERFLOW_GAP = 0.02  # [s] from which late sound after a reported overflow counts as lost
 
 Pause = Callable[[float], bool]  # waits so many seconds; True: give up now
@@ -30,6 +37,12 @@ class _Block:
     samples: NDArray[np.int16]
     arrived: float  # [s] clock time
     is_after_loss: bool
+
+
+@dataclass(frozen=True)
+class _Choice:
+    name: str
+    answer: SimpleQueue[str] = field(default_factory=SimpleQueue)  # what is wrong; empty: nothing
 
 
 class Microphone:
@@ -58,12 +71,29 @@ class Microphone:
         self._dropped = False
         self._stream: Stream | None = None
         self._framer = Framer()
-        self.name = config.device  # of the open device
+        self._choices: SimpleQueue[_Choice] = SimpleQueue()
+        self._is_kept = False  # the name is that of a device, and stays
+        self.name = config.device  # asked for; once one was opened, that of this one
 
     @property
     def is_monitor(self) -> bool:
         """Whether it hears what the machine plays, which may be nothing for hours."""
-        return self.name.endswith(".monitor")
+        return is_monitor(self.name)
+
+    def change(self, name: str) -> str:
+        """Let frames come from another microphone from now on; for another thread than the reader.
+
+        Args:
+            name: As in the settings. Where none has it, the one before stays.
+
+        Returns:
+            What is wrong; empty: it exists and is opened now.
+        """
+        choice = _Choice(name)
+        self._choices.put(choice)
+        with suppress(Empty):
+            return choice.answer.get(timeout=_CHOICE_TIME)
+        return f"the choice was not looked at within {_CHOICE_TIME:g} s"
 
     def __enter__(self) -> Microphone:
         """Do nothing yet: the device is opened, and waited for, by reading."""
@@ -86,23 +116,37 @@ class Microphone:
                 device = self._open()
                 if lost_at is not None:
                     self._framer.skip(round((self._clock() - lost_at) * RATE))
+                lost_at = None
                 self._report("")
                 yield from self._read(device)
+                if self._choices.empty():
+                    return
+                lost_at = self._clock()
             except DeviceError as error:
                 self._close()
                 lost_at = self._clock() if lost_at is None else lost_at
                 self._report(str(error))
-            else:
-                return
-            if self._pause(self._config.retry_after):
-                return
+                if self._pause(self._config.retry_after):
+                    return
 
     def _open(self) -> Device:
-        device = choose(self._config.device, self._backend.devices())
+        self._close()
+        devices = self._backend.devices()
+        self._take_choices(devices)
+        device = choose(self.name, devices, is_whole=self._is_kept)
         self._queue, self._dropped = Queue(_QUEUE), False
         self._stream = self._backend.open(device, self._enqueue)
-        self.name = device.name
+        self.name, self._is_kept = device.name, True
         return device
+
+    def _take_choices(self, devices: list[Device]) -> None:
+        while not self._choices.empty():
+            choice = self._choices.get()
+            try:
+                self.name, self._is_kept = choose(choice.name, devices).name, True
+                choice.answer.put("")
+            except DeviceError as error:
+                choice.answer.put(str(error))
 
     def _close(self) -> None:
         if self._stream is not None:
@@ -119,7 +163,7 @@ class Microphone:
             self._dropped = True
 
     def _read(self, device: Device) -> Iterator[Frame]:
-        """Frames until the device is lost.
+        """Frames until the device is lost, or another is chosen.
 
         Raises:
             DeviceError: It is.
@@ -130,7 +174,7 @@ class Microphone:
         resample = Resampler(rate)
         expected: float | None = None  # [s] when the next block should begin
         checked = self._clock()
-        while not self._pause(0.0):
+        while not self._pause(0.0) and self._choices.empty():
             block = self._next_block(device, is_first=expected is None)
             start = block.arrived - len(block.samples) / rate
             late = 0.0 if expected is None else start - expected
@@ -158,12 +202,10 @@ class Microphone:
 
     def _check_presence(self, device: Device) -> None:
         """A PulseAudio server may move a stream to another source when its own goes."""
-        from voice_assist.audio.pulse import PREFIX, pulse_sources
-
         if device.name.startswith(PREFIX):
-            found = pulse_sources()
-            if device.name[len(PREFIX) :] not in found:
-                raise DeviceError("its source is gone", device.name, [PREFIX + n for n in found])
+            found = [PREFIX + source.name for source in pulse_sources()]
+            if device.name not in found:
+                raise DeviceError("its source is gone", device.name, found)
 
     def _names(self) -> list[str]:
         self._close()

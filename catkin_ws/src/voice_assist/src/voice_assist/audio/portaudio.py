@@ -11,12 +11,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from voice_assist.audio.pulse import PREFIX, PulseStream, pulse_sources
+from voice_assist.audio.pulse import PREFIX, PulseStream, is_monitor, pulse_sources
 from voice_assist.audio.source import FRAME
 from voice_assist.errors import DeviceError
 from voice_assist.types import RATE
 
 _PULSE_LATENCY_MS = "20"  # else a PulseAudio server hands sound over in blocks of up to 2 s
+_SERVERS = ("pulse", "pipewire")  # devices by which PortAudio shows a sound server
 OnBlock = Callable[[NDArray[np.int16], bool], None]  # samples (n,), whether sound before was lost
 
 
@@ -27,6 +28,11 @@ class Device:
     name: str
     rate: int  # [Hz] its own
     is_default: bool
+
+    @property
+    def is_monitor(self) -> bool:
+        """Whether it gives what the machine itself plays."""
+        return is_monitor(self.name)
 
 
 class Stream(Protocol):
@@ -88,10 +94,10 @@ class PortAudio:
             for entry in self._sd.query_devices()
             if entry["max_input_channels"] > 0
         ]
-        sources = pulse_sources() if any(device.name == "pulse" for device in found) else ()
+        sources = pulse_sources() if any(d.name in _SERVERS for d in found) else ()
         if sources:  # asked directly, the server is 0.9 s quicker than through ALSA
             found = [replace(device, is_default=False) for device in found]
-        served = [Device(PREFIX + name, RATE, name == sources[0]) for name in sources]
+        served = [Device(PREFIX + source.name, RATE, source.is_default) for source in sources]
         return found + served
 
     def open(self, device: Device, on_block: OnBlock) -> Stream:
@@ -134,23 +140,25 @@ class _PortAudioStream:
         self._stream.close(ignore_errors=True)
 
 
-def choose(name: str, devices: list[Device]) -> Device:
+def choose(name: str, devices: list[Device], is_whole: bool = False) -> Device:
     """The one microphone of that name; never another.
+
+    The monitor of a loudspeaker is taken only by a name that ends as its own does.
 
     Args:
         name: The whole name, or a part of only one; empty for the system's default.
         devices: Those that exist.
+        is_whole: A part does not do.
 
     Raises:
         DeviceError: None or several fit.
     """
     names = [device.name for device in devices]
-    if not name:
-        fitting = [device for device in devices if device.is_default]
-    else:
-        wanted = name.casefold()
-        fitting = [device for device in devices if device.name.casefold() == wanted]
-        fitting = fitting or [device for device in devices if wanted in device.name.casefold()]
+    wanted = name.casefold()
+    fitting = [device for device in devices if name and device.name.casefold() == wanted]
+    if not fitting and not is_whole:
+        able = [device for device in devices if is_monitor(name) or not device.is_monitor]
+        fitting = [d for d in able if (wanted in d.name.casefold() if name else d.is_default)]
     if not fitting:
         raise DeviceError("not found", name, names)
     if len(fitting) > 1:

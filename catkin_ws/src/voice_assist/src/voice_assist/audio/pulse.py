@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shutil
 import subprocess
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +19,37 @@ from voice_assist.types import RATE
 
 _LATENCY_MS = 20  # [ms] asked of the server
 PREFIX = "pulse:"  # of a microphone's name: pulse:<source>
+_MONITOR = re.compile(r"\.monitor(\.\d+)?$", re.IGNORECASE)  # the server's own ending of the name
+_MOVED = "moved to device"  # how `parec` says that its sound now comes from elsewhere
 
 
-def pulse_sources() -> tuple[str, ...]:
-    """Names of the sources, the default one first; empty where no server or `pactl` answers."""
-    rows = (line.split("\t") for line in _ask("list", "short", "sources"))
-    names = [row[1] for row in rows if len(row) > 1]
-    default = _ask("get-default-source")
-    return tuple(sorted(names, key=lambda name: name not in default))
+def is_monitor(name: str) -> bool:
+    """Whether a source gives what the machine itself plays, in place of a microphone's sound."""
+    return _MONITOR.search(name) is not None
+
+
+@dataclass(frozen=True)
+class Source:
+    """A source of the server."""
+
+    name: str
+    channels: int
+    is_default: bool  # of the server, and no monitor
+
+
+def pulse_sources() -> tuple[Source, ...]:
+    """All sources; empty where no server or `pactl` answers."""
+    rows = [line.split("\t") for line in _ask("list", "short", "sources")]
+    default = [name for name in _ask("get-default-source") if not is_monitor(name)]
+    return tuple(
+        Source(row[1], _channels(row[3]), row[1] in default) for row in rows if len(row) > 3
+    )
+
+
+def _channels(specification: str) -> int:
+    """Of a sample specification such as `s16le 2ch 44100Hz`; 1 where it names none."""
+    found = re.search(r"\b(\d+)ch\b", specification)
+    return int(found.group(1)) if found else 1
 
 
 def _ask(*words: str) -> list[str]:
@@ -39,7 +65,10 @@ def _ask(*words: str) -> list[str]:
 
 
 class PulseStream:
-    """Sound of one source, by `parec`; by way of PortAudio and ALSA it is 0.9 s late (measured)."""
+    """Sound of one source, by `parec`; by way of PortAudio and ALSA it is 0.9 s late (measured).
+
+    A server moves a stream to another source when its own is unplugged. The sound ends then.
+    """
 
     rate = RATE
 
@@ -53,20 +82,38 @@ class PulseStream:
         Raises:
             OSError: `parec` is missing.
         """
-        command = ["parec", "--raw", f"--device={source}", f"--latency-msec={_LATENCY_MS}"]
+        command = ["parec", "--verbose", "--raw", f"--device={source}"]
+        command += [f"--latency-msec={_LATENCY_MS}"]
         command += [f"--rate={RATE}", "--channels=1", "--format=s16le"]
         self._recorder = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+            env={**os.environ, "LC_ALL": "C"},
         )
         self._on_block = on_block
-        self._thread = threading.Thread(target=self._read, name="parec", daemon=True)
-        self._thread.start()
+        targets = self._read, self._watch
+        self._threads = [threading.Thread(target=target, daemon=True) for target in targets]
+        for thread in self._threads:
+            thread.start()
 
     def close(self) -> None:
         """End the recording."""
         self._recorder.terminate()
         self._recorder.wait()
-        self._thread.join()
+        for thread in self._threads:
+            thread.join()
+
+    def _watch(self) -> None:
+        """End the sound once the server takes it from another source."""
+        pipe = self._recorder.stderr
+        if pipe is None:
+            return
+        with open(pipe.fileno(), errors="replace", closefd=False) as lines:
+            for line in lines:
+                if _MOVED in line:
+                    self._recorder.terminate()
 
     def _read(self) -> None:
         pipe = self._recorder.stdout

@@ -10,7 +10,6 @@ from pathlib import Path
 
 from rich.console import Console
 
-from voice_assist.audio.source import AudioSource
 from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandsConfig
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
@@ -179,9 +178,11 @@ def _guide(
                 "kept, the same command in a terminal goes on from there"
             ) from error
 
-    def source() -> AudioSource:
-        return make_source(voice.audio, time.time, pause, lambda _: None)
+    def report(trouble: str) -> None:
+        if trouble:
+            console.print(trouble, style="yellow", highlight=False)
 
+    source = make_source(voice.audio, time.time, pause, report)
     console.print("Ctrl-C breaks it off; the same command goes on from there.", style="dim")
     guide(script, source, console, ready)
 

@@ -17,11 +17,10 @@ from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile.manifest import COMMAND, ROOM
 from voice_assist.types import Frame, Samples
 
-MakeSource = Callable[[], AudioSource]
 Ready = Callable[[EnrolmentStep], object]  # waits until the person is ready
 
 
-def guide(script: EnrolmentScript, open_source: MakeSource, console: Console, ready: Ready) -> None:
+def guide(script: EnrolmentScript, source: AudioSource, console: Console, ready: Ready) -> None:
     """Record all that is missing.
 
     Each take is kept the moment it is good, so that it may be broken off and gone on with. The
@@ -29,7 +28,7 @@ def guide(script: EnrolmentScript, open_source: MakeSource, console: Console, re
 
     Args:
         script: Of the profile.
-        open_source: Makes the source of the sound, anew for each take.
+        source: Of the sound, opened anew for each take; of a microphone the same one each time.
         console: Where it is shown.
         ready: Waits for the person before each take.
 
@@ -39,7 +38,7 @@ def guide(script: EnrolmentScript, open_source: MakeSource, console: Console, re
     while (step := script.next()) is not None:
         console.print(_asked(step))
         ready(step)
-        samples = _record(open_source(), step, console)
+        samples = _record(source, step, console)
         console.print(result_line(step, script.offer(step, samples)))
 
 

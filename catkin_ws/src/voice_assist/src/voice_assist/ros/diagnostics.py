@@ -22,6 +22,7 @@ class VoiceHealth:
     model: str
     source: str
     capacity: int  # frames that fit the queue
+    microphone: str = ""  # name of the open one; empty: none was opened yet
     trouble: str = "starting"  # with the source of sound
     trouble_fault: HearingFault = HearingFault.NO_SOUND
     failure: str = ""  # a thread ended by an error
@@ -83,6 +84,7 @@ class VoiceDiagnostics:
         status.summary(level, message)
         status.add("reason_code", fault.value if fault else "")
         status.add("source", health.source)
+        status.add("microphone", health.microphone or "none")
         status.add("model", health.model)
         status.add("spotter", health.spotter)
         status.add("spotter frames dropped", f"{health.spotter_dropped}")

@@ -13,7 +13,7 @@ from queue import Empty, Full, Queue
 import numpy as np
 import rospy
 
-from typed_config import ConfigError, ends_on_signal, load_yaml
+from typed_config import ConfigError, ends_on_signal
 from voice_assist.assembly import (
     limit_torch,
     make_pipeline,
@@ -23,13 +23,7 @@ from voice_assist.assembly import (
 )
 from voice_assist.audio.input_check import SoundWatch, at_full_scale
 from voice_assist.audio.source import AudioSource, level_db
-from voice_assist.config import (
-    CONFIG_DIR,
-    SECTIONS,
-    VoiceConfig,
-    load_voice_config,
-    voice_config,
-)
+from voice_assist.config import VoiceConfig
 from voice_assist.errors import VoiceError
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.hang_detection import HangWatch
@@ -40,6 +34,8 @@ from voice_assist.profile.active import facts_of
 from voice_assist.ros.command_client import CommandClient
 from voice_assist.ros.controller_state import follow_controller
 from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
+from voice_assist.ros.microphone_service import MicrophoneService
+from voice_assist.ros.node_settings import node_settings
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
 from voice_assist.ros.recognition_watch import RecognitionWatch
@@ -80,7 +76,7 @@ def main() -> None:
         with ends_on_signal(rospy.core.register_signals):
             rospy.init_node("voice_assist", disable_signals=True)
             rospy.loginfo("priority: %s", priority)
-            config = _load_config()
+            config = node_settings()
             require_known(config.commands)
             node = VoiceNode(config)
         node.run()
@@ -163,9 +159,11 @@ class VoiceNode:
     def _listen(self) -> None:
         with self._source() as source:
             watch = SoundWatch(source, self._config.audio.deaf_after)
+            service = MicrophoneService(source)
             for frame in source:
                 if self._over.is_set():
                     return
+                self._health.microphone = service.note_name()
                 self._trouble(watch(frame), watch.fault)
                 frame = self._with_motion(frame)
                 if self._spotter is not None:
@@ -346,16 +344,6 @@ class VoiceNode:
         if status.spotted is not None:
             self._spotted(Spotted(_now(), status.spotted))
         return status.is_news
-
-
-def _load_config() -> VoiceConfig:
-    """From the node's private parameters; missing sections from the package's files."""
-    given = {name: rospy.get_param(f"~{name}") for name in SECTIONS if rospy.has_param(f"~{name}")}
-    if not given:
-        rospy.loginfo("no private parameters; the settings are those of the package's files")
-        return load_voice_config()
-    files = {name: load_yaml(CONFIG_DIR / f"{name}.yaml") for name in SECTIONS if name not in given}
-    return voice_config({**files, **given})
 
 
 def _now() -> float:

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The settings of the voice node, and what of its session outlives a crash."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import rospy
+
+from rst_control.host.respawn import is_restart
+from typed_config import load_yaml
+from voice_assist.config import (
+    CONFIG_DIR,
+    SECTIONS,
+    VoiceConfig,
+    load_voice_config,
+    voice_config,
+)
+
+OPENED: Final = "~opened_microphone"  # parameter: name of the one that was opened
+
+
+def node_settings() -> VoiceConfig:
+    """From the node's private parameters; missing sections from the package's files.
+
+    Raises:
+        ConfigError: They are not as they must be.
+    """
+    given = {name: rospy.get_param(f"~{name}") for name in SECTIONS if rospy.has_param(f"~{name}")}
+    if not given:
+        rospy.loginfo("no private parameters; the settings are those of the package's files")
+        return _as_before(load_voice_config())
+    files = {name: load_yaml(CONFIG_DIR / f"{name}.yaml") for name in SECTIONS if name not in given}
+    return _as_before(voice_config({**files, **given}))
+
+
+def _as_before(config: VoiceConfig) -> VoiceConfig:
+    """With the microphone of the session, where the node was started again after a crash."""
+    opened = rospy.get_param(OPENED, "") if is_restart() else ""
+    if not opened:
+        return config
+    microphone = replace(config.audio.microphone, device=str(opened))
+    return replace(config, audio=replace(config.audio, microphone=microphone))

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The microphone of a session outlives a crash, and a person may choose another."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from support.waiting import wait_until
+from voice_assist.audio.microphone import Microphone
+from voice_assist.config import load_voice_config
+from voice_assist.ros import microphone_service, node_settings
+
+
+@pytest.fixture
+def master(monkeypatch):
+    """What a master keeps, and the services announced to it."""
+    kept, services = {}, {}
+    fake = SimpleNamespace(
+        set_param=kept.__setitem__,
+        get_param=kept.get,
+        has_param=kept.__contains__,
+        loginfo=lambda *_: None,
+        Service=lambda name, _, serve: services.update({name: serve}),
+    )
+    for module in (microphone_service, node_settings):
+        monkeypatch.setattr(module, "rospy", fake)
+    return SimpleNamespace(kept=kept, services=services)
+
+
+def microphone(name):
+    config = load_voice_config(audio__microphone__device=name).audio.microphone
+    return Microphone(config, None, lambda: 0.0, bool, lambda _: None)
+
+
+def test_a_node_that_crashed_listens_to_the_same_microphone(master, monkeypatch):
+    service = microphone_service.MicrophoneService(microphone("pulse:headset"))
+    assert service.note_name() == "pulse:headset"
+    wait_until(lambda: master.kept, "the name on the master")
+    assert node_settings.node_settings().audio.microphone.device == ""
+    monkeypatch.setattr(node_settings, "is_restart", lambda: True)
+    assert node_settings.node_settings().audio.microphone.device == "pulse:headset"
+
+
+@pytest.mark.parametrize("problem", ["", "microphone 'x': not found"])
+def test_the_service_answers_what_came_of_a_choice(master, monkeypatch, problem):
+    chosen = []
+    monkeypatch.setattr(Microphone, "change", lambda _, name: chosen.append(name) or problem)
+    microphone_service.MicrophoneService(microphone(""))
+    answer = master.services["voice_assist/set_microphone"](SimpleNamespace(device="x"))
+    assert (answer.success, answer.message, chosen) == (not problem, problem, ["x"])
+
+
+def test_of_a_recording_no_microphone_can_be_chosen(master):
+    service = microphone_service.MicrophoneService(SimpleNamespace())
+    assert service.note_name() == "" and not master.services
