@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from rst_control.host.respawn import RESTART
 from support.waiting import wait_until
 from voice_assist.audio.microphone import Microphone
 from voice_assist.config import load_voice_config
@@ -37,7 +38,7 @@ def test_a_node_that_crashed_listens_to_the_same_microphone(master, monkeypatch)
     assert service.note_name() == "pulse:headset"
     wait_until(lambda: master.kept, "the name on the master")
     assert node_settings.node_settings().audio.microphone.device == ""
-    monkeypatch.setattr(node_settings, "is_restart", lambda: True)
+    monkeypatch.setenv(RESTART, "1")
     assert node_settings.node_settings().audio.microphone.device == "pulse:headset"
 
 

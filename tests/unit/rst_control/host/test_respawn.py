@@ -47,7 +47,7 @@ def test_who_crashes_is_started_anew(tmp_path, crash, capfd):
 
 
 def test_only_what_is_started_again_after_a_crash_is_told_so(tmp_path):
-    then = "from rst_control.host.respawn import is_restart\nassert is_restart() == (count > 1)"
+    then = f"assert ({respawn.RESTART!r} in os.environ) == (count > 1)"
     assert respawn.Respawner(command(tmp_path, f"{then}\nif count < 2: os.abort()")).run() == 0
     assert len(pids(tmp_path)) == 2
 

@@ -30,7 +30,7 @@ SPAN: Final = 120.0  # [s]
 PARENT_PERIOD: Final = 0.5  # [s] between two checks that the parent is still there
 PATIENCE: Final = 10.0  # [s] for a node to end by itself once that one is gone
 _PR_SET_PDEATHSIG: Final = 1
-_RESTART: Final = "RESPAWN_RESTART"  # variable that says to the command that it had crashed
+RESTART: Final = "RESPAWN_RESTART"  # variable that says to the command that it had crashed
 
 
 class Respawner:
@@ -54,7 +54,7 @@ class Respawner:
             self._child = subprocess.Popen(
                 self._command, preexec_fn=_die_with_parent, env=variables
             )
-            variables[_RESTART] = "1"
+            variables[RESTART] = "1"
             if self._is_asked_to_end:
                 self._child.send_signal(signal.SIGINT)
             status = self._wait(self._child)
@@ -94,11 +94,6 @@ class Respawner:
             return True
         _say(f"{self._command[0]} ended {MOST} times within {SPAN:g} s; it is given up")
         return False
-
-
-def is_restart() -> bool:
-    """Whether this process runs in place of one that crashed."""
-    return _RESTART in os.environ
 
 
 def is_crash(status: int) -> bool:

@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from typing import Final
 
 import rospy
 
-from rst_control.host.respawn import is_restart
 from typed_config import load_yaml
 from voice_assist.config import (
     CONFIG_DIR,
@@ -19,6 +19,7 @@ from voice_assist.config import (
 )
 
 OPENED: Final = "~opened_microphone"  # parameter: name of the one that was opened
+RESTART: Final = "RESPAWN_RESTART"  # variable that `rst_control respawn` sets after a crash
 
 
 def node_settings() -> VoiceConfig:
@@ -33,6 +34,11 @@ def node_settings() -> VoiceConfig:
         return _as_before(load_voice_config())
     files = {name: load_yaml(CONFIG_DIR / f"{name}.yaml") for name in SECTIONS if name not in given}
     return _as_before(voice_config({**files, **given}))
+
+
+def is_restart() -> bool:
+    """Whether this process runs in place of one that crashed."""
+    return RESTART in os.environ
 
 
 def _as_before(config: VoiceConfig) -> VoiceConfig:
