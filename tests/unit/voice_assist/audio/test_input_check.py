@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from support.theatre_sound import speak
@@ -19,7 +19,16 @@ from voice_assist.types import RATE
 PATIENCE = 1.5  # [s]
 LONG = round(4.0 * RATE / FRAME) * FRAME  # samples
 RNG = np.random.default_rng(7)
-QUIET = 1e-3 * RNG.standard_normal(LONG)
+
+
+def room(level_db, seed=7):
+    """Noise that falls with frequency, as air conditioning does, in steps of 16-bit sound."""
+    noise = np.random.default_rng(seed).standard_normal(LONG + 100)
+    noise = np.convolve(noise, 0.9 ** np.arange(100), "same")[:LONG]
+    return np.rint(32767 * 10 ** (level_db / 20) * noise / noise.std()) / 32767
+
+
+QUIET = room(-60.0)
 DEAFENING = np.clip(10.0 * RNG.standard_normal(LONG), -1.0, 1.0)
 
 
@@ -74,10 +83,38 @@ def test_a_headset_that_begins_with_zeros_is_not_named():
     assert not any(objections(np.concatenate([np.zeros(round(0.6 * RATE)), QUIET])))
 
 
-@given(st.integers(1, 40), st.integers(1, 200))
-def test_a_room_as_quiet_as_one_bit_is_heard(bits, seed):
-    rng = np.random.default_rng(seed)
-    sound = rng.integers(-bits, bits + 1, LONG) / 32767
+@pytest.mark.parametrize(
+    ("noise", "level"),
+    [
+        (np.where(np.arange(LONG) % FRAME == 7, 1.0, 0.0), "-117 dB"),
+        (RNG.integers(-1, 2, LONG), "-92 dB"),  # dither
+        (23 * RNG.uniform(-1.0, 1.0, LONG), "-68 dB"),  # of an open input
+        (32767 * room(-97.0), "-9"),
+    ],
+)
+def test_a_microphone_muted_by_its_switch_is_named_with_its_level(noise, level):
+    found = objections(np.concatenate([QUIET, noise / 32767, QUIET]))
+    assert first(found) == pytest.approx(8.0, abs=5 * FRAME / RATE)
+    (words,) = {words for words in found if words}
+    assert words.startswith(f"the microphone gives {level}")
+    assert words.endswith("nothing of a room for 4.0 s, allowed below 4 s: it is muted, or dead")
+    assert not found[-1]
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(-85.0, -20.0), st.integers(1, 200))
+def test_a_room_is_heard_however_quiet(level, seed):
+    assert not any(objections(np.tile(room(level, seed), 2)))
+
+
+@pytest.mark.parametrize("level", [-57.0, -40.0, -20.0])
+def test_white_noise_as_loud_as_a_room_is_none_of_a_converter(level):
+    assert not any(objections(10 ** (level / 20) * RNG.standard_normal(2 * LONG)))
+
+
+def test_a_cough_now_and_then_shows_that_a_weak_white_noise_is_a_room():
+    sound = 10 ** (-70 / 20) * RNG.standard_normal(4 * LONG)
+    sound[:: round(3.5 * RATE)] = 0.1
     assert not any(objections(sound))
 
 

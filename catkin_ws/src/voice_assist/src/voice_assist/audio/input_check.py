@@ -1,23 +1,38 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Finds by the sound alone that nobody could be heard: a dead microphone, or an overloaded one.
 
-A microphone always hears something, if only its own noise. One that is muted, or broken behind its
-converter, gives the same value again and again; one that is overloaded is near full scale all the
-time. Speech does neither for long: even where it is too loud, its pauses are not (380 clips of
-people, by their peaks: none was as loud as that for 1.5 s, and 5 when made 20 dB too loud). So what
-counts is how long no single frame was of use. A recording, the monitor of a sink and what others
-publish may be silent for hours: they are not watched.
+A microphone always hears something of the room. One that is muted, or broken behind its converter,
+gives the same value again and again; one that is overloaded is near full scale all the time. Speech
+does neither for long: even where it is too loud, its pauses are not (380 clips of people, by their
+peaks: none was as loud as that for 1.5 s, and 5 when made 20 dB too loud). So what counts is how
+long no single frame was of use.
+
+A headset that is muted by its own switch still gives the noise of its converter. That noise is weak
+and white. A room's falls with frequency, so that neighbouring samples correlate, in a quiet room
+too. In 260 clips of people, who used all kinds of microphones, the longest stretch below
+`WEAKEST_DB` was 1.4 s, and the longest that was weak and white 1.7 s. Noise with hum in it passes
+for a room.
+
+A recording, the monitor of a sink and what others publish may be silent for hours: they are not
+watched.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from voice_assist.audio.corruption import smoothness
 from voice_assist.audio.microphone import Microphone
 from voice_assist.audio.source import AudioSource, level_db
 from voice_assist.types import Frame, HearingFault, Samples
 
 FULL = 0.999  # of full scale; a sample at or above it was clipped, or nearly
+WEAKEST_DB = -90.0  # of full scale, RMS of a frame: less than one step of 16-bit sound
+WEAK_DB = -60.0  # of full scale, RMS of a frame, below which it may be a converter's noise
+MIN_ROOM = 0.25  # smoothness of a frame of a room; of white noise it is 0, give or take 0.04
+ROOMLESS_AFTER = 4.0  # [s] without any of a room, from which it is named
 LOUDEST_DB = -6.0  # of full scale, RMS of a frame, from which it is of no use
 
 
@@ -29,6 +44,12 @@ def is_constant(samples: Samples) -> bool:
 def at_full_scale(samples: Samples) -> float:
     """Share of samples that are clipped [0, 1]. Shape (n,), n > 0."""
     return float(np.mean(np.abs(samples) >= FULL))
+
+
+def is_roomless(samples: Samples) -> bool:
+    """Whether nothing of a room is in them. Shape (n,), n > 0."""
+    level = level_db(samples)
+    return level < WEAKEST_DB or (level < WEAK_DB and smoothness(samples) < MIN_ROOM)
 
 
 class SoundWatch:
@@ -43,28 +64,42 @@ class SoundWatch:
         self._source, self._patience = source, patience
         self._useless = 0.0  # [s] since the last frame of use
         self._overloaded = 0.0  # [s] of these
+        self._roomless = 0.0  # [s] since the last frame with anything of a room
+        self._power = 0.0  # [s] of these, each times its mean square
         self._words = ""
         self.fault = HearingFault.NO_SOUND  # that of the last frame
 
     def __call__(self, frame: Frame) -> str:
         """Why nobody would be heard, in words that stay the same until it is over; empty: fine."""
-        is_overloaded = level_db(frame.samples) >= LOUDEST_DB
-        if not self._is_watched() or not (is_overloaded or is_constant(frame.samples)):
-            self._useless, self._overloaded, self._words = 0.0, 0.0, ""
-            return ""
-        self._useless += frame.duration
-        self._overloaded += frame.duration if is_overloaded else 0.0
-        if self._useless >= self._patience and not self._words:
-            self._words = self._explained()
+        samples = frame.samples
+        is_overloaded = level_db(samples) >= LOUDEST_DB
+        is_useless = self._is_watched() and (is_overloaded or is_constant(samples))
+        has_room = not self._is_watched() or not (is_constant(samples) or is_roomless(samples))
+        self._useless = self._useless + frame.duration if is_useless else 0.0
+        self._overloaded = self._overloaded + frame.duration * is_overloaded if is_useless else 0.0
+        self._roomless = 0.0 if has_room else self._roomless + frame.duration
+        self._power = 0.0 if has_room else self._power + frame.duration * _mean_square(samples)
+        is_deaf = self._useless >= self._patience or self._roomless >= ROOMLESS_AFTER
+        self._words = (self._words or self._explained()) if is_deaf else ""
         return self._words
 
     def _is_watched(self) -> bool:
         return isinstance(self._source, Microphone) and not self._source.is_monitor
 
     def _explained(self) -> str:
+        if self._useless < self._patience:
+            self.fault = HearingFault.MUTED
+            level = 10.0 * math.log10(max(self._power / self._roomless, 1e-12))
+            weak = f"{level:.0f} dB of full scale and nothing of a room"
+            span = f"for {self._roomless:.1f} s, allowed below {ROOMLESS_AFTER:g} s"
+            return f"the microphone gives {weak} {span}: it is muted, or dead"
         span = f"for {self._useless:.1f} s, allowed below {self._patience:g} s"
         if 2.0 * self._overloaded > self._useless:
             self.fault = HearingFault.OVERLOADED
             return f"the microphone is overloaded {span}: too loud here, or its gain is too high"
         self.fault = HearingFault.MUTED
         return f"the microphone gives one value alone {span}: it is muted, or dead"
+
+
+def _mean_square(samples: Samples) -> float:
+    return float(np.mean(np.square(samples, dtype=np.float64)))
