@@ -33,6 +33,8 @@ def measure() -> list[Figure]:
     with tempfile.TemporaryDirectory() as name, System(Path(name) / "master.log", {}):
         ends = [_end_after(SPAN * k / TURNS, Path(name) / f"{k}.log") for k in range(TURNS)]
         logs = "".join(log.read_text() for log in Path(name).glob("[0-9]*.log"))
+        if ESCALATION in logs:
+            print(logs)
     note = f"(SIGINT within {SPAN:g} s of the start)"
     return [
         measured(TURNS, "starts and ends", FULL),

@@ -40,6 +40,13 @@ def test_code_that_swallows_the_exit_does_not_start_the_node(of_the_node, number
     assert ended.value.code == 128 + number
 
 
-def test_a_start_without_a_signal_goes_on(of_the_node):
-    with ends_on_signal(of_the_node):
+def test_a_start_without_a_signal_goes_on_and_leaves_no_handler_that_exits(of_the_node):
+    found = []
+
+    def afterwards():
+        found.extend(map(signal.getsignal, NUMBERS))
+        of_the_node()
+
+    with ends_on_signal(afterwards):
         pass
+    assert found == [signal.default_int_handler, signal.SIG_DFL]

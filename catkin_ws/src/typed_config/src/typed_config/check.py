@@ -3,7 +3,8 @@
 
 roslaunch takes the last of two equal keys without a word, and a file that was cut off as far as it
 goes; the nodes see only what is left. roslaunch runs this while it reads a launch file, and ends
-where it ends with an error. With `--launch FILE` the command line of roslaunch is checked too.
+where it ends with an error. With `--launch FILE` the command line of roslaunch is checked too, and
+that none of its nodes runs already.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from pathlib import Path
 
 from typed_config.errors import ConfigError
 from typed_config.launch_line import caller_words, check_launch_line
+from typed_config.ros.running_nodes import running_again
 from typed_config.strict_yaml import load_yaml
 
 
@@ -26,10 +28,21 @@ def main(argv: Sequence[str] | None = None) -> None:
     given = parser.parse_args(argv)
     try:
         if given.launch is not None:
-            check_launch_line(given.launch, caller_words())
+            words = caller_words()
+            check_launch_line(given.launch, words)
+            _check_running(given.launch, words)
         for file in given.files:
             load_yaml(file)
     except ConfigError as error:
         print(f"\nthis launch does not start: {error}\n", file=sys.stderr)
         sys.exit(2)
     print(f"{len(given.files)} files")
+
+
+def _check_running(file: Path, words: Sequence[str]) -> None:
+    if running := running_again(file, words):
+        raise ConfigError(
+            "running node",
+            ", ".join(running),
+            "none of this launch; end the other launch first, or set another ROS_NAMESPACE",
+        )
