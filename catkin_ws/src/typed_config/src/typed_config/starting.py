@@ -23,19 +23,18 @@ def ends_on_signal(afterwards: Callable[[], None]) -> Iterator[None]:
         afterwards: Sets the handlers of the node that has started.
     """
     received: list[int] = []
-    before = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
 
     def end(number: int, _: FrameType | None) -> NoReturn:
         received.append(number)
         sys.exit(128 + number)
 
-    for number in before:
+    for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, end)
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)  # rospy's handlers call those before them
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # rospy's call those before them
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         afterwards()
     if received:  # the interrupted code went on, as a destructor or a bare `except` does
         sys.exit(128 + received[0])
