@@ -37,3 +37,11 @@ def test_a_command_carries_no_code():
     message = message_of(Match("tense", {"tense": 0.0}))
     assert (message.command, message.nearest_command) == ("tense", "tense")
     assert (message.reason_code, message.reason) == ("", "")
+
+
+def test_speech_from_before_a_simulated_clock_began_is_stamped_zero():
+    decision = UtteranceDecision(
+        Hypothesis("stop", 0.0, 0.0), Match("stop", {}), 1.0, Mode.ACTIVE, -0.4, 0.01, 0.02, True
+    )
+    message = utterance(decision, 0.02)
+    assert (message.speech_start.to_sec(), message.speech_end.to_sec()) == (0.0, 0.01)

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Settings that fail at start: YAML into frozen dataclasses, each key with its range and unit.
-
-And what else the packages share of a start: where their files lie, and how it is interrupted.
-"""
+"""Settings that fail at start: YAML into frozen dataclasses, each key with its range and unit."""
 
 from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
@@ -16,14 +13,12 @@ from typed_config.resources import (
     repository,
 )
 from typed_config.rules import require, require_rising, require_way
-from typed_config.starting import ends_on_signal
 from typed_config.strict_yaml import load_yaml
 
 __all__ = [
     "ConfigError",
     "ResourceMissing",
     "choice",
-    "ends_on_signal",
     "flag",
     "integer",
     "items",

@@ -22,7 +22,7 @@ import rospy
 
 from rst_control.host.master_registrations import Registrations, missing_parameters, pairs_of
 from rst_control.ros.common.xmlrpc import FAILURES, ask, master, value_of
-from typed_config import ends_on_signal
+from typed_config.ros.starting import starting
 
 log = logging.getLogger("rosout.rst_control.master_failover")
 
@@ -161,9 +161,8 @@ def _text(answer: object) -> str:
 
 def main() -> None:
     """Run the node."""
-    with ends_on_signal(rospy.core.register_signals):
-        rospy.init_node("master_failover", disable_signals=True)
-    failover, is_there = MasterFailover(), True
+    with starting("master_failover", needs_clock=False):
+        failover, is_there = MasterFailover(), True
     while not rospy.is_shutdown():
         try:
             failover.step()

@@ -20,7 +20,8 @@ from rst_control.ros.common.exposure_warning import warn_of_listeners
 from rst_control.tension.clock_offset import SentTimes
 from rst_control.tension.torque_estimator import TensionEstimate, TorqueTension
 from rst_control.types import BASE, JOINTS, Measurement, Vector
-from typed_config import ConfigError, ends_on_signal, load_config
+from typed_config import ConfigError, load_config
+from typed_config.ros.starting import starting
 
 OLD = 0.2  # [s] joint states that are older are none
 SOONER = 0.1  # share of the period by which a reading may come before the next is due
@@ -133,8 +134,7 @@ class TorqueTensionNode:
 
 def main() -> None:
     """Run the node."""
-    with ends_on_signal(rospy.core.register_signals):
-        rospy.init_node("torque_tension", disable_signals=True)
+    with starting("torque_tension"):
         try:
             config = load_config(
                 TorqueTensionConfig, rospy.get_param("~", {}), "torque_tension parameters"

@@ -23,11 +23,11 @@ from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
 from session_log.types import MessageSource
 from typed_config import (
     ConfigError,
-    ends_on_signal,
     load_config,
     package_folder,
     package_version,
 )
+from typed_config.ros.starting import starting
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
 REPORT_PERIOD = 1.0  # [s] between two statuses in /diagnostics
@@ -210,8 +210,7 @@ class RecorderNode:
 
 def main() -> None:
     """Run the recorder node."""
-    with ends_on_signal(rospy.core.register_signals):
-        rospy.init_node("recorder", disable_signals=True)
+    with starting("recorder", needs_clock=False):
         settings: Any = rospy.get_param("~", {})
         try:
             config = load_config(RecorderConfig, settings, "recorder.yaml")

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a launch asks ROS before it starts."""
+"""What launches and nodes share of their start."""

@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import rospy
 
-from typed_config import ConfigError, ends_on_signal
+from typed_config import ConfigError
+from typed_config.ros.starting import starting
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
@@ -27,8 +28,7 @@ _AUDIO, _MODE, _SERVICE = "voice_assist/audio", "voice_assist/mode", "voice_assi
 
 def main() -> None:
     """Run the enrolment node."""
-    with ends_on_signal(rospy.core.register_signals):
-        rospy.init_node("enrolment", disable_signals=True)
+    with starting("enrolment"):
         try:
             EnrolmentNode()
         except (ConfigError, VoiceError) as error:

@@ -16,7 +16,7 @@ from voice_assist.types import FULL_SCALE, RATE, Frame, Mode, UtteranceDecision
 def audio_chunk(frame: Frame) -> AudioChunk:
     """A frame as 16-bit PCM."""
     chunk = AudioChunk(rate=RATE, first_sample=frame.first_sample)
-    chunk.header.stamp = rospy.Time.from_sec(frame.stamp)
+    chunk.header.stamp = _time(frame.stamp)
     scaled = np.rint(np.clip(frame.samples, -1.0, 1.0) * FULL_SCALE)
     chunk.samples = scaled.astype(np.int16).tolist()
     return chunk
@@ -47,16 +47,21 @@ def utterance(decision: UtteranceDecision, now: float) -> UtteranceMessage:
         mode=decision.mode.value,
         decided_by=decision.decided_by,
         is_partial=decision.is_partial,
-        speech_start=rospy.Time.from_sec(decision.speech_start),
-        speech_end=rospy.Time.from_sec(decision.speech_end),
-        decision=rospy.Time.from_sec(decision.decided),
+        speech_start=_time(decision.speech_start),
+        speech_end=_time(decision.speech_end),
+        decision=_time(decision.decided),
     )
-    message.header.stamp = rospy.Time.from_sec(now)
+    message.header.stamp = _time(now)
     return message
 
 
 def mode_message(mode: Mode, reason: str, now: float) -> ModeMessage:
     """The voice mode and why it is that."""
     message = ModeMessage(mode=mode.value, reason=reason)
-    message.header.stamp = rospy.Time.from_sec(now)
+    message.header.stamp = _time(now)
     return message
+
+
+def _time(seconds: float) -> rospy.Time:
+    """Sound may have begun before a simulated clock did; there is no time before zero."""
+    return rospy.Time.from_sec(max(0.0, seconds))

@@ -13,7 +13,8 @@ from queue import Empty, Full, Queue
 import numpy as np
 import rospy
 
-from typed_config import ConfigError, ends_on_signal
+from typed_config import ConfigError
+from typed_config.ros.starting import starting
 from voice_assist.assembly import (
     limit_torch,
     make_pipeline,
@@ -73,8 +74,7 @@ def main() -> None:
     """Run the voice node."""
     priority = hear_first()
     try:
-        with ends_on_signal(rospy.core.register_signals):
-            rospy.init_node("voice_assist", disable_signals=True)
+        with starting("voice_assist"):
             rospy.loginfo("priority: %s", priority)
             config = node_settings()
             require_known(config.commands)

@@ -44,7 +44,8 @@ from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_wa
 from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.tension_trust import unbounded_pull
 from rst_control.types import Cause, Reason
-from typed_config import ConfigError, ends_on_signal, load_config
+from typed_config import ConfigError, load_config
+from typed_config.ros.starting import starting
 
 FEEDBACK_RATE = 20.0  # [Hz] to action clients
 DIAGNOSTICS_PERIOD = 1.0  # [s]
@@ -190,8 +191,7 @@ def main() -> None:
     """Run the controller node."""
     limit_messages()
     publish_without_waiting()
-    with ends_on_signal(rospy.core.register_signals):
-        rospy.init_node("controller", disable_signals=True)
+    with starting("controller"):
         try:
             config = load_config(MotionConfig, launch_settings(), "controller parameters")
             model = parse_robot(rospy.get_param("robot_description"))

@@ -43,7 +43,8 @@ from rst_control.types import (
     Vector,
     robot_fault,
 )
-from typed_config import ConfigError, ends_on_signal, load_config
+from typed_config import ConfigError, load_config
+from typed_config.ros.starting import starting
 
 BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard
 TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
@@ -297,8 +298,7 @@ def main() -> None:
     """Run the bridge node."""
     limit_messages()
     publish_without_waiting()
-    with ends_on_signal(rospy.core.register_signals):
-        rospy.init_node("kinova_bridge", disable_signals=True)
+    with starting("kinova_bridge"):
         try:
             config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
             node = KinovaBridgeNode(config)

@@ -16,7 +16,8 @@ from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.kinova.hardware import send_at_shutdown
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
-from typed_config import ConfigError, ends_on_signal, load_config
+from typed_config import ConfigError, load_config
+from typed_config.ros.starting import starting
 
 PERIOD = 0.010  # [s] between two rounds
 ALIVE_EVERY = 2  # rounds between two beats for the bridge
@@ -25,8 +26,7 @@ ALIVE_EVERY = 2  # rounds between two beats for the bridge
 def main() -> None:
     """Run the guard node."""
     publish_without_waiting()
-    with ends_on_signal(rospy.core.register_signals):
-        rospy.init_node("kinova_guard", disable_signals=True)
+    with starting("kinova_guard", needs_clock=False):
         try:
             settings = launch_settings()
             guard_settings = settings.get("bridge", {}).get("guard", {})

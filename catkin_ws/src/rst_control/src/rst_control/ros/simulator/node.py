@@ -39,7 +39,8 @@ from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.simulation.rendering.state import SceneState
 from rst_control.simulation.rendering.trail import Trail
 from rst_control.simulation.rendering.worker import SceneLostError
-from typed_config import ConfigError, ends_on_signal, load_config
+from typed_config import ConfigError, load_config
+from typed_config.ros.starting import starting, wait_for_clock
 
 log = logging.getLogger("rosout.rst_control.simulator")
 
@@ -205,11 +206,12 @@ def main() -> None:
     """Run the simulator node."""
     limit_messages()
     publish_without_waiting()
-    with ends_on_signal(rospy.core.register_signals):
-        rospy.init_node("robot", disable_signals=True)
+    with starting("robot", needs_clock=False):
         try:
             given = launch_settings()
             config, stand_in = read_parameters(given)
+            if config.simulator.real_time_factor == 1.0:
+                wait_for_clock()  # else the clock is that of this node
             node = SimulatorNode(config, Path(given.get("urdf", URDF_FILE)), stand_in)
         except (ConfigError, RstError, SceneLostError, FileNotFoundError) as error:
             rospy.logfatal(f"the simulator cannot start: {error}; launch/robot.launch starts it")

@@ -18,7 +18,8 @@ from diagnostic_msgs.msg import DiagnosticArray
 from visualization_msgs.msg import Marker
 
 from rst_control.msg import ControllerState, Event
-from typed_config import ConfigError, ends_on_signal
+from typed_config import ConfigError
+from typed_config.ros.starting import starting
 from voice_assist.alarms.annunciator import Annunciator
 from voice_assist.alarms.appearance import is_lit, line
 from voice_assist.alarms.board import Board, Standing
@@ -158,8 +159,7 @@ class AlarmNode:
 
 def main() -> None:
     """Run the alarm node."""
-    with ends_on_signal(rospy.core.register_signals):
-        rospy.init_node("alarms", disable_signals=True)
+    with starting("alarms"):
         try:
             node = AlarmNode(_load_config())
         except ConfigError as error:

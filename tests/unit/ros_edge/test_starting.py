@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The start of a node: a signal ends it at once, and a missing clock is named."""
+
+import signal
+from contextlib import suppress
+
+import pytest
+import rospy
+
+from typed_config.ros.starting import starting, wait_for_clock
+
+NUMBERS = (signal.SIGINT, signal.SIGTERM)
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Stands for ROS; what it shows one after the other, and errors that were logged."""
+    monkeypatch.setattr(rospy, "init_node", lambda name, disable_signals: None)
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
+    shown, said = [1.0], []
+    monkeypatch.setattr(rospy, "get_time", lambda: shown.pop(0) if len(shown) > 1 else shown[0])
+    monkeypatch.setattr(rospy, "logerr", said.append)
+    return shown, said
+
+
+@pytest.fixture(autouse=True)
+def handlers():
+    """Those of rospy are set by the real rospy; afterwards all are as before."""
+    before = {number: signal.getsignal(number) for number in NUMBERS}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_a_signal_while_a_node_starts_ends_it_and_the_same_once_more_changes_nothing(clock, number):
+    with pytest.raises(SystemExit) as ended, starting("node"):
+        signal.raise_signal(number)
+    assert ended.value.code == 128 + number
+    signal.raise_signal(number)  # while it ends
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_code_that_swallows_the_exit_does_not_start_the_node(clock, number):
+    with pytest.raises(SystemExit) as ended, starting("node"), suppress(SystemExit):
+        signal.raise_signal(number)
+    assert ended.value.code == 128 + number
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_a_node_that_has_started_is_shut_down_and_not_left_in_the_middle(
+    clock, monkeypatch, number
+):
+    reasons = []
+    monkeypatch.setattr(rospy.core, "signal_shutdown", reasons.append)
+    with starting("node"):
+        pass
+    signal.raise_signal(number)
+    assert reasons == [f"signal-{number:d}"]
+
+
+def test_a_clock_that_comes_soon_is_waited_for_without_a_word(clock):
+    shown, said = clock
+    shown[:] = [0.0, 0.0, 0.02]
+    wait_for_clock()
+    assert (shown, said) == ([0.02], [])
+
+
+def test_a_clock_that_does_not_come_is_named_at_once(clock, monkeypatch):
+    shown, said = clock
+    monkeypatch.setattr("typed_config.ros.starting.CLOCK_DUE", 0.0)
+    shown[:] = [0.0, 0.0, 5.0]
+    wait_for_clock()
+    (words,) = said
+    assert "use_sim_time" in words and "/clock" in words
+
+
+def test_a_node_without_need_of_the_clock_does_not_wait(clock):
+    clock[0][:] = [0.0]
+    with starting("recorder", needs_clock=False):
+        pass
+
+
+def test_ctrl_c_ends_a_node_that_waits_for_the_clock(clock, monkeypatch):
+    clock[0][:] = [0.0]
+    monkeypatch.setattr(
+        "typed_config.ros.starting.time.sleep", lambda _: signal.raise_signal(signal.SIGINT)
+    )
+    with pytest.raises(SystemExit), starting("node"):
+        pytest.fail("it started")
