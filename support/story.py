@@ -38,6 +38,8 @@ from support.story_script import (
     tension,
 )
 
+COMMIT = 80  # messages in one, as the recorder's of 50 ms
+
 
 class Story:
     """Produces the messages in order of time."""
@@ -282,7 +284,8 @@ def write_session(path: Path, **options: Any) -> list[Message]:
     with SessionWriter(path) as writer:
         for name, values in METADATA.items():
             writer.add_metadata(name, values)
-        for message in messages:
+        for index, message in enumerate(messages):
             writer.add(message)
-            writer.commit()
+            if index % COMMIT == 0:
+                writer.commit()
     return messages

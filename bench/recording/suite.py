@@ -31,7 +31,7 @@ from typed_config import load_config, load_yaml
 
 FLOOD = 200_000  # messages offered as fast as they come
 TURNS = 6  # of the story in one recording
-COMMIT = 10  # messages in one, as the recorder's at 500 Hz
+COMMIT = 80  # messages in one, as the recorder's of 50 ms
 READ = """
 import resource, sys
 from session_log.mcap_file.reader import SessionReader

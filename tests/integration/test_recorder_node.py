@@ -140,7 +140,7 @@ def test_settings_model_and_robot_are_recorded_with_it(session):
     facts = {"model": str(model), "model_sha256": hashlib.sha256(b"weights").hexdigest()}
     assert condition.latest("session/voice_assist") == facts
     parameters = condition.latest("parameters")
-    assert yaml.safe_load(parameters["recorder"])["flush_period"] == 0.005
+    assert yaml.safe_load(parameters["recorder"])["flush_period"] == 0.05
     assert "robot_description" not in parameters
     head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True)
     assert condition.latest("code")["commit"] == (head.stdout.strip() or "unknown")

@@ -17,6 +17,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.recover import recover
 from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message, MessageSource
+from tests.unit.session_log.support.unchunked import UnchunkedWriter
 
 NOW = 1_795_200_000_000_000_000  # [ns]
 SOURCES = [
@@ -47,7 +48,7 @@ def messages():
 
 def record(folder, *, close, chunked):
     path = folder / "session.mcap"
-    writer = SessionWriter(path, chunked=chunked)
+    writer = (SessionWriter if chunked else UnchunkedWriter)(path)
     writer.add_metadata("session", {"seed": "7"})
     places = []
     for k, message in enumerate(messages()):
@@ -77,6 +78,7 @@ def recordings(tmp_path_factory):
             ("closed", True, False),
             ("killed", False, False),
             ("chunked", True, True),
+            ("killed in chunks", False, True),
         )
     }
 
@@ -125,7 +127,7 @@ def rescue(content, folder):
     return result, found, copy.condition.latest("recovered")
 
 
-@pytest.mark.parametrize("name", ["closed", "killed", "chunked"])
+@pytest.mark.parametrize("name", ["closed", "killed", "chunked", "killed in chunks"])
 @given(spoils=st.lists(damages(), min_size=1, max_size=4))
 @settings(max_examples=EXAMPLES, deadline=None)
 def test_no_damage_stops_recovery_or_goes_unsaid(recordings, tmp_path_factory, name, spoils):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 
 import numpy as np
 import pytest
@@ -73,6 +74,18 @@ def test_the_trocar_of_a_session_is_printed_with_its_residual(capsys, session):
     assert printed(capsys, session / "session.mcap") == out
 
 
+def test_a_second_visit_of_the_same_name_is_the_one_that_counts(capsys, caplog, session, visit):
+    """The trocar of a robot turned by 0.1 rad about its base is turned as well."""
+    turned = [(q + 0.1 * np.eye(10)[0], speed) for q, speed in visit]
+    write_mcap(session / "session_2.mcap", turned)
+    x, y, z = (
+        float(v) for v in re.findall(r"trocar: \[(.*)\]", printed(capsys, session))[0].split(",")
+    )
+    assert abs(z - 0.415) < 1e-6 and abs(np.hypot(x, y) - np.hypot(0.406, -0.024)) < 1e-6
+    assert abs(np.arctan2(y, x) - np.arctan2(-0.024, 0.406)) == pytest.approx(0.1, abs=1e-5)
+    assert "session_2.mcap: the newest of 2 recordings" in caplog.text
+
+
 def test_poses_in_motion_count_only_when_asked_for(capsys, session):
     assert "residual 0.000 mm" not in printed(capsys, session, "--moving")
 
@@ -111,11 +124,18 @@ def test_a_part_of_the_recording_may_be_too_little(capsys, session):
     assert "shaft poses recorded, allowed 5 and more" in refused(capsys, session, "--since", "9")
 
 
+def flipped(content):
+    """The file with one byte of its first chunk changed."""
+    place = content.index(b"zstd") + 200
+    return content[:place] + bytes([content[place] ^ 0xFF]) + content[place + 1 :]
+
+
 def test_every_file_that_cannot_be_used_is_named_with_the_reason(capsys, tmp_path, session):
     whole = (session / "session.mcap").read_bytes()
     cases = {
         "missing.mcap": (None, "No such file"),
         "cut.mcap": (whole[: len(whole) // 2], "session_log recover"),
+        "flipped.mcap": (flipped(whole), "session_log recover"),
         "empty.mcap": (b"", "session_log recover"),
         "other.mcap": (b"x" * 1000, "session_log recover"),
         "other.csv": (b"a,b\n1,2\n", "no joint states: 'joint_1'"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checksums: what they confirm, what they cost, and files that have none."""
+"""Checksums of recordings without chunks: what they confirm, what they cost, and files of none."""
 
 import re
 import tracemalloc
@@ -12,8 +12,8 @@ from mcap.stream_reader import StreamReader
 from session_log.mcap_file import checksums
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.records import CHECKSUM, CHECKSUM_BODY, HEAD
-from session_log.mcap_file.writer import CHECKSUM_WITHIN, SessionWriter
 from session_log.types import Message, MessageSource
+from tests.unit.session_log.support.unchunked import CHECKSUM_WITHIN, UnchunkedWriter
 
 NOW = 1_795_200_000_000_000_000
 SOURCE = MessageSource("/t", "std_msgs/String", "992c", "string data", "/p")
@@ -24,7 +24,7 @@ def message(k, size=100):
 
 
 def write(path, commits, per_commit=3, size=100):
-    writer = SessionWriter(path)
+    writer = UnchunkedWriter(path)
     for k in range(commits * per_commit):
         writer.add(message(k, size))
         if k % per_commit == per_commit - 1:
@@ -49,7 +49,7 @@ def test_the_checksums_cover_the_file_without_a_gap(tmp_path):
 
 
 def test_a_commit_of_nothing_writes_no_checksum(tmp_path):
-    writer = SessionWriter(tmp_path / "s.mcap")
+    writer = UnchunkedWriter(tmp_path / "s.mcap")
     before = writer.committed
     writer.commit()
     assert writer.committed == before
@@ -57,7 +57,7 @@ def test_a_commit_of_nothing_writes_no_checksum(tmp_path):
 
 
 def test_the_public_reader_skips_checksums_and_its_checksum_includes_them(tmp_path):
-    with SessionWriter(tmp_path / "s.mcap") as writer:
+    with UnchunkedWriter(tmp_path / "s.mcap") as writer:
         for k in range(4):
             writer.add(message(k))
             writer.commit()
@@ -78,7 +78,7 @@ def test_a_commit_that_a_full_disk_refused_has_its_checksum_when_it_is_written(t
     def full(fd, data):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    writer = SessionWriter(tmp_path / "s.mcap")
+    writer = UnchunkedWriter(tmp_path / "s.mcap")
     writer._stream._write = full
     for k in range(4):
         writer.add(message(k))

@@ -14,6 +14,7 @@ from session_log.mcap_file.records import CHECKSUM_BODY, HEAD
 from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message, MessageSource
+from tests.unit.session_log.support.unchunked import UnchunkedWriter
 
 NOW = 1_795_200_000_000_000_000
 SOURCES = [
@@ -30,7 +31,7 @@ def message(k):
 
 
 def write(path, *, close=True, chunked=False, count=COUNT):
-    writer = SessionWriter(path, chunked=chunked)
+    writer = (SessionWriter if chunked else UnchunkedWriter)(path)
     writer.add_metadata("session", {"seed": "7"})
     ends = []
     for k in range(count):
@@ -51,9 +52,16 @@ def sound(tmp_path_factory):
     return path.read_bytes(), ends
 
 
-@pytest.mark.parametrize("chunked", [False, True])
-def test_a_sound_file_is_read_whole_and_its_checksum_is_good(tmp_path, chunked):
-    write(tmp_path / "session.mcap", chunked=chunked)
+@pytest.fixture(scope="module")
+def chunked(tmp_path_factory):
+    path = tmp_path_factory.mktemp("chunked") / "session.mcap"
+    ends = write(path, chunked=True)
+    return path.read_bytes(), ends
+
+
+@pytest.mark.parametrize("is_chunked", [False, True])
+def test_a_sound_file_is_read_whole_and_its_checksum_is_good(tmp_path, is_chunked):
+    write(tmp_path / "session.mcap", chunked=is_chunked)
     reader = SessionReader(tmp_path)
     assert list(reader.messages()) == [message(k) for k in range(COUNT)]
     condition = reader.condition
@@ -82,6 +90,22 @@ def test_a_file_cut_anywhere_gives_every_message_before_the_cut(sound, tmp_path_
         assert not reader.condition.is_closed
         lost = cut - max((end for end in ends if end <= cut), default=0)
         assert sum(d.length for d in reader.condition.damage) <= lost
+
+
+@given(cut=st.integers(9, 14000))
+@settings(max_examples=60, deadline=None)
+def test_a_file_of_chunks_cut_anywhere_gives_every_commit_before_the_cut(
+    tmp_path_factory, chunked, cut
+):
+    content, ends = chunked
+    path = tmp_path_factory.mktemp("cut") / "session.mcap"
+    path.write_bytes(content[:cut])
+    reader = SessionReader(path)
+    found = list(reader.messages())
+    whole = sum(end <= min(cut, len(content)) for end in ends)
+    assert found[:whole] == [message(k) for k in range(whole)]
+    assert len(found) - whole in (0, 1)  # the cut may be in the index that follows a chunk
+    assert reader.condition.is_closed == (cut >= len(content))
 
 
 @given(
@@ -148,7 +172,7 @@ def test_bytes_that_only_look_like_a_record_are_not_taken_for_one(tmp_path, log_
         return b"\x05" + len(body).to_bytes(8, "little") + body
 
     forged = record(log_time) + (record(log_time) if follower == b"\x05" else follower * 40)
-    writer = SessionWriter(tmp_path / "session.mcap")
+    writer = UnchunkedWriter(tmp_path / "session.mcap")
     for k, data in enumerate([b"first", forged, b"third", b"fourth"]):
         writer.add(Message(SOURCES[0], data, NOW + k, k + 1))
         writer.commit()
@@ -164,7 +188,7 @@ def test_bytes_that_only_look_like_a_record_are_not_taken_for_one(tmp_path, log_
 
 def test_a_damaged_chunk_costs_only_itself(tmp_path):
     path = tmp_path / "session.mcap"
-    writer = SessionWriter(path, chunked=True)
+    writer = SessionWriter(path)
     for k in range(3):
         noise = random.Random(k).randbytes(2_000_000)
         writer.add(Message(SOURCES[0], noise, NOW + k, k + 1))

@@ -1,9 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import logging
 from pathlib import Path
 
-from session_log.mcap_file import session_folder
-from session_log.mcap_file.session_folder import sessions_folder
+import pytest
 
+from session_log.errors import SessionMissing
+from session_log.mcap_file import session_folder
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.session_folder import (
+    open_session,
+    report_folder,
+    session_name,
+    sessions_folder,
+)
+from session_log.types import Message, MessageSource
+
+NOW = 1_795_200_000_000_000_000
+SOURCE = MessageSource("/t", "std_msgs/String", "992c", "string data", "/p")
 ROOT = Path(__file__).resolve().parents[4]
 
 
@@ -20,3 +33,42 @@ def test_without_a_name_those_of_an_install_space_go_to_the_home_folder(monkeypa
     monkeypatch.setattr(session_folder, "repository", lambda package: None)
     monkeypatch.setenv("HOME", str(tmp_path))
     assert sessions_folder("") == tmp_path / "sessions"
+
+
+def record(folder, text):
+    with open_session(folder, "pivot", NOW) as writer:
+        writer.add(Message(SOURCE, text, NOW, 1))
+    return writer.path
+
+
+def test_of_two_recordings_of_one_name_the_newest_is_read_and_it_is_said(tmp_path, caplog):
+    first = record(tmp_path, b"first")
+    with caplog.at_level(logging.WARNING):
+        assert [m.data for m in SessionReader(first.parent).messages()] == [b"first"]
+        assert not caplog.messages
+        second = record(tmp_path, b"second")
+        (first.parent / "session_2_recovered.mcap").write_bytes(b"a copy is none")
+        assert [m.data for m in SessionReader(first.parent).messages()] == [b"second"]
+    assert caplog.messages == [f"{second}: the newest of 2 recordings in this folder"]
+    assert [m.data for m in SessionReader(first).messages()] == [b"first"]  # by its own name
+
+
+def test_a_number_that_became_free_is_not_taken_again(tmp_path):
+    paths = [record(tmp_path, b"%d" % k) for k in range(11)]
+    assert [p.name for p in paths[:3]] == ["session.mcap", "session_2.mcap", "session_3.mcap"]
+    paths[0].unlink()
+    paths[4].unlink()
+    record(tmp_path, b"newest")  # session_12.mcap comes after session_9.mcap
+    assert [m.data for m in SessionReader(paths[0].parent).messages()] == [b"newest"]
+
+
+def test_recordings_of_one_folder_have_names_and_reports_of_their_own(tmp_path):
+    first, second = record(tmp_path, b"1"), record(tmp_path, b"2")
+    assert (session_name(first), session_name(second)) == ("pivot", "pivot (2)")
+    assert report_folder(first) == first.parent
+    assert report_folder(second) == first.parent / "session_2"
+
+
+def test_a_folder_without_a_recording_is_named(tmp_path):
+    with pytest.raises(SessionMissing, match=r"a folder without session\.mcap"):
+        SessionReader(tmp_path)

@@ -123,7 +123,7 @@ def test_a_disk_that_fills_and_empties_again_costs_nothing(tmp_path, recorder_co
     tally = recorder.register(text())
     recorder.start()
     for _ in range(300):
-        recorder.offer(tally, bytes(100))
+        recorder.offer(tally, os.urandom(100))
     wait_until(lambda: "No space left" in recorder.status().error)
     room[0] = 10**9
     wait_until(lambda: recorder.status().is_recording)
@@ -146,7 +146,7 @@ def test_memory_stays_bounded_while_the_disk_is_full(tmp_path, recorder_config):
     held = recorder._writer._stream.tell()
     for _ in range(3):
         for _ in range(100):
-            recorder.offer(tally, bytes(100))
+            recorder.offer(tally, os.urandom(100))
         time.sleep(0.15)  # several attempts
     status = recorder.status()
     assert (status.waiting, status.dropped) == (100, 200)

@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 from session_log.errors import OutputFailed, SessionMissing
+from session_log.mcap_file.session_folder import recordings
 from session_log.mcap_file.writer import SessionWriter
 from session_log.report import many_sessions, one_session
-from session_log.report.many_sessions import NothingReadable, folder, recordings
+from session_log.report.many_sessions import NothingReadable, folder
 from session_log.report.pool.parallel import EngineMissing, EngineUnreachable, run_parallel
 from support.story import write_session
 from tests.unit.session_log.report.test_report import Page

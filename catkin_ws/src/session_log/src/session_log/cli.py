@@ -14,6 +14,7 @@ from pathlib import Path
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed, SessionLogError
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.session_folder import RECOVERED
 from session_log.mcap_file.summary import RecordingSummary, read_summary
 from session_log.replay.command import add_replay_options
 from session_log.report.command import add_options
@@ -48,7 +49,7 @@ def _recover(arguments: argparse.Namespace) -> int:
     from session_log.mcap_file.recover import recover
 
     reader = SessionReader(arguments.session, tolerant=True)
-    target = arguments.out or reader.path.with_name(reader.path.stem + "_recovered.mcap")
+    target = arguments.out or reader.path.with_name(f"{reader.path.stem}{RECOVERED}.mcap")
     if target.exists():
         raise OutputFailed(target, FileExistsError(0, "it exists already"))
     result = recover(reader, target)

@@ -9,17 +9,21 @@ import struct
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader
+from mcap.stream_reader import CRCValidationError
 from mcap_ros1.decoder import DecoderFactory
+from zstandard import ZstdError
 
 from rst_control.errors import RstError
 from rst_control.types import ARM_JOINTS, Vector, frozen_array
+from session_log.errors import SessionMissing
+from session_log.mcap_file.session_folder import newest
 
-SESSION: Final = "session.mcap"  # in the folder of a session
+UNREADABLE_MCAP = (McapError, CRCValidationError, ZstdError, struct.error, EOFError)
 
 
 class PoseFileError(RstError):
@@ -43,14 +47,15 @@ def read_arm(path: Path, topic: str) -> Iterator[ArmSample]:
     """Read the arm's joints in the order of the file.
 
     Args:
-        path: An MCAP file, the folder of a session, or a CSV: as `session_log export` writes it, or
-            with one column per joint [rad] and perhaps `time` [s].
+        path: An MCAP file, the folder of a session (its newest recording), or a CSV: as
+            `session_log export` writes it, or with one column per joint [rad] and perhaps
+            `time` [s].
         topic: Of the joint states, in an MCAP file.
 
     Raises:
         PoseFileError: The file is missing, damaged or holds something else.
     """
-    path = path / SESSION if path.is_dir() else path
+    path = _recording(path)
     start: float | None = None
     try:
         samples = _read_csv(path) if path.suffix == ".csv" else _read_mcap(path, topic)
@@ -59,7 +64,7 @@ def read_arm(path: Path, topic: str) -> Iterator[ArmSample]:
             yield ArmSample(time - start, _arm(names, position), _speed(names, velocity))
     except OSError as error:
         raise PoseFileError(path, error.strerror or repr(error)) from error
-    except (McapError, struct.error, EOFError) as error:
+    except UNREADABLE_MCAP as error:
         words = f"not a whole MCAP file ({error!r}); `session_log recover` mends what was cut short"
         raise PoseFileError(path, words) from error
     except (ValueError, KeyError, TypeError) as error:
@@ -94,9 +99,16 @@ def rest_poses(
 Row = tuple[float, Sequence[str], Sequence[float], Sequence[float]]  # time, names, [rad], [rad/s]
 
 
+def _recording(path: Path) -> Path:
+    try:
+        return newest(path) if path.is_dir() else path
+    except SessionMissing as error:
+        raise PoseFileError(path, error.why) from error
+
+
 def _read_mcap(path: Path, topic: str) -> Iterator[Row]:
     with path.open("rb") as file:
-        reader = NonSeekingReader(file, decoder_factories=[DecoderFactory()])
+        reader = NonSeekingReader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
         for _, _, _, message in reader.iter_decoded_messages([topic], log_time_order=False):
             stamp: Any = message.header.stamp
             yield stamp.secs + stamp.nsecs * 1e-9, message.name, message.position, message.velocity

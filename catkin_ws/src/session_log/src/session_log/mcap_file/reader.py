@@ -12,31 +12,18 @@ from pathlib import Path
 from typing import BinaryIO
 
 from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
-from mcap.records import Channel, Chunk, Header, Metadata, Schema
-from mcap.records import Message as McapMessage
-from mcap.stream_reader import CRCValidationError, breakup_chunk
-from zstandard import ZstdError
+from mcap.records import Channel, Header, Metadata, Schema
 
 from session_log.errors import NotASession, SessionMissing
 from session_log.mcap_file import checksums, records
+from session_log.mcap_file.chunk import UNREADABLE, records_of
 from session_log.mcap_file.records import MAGIC, McapRecord, RecordWalker
-from session_log.mcap_file.session_folder import FILE_NAME
+from session_log.mcap_file.session_folder import newest
 from session_log.types import Damage, Message, MessageSource
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _FOOTER_SIZE = records.HEAD.size + 20
 _EARLIEST = 946_684_800_000_000_000  # [ns] the year 2000; times before it are damage
-UNREADABLE = (  # what reading damaged records raises
-    McapError,
-    CRCValidationError,
-    ZstdError,
-    ValueError,
-    struct.error,
-    EOFError,
-    RuntimeError,
-    MemoryError,
-)
 _LATEST = 4_102_444_800_000_000_000  # [ns] the year 2100
 
 
@@ -60,7 +47,7 @@ class SessionReader:
     """One recording, for any number of passes.
 
     Args:
-        path: The MCAP file, or the folder of a session that holds `session.mcap`.
+        path: The MCAP file, or the folder of a session, of which the newest recording is read.
         tolerant: Also read a file whose very beginning is damaged.
 
     Raises:
@@ -204,24 +191,18 @@ class _Pass:
             return None
         return Message(source, body[_MESSAGE.size :], log_time, sequence)
 
-    def _chunk(self, record: McapRecord, topics: Collection[str] | None) -> Iterator[Message]:
+    def _chunk(self, chunk: McapRecord, topics: Collection[str] | None) -> Iterator[Message]:
         try:
-            chunk = Chunk.read(_stream(record.body))
-            if chunk.uncompressed_size > records.LONGEST:
-                raise ValueError(f"{chunk.uncompressed_size} B in one chunk")
-            inside = breakup_chunk(chunk, validate_crc=True)
+            inside = records_of(chunk)
         except UNREADABLE:
-            self._lose(record, "damaged chunk")
+            self._lose(chunk, "damaged chunk")
             return
-        for entry in inside:
-            if isinstance(entry, Schema):
-                self._add_schema(entry)
-            elif isinstance(entry, Channel):
-                self._add_channel(entry)
-            elif isinstance(entry, McapMessage):
-                source = self._channels.get(entry.channel_id)
-                if source and (topics is None or source.topic in topics):
-                    yield Message(source, entry.data, entry.log_time, entry.sequence)
+        for opcode, body in inside:
+            if opcode in (records.SCHEMA, records.CHANNEL):
+                self._note(McapRecord(chunk.offset, opcode, body))
+            message = self._message(body) if opcode == records.MESSAGE else None
+            if message and (topics is None or message.source.topic in topics):
+                yield message
 
     def _lose(self, record: McapRecord, what: str) -> None:
         length = records.HEAD.size + len(record.body)
@@ -261,10 +242,7 @@ def _name(opcode: int) -> str:
 
 def _find(path: Path) -> Path:
     if path.is_dir():
-        inside = path / FILE_NAME
-        if not inside.exists():
-            raise SessionMissing(path, f"a folder without {FILE_NAME}")
-        return inside
+        return newest(path)
     if not path.exists():
         raise SessionMissing(path, "no such file or folder")
     return path

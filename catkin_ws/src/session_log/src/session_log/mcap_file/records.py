@@ -20,8 +20,8 @@ HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 0x01, 0x02, 0x03, 0x04, 0x05, 
 METADATA, DATA_END = 0x0C, 0x0F
 CHECKSUM = 0x80  # ours: MCAP leaves opcodes from 0x80 on to applications, and readers skip them
 CHECKSUM_BODY = struct.Struct("<QI")  # how many bytes before this record it covers, their CRC-32
-_SHORTEST = {HEADER: 8, FOOTER: 20, SCHEMA: 14, CHANNEL: 16, MESSAGE: 22, CHUNK: 40, DATA_END: 4}
-_SHORTEST[CHECKSUM] = CHECKSUM_BODY.size
+SHORTEST = {HEADER: 8, FOOTER: 20, SCHEMA: 14, CHANNEL: 16, MESSAGE: 22, CHUNK: 40, DATA_END: 4}
+SHORTEST[CHECKSUM] = CHECKSUM_BODY.size
 _CANDIDATE = re.compile(rb"(?=[\x01-\x0f\x80][\s\S]{4}\x00{4})")  # opcode, length below 4 GiB
 
 
@@ -87,7 +87,7 @@ class RecordWalker:
             return None
         self._opcode, length = HEAD.unpack_from(head)
         fits = length <= LONGEST and position + HEAD.size + length <= self._size
-        if not fits or length < _SHORTEST.get(self._opcode, 0):
+        if not fits or length < SHORTEST.get(self._opcode, 0):
             return None
         if self._opcode == CHECKSUM and length != CHECKSUM_BODY.size:
             return None

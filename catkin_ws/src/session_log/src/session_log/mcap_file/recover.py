@@ -10,6 +10,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import MessageCounter, RecordingSummary
 from session_log.mcap_file.writer import SessionWriter
 
+COMMIT = 2000  # messages in one: they wait in memory
 DAMAGE_TOLD = 100  # places of damage that the copy names
 
 
@@ -25,10 +26,11 @@ def recover(reader: SessionReader, target: Path) -> RecordingSummary:
     """
     counter = MessageCounter()
     try:
-        with SessionWriter(target, chunked=True) as writer:
-            for message in counter.counting(reader.messages()):
+        with SessionWriter(target) as writer:
+            for index, message in enumerate(counter.counting(reader.messages())):
                 writer.add(message)
-                writer.commit()
+                if index % COMMIT == COMMIT - 1:
+                    writer.commit()
             result = counter.summary(reader.condition)
             for name, values in reader.condition.metadata:
                 writer.add_metadata(name, values)

@@ -1,16 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Names and makes the folder of a session."""
+"""Names the folder of a session and the recordings in it."""
 
 from __future__ import annotations
 
+import logging
+import re
+from collections.abc import Iterable
 from datetime import datetime
 from pathlib import Path
 
-from session_log.errors import RecordingFailed
+from session_log.errors import RecordingFailed, SessionMissing
 from session_log.mcap_file.writer import SessionWriter
 from typed_config import repository
 
-FILE_NAME = "session.mcap"
+FILE_NAME = "session.mcap"  # of the first; a second of the same name is session_2.mcap
+RECOVERED = "_recovered"  # at the end of the name of a recovered copy
+_NUMBERED = re.compile(r"session(?:_(\d+))?\.mcap")
+
+log = logging.getLogger(__name__)
 
 
 def sessions_folder(named: str) -> Path:
@@ -24,7 +31,7 @@ def sessions_folder(named: str) -> Path:
 
 
 def open_session(folder: Path, name: str, started: int) -> SessionWriter:
-    """Create `folder/name/session.mcap`, or the next free name beside it.
+    """Create `folder/name/session.mcap`, or the next number beside it.
 
     Args:
         folder: Folder of all sessions; made if it is not there.
@@ -43,11 +50,73 @@ def open_session(folder: Path, name: str, started: int) -> SessionWriter:
     return SessionWriter(_free(path))
 
 
+def takes(folder: Path) -> list[Path]:
+    """Recordings of one session's folder, the newest last; recovered copies are none."""
+    entries = folder.iterdir() if folder.is_dir() else ()
+    numbered = {int(m[1] or 1): p for p in entries if (m := _NUMBERED.fullmatch(p.name))}
+    return [numbered[number] for number in sorted(numbered)]
+
+
+def newest(folder: Path) -> Path:
+    """The newest recording of a session's folder; says so where there are others.
+
+    Raises:
+        SessionMissing: The folder holds none.
+    """
+    found = takes(folder)
+    if not found:
+        raise SessionMissing(folder, f"a folder without {FILE_NAME}")
+    if len(found) > 1:
+        log.warning("%s: the newest of %d recordings in this folder", found[-1], len(found))
+    return found[-1]
+
+
+def recordings(inputs: Iterable[Path]) -> list[Path]:
+    """Every recording that is named or lies below a named folder, each once, in order of name.
+
+    A recovered copy is left out where its original lies beside it.
+
+    Raises:
+        SessionMissing: Something named is not there, or holds no recording.
+    """
+    found: dict[Path, Path] = {}
+    for path in inputs:
+        if not path.exists():
+            raise SessionMissing(path, "no such file or folder")
+        below = [path] if path.is_file() else sorted(filter(Path.is_file, path.rglob("*.mcap")))
+        if not below:
+            raise SessionMissing(path, "a folder without any recording (*.mcap) in or below it")
+        for recording in below:
+            found.setdefault(recording.resolve(), recording)
+    return [recording for recording in found.values() if not _is_copy(recording)]
+
+
+def session_name(recording: Path) -> str:
+    """Name of a recording: that of its folder, numbered where it is not the first of it."""
+    numbered = _NUMBERED.fullmatch(recording.name)
+    if numbered is None:
+        return recording.stem
+    name = recording.resolve().parent.name
+    return f"{name} ({numbered[1]})" if numbered[1] else name
+
+
+def report_folder(recording: Path) -> Path:
+    """Where the report of a recording goes: beside it, below its name where others lie there."""
+    folder = recording.parent
+    is_alone = recording.name == FILE_NAME or len(recordings([folder])) < 2
+    return folder if is_alone else folder / recording.stem
+
+
+def _is_copy(recording: Path) -> bool:
+    original = recording.stem.removesuffix(RECOVERED)
+    return original != recording.stem and recording.with_stem(original).exists()
+
+
 def _free(path: Path) -> Path:
-    """Return the path, numbered if a recording has it already, so that none is overwritten."""
-    number = 1
-    free = path
-    while free.exists():
-        number += 1
-        free = path.with_name(f"{path.stem}_{number}{path.suffix}")
-    return free
+    """A path after all recordings of its folder, so that the highest number is the newest."""
+    last = takes(path.parent)
+    if not last:
+        return path
+    numbered = _NUMBERED.fullmatch(last[-1].name)
+    number = int(numbered[1] or 1) if numbered else 1
+    return path.with_name(f"{path.stem}_{number + 1}{path.suffix}")

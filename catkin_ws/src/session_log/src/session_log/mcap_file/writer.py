@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes one MCAP file: profile ros1, schemas ros1msg, raw message bytes, no chunks.
+"""Writes one MCAP file: profile ros1, schemas ros1msg, raw message bytes in chunks of zstd.
 
-Without chunks every commit leaves a file that can be read up to its last record. Each commit ends
-with a checksum over its bytes, so that damage shows even in a file that was never closed.
+Each commit ends a chunk, so the file can be read up to its last commit. A chunk has a checksum.
+What lies outside of chunks gets one of ours: damage then shows in a file that was never closed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, cast
 
+from mcap.data_stream import RecordBuilder
+from mcap.records import ChunkIndex
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import CompressionType, IndexType
 from mcap.writer import Writer as McapWriter
@@ -21,11 +23,14 @@ from session_log.mcap_file.records import CHECKSUM, CHECKSUM_BODY
 from session_log.types import Message, MessageSource
 
 LIBRARY = "session_log"
-CHECKSUM_WITHIN = 1 << 20  # [B] after which one is due, commit or not: a reader's memory
 
 
-class _Mcap(McapWriter):
+class LibraryWriter(McapWriter):
     """The library's writer, which can also write a record of ours among its own."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._Writer__chunk_indices = _PackedIndex()
 
     def add_record(self, opcode: int, body: bytes) -> None:
         """Write a record that has no part in index and statistics."""
@@ -36,25 +41,38 @@ class _Mcap(McapWriter):
         self._Writer__flush()  # type: ignore[attr-defined]
 
 
+class _PackedIndex:
+    """Index of the chunks as bytes: as objects it takes 60 MB for each hour of a session."""
+
+    def __init__(self) -> None:
+        self._records = RecordBuilder()
+
+    def append(self, index: ChunkIndex) -> None:
+        index.write(self._records)
+
+    def __iter__(self) -> Iterator[_PackedIndex]:
+        yield self
+
+    def write(self, summary: RecordBuilder) -> None:
+        summary.write(self._records.end())
+
+
 class SessionWriter:
     """One recording being written. Not thread-safe: one owner.
 
     Args:
         path: File to create; it must not exist.
-        chunked: Compress and index in chunks, for copies that need not survive SIGKILL.
 
     Raises:
         RecordingFailed: The file cannot be created or written.
     """
 
-    def __init__(self, path: Path, *, chunked: bool = False) -> None:
+    def __init__(self, path: Path) -> None:
         self.path = path
         self._stream = DurableStream(path)
-        self._covered = None if chunked else 0  # [B] up to where checksums reach; chunks have one
-        self._mcap = _Mcap(
+        self._mcap = LibraryWriter(
             cast("IO[Any]", self._stream),
-            use_chunking=chunked,
-            compression=CompressionType.ZSTD if chunked else CompressionType.NONE,
+            compression=CompressionType.ZSTD,
             index_types=IndexType.ALL,
             enable_data_crcs=True,
         )
@@ -72,16 +90,13 @@ class SessionWriter:
             sequence=message.sequence & 0xFFFFFFFF,
             data=message.data,
         )
-        if self._covered is not None and self._stream.tell() - self._covered > CHECKSUM_WITHIN:
-            self._write_checksum()
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Take named facts about the session for the next commit."""
+        start = self._stream.tell()
         self._mcap.add_metadata(name, dict(values))
-
-    def add_attachment(self, name: str, media_type: str, data: bytes, log_time: int) -> None:
-        """Take a whole file for the next commit; `log_time` in [ns]."""
-        self._mcap.add_attachment(log_time, log_time, name, media_type, data)
+        length, checksum = self._stream.tell() - start, self._stream.checksum(start)
+        self._mcap.add_record(CHECKSUM, CHECKSUM_BODY.pack(length, checksum))
 
     def commit(self) -> None:
         """Hand everything taken to the kernel; it then survives the death of this process.
@@ -89,8 +104,7 @@ class SessionWriter:
         Raises:
             RecordingFailed: It was not written and is kept for the next commit.
         """
-        self._write_checksum()
-        self._stream.flush()
+        self._mcap.flush()
 
     def sync(self) -> None:
         """Hand everything committed to the disk.
@@ -112,7 +126,6 @@ class SessionWriter:
             RecordingFailed: The ending could not be written; the messages before it are readable.
         """
         try:
-            self._write_checksum()
             self._mcap.finish()
             self._stream.flush()
             self._stream.sync()
@@ -133,14 +146,6 @@ class SessionWriter:
         trace: TracebackType | None,
     ) -> None:
         self.close()
-
-    def _write_checksum(self) -> None:
-        end = self._stream.tell()
-        if self._covered is None or self._covered == end:
-            return
-        checksum = self._stream.checksum(self._covered)
-        self._mcap.add_record(CHECKSUM, CHECKSUM_BODY.pack(end - self._covered, checksum))
-        self._covered = self._stream.tell()
 
     def _channel(self, source: MessageSource) -> int:
         channel = self._channels.get(source)

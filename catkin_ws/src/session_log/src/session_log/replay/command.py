@@ -11,9 +11,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from session_log.errors import OutputFailed, SessionLogError, SessionMissing
+from session_log.errors import OutputFailed, SessionLogError
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.session_folder import FILE_NAME
+from session_log.mcap_file.session_folder import recordings, takes
 from session_log.replay.compare import Difference
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Decided, find_plugin
@@ -30,10 +30,11 @@ _FIELDS = (
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay; gives 0 if all is the same, 1 if anything differs, 2 if anything failed."""
+    named: Path = arguments.session
     try:
         config = load_config(ReplayConfig, load_yaml(arguments.config), arguments.config.name)
         make = find_plugin(config.pipeline)
-        paths = recordings(arguments.session)
+        paths = [named] if takes(named) else recordings([named])
     except (SessionLogError, ConfigError) as error:
         print(f"session_log: {error}", file=sys.stderr)
         return FAILED
@@ -51,26 +52,6 @@ def run(arguments: argparse.Namespace) -> int:
     if len(paths) > 1:
         _show_total(done, len(failed))
     return _conclude(done, failed, arguments.json)
-
-
-def recordings(path: Path) -> list[Path]:
-    """The recordings of a path: a file, a session's folder, or all below a folder of sessions.
-
-    Raises:
-        SessionMissing: There are none.
-    """
-    if not path.is_dir() or (path / FILE_NAME).exists():
-        return [path]
-    found = sorted(entry for entry in path.rglob("*.mcap") if not _is_copy(entry))
-    if not found:
-        raise SessionMissing(path, "a folder without recordings (*.mcap)")
-    return found
-
-
-def _is_copy(path: Path) -> bool:
-    """What `session_log recover` wrote beside its original."""
-    stem = path.stem.removesuffix("_recovered")
-    return stem != path.stem and path.with_name(f"{stem}.mcap").exists()
 
 
 def _conclude(done: Sequence[Replay], failed: dict[str, str], out: Path | None) -> int:

@@ -10,8 +10,8 @@ from hashlib import sha256
 from pathlib import Path
 
 from session_log.config import ReportConfig
-from session_log.errors import OutputFailed, SessionLogError, SessionMissing
-from session_log.mcap_file.session_folder import FILE_NAME
+from session_log.errors import OutputFailed, SessionLogError
+from session_log.mcap_file.session_folder import recordings, report_folder, session_name
 from session_log.report.figures import POOL_FIGURES
 from session_log.report.figures.drawing import draw
 from session_log.report.folder_page import folder_page
@@ -22,7 +22,6 @@ from session_log.report.session.summary import SessionSummary
 from session_log.report.tables.latex import write_latex
 
 PAGES_FOLDER = "sessions"  # below the output, where that is not beside the recordings
-RECOVERED = "_recovered"
 
 
 @dataclass(frozen=True)
@@ -99,41 +98,15 @@ def folder(
         raise OutputFailed(out, error) from error
 
 
-def recordings(inputs: Iterable[Path]) -> list[Path]:
-    """Every recording that is named or lies below a named folder, each once, in order of name.
-
-    A recovered copy is left out where its original lies beside it.
-
-    Raises:
-        SessionMissing: Something named is not there, or holds no recording.
-    """
-    found: dict[Path, Path] = {}
-    for path in inputs:
-        if not path.exists():
-            raise SessionMissing(path, "no such file or folder")
-        below = [path] if path.is_file() else sorted(p for p in path.rglob("*.mcap") if p.is_file())
-        if not below:
-            raise SessionMissing(path, "a folder without any recording (*.mcap) in or below it")
-        for recording in below:
-            found.setdefault(recording.resolve(), recording)
-    return [recording for recording in found.values() if not _is_copy(recording)]
-
-
-def _is_copy(recording: Path) -> bool:
-    original = recording.stem.removesuffix(RECOVERED)
-    return original != recording.stem and recording.with_stem(original).exists()
-
-
 def _tasks(paths: Iterable[Path], pages: Path | None) -> Iterator[Task]:
     for path in paths:
-        yield Task(path, path.parent if pages is None else pages / _page_name(path))
+        yield Task(path, report_folder(path) if pages is None else pages / _page_name(path))
 
 
 def _page_name(path: Path) -> str:
     """A name for the folder of a session's page that no other recording has."""
     full = path.resolve()
-    name = full.parent.name if full.name == FILE_NAME else full.stem
-    return f"{name}_{sha256(str(full).encode()).hexdigest()[:8]}"
+    return f"{session_name(full)}_{sha256(str(full).encode()).hexdigest()[:8]}"
 
 
 def _reduce(

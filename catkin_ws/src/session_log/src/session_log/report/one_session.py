@@ -9,6 +9,7 @@ from pathlib import Path
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.session_folder import session_name
 from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, SessionMaterial
 from session_log.report.figures.drawing import draw
 from session_log.report.pool import cache
@@ -95,7 +96,7 @@ def reduce_session(
 def _read(reader: SessionReader, config: ReportConfig) -> _Session:
     data = extract(reader, config)
     rows, rcm = command_rows(data, config), rcm_from_joints(data, config)
-    summary = summarise(_name(reader), data, rows, rcm, config)
+    summary = summarise(session_name(reader.path), data, rows, rcm, config)
     pool = Pool(config)
     pool.add(reader.path, None, summary)
     return _Session(SessionMaterial(data, rows, config, rcm, summary.trials), summary, pool)
@@ -109,8 +110,3 @@ def _write(session: _Session, folder: Path, config: ReportConfig, latex: bool) -
     target.write_text(text, encoding="utf-8")
     tex = write_latex(session.pool, folder) if latex else []
     return Report(target, written + more, tex)
-
-
-def _name(reader: SessionReader) -> str:
-    is_default = reader.path.name == "session.mcap"
-    return reader.path.resolve().parent.name if is_default else reader.path.stem
