@@ -1,10 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Settings that fail at start: YAML into frozen dataclasses, each key with its range and unit."""
+"""Settings that fail at start: YAML into frozen dataclasses, each key with its range and unit.
+
+And what else the packages share: where their files and recordings lie.
+"""
 
 from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
 from typed_config.loader import load_config, with_present_keys
 from typed_config.overlay import overlaid
+from typed_config.recordings import (
+    RECORDING,
+    newest_recording,
+    number_of,
+    numbered_recordings,
+)
 from typed_config.resources import (
     ResourceMissing,
     package_file,
@@ -16,6 +25,7 @@ from typed_config.rules import require, require_rising, require_way
 from typed_config.strict_yaml import load_yaml
 
 __all__ = [
+    "RECORDING",
     "ConfigError",
     "ResourceMissing",
     "choice",
@@ -24,7 +34,10 @@ __all__ = [
     "items",
     "load_config",
     "load_yaml",
+    "newest_recording",
     "number",
+    "number_of",
+    "numbered_recordings",
     "overlaid",
     "package_file",
     "package_folder",

@@ -20,8 +20,7 @@ from zstandard import ZstdError
 
 from rst_control.errors import RstError
 from rst_control.types import ARM_JOINTS, Vector, frozen_array
-from session_log.errors import SessionMissing
-from session_log.mcap_file.session_folder import newest
+from typed_config import newest_recording
 
 UNREADABLE_MCAP = (McapError, CRCValidationError, ZstdError, struct.error, EOFError)
 
@@ -55,7 +54,7 @@ def read_arm(path: Path, topic: str) -> Iterator[ArmSample]:
     Raises:
         PoseFileError: The file is missing, damaged or holds something else.
     """
-    path = _recording(path)
+    path = newest_recording(path) or path
     start: float | None = None
     try:
         samples = _read_csv(path) if path.suffix == ".csv" else _read_mcap(path, topic)
@@ -97,13 +96,6 @@ def rest_poses(
 
 
 Row = tuple[float, Sequence[str], Sequence[float], Sequence[float]]  # time, names, [rad], [rad/s]
-
-
-def _recording(path: Path) -> Path:
-    try:
-        return newest(path) if path.is_dir() else path
-    except SessionMissing as error:
-        raise PoseFileError(path, error.why) from error
 
 
 def _read_mcap(path: Path, topic: str) -> Iterator[Row]:

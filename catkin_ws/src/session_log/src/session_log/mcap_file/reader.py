@@ -18,8 +18,8 @@ from session_log.errors import NotASession, SessionMissing
 from session_log.mcap_file import checksums, records
 from session_log.mcap_file.chunk import UNREADABLE, records_of
 from session_log.mcap_file.records import MAGIC, McapRecord, RecordWalker
-from session_log.mcap_file.session_folder import newest
 from session_log.types import Damage, Message, MessageSource
+from typed_config import RECORDING, newest_recording
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _FOOTER_SIZE = records.HEAD.size + 20
@@ -242,7 +242,9 @@ def _name(opcode: int) -> str:
 
 def _find(path: Path) -> Path:
     if path.is_dir():
-        return newest(path)
+        if (found := newest_recording(path)) is None:
+            raise SessionMissing(path, f"a folder without {RECORDING}")
+        return found
     if not path.exists():
         raise SessionMissing(path, "no such file or folder")
     return path

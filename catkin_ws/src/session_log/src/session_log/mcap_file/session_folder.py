@@ -3,21 +3,15 @@
 
 from __future__ import annotations
 
-import logging
-import re
 from collections.abc import Iterable
 from datetime import datetime
 from pathlib import Path
 
 from session_log.errors import RecordingFailed, SessionMissing
 from session_log.mcap_file.writer import SessionWriter
-from typed_config import repository
+from typed_config import RECORDING, number_of, numbered_recordings, repository
 
-FILE_NAME = "session.mcap"  # of the first; a second of the same name is session_2.mcap
 RECOVERED = "_recovered"  # at the end of the name of a recovered copy
-_NUMBERED = re.compile(r"session(?:_(\d+))?\.mcap")
-
-log = logging.getLogger(__name__)
 
 
 def sessions_folder(named: str) -> Path:
@@ -42,33 +36,12 @@ def open_session(folder: Path, name: str, started: int) -> SessionWriter:
         RecordingFailed: The folder or the file cannot be made.
     """
     chosen = name or datetime.fromtimestamp(started * 1e-9).strftime("%Y-%m-%dT%H-%M-%S")
-    path = folder / chosen / FILE_NAME
+    path = folder / chosen / RECORDING
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RecordingFailed(path, error) from error
     return SessionWriter(_free(path))
-
-
-def takes(folder: Path) -> list[Path]:
-    """Recordings of one session's folder, the newest last; recovered copies are none."""
-    entries = folder.iterdir() if folder.is_dir() else ()
-    numbered = {int(m[1] or 1): p for p in entries if (m := _NUMBERED.fullmatch(p.name))}
-    return [numbered[number] for number in sorted(numbered)]
-
-
-def newest(folder: Path) -> Path:
-    """The newest recording of a session's folder; says so where there are others.
-
-    Raises:
-        SessionMissing: The folder holds none.
-    """
-    found = takes(folder)
-    if not found:
-        raise SessionMissing(folder, f"a folder without {FILE_NAME}")
-    if len(found) > 1:
-        log.warning("%s: the newest of %d recordings in this folder", found[-1], len(found))
-    return found[-1]
 
 
 def recordings(inputs: Iterable[Path]) -> list[Path]:
@@ -93,17 +66,17 @@ def recordings(inputs: Iterable[Path]) -> list[Path]:
 
 def session_name(recording: Path) -> str:
     """Name of a recording: that of its folder, numbered where it is not the first of it."""
-    numbered = _NUMBERED.fullmatch(recording.name)
-    if numbered is None:
+    number = number_of(recording)
+    if number is None:
         return recording.stem
     name = recording.resolve().parent.name
-    return f"{name} ({numbered[1]})" if numbered[1] else name
+    return name if number == 1 else f"{name} ({number})"
 
 
 def report_folder(recording: Path) -> Path:
     """Where the report of a recording goes: beside it, below its name where others lie there."""
     folder = recording.parent
-    is_alone = recording.name == FILE_NAME or len(recordings([folder])) < 2
+    is_alone = recording.name == RECORDING or len(recordings([folder])) < 2
     return folder if is_alone else folder / recording.stem
 
 
@@ -114,9 +87,5 @@ def _is_copy(recording: Path) -> bool:
 
 def _free(path: Path) -> Path:
     """A path after all recordings of its folder, so that the highest number is the newest."""
-    last = takes(path.parent)
-    if not last:
-        return path
-    numbered = _NUMBERED.fullmatch(last[-1].name)
-    number = int(numbered[1] or 1) if numbered else 1
-    return path.with_name(f"{path.stem}_{number + 1}{path.suffix}")
+    last = max(numbered_recordings(path.parent), default=0)
+    return path.with_name(f"{path.stem}_{last + 1}{path.suffix}") if last else path

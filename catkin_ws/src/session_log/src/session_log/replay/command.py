@@ -13,12 +13,18 @@ from typing import Any
 
 from session_log.errors import OutputFailed, SessionLogError
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.session_folder import recordings, takes
+from session_log.mcap_file.session_folder import recordings
 from session_log.replay.compare import Difference
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Decided, find_plugin
 from session_log.replay.replay import Replay, replay
-from typed_config import ConfigError, load_config, load_yaml, package_folder
+from typed_config import (
+    ConfigError,
+    load_config,
+    load_yaml,
+    numbered_recordings,
+    package_folder,
+)
 
 SAME, DIFFERENT, FAILED = 0, 1, 2
 _FIELDS = (
@@ -34,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         config = load_config(ReplayConfig, load_yaml(arguments.config), arguments.config.name)
         make = find_plugin(config.pipeline)
-        paths = [named] if takes(named) else recordings([named])
+        paths = [named] if numbered_recordings(named) else recordings([named])
     except (SessionLogError, ConfigError) as error:
         print(f"session_log: {error}", file=sys.stderr)
         return FAILED

@@ -10,9 +10,10 @@ from pathlib import Path
 from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.session_folder import report_folder, takes
+from session_log.mcap_file.session_folder import report_folder
 from session_log.report.many_sessions import FolderReport, folder
 from session_log.report.one_session import Report, write_report
+from typed_config import numbered_recordings
 
 
 class OutputUnclear(SessionLogError):
@@ -38,7 +39,7 @@ def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
     if arguments.jobs < 1:
         raise WrongNumber("--jobs", arguments.jobs, "1 or more")
     named: list[Path] = arguments.sessions
-    if len(named) == 1 and (not named[0].is_dir() or takes(named[0])):
+    if len(named) == 1 and (not named[0].is_dir() or numbered_recordings(named[0])):
         report = _one(named[0], arguments, config)
     else:
         report = _many(named, arguments, config)
