@@ -170,7 +170,7 @@ def test_a_recording_without_sound_is_an_error(tmp_path, replayed):
 def test_a_missing_recording_and_an_empty_folder_are_errors(tmp_path, refusal):
     (tmp_path / "empty").mkdir()
     assert "no such file" in refusal(tmp_path / "none.mcap")
-    assert "without recordings" in refusal(tmp_path / "empty")
+    assert "without any recording" in refusal(tmp_path / "empty")
 
 
 def test_sound_that_the_pipeline_cannot_take_is_an_error(tmp_path, replayed):
