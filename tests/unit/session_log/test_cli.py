@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import csv
 import json
+import subprocess
+import sys
 import wave
 
 import pytest
 
 from session_log.cli import main
+from session_log.mcap_file.writer import SessionWriter
+from session_log.recording.recorder import SHARED
+from session_log.types import Message, MessageSource
 from typed_config import package_version
 
 
@@ -34,10 +39,34 @@ def test_info_is_also_for_machines(story, capsys):
     assert data["condition"]["is_closed"] is True
 
 
+def test_info_names_a_clock_that_was_set_back_and_publishers_without_end(tmp_path, capsys):
+    source = MessageSource("/t", "std_msgs/String", "992c", "string data", SHARED)
+    now = 1_795_200_000 * 10**9
+    with SessionWriter(tmp_path / "s.mcap") as writer:
+        for k, time in enumerate((now, now - 60 * 10**9)):
+            writer.add(Message(source, b"x", time, k + 1))
+    _, out, _ = run(capsys, "info", tmp_path / "s.mcap")
+    assert "the clock was set back by 60.0 s at 20" in out and "complete" not in out
+    assert "/t: more than 64 nodes published it" in out
+
+
 def test_info_of_a_cut_file_says_what_is_lost(story, tmp_path, capsys):
     (tmp_path / "s.mcap").write_bytes(story[0].read_bytes()[:100_000])
     code, out, _ = run(capsys, "info", tmp_path / "s.mcap")
     assert code == 0 and "not closed" in out and "cut off inside a record" in out
+
+
+@pytest.mark.parametrize("command", ["report", "replay"])
+def test_a_missing_file_is_named_before_anything_slow_is_loaded(tmp_path, command):
+    """Plots and recognisers take seconds to load."""
+    words = [command, str(tmp_path / "none.mcap")]
+    script = (
+        f"import sys; from session_log.cli import main\ntry: main({words})\n"
+        "finally: assert not {'matplotlib', 'scipy', 'torch'} & set(sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode in (1, 2) and "Assertion" not in done.stderr
+    assert done.stderr.endswith("none.mcap: no such file or folder\n")
 
 
 @pytest.mark.parametrize("command", ["info", "report", "export", "recover"])

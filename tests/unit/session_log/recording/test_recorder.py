@@ -12,8 +12,9 @@ from session_log.errors import RecordingFailed
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
-from session_log.recording.recorder import Recorder
-from session_log.types import MessageSource
+from session_log.recording import recorder as recorder_module
+from session_log.recording.recorder import MOST_PUBLISHERS, SHARED, Recorder
+from session_log.types import Message, MessageSource
 from support.message_classes import class_of, serialise, source_of
 from support.waiting import PATIENCE, wait_until
 
@@ -281,3 +282,49 @@ def test_a_drop_counts_as_loss_for_a_while_and_stays_counted(recorder_config):
     assert recorder.status().error == "messages are being dropped: the disk is too slow"
     now[0] += 0.1
     assert (recorder.status().error, recorder.status().dropped) == ("", 1)
+
+
+def test_publishers_without_end_share_a_channel_and_lose_nothing(tmp_path, recorder_config):
+    """Each `rostopic pub` of a script is a new node; a file has 65,535 channels."""
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+    recorder.start()
+    count = 66_000
+    kind = "rst_control/Event"
+    data = serialise(class_of(kind)())
+    one = source_of("/rst_control/event", kind)
+    for k in range(count):
+        tally = recorder.register(replace(one, publisher=f"/rostopic_{k}"))
+        if k % 200 == 0 or k >= count - 10:
+            assert recorder.offer(tally, data)
+    assert len(recorder.tallies()) == MOST_PUBLISHERS + 1
+    assert recorder.close() == ""
+    result = read_summary(SessionReader(tmp_path / "s.mcap"))
+    assert (result.messages, result.missing) == (count // 200 + 10, 0)
+    assert SHARED in result.topics["/rst_control/event"].publishers
+    assert recorder.status().missed == 0  # each counts its header for itself
+
+
+def test_topics_that_no_file_can_hold_are_named_and_the_others_recorded(
+    tmp_path, recorder_config, monkeypatch
+):
+    monkeypatch.setattr(recorder_module, "MOST_CHANNELS", 3)
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+    recorder.start()
+    taken = [recorder.offer(recorder.register(text(f"/t{k}")), b"x") for k in range(5)]
+    assert taken == [True, True, True, False, False]
+    assert recorder.status().error == "more than 3 topics: the others are not recorded"
+    recorder.close()
+    reader = SessionReader(tmp_path / "s.mcap")
+    assert read_summary(reader).messages == 3
+    assert reader.condition.latest("losses")["/t4 from /p"] == "1 dropped, 0 missed"
+
+
+def test_a_clock_that_was_set_back_is_told_from_one_that_goes_on(tmp_path, recorder_config):
+    hour, now = 3600 * 10**9, 1_795_200_000 * 10**9
+    times = [now, now + 10**9, now + 10**9 - hour, now + 2 * 10**9 - hour]
+    with SessionWriter(tmp_path / "s.mcap") as writer:
+        for k, log_time in enumerate(times):
+            writer.add(Message(text(), b"x", log_time, k + 1))
+    (step,) = read_summary(SessionReader(tmp_path / "s.mcap")).clock_steps
+    assert (step.before, step.after) == (times[1], times[2])
+    assert str(step).startswith("the clock was set back by 3600.0 s at 2026-")

@@ -16,6 +16,7 @@ from session_log.errors import OutputFailed, SessionLogError
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.session_folder import RECOVERED
 from session_log.mcap_file.summary import RecordingSummary, read_summary
+from session_log.recording.recorder import SHARED
 from session_log.replay.command import add_replay_options
 from session_log.report.command import add_options
 from typed_config import ConfigError, load_config, load_yaml, package_folder, package_version
@@ -136,6 +137,10 @@ def _losses(result: RecordingSummary) -> list[str]:
         lines.append(f"lost {damage.length} bytes at {damage.offset}: {damage.what}")
     if result.missing:
         lines.append(f"{result.missing} messages were received but are not in the file")
+    lines += [str(step) for step in result.clock_steps]
+    for name, topic in result.topics.items():
+        if SHARED in topic.publishers:
+            lines.append(f"{name}: {SHARED} published it, and all but the first share a channel")
     return lines or ["complete" + (", checksum good" if condition.checksum == "good" else "")]
 
 
@@ -147,7 +152,13 @@ def _as_json(result: RecordingSummary) -> dict[str, object]:
     condition = asdict(result.condition)
     condition["metadata"] = dict(result.condition.metadata)
     start = result.start * 1e-9
-    return {"start": start, "duration": result.duration, "condition": condition, "topics": topics}
+    return {
+        "start": start,
+        "duration": result.duration,
+        "clock_steps": [asdict(step) for step in result.clock_steps],
+        "condition": condition,
+        "topics": topics,
+    }
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -5,10 +5,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from datetime import datetime
 
 from session_log.mcap_file.reader import FileCondition, SessionReader
 from session_log.mcap_file.writer import LIBRARY
 from session_log.types import Message, MessageSource, TopicCount
+
+CLOCK_STEP = 100_000_000  # [ns] less is no clock that was set
+
+
+@dataclass(frozen=True)
+class ClockStep:
+    """The recorder's clock was set back during the recording."""
+
+    before: int  # [ns] log time of the last message before it
+    after: int  # [ns] of the next one
+
+    def __str__(self) -> str:
+        time = datetime.fromtimestamp(self.before * 1e-9).astimezone()
+        seconds = (self.before - self.after) * 1e-9
+        return f"the clock was set back by {seconds:.1f} s at {time:%Y-%m-%d %H:%M:%S %Z}"
 
 
 @dataclass
@@ -17,6 +33,7 @@ class RecordingSummary:
 
     condition: FileCondition
     topics: dict[str, TopicCount] = field(default_factory=dict)
+    clock_steps: list[ClockStep] = field(default_factory=list)
 
     @property
     def messages(self) -> int:
@@ -45,11 +62,16 @@ class MessageCounter:
 
     def __init__(self) -> None:
         self.topics: dict[str, TopicCount] = {}
+        self.clock_steps: list[ClockStep] = []
         self._sequences: dict[MessageSource, int] = {}
+        self._now = 0  # [ns] log time of the latest message
 
     def add(self, message: Message) -> None:
         """Count one message."""
         source = message.source
+        if message.log_time < self._now - CLOCK_STEP:
+            self.clock_steps.append(ClockStep(self._now, message.log_time))
+        self._now = message.log_time
         count = self.topics.get(source.topic)
         if count is None:
             count = self.topics[source.topic] = TopicCount(source.datatype, first=message.log_time)
@@ -63,11 +85,12 @@ class MessageCounter:
         self._sequences[source] = message.sequence
 
     def summary(self, condition: FileCondition) -> RecordingSummary:
-        """Tell what was counted; gaps mean loss only in files that our recorder numbered."""
+        """Sum up; gaps and steps back in time mean something only in files of our recorder."""
         if condition.library != LIBRARY:
             for count in self.topics.values():
                 count.missing = 0
-        return RecordingSummary(condition, self.topics)
+            self.clock_steps.clear()  # and its order of time
+        return RecordingSummary(condition, self.topics, self.clock_steps)
 
     def counting(self, messages: Iterator[Message]) -> Iterator[Message]:
         """Pass messages on and count them."""

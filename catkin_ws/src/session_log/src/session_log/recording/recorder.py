@@ -7,7 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from session_log.config import RecorderConfig
 from session_log.errors import RecordingFailed
@@ -15,6 +15,9 @@ from session_log.mcap_file.headers import read_header, starts_with_header
 from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message, MessageSource
 
+MOST_CHANNELS = 65_535  # that a file can hold
+MOST_PUBLISHERS = 64  # of one topic with a channel each
+SHARED = f"more than {MOST_PUBLISHERS} nodes"  # stands for the publisher of a shared channel
 BATCH = 5000  # entries written between two commits; bounds the memory of one commit
 
 
@@ -28,6 +31,7 @@ class TopicTally:
     dropped: int = 0  # because too much was waiting for the disk
     missed: int = 0  # gaps in the publisher's own header.seq: never arrived here
     last_seq: int | None = None
+    is_refused: bool = False  # a file has no more channels
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,7 @@ class Recorder:
         self._lock = threading.Lock()
         self._queue: deque[Message | Metadata] = deque()
         self._waiting_bytes = 0
-        self._tallies: list[TopicTally] = []
+        self._tallies: dict[MessageSource, TopicTally] = {}
         self._writer: SessionWriter | None = None
         self._error = ""
         self._fault = ""  # an unexpected error; stays until the end
@@ -100,11 +104,17 @@ class Recorder:
         self._thread.start()
 
     def register(self, source: MessageSource) -> TopicTally:
-        """Announce a source; its messages are then offered with the returned tally."""
-        tally = TopicTally(source, starts_with_header(source.definition))
+        """Announce a source; its messages are then offered with the returned tally.
+
+        The first publishers of a topic have a channel each, all others share one: a script that
+        calls `rostopic pub` again and again is a new node each time.
+        """
         with self._lock:
-            self._tallies.append(tally)
-        return tally
+            if source not in self._tallies:
+                of_topic = sum(known.topic == source.topic for known in self._tallies)
+                if of_topic >= MOST_PUBLISHERS:
+                    source = replace(source, publisher=SHARED)
+            return self._tallies.setdefault(source, self._new_tally(source))
 
     def offer(self, tally: TopicTally, data: bytes) -> bool:
         """Take one message as received now, never waiting for the disk; False if it was dropped."""
@@ -112,13 +122,18 @@ class Recorder:
             tally.received += 1
             if tally.has_header:
                 self._note_gap(tally, data)
-            if self._is_full(len(data)):
+            if tally.is_refused or self._is_full(len(data)):
                 tally.dropped += 1
                 self._last_drop = self._steady()
                 return False
             self._waiting_bytes += len(data)
             self._queue.append(Message(tally.source, data, self._clock(), tally.received))
             return True
+
+    def _new_tally(self, source: MessageSource) -> TopicTally:
+        is_shared = source.publisher == SHARED
+        has_header = starts_with_header(source.definition) and not is_shared
+        return TopicTally(source, has_header, is_refused=len(self._tallies) >= MOST_CHANNELS)
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Take named facts about the session."""
@@ -132,19 +147,19 @@ class Recorder:
                 path=str(self._writer.path) if self._writer else "",
                 error=self._fault or self._error or self._loss(),
                 size=self._writer.committed if self._writer else 0,
-                received=sum(t.received for t in self._tallies),
+                received=sum(t.received for t in self._tallies.values()),
                 written=self._written,
-                dropped=sum(t.dropped for t in self._tallies),
-                missed=sum(t.missed for t in self._tallies),
+                dropped=sum(t.dropped for t in self._tallies.values()),
+                missed=sum(t.missed for t in self._tallies.values()),
                 waiting=len(self._queue),
                 written_until=self._written_until,
-                topics=len({t.source.topic for t in self._tallies}),
+                topics=len({t.source.topic for t in self._tallies.values()}),
             )
 
     def tallies(self) -> list[TopicTally]:
         """List every source that was registered."""
         with self._lock:
-            return list(self._tallies)
+            return list(self._tallies.values())
 
     def close(self) -> str:
         """Write what waits and close the file; returns the error that prevented it, or nothing."""
@@ -158,6 +173,8 @@ class Recorder:
         now, allowed = self._steady(), self._config.stall_time
         if now - self._progress > allowed:
             return f"the disk has taken nothing for more than {allowed:g} s"
+        if any(tally.is_refused for tally in self._tallies.values()):
+            return f"more than {MOST_CHANNELS} topics: the others are not recorded"
         if now - self._last_drop <= allowed:
             return "messages are being dropped: the disk is too slow"
         return ""
@@ -248,7 +265,7 @@ class Recorder:
             return
         losses = {
             f"{t.source.topic} from {t.source.publisher}": f"{t.dropped} dropped, {t.missed} missed"
-            for t in self._tallies
+            for t in self._tallies.values()
             if t.dropped or t.missed
         }
         if losses:

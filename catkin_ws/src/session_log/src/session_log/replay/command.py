@@ -39,8 +39,8 @@ def run(arguments: argparse.Namespace) -> int:
     named: Path = arguments.session
     try:
         config = load_config(ReplayConfig, load_yaml(arguments.config), arguments.config.name)
-        make = find_plugin(config.pipeline)
         paths = [named] if numbered_recordings(named) else recordings([named])
+        make = find_plugin(config.pipeline)
     except (SessionLogError, ConfigError) as error:
         print(f"session_log: {error}", file=sys.stderr)
         return FAILED

@@ -6,14 +6,17 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.session_folder import report_folder
-from session_log.report.many_sessions import FolderReport, folder
-from session_log.report.one_session import Report, write_report
+from session_log.mcap_file.session_folder import recordings, report_folder
 from typed_config import numbered_recordings
+
+if TYPE_CHECKING:  # the report's own modules load matplotlib and scipy: not for an error's sake
+    from session_log.report.many_sessions import FolderReport
+    from session_log.report.one_session import Report
 
 
 class OutputUnclear(SessionLogError):
@@ -50,6 +53,8 @@ def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
 
 def _one(path: Path, arguments: argparse.Namespace, config: ReportConfig) -> Report:
     reader = SessionReader(path)
+    from session_log.report.one_session import write_report
+
     out = arguments.out or report_folder(reader.path)
     return write_report(reader, out, config, latex=arguments.latex)
 
@@ -57,6 +62,9 @@ def _one(path: Path, arguments: argparse.Namespace, config: ReportConfig) -> Rep
 def _many(named: list[Path], arguments: argparse.Namespace, config: ReportConfig) -> FolderReport:
     if arguments.out is None and len(named) > 1:
         raise OutputUnclear(len(named))
+    recordings(named)  # whatever is not there is named at once
+    from session_log.report.many_sessions import folder
+
     report = folder(
         named,
         arguments.out or named[0],

@@ -92,6 +92,8 @@ def _warnings(material: SessionMaterial) -> Iterator[str]:
         yield f"{lost} bytes in {len(condition.damage)} places cannot be read."
     if recording.missing:
         yield f"{recording.missing} messages were received but are not in the file."
+    for step in recording.clock_steps:
+        yield f"{str(step).capitalize()}: times after it are wrong."
     for name, loss in condition.latest("losses").items():
         yield f"Lost on {name}: {loss}."
     for topic, count in material.data.undecodable.items():

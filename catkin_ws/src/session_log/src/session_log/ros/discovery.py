@@ -14,6 +14,7 @@ import rospy
 from session_log.recording.recorder import Recorder, TopicTally
 from session_log.types import MessageSource
 
+IDENTITY = ("callerid", "type", "md5sum", "latching")  # of a connection: one source each
 RECEIVE_BUFFER = 1 << 20  # [B] taken from a socket at once
 
 
@@ -24,8 +25,7 @@ class TopicSubscriber:
         self._recorder = recorder
         self._exclude = [re.compile(pattern) for pattern in exclude]
         self._subscribers: dict[str, rospy.Subscriber] = {}
-        self._tallies: dict[int, tuple[object, TopicTally]] = {}
-        self._lock = threading.Lock()
+        self._tallies: dict[tuple[str, ...], TopicTally] = {}
 
     def subscribe(self, topic: str) -> None:
         """Record a topic from now on, whether or not someone publishes it yet."""
@@ -52,25 +52,22 @@ class TopicSubscriber:
 
     def _receive(self, topic: str, message: rospy.AnyMsg) -> None:
         header = message._connection_header
-        entry = self._tallies.get(id(header))
-        if entry is None:
-            entry = self._register(topic, header)
-        self._recorder.offer(entry[1], message._buff)
+        key = (topic, *(header.get(field, "") for field in IDENTITY))
+        tally = self._tallies.get(key)
+        if tally is None:
+            tally = self._tallies[key] = self._recorder.register(_source(topic, header))
+        self._recorder.offer(tally, message._buff)
 
-    def _register(self, topic: str, header: dict[str, str]) -> tuple[object, TopicTally]:
-        source = MessageSource(
-            topic=topic,
-            datatype=header["type"],
-            md5sum=header.get("md5sum", ""),
-            definition=header.get("message_definition", ""),
-            publisher=header.get("callerid", ""),
-            is_latched=header.get("latching", "0") == "1",
-        )
-        with self._lock:
-            known = next((t for _, t in self._tallies.values() if t.source == source), None)
-            tally = known or self._recorder.register(source)
-            self._tallies[id(header)] = (header, tally)  # the reference keeps the id unique
-            return self._tallies[id(header)]
+
+def _source(topic: str, header: dict[str, str]) -> MessageSource:
+    return MessageSource(
+        topic=topic,
+        datatype=header["type"],
+        md5sum=header.get("md5sum", ""),
+        definition=header.get("message_definition", ""),
+        publisher=header.get("callerid", ""),
+        is_latched=header.get("latching", "0") == "1",
+    )
 
 
 class Discovery:

@@ -104,6 +104,13 @@ class RecordingPlayer:
             self.count += 1
 
 
+class NoMaster(SessionLogError):
+    """Nobody answers where the ROS master should be."""
+
+    def __init__(self, uri: str) -> None:
+        super().__init__(f"no ROS master at {uri}: start `roscore` first")
+
+
 class LiveSystem(SessionLogError):
     """A running system has a topic that would be played."""
 
@@ -150,9 +157,11 @@ def main() -> None:
     options = parser.parse_args(rospy.myargv(sys.argv)[1:])
     if not 0.0 < options.rate <= 100.0:
         parser.error(f"--rate is {options.rate:g}, allowed: above 0, up to 100")
-    rospy.init_node("player", anonymous=True)
     try:
         reader = SessionReader(options.session)
+        if not rosgraph.is_master_online():  # rospy would wait for one without a word
+            raise NoMaster(rosgraph.get_master_uri())
+        rospy.init_node("player", anonymous=True)
         prefix = "" if options.recorded_names else PREFIX
         player = RecordingPlayer(reader, options.rate, prefix, live_nodes)
         player.prepare()

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The player before it meets ROS: what keeps it from playing is one line, at once."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from session_log.ros import player_node
+
+
+@pytest.mark.parametrize("is_there", [False, True])
+def test_without_file_or_master_it_ends_with_one_line(monkeypatch, tmp_path, story, is_there):
+    path = story[0] if is_there else tmp_path / "none.mcap"
+    monkeypatch.setattr(sys, "argv", ["play", str(path)])
+    monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:1")
+    monkeypatch.setattr(player_node.rospy, "init_node", lambda *_, **__: pytest.fail("waits"))
+    with pytest.raises(SystemExit) as end:
+        player_node.main()
+    reason = "no ROS master at http://127.0.0.1:1" if is_there else "none.mcap: no such file"
+    assert reason in str(end.value) and "\n" not in str(end.value)
