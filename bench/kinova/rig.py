@@ -17,7 +17,7 @@ from bench.common.lockstep import START, Array, LockStep, do_nothing
 from bench.common.quiet import quiet
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.assembly import make_executor
-from rst_control.config import CONFIG_FOLDER, MotionConfig, load_simulation_config
+from rst_control.config import CONFIG_FOLDER, URDF_FILE, MotionConfig, load_simulation_config
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import KinovaConfig, load_kinova_config
@@ -28,6 +28,7 @@ from rst_control.kinova.stand_in import KinovaRobot, StandInConfig, as_driven, l
 from rst_control.kinova.tool import ToolState
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.simulation.pybullet_robot import PybulletRobot
+from rst_control.tension.gravity_check import RestTorques
 from typed_config import load_config, load_yaml, overlaid
 
 Loss = Literal["controller", "bridge", "feedback"]
@@ -69,7 +70,10 @@ class KinovaRig(LockStep):
             self.robot = PybulletRobot(settings, start=START)
         self.drivers = KinovaRobot(stand_in, self._limits, self.robot)
         kinova = replace(bridge or load_kinova_config(), limits=motion.limits, scene=motion.scene)
-        self.bridge = Bridge(kinova, self)
+        torques = RestTorques(
+            kinova.torques, URDF_FILE.read_text(encoding="utf-8"), motion.scene.gravity
+        )
+        self.bridge = Bridge(kinova, self, torques)
         arm, tool = kinova.bridge.arm, kinova.bridge.tool
         self._read_arm = FeedbackReader(arm.joints, (1.0,) * 7, kinova.first_turns)
         self._read_tool = FeedbackReader(tool.joints, tool.signs, None)

@@ -109,7 +109,7 @@ def _ready() -> KinovaRig:
 def _session(name: str, rig: AnyRig) -> list[Figure]:
     figures: list[Figure] = []
     for words in ("tense", "pull more", "pull less", "release", "terminate", "hey robot"):
-        done = _carry_out(rig, words)
+        done = carry_out(rig, words)
         if words in ("terminate", "hey robot"):  # nothing moves
             continue
         note = f"(took {done.lasts:.2f} s)"
@@ -127,7 +127,12 @@ def _session(name: str, rig: AnyRig) -> list[Figure]:
     return figures
 
 
-def _carry_out(rig: AnyRig, words: str) -> Carried:
+def carry_out(rig: AnyRig, words: str) -> Carried:
+    """Give one command and wait for its end.
+
+    Raises:
+        RuntimeError: It was refused, or did not succeed.
+    """
     begun, begins = rig.robot.now, [float("nan")]
     errors, tensions, steps = [0.0], [0.0], itertools.count()
 

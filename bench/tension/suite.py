@@ -23,9 +23,10 @@ from rst_control.config.torque_tension import TorqueTensionConfig, load_torque_t
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.kinematics.inverse_dynamics import InverseDynamics
+from rst_control.kinematics.mounting import gravity_in_base
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.planner import Planner
-from rst_control.simulation.physics import WRIST, RobotPhysics
+from rst_control.simulation.physics import RobotPhysics
 from rst_control.tension.torque_covariance import TorqueErrors
 from rst_control.tension.torque_estimator import (
     TorqueTension,
@@ -82,7 +83,7 @@ class LoadedArm(RobotPhysics):
             self.push_jaws(on_jaws)
             pybullet.applyExternalForce(
                 self._robot,
-                self._links[WRIST],
+                self._links[self._wrist],
                 on_shaft.tolist(),
                 place.tolist(),
                 pybullet.WORLD_FRAME,
@@ -104,10 +105,13 @@ class TensionBench:
         self._config, self._rng = config, np.random.default_rng(11)
         self._planner, self._motion = Planner(load_robot(), motion), motion
         self._text = URDF_FILE.read_text(encoding="utf-8")
-        self._dynamics = InverseDynamics(self._text)
+        gravity = gravity_in_base(self._planner.model, motion.scene.gravity)
+        self._dynamics = InverseDynamics(self._text, 0.0, gravity)
+        self._heavier = InverseDynamics(self._text, 1.0, gravity)
         self._trocar = self._planner.trocar
         with quiet():
-            self._arm = LoadedArm(URDF_FILE, robot_joints(np.array(motion.scene.home), 0.0), STEP)
+            home = robot_joints(np.array(motion.scene.home), 0.0)
+            self._arm = LoadedArm(URDF_FILE, home, STEP, motion.scene.gravity)
 
     def close(self) -> None:
         """End PyBullet."""
@@ -145,7 +149,7 @@ class TensionBench:
     ) -> tuple[float, float, str]:
         """Error [N] and estimated standard deviation [N] of the estimate, and why it is invalid."""
         config = replace(self._config, pull_direction=tuple(trial.pull.tolist()))
-        estimator = TorqueTension(config, self._text)
+        estimator = TorqueTension(config, self._text, self._motion.scene.gravity)
         now = 0.0
         for stage in (0, 1) if is_tared else (1,):
             motors = self._motors(trial, stage, has_lean, seal)
@@ -185,7 +189,7 @@ class TensionBench:
         drag = -seal * float(shaft[:, 2] @ trial.pull) * shaft[:, 2] * (stage == 1)
         on_jaws = -trial.force * trial.pull * (stage == 1)
         motors = self._arm.torques(q, on_jaws, lean + drag, self._trocar)
-        weight = InverseDynamics(self._text, 1.0)(q) - self._dynamics(q)
+        weight = self._heavier(q) - self._dynamics(q)
         motors = motors + trial.masses * self._dynamics(q) + trial.tool_mass * weight
         gained: Array = trial.gain * motors + trial.offset + trial.friction[stage]
         return gained

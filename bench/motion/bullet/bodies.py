@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bench.motion.bullet.robot import BulletRobot
 from rst_control.config.collision import BodyConfig, CollisionConfig
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.types import JOINTS
+from rst_control.types import JOINTS, unit_vector
 
 Array = NDArray[np.float64]
 NO_TURN = (0.0, 0.0, 0.0, 1.0)
@@ -58,7 +58,8 @@ class BulletBodies(BulletRobot):
             names = frozenset((bodies[a].name, bodies[b].name))
             found.append((self._distance(self._bodies[a], self._bodies[b]), names))
         if self._config.has_table:
-            lowest = self._ends[:, :, 2].min(axis=1) - self._config.table_height
+            normal = unit_vector(self._config.table_normal)
+            lowest = (self._ends @ normal).min(axis=1) - self._config.table_height
             for body, height in zip(bodies, lowest, strict=True):
                 if body.link not in STANDING:
                     names = frozenset((body.name, "table"))

@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rst_control.config import URDF_FILE
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinova.bridge import Lead
 from rst_control.kinova.tool import ToolState
+from rst_control.tension.gravity_check import RestTorques
 from rst_control.trajectory.motion_profile import MotionProfile
 from rst_control.types import PathState
 from tests.unit.rst_control.kinova.fake_hardware import FakeHardware
@@ -323,3 +325,10 @@ def test_it_tells_where_it_holds_the_jaws_on_the_tissue_and_nothing_while_it_is_
     measured = hardware.bridge.measured
     assert measured.gripped and planning_joints(measured.position)[1] > 0.09
     assert planning_joints(measured.sent_to)[1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_an_arm_whose_torques_at_rest_are_not_gravitys_takes_no_set_points(hardware, way, kinova):
+    hardware.bridge._torques = RestTorques(kinova.torques, URDF_FILE.read_text("utf-8"), ())
+    hardware.advance(1.5, way)  # the fake arm reports no torques at all
+    assert "torques at rest do not fit gravity" in hardware.bridge.fault(hardware.now)
+    assert not hardware.speeds

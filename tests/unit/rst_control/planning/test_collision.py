@@ -131,6 +131,15 @@ def test_a_table_too_high_under_the_arm_is_named_and_can_be_taken_away(motion_co
     assert isinstance(tense(replace(motion_config, collision=free), robot, home), Accepted)
 
 
+def test_the_table_of_an_arm_on_a_wall_stands_where_its_normal_says(motion_config, robot, home):
+    wall = replace(motion_config.collision, table_normal=(-2.0, 0.0, 0.0), table_height=-0.45)
+    decision = tense(replace(motion_config, collision=wall), robot, home)  # x above 0.45 m
+    assert decision.reason is Reason.COLLISION
+    assert "from table, allowed 15.0 mm" in decision.words
+    free = replace(wall, table_height=-1.0)
+    assert isinstance(tense(replace(motion_config, collision=free), robot, home), Accepted)
+
+
 def test_the_height_over_a_tilted_plane_is_that_of_the_lowest_point(motion_config, robot, home):
     config = replace(motion_config.collision, has_table=False)
     normal = np.array([0.6, 0.0, 0.8])

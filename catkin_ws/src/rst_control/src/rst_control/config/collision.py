@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from typed_config import flag, items, number, text
+from typed_config import flag, items, number, require_way, text
 
 Point = tuple[float, float, float]
 
@@ -35,6 +35,11 @@ class CollisionConfig:
 
     clearance: float = number(0.0, 0.2, "m")
     has_table: bool = flag()
+    table_normal: Point = number(-1.0, 1.0, "")
     table_height: float = number(-3.0, 3.0, "m")
     bodies: tuple[BodyConfig, ...] = items(2, 64)
     left_out: tuple[LeftOutConfig, ...] = items(0, 200)
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        require_way("table_normal", self.table_normal)

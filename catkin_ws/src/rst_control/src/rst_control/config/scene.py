@@ -82,6 +82,7 @@ class SceneConfig:
     clearance: float = number(0.001, 0.05, "m")
     pull_direction: tuple[float, ...] = number(-1.0, 1.0, "")
     max_displacement: float = number(0.001, 0.1, "m")
+    gravity: tuple[float, ...] = number(-1.0, 1.0, "")
     outward: Point = number(-1.0, 1.0, "")
     surface_margin: float = number(0.001, 0.1, "m")
     standoff: float = number(0.005, 0.3, "m")
@@ -93,7 +94,7 @@ class SceneConfig:
         allowed = f"a list of {PLAN_COUNT} angles [rad]"
         require(len(self.home) == PLAN_COUNT, "home", list(self.home), allowed)
         require_way("outward", self.outward)
-        for name in ("approach_axis", "jaw_axis", "pull_direction"):
+        for name in ("approach_axis", "jaw_axis", "pull_direction", "gravity"):
             way = getattr(self, name)
             is_way = len(way) in (0, 3) and (not way or any(way))
             require(is_way, name, list(way), "[] or three numbers, not all 0")

@@ -25,6 +25,7 @@ class TorqueErrorConfig:
     gain: float = number(0.0, 0.2, "")
     loads: tuple[float, float] = number(0.0, 20.0, "N")
     model: float = number(0.0, 0.5, "")
+    tilt: float = number(0.0, 0.2, "rad")
     tool_mass: float = number(0.0, 2.0, "kg")
     inertia: float = number(0.0, 2.0, "")
     trocar_friction: float = number(0.0, 5.0, "N")

@@ -12,12 +12,12 @@ import PyKDL
 from numpy.typing import NDArray
 
 from rst_control.errors import RobotModelError
+from rst_control.kinematics.mounting import gravity_in_base
 from rst_control.kinematics.robot_model import Link, RobotModel, parse_robot, rotation
 from rst_control.types import ARM_JOINTS, PLAN_COUNT, Vector
 
 Array = NDArray[np.float64]
 TIP = "tool_tip"
-GRAVITY = 9.81  # [m/s^2] along -z of base_link: the robot stands upright
 ARM = len(ARM_JOINTS)
 
 
@@ -30,12 +30,15 @@ class InverseDynamics:
     Args:
         description: URDF text.
         tool_mass: Added at the middle of tool0 [kg], where the tool weighs more than the URDF says.
+        gravity: Base frame [m/s^2]; None: as the URDF's root has it. Shape (3,).
 
     Raises:
         RobotModelError: The URDF is not this robot's, or a link that moves has no mass.
     """
 
-    def __init__(self, description: str, tool_mass: float = 0.0) -> None:
+    def __init__(
+        self, description: str, tool_mass: float = 0.0, gravity: Vector | None = None
+    ) -> None:
         self.model = parse_robot(description)
         inertias = _inertias(description)
         if tool_mass:
@@ -43,7 +46,8 @@ class InverseDynamics:
             inertias["tool0"] = tool + PyKDL.RigidBodyInertia(tool_mass, tool.getCOG())
         self._chain = _chain(self.model, inertias)
         self._count, self._rows = self._chain.getNrOfJoints(), _moving_rows(self.model)
-        self._solver = PyKDL.ChainIdSolver_RNE(self._chain, PyKDL.Vector(0.0, 0.0, -GRAVITY))
+        self.gravity = gravity_in_base(self.model) if gravity is None else gravity
+        self._solver = PyKDL.ChainIdSolver_RNE(self._chain, PyKDL.Vector(*self.gravity.tolist()))
         self._loads = [PyKDL.Wrench() for _ in range(self._chain.getNrOfSegments())]
 
     def __call__(self, q: Vector, dq: Vector | None = None, ddq: Vector | None = None) -> Vector:

@@ -67,6 +67,15 @@ class RobotModel:
         shaft, wrist = self.chain[SHAFT], self.chain[PITCH, :, 3]
         return float(shaft[:, 2] @ (wrist - shaft[:, 3]))
 
+    @cached_property
+    def T_root_base(self) -> Array:
+        """Pose of base_link in the URDF's root; joints between count as at zero. Shape (4, 4)."""
+        T, link = np.eye(4), "base_link"
+        while link in self.links:
+            T = self.links[link].T_parent_link @ T
+            link = self.links[link].parent
+        return T
+
     def route(self, tip: str) -> tuple[str, ...]:
         """Links from the base, which is left out, to the tip.
 

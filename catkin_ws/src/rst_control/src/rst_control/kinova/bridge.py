@@ -26,6 +26,7 @@ from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import Grip, Tool
 from rst_control.kinova.velocity_follower import Follower
 from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, warm_up
+from rst_control.tension.gravity_check import RestTorques
 from rst_control.types import JOINTS, Measurement, Setpoint, Vector
 
 STARTING = "the arm's driver never told its joints: is it running?"
@@ -77,10 +78,13 @@ class Bridge:
     Args:
         config: Limits and settings.
         hardware: Takes what is sent.
+        torques: Compared with gravity's before the first motion; None: nothing is compared.
     """
 
-    def __init__(self, config: KinovaConfig, hardware: Hardware) -> None:
-        self._config, self._hardware = config.bridge, hardware
+    def __init__(
+        self, config: KinovaConfig, hardware: Hardware, torques: RestTorques | None = None
+    ) -> None:
+        self._config, self._hardware, self._torques = config.bridge, hardware, torques
         self._limits = bridge_limits(config)
         warm_up(self._config.servo, self._limits)
         self._follower = Follower(self._config.arm, self._limits.speed[:ARM_COUNT])
@@ -108,6 +112,8 @@ class Bridge:
         if self._servo is None:
             self._servo = Servo(self._config.servo, self._limits, position)
         self._follower.update(feedback)
+        if self._torques is not None and not self.is_gripped:
+            self._torques.update(position, feedback.velocity, feedback.effort)
         if self._lead is Lead.NOBODY:
             self._servo.stand_at(self._stand(position))
         self.measured = Measurement(
@@ -302,7 +308,8 @@ class Bridge:
         age, allowed = now - self._arm.stamp, self._config.arm.feedback_age
         if age > allowed:
             return f"joints of the arm {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
-        return self._unguarded(now) or self.tool.objection(now)
+        torques = self._torques.refusal if self._torques is not None else ""
+        return torques or self._unguarded(now) or self.tool.objection(now)
 
     def _unguarded(self, now: float) -> str:
         guard = self._config.guard

@@ -13,6 +13,11 @@ from rst_control.config import CONFIG_FOLDER, LimitsConfig, SceneConfig
 from rst_control.config.believed import BridgeBelievedConfig
 from rst_control.config.callers import require_names
 from rst_control.config.simulator import ServoConfig
+from rst_control.config.torque_tension import (
+    TORQUE_TENSION_FILE,
+    TorqueTensionConfig,
+    load_torque_tension,
+)
 from typed_config import choice, flag, load_config, load_yaml, number, require, text
 
 Seven = tuple[float, float, float, float, float, float, float]
@@ -138,6 +143,7 @@ class KinovaConfig:
     limits: LimitsConfig
     scene: SceneConfig  # whose home says in which turn each joint of the arm is
     bridge: BridgeConfig
+    torques: TorqueTensionConfig  # whose errors bound the torques of an arm at rest
 
     @property
     def first_turns(self) -> tuple[float, ...]:
@@ -158,4 +164,5 @@ def load_kinova_config(folder: Path = CONFIG_FOLDER) -> KinovaConfig:
         limits=load_config(LimitsConfig, load_yaml(limits), limits.name),
         scene=load_config(SceneConfig, load_yaml(scene), scene.name),
         bridge=load_config(BridgeConfig, load_yaml(bridge), bridge.name),
+        torques=load_torque_tension(folder / TORQUE_TENSION_FILE.name),
     )

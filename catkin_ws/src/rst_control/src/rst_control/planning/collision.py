@@ -16,12 +16,11 @@ from rst_control.kinematics import forward
 from rst_control.kinematics.robot_model import MOVING, RobotModel
 from rst_control.planning import collision_kernels as kernels
 from rst_control.trajectory.path import Samples
-from rst_control.types import Vector
+from rst_control.types import Vector, unit_vector
 
 Array = NDArray[np.float64]
 TABLE: Final = "table"
-UP: Final = (0.0, 0.0, 1.0)
-STANDING: Final = ("base_link", "shoulder_link")  # at one height in every configuration
+STANDING: Final = ("base_link", "shoulder_link")  # they turn on the spot
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,8 @@ class CollisionModel:
         self._chain = model.chain
         self._names = tuple(body.name for body in config.bodies)
         if config.has_table:
-            table = Plane(TABLE, UP, config.table_height, config.clearance, STANDING)
+            x, y, z = unit_vector(config.table_normal).tolist()
+            table = Plane(TABLE, (x, y, z), config.table_height, config.clearance, STANDING)
             planes = (table, *planes)
         self._planes = planes
         self.shapes = _shapes(config, model, planes)

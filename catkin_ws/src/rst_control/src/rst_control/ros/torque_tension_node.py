@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 import rospy
@@ -14,9 +15,11 @@ from geometry_msgs.msg import PointStamped, WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, String
 
+from rst_control.config import SceneConfig
 from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.errors import RstError
 from rst_control.ros.common.exposure_warning import warn_of_listeners
+from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.tension.clock_offset import SentTimes
 from rst_control.tension.torque_estimator import TensionEstimate, TorqueTension
 from rst_control.types import BASE, JOINTS, Measurement, Vector
@@ -37,10 +40,13 @@ class TorqueTensionNode:
     Args:
         config: Of the estimator.
         description: URDF text of the robot.
+        gravity: `scene.gravity`.
     """
 
-    def __init__(self, config: TorqueTensionConfig, description: str) -> None:
-        self._estimator = TorqueTension(config, description)
+    def __init__(
+        self, config: TorqueTensionConfig, description: str, gravity: Sequence[float]
+    ) -> None:
+        self._estimator = TorqueTension(config, description, gravity)
         self._readings: deque[tuple[JointState, float]] = deque(maxlen=KEPT)  # and when taken [s]
         self._news = threading.Event()
         self._min_period = (1.0 - SOONER) / config.rate
@@ -136,10 +142,10 @@ def main() -> None:
     """Run the node."""
     with starting("torque_tension"):
         try:
-            config = load_config(
-                TorqueTensionConfig, rospy.get_param("~", {}), "torque_tension parameters"
-            )
-            node = TorqueTensionNode(config, rospy.get_param("robot_description"))
+            settings = launch_settings()
+            scene = load_config(SceneConfig, settings.pop("scene", {}), "torque_tension: scene")
+            config = load_config(TorqueTensionConfig, settings, "torque_tension parameters")
+            node = TorqueTensionNode(config, rospy.get_param("robot_description"), scene.gravity)
         except (ConfigError, RstError, KeyError) as error:
             rospy.logfatal(f"torque_tension cannot start: {error}")
             sys.exit(2)

@@ -12,6 +12,7 @@ in 50 iterations; after 2,000 it agrees with this one, until several motors at o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -21,14 +22,16 @@ from typing import Self
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from rst_control.kinematics import forward
+from rst_control.kinematics.mounting import gravity_in_base
+from rst_control.kinematics.robot_model import RobotModel
 from rst_control.kinematics.robot_model import load_robot as load_model
 from rst_control.simulation.jaw_tips import JawTips
 from rst_control.simulation.rigid_parts import joined
 from rst_control.types import JOINTS
 
-GRAVITY = 9.81  # [m/s^2]
 MOTOR_GAIN = 1.0  # share of the gap to the course that is closed in one step
 WRIST = "joint_7"  # its link carries the shaft
 FINGERS = ("finger_left_link", "finger_right_link")
@@ -80,16 +83,21 @@ class RobotPhysics(BulletWorld):
         urdf: Model of the robot.
         position: Joints at the start [rad]. Shape (10,).
         step: Time of one step [s].
+        gravity: `scene.gravity`; empty: as the URDF has it.
 
     Raises:
         FileNotFoundError: There is no such model.
+        RobotModelError: The URDF says another way of gravity.
     """
 
-    def __init__(self, urdf: Path, position: Vector, step: float) -> None:
+    def __init__(
+        self, urdf: Path, position: Vector, step: float, gravity: Sequence[float] = ()
+    ) -> None:
         self.time_step, self._model = step, load_model(urdf)
+        self.gravity = gravity_in_base(self._model, gravity)  # [m/s^2]
         super().__init__()
         self._on = {"physicsClientId": self._client}
-        self._robot = _load_parts(urdf, self._client)
+        self._robot = _load_parts(urdf, self._client, self._model)
         self._links = link_indices(self._robot, self._client)
         self._joints = joint_indices(self._robot, self._client)
         self._fingers = [self._links[name] for name in FINGERS]
@@ -162,7 +170,7 @@ class RobotPhysics(BulletWorld):
         return interface, self._pose("pitch_link")[0]
 
     def _set_up(self, position: Vector) -> None:
-        pybullet.setGravity(0.0, 0.0, -GRAVITY, **self._on)
+        pybullet.setGravity(*self.gravity.tolist(), **self._on)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=self.time_step,
             constraintSolverType=pybullet.CONSTRAINT_SOLVER_LCP_DANTZIG,
@@ -189,16 +197,21 @@ class RobotPhysics(BulletWorld):
         return np.array(state[4]), np.reshape(pybullet.getMatrixFromQuaternion(state[5]), (3, 3))
 
 
-def _load_parts(urdf: Path, client: int) -> int:
+def _load_parts(urdf: Path, client: int, model: RobotModel) -> int:
     """Load the robot's moving parts only, for the physics; PyBullet reads nothing but files."""
     with NamedTemporaryFile("w", suffix=".urdf", encoding="utf-8") as file:
         file.write(joined(urdf.read_text(encoding="utf-8")))
         file.flush()
-        return load_robot(Path(file.name), client)
+        return load_robot(Path(file.name), client, model)
 
 
-def load_robot(urdf: Path, client: int) -> int:
-    """Load the robot, fixed at its base, with the inertias of its URDF.
+def load_robot(urdf: Path, client: int, model: RobotModel | None = None) -> int:
+    """Load the robot, fixed at its base, with the inertias of its URDF; the world is base_link.
+
+    Args:
+        urdf: File that PyBullet reads.
+        client: Of PyBullet.
+        model: How its base hangs on its root; None: read from the file.
 
     Returns:
         PyBullet's number of the body.
@@ -209,7 +222,12 @@ def load_robot(urdf: Path, client: int) -> int:
     if not urdf.is_file():
         raise FileNotFoundError(f"no robot model at {urdf}")
     flags = pybullet.URDF_USE_INERTIA_FROM_FILE
-    return int(pybullet.loadURDF(str(urdf), useFixedBase=True, flags=flags, physicsClientId=client))
+    options = {"useFixedBase": True, "flags": flags, "physicsClientId": client}
+    model = load_model(urdf) if model is None else model
+    root = np.linalg.inv(model.T_root_base)
+    options["basePosition"] = root[:3, 3].tolist()
+    options["baseOrientation"] = Rotation.from_matrix(root[:3, :3]).as_quat().tolist()
+    return int(pybullet.loadURDF(str(urdf), **options))
 
 
 def joint_indices(robot: int, client: int) -> list[int]:

@@ -18,11 +18,10 @@ from rst_control.robot.backend import RobotBackend
 from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, warm_up
 from rst_control.simulation.physics import JointReading, RobotPhysics
 from rst_control.simulation.tissue import Jaws, SimulatedTissue
-from rst_control.types import JOINTS, Measurement, Setpoint
+from rst_control.types import JOINTS, Measurement, Setpoint, unit_vector
 from typed_config import ConfigError
 
 Vector = NDArray[np.float64]
-DOWN = np.array([0.0, 0.0, -1.0])
 
 
 class PybulletRobot(RobotBackend):
@@ -49,13 +48,13 @@ class PybulletRobot(RobotBackend):
         self._has_error = bool(self._error.any())
         limits = servo_limits(config.limits)
         require_within(limits, begin)
-        self._physics = RobotPhysics(urdf, begin + self._error, self.time_step)
+        self._physics = RobotPhysics(urdf, begin + self._error, self.time_step, scene.gravity)
         warm_up(simulator.servo, limits)
         self._servo = Servo(simulator.servo, limits, begin)
         self._following_error = simulator.servo.following_error
         self.tissue = SimulatedTissue(scene.tissue, self.time_step)
         self._jaws = Jaws(self.tissue, simulator.closed_opening, simulator.held_opening)
-        self._load = simulator.tool_load * DOWN
+        self._load = simulator.tool_load * unit_vector(self._physics.gravity)
         self._target, self._reading = begin, self._as_reported(self._physics.read())
         self._force = np.zeros(3)
         self._check_following()

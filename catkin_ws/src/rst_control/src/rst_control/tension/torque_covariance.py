@@ -31,7 +31,11 @@ class TorqueErrors:
         self, config: TorqueTensionConfig, dynamics: InverseDynamics, description: str
     ) -> None:
         self._error, self._dynamics = config.error, dynamics
-        self._heavier = InverseDynamics(description, config.tool_mass + HEAVIER)
+        mass, gravity = config.tool_mass, dynamics.gravity
+        self._heavier = InverseDynamics(description, mass + HEAVIER, gravity)
+        g = float(np.linalg.norm(gravity))
+        self._across = np.linalg.svd(gravity[None, :] / g)[2][1:].T  # (3, 2), square to gravity
+        self._axes = [InverseDynamics(description, mass, g * axis) for axis in np.eye(3)]
 
     def __call__(
         self, q: Vector, A: Array, asked: Vector, noise_share: float, tare: Tare | None
@@ -53,10 +57,12 @@ class TorqueErrors:
         """
         error, pull, lean = self._error, *self._error.loads
         gravity, weight, friction = self._dynamics(q), self._of_tool(q), np.array(error.friction)
+        tilt = error.tilt * self.of_gravity(q) @ self._across
         if tare is not None:  # what is wrong alike at both postures is gone
             noise_share += tare.noise_share
             gravity = gravity - self._dynamics(tare.q)
             weight = weight - self._of_tool(tare.q)
+            tilt = tilt - error.tilt * self.of_gravity(tare.q) @ self._across
             friction = np.sqrt(2.0) * friction  # it may have been the other way round
         parts = [
             np.sqrt(noise_share) * np.array(error.noise),
@@ -71,7 +77,7 @@ class TorqueErrors:
             parts.append(np.array(error.offset))
         square = sum(part * part for part in parts)
         tool = error.tool_mass * weight
-        spread: Array = np.diag(square) + np.outer(tool, tool)
+        spread: Array = np.diag(square) + np.outer(tool, tool) + tilt @ tilt.T
         return spread
 
     def along_shaft(self, q: Vector, pull: Vector) -> float:
@@ -83,3 +89,7 @@ class TorqueErrors:
         """Torques that a kilogram at the tool asks for [N m/kg]. Shape (7,)."""
         per_kg: Vector = (self._heavier(q) - self._dynamics(q)) / HEAVIER
         return per_kg
+
+    def of_gravity(self, q: Vector) -> Array:
+        """Torques that gravity along each axis of the base asks for [N m]. Shape (7, 3)."""
+        return np.column_stack([along(q) for along in self._axes])

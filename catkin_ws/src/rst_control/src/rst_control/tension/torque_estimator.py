@@ -12,6 +12,7 @@ Linear Combination of Observations, Proc. Royal Society of Edinburgh 55, 1936.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, inf, sqrt
 
@@ -22,7 +23,9 @@ from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.inverse_dynamics import ARM, InverseDynamics
-from rst_control.kinematics.robot_model import RobotModel
+from rst_control.kinematics.mounting import gravity_in_base
+from rst_control.kinematics.robot_model import RobotModel, parse_robot
+from rst_control.tension.gravity_check import GravityCheck
 from rst_control.tension.torque_bias import Tare, TareTaker
 from rst_control.tension.torque_covariance import TorqueErrors
 from rst_control.types import Measurement, Vector, frozen_array, unit_vector
@@ -50,15 +53,21 @@ class TorqueTension:
     Args:
         config: Filter, errors, and what is not trusted.
         description: URDF text of the robot.
+        gravity: `scene.gravity`; empty: as the URDF has it.
 
     Raises:
-        RobotModelError: The URDF is not this robot's.
+        RobotModelError: The URDF is not this robot's, or says another way of gravity.
     """
 
-    def __init__(self, config: TorqueTensionConfig, description: str) -> None:
+    def __init__(
+        self, config: TorqueTensionConfig, description: str, gravity: Sequence[float] = ()
+    ) -> None:
         self._config = config
-        self._dynamics = InverseDynamics(description, config.tool_mass)
+        down = gravity_in_base(parse_robot(description), gravity)
+        self._dynamics = InverseDynamics(description, config.tool_mass, down)
         self._errors = TorqueErrors(config, self._dynamics, description)
+        self._check = GravityCheck(config, self._dynamics, self._errors)
+        self._misfit = ""  # why the bias of the tare is not one; empty: it may be
         self._pull = frozen_array(unit_vector(config.pull_direction), 3)
         self._tares = TareTaker(config.tare)
         self._last: Measurement | None = None
@@ -87,7 +96,11 @@ class TorqueTension:
         if last is None or measured.stamp > last.stamp:
             self._last = measured
             self._filter(measured, last, q)
+            before = self._tares.tare
             self._tares.update(measured, opening, self._excess, self._noise_share)
+            tare = self._tares.tare
+            if tare is not None and tare is not before:
+                self._misfit = self._check.objection(tare.q, tare.bias, tare.noise_share)
         A = load_matrix(self._dynamics.model, q, trocar, self._pull)
         return self._solve(A, measured, q)
 
@@ -134,6 +147,8 @@ class TorqueTension:
             return "torques are those of gravity with the other sign: change effort_sign"
         if tare is None:
             return self._tares.why_none(measured.stamp, q)
+        if self._misfit:
+            return self._misfit
         joint = int(speed.argmax())
         if speed[joint] > config.fastest:
             return (

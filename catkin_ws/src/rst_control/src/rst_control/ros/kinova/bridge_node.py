@@ -33,6 +33,7 @@ from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.ros.kinova.hardware import KinovaHardware
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
+from rst_control.tension.gravity_check import RestTorques
 from rst_control.types import (
     BASE,
     JOINTS,
@@ -63,13 +64,18 @@ class KinovaBridgeNode:
 
     Args:
         config: Settings.
+        description: URDF text of the robot.
+
+    Raises:
+        RobotModelError: The URDF is not this robot's, or says another way of gravity.
     """
 
-    def __init__(self, config: KinovaConfig) -> None:
+    def __init__(self, config: KinovaConfig, description: str) -> None:
         self._config = config.bridge
         self._known = KnownPublishers()
         self._hardware = KinovaHardware(config.bridge, config.first_turns, self._known)
-        self._bridge = Bridge(config, self._hardware)
+        torques = RestTorques(config.torques, description, config.scene.gravity)
+        self._bridge = Bridge(config, self._hardware, torques)
         self._offset, self._reader = wall_offset(), JointStateReader(JOINTS)
         self._jobs: deque[Callable[[], None]] = deque(maxlen=MAX_JOBS)
         self._told: Measurement | None = None
@@ -301,8 +307,8 @@ def main() -> None:
     with starting("kinova_bridge"):
         try:
             config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
-            node = KinovaBridgeNode(config)
-        except (ConfigError, RstError) as error:
+            node = KinovaBridgeNode(config, rospy.get_param("robot_description"))
+        except (ConfigError, RstError, KeyError) as error:
             rospy.logfatal(f"the bridge cannot start: {error}; launch/kinova.launch starts it")
             sys.exit(2)
     sys.setswitchinterval(SWITCH_INTERVAL)

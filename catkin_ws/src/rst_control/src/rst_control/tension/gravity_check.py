@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether the torques of an arm at rest are those of gravity, as mounting and masses are set.
+
+An arm on a wall whose settings have it upright shows torques that no pull explains. A tare would
+hide that where it is taken, and tell a wrong tension a little further on.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rst_control.config.torque_tension import TorqueTensionConfig
+from rst_control.kinematics.configuration import planning_joints
+from rst_control.kinematics.inverse_dynamics import ARM, InverseDynamics
+from rst_control.kinematics.mounting import angle_between, gravity_in_base, way_words
+from rst_control.kinematics.robot_model import parse_robot
+from rst_control.tension.torque_covariance import TorqueErrors
+from rst_control.types import Vector
+
+Array = NDArray[np.float64]
+READINGS: Final = 20  # that are averaged, of an arm at rest
+MAX_BY_TILT: Final = 12.0  # [-] chi-square that another gravity explains: 0.7 % by chance
+NO_LOADS: Final = np.zeros((ARM, 3))
+
+
+class GravityCheck:
+    """Compares torques at rest with gravity's, each joint within all that may be wrong with it.
+
+    Args:
+        config: Errors of torques and masses; `max_misfit` is the most that is allowed.
+        dynamics: Of the robot as it is mounted.
+        errors: Of the same.
+    """
+
+    def __init__(
+        self, config: TorqueTensionConfig, dynamics: InverseDynamics, errors: TorqueErrors
+    ) -> None:
+        self._allowed = config.max_misfit
+        self._dynamics, self._errors = dynamics, errors
+
+    def objection(self, q: Vector, excess: Vector, noise_share: float) -> str:
+        """Why these are not gravity's torques; empty: they are.
+
+        Args:
+            q: Planning configuration [rad]. Shape (9,).
+            excess: Torques beyond those of the model [N m]. Shape (7,).
+            noise_share: Variance of these over that of one reading.
+        """
+        spread = self._errors(q, NO_LOADS, np.zeros(ARM), noise_share, None)
+        G, gravity = self._errors.of_gravity(q), self._dynamics.gravity
+        misfit, by_tilt = float(excess @ np.linalg.solve(spread, excess)), _share(G, excess, spread)
+        if misfit <= self._allowed and by_tilt <= MAX_BY_TILT:
+            return ""
+        model = self._dynamics(q)
+        joint = int(np.abs(excess / np.sqrt(np.diag(spread))).argmax())
+        way = np.linalg.lstsq(G, model + excess, rcond=None)[0]
+        angle = np.degrees(angle_between(way, gravity))
+        return (
+            f"torques at rest do not fit gravity along {way_words(gravity)}: joint_{joint + 1} "
+            f"gives {model[joint] + excess[joint]:.2f} N m, expected {model[joint]:.2f} (misfit "
+            f"{misfit:.0f}, allowed {self._allowed:.0f}; by a tilt {by_tilt:.0f}, allowed "
+            f"{MAX_BY_TILT:.0f}). Nearest is {way_words(way)}, "
+            f"{angle:.0f} deg from it: check scene.gravity, the root of the URDF, the payload and "
+            "effort_sign"
+        )
+
+
+def _share(G: Array, excess: Vector, spread: Array) -> float:
+    """Chi-square of an excess (7,) that another gravity (3,) explains, G being of shape (7, 3)."""
+    L = np.linalg.cholesky(spread)
+    W, y = np.linalg.solve(L, G), np.linalg.solve(L, excess)
+    explained = W @ np.linalg.lstsq(W, y, rcond=None)[0]
+    return float(explained @ explained)
+
+
+class RestTorques:
+    """Averages the torques of an arm at rest and checks them once; `refusal` until they fit.
+
+    Args:
+        config: Errors, sign and payload.
+        description: URDF text of the robot.
+        setting: `scene.gravity`.
+
+    Raises:
+        RobotModelError: The URDF is not this robot's, or says another way of gravity.
+    """
+
+    def __init__(
+        self, config: TorqueTensionConfig, description: str, setting: tuple[float, ...]
+    ) -> None:
+        gravity = gravity_in_base(parse_robot(description), setting)
+        self._config = config
+        self._dynamics = InverseDynamics(description, config.tool_mass, gravity)
+        errors = TorqueErrors(config, self._dynamics, description)
+        self._check = GravityCheck(config, self._dynamics, errors)
+        self._sum, self._count = np.zeros(ARM), 0
+        self.refusal = "torques at rest were not compared with gravity's yet: rest, with empty jaws"
+
+    def update(self, position: Vector, velocity: Vector, effort: Vector) -> None:
+        """Take in one reading; nothing is done once they fit.
+
+        Args:
+            position: Of all ten joints [rad]. Shape (10,).
+            velocity: Of the arm's joints [rad/s]. Shape (7,).
+            effort: As reported [N m]. Shape (7,).
+        """
+        if not self.refusal:
+            return
+        if np.abs(velocity).max() > self._config.tare.at_rest_speed:
+            self._sum, self._count = np.zeros(ARM), 0
+            return
+        q = planning_joints(position)[0]
+        excess = self._config.effort_sign * effort - self._dynamics(q)
+        self._sum, self._count = self._sum + excess, self._count + 1
+        if self._count >= READINGS:
+            self.refusal = self._check.objection(q, self._sum / self._count, 1.0 / self._count)
+            self._sum, self._count = np.zeros(ARM), 0
