@@ -56,7 +56,7 @@ class GravityCheck:
             return ""
         model = self._dynamics(q)
         joint = int(np.abs(excess / np.sqrt(np.diag(spread))).argmax())
-        way = np.linalg.lstsq(G, model + excess, rcond=None)[0]
+        way: Vector = np.linalg.lstsq(G, model + excess, rcond=None)[0].astype(float)
         angle = np.degrees(angle_between(way, gravity))
         return (
             f"torques at rest do not fit gravity along {way_words(gravity)}: joint_{joint + 1} "
