@@ -24,18 +24,20 @@ def sessions_folder(named: str) -> Path:
     return (repository("session_log") or Path.home()) / "sessions"
 
 
-def open_session(folder: Path, name: str, started: int) -> SessionWriter:
+def open_session(folder: Path, name: str, started: int, suffix: str = "") -> SessionWriter:
     """Create `folder/name/session.mcap`, or the next number beside it.
 
     Args:
         folder: Folder of all sessions; made if it is not there.
         name: Name of this session; empty for its local time.
         started: When the session started [ns] since 1970.
+        suffix: Of a name that is the time.
 
     Raises:
         RecordingFailed: The folder or the file cannot be made.
     """
-    chosen = name or datetime.fromtimestamp(started * 1e-9).strftime("%Y-%m-%dT%H-%M-%S")
+    time = datetime.fromtimestamp(started * 1e-9).strftime("%Y-%m-%dT%H-%M-%S")
+    chosen = name or time + suffix
     path = folder / chosen / RECORDING
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -11,6 +11,7 @@ from functools import partial
 import rosgraph
 import rospy
 
+from session_log.recording.namespace import SHARED, Namespace
 from session_log.recording.recorder import Recorder, TopicTally
 from session_log.types import MessageSource
 
@@ -19,23 +20,25 @@ RECEIVE_BUFFER = 1 << 20  # [B] taken from a socket at once
 
 
 class TopicSubscriber:
-    """Subscribes a recorder to every topic that is not excluded."""
+    """Subscribes a recorder to every topic of its system that is not excluded."""
 
-    def __init__(self, recorder: Recorder, exclude: Iterable[str]) -> None:
-        self._recorder = recorder
+    def __init__(self, recorder: Recorder, namespace: Namespace, exclude: Iterable[str]) -> None:
+        self._recorder, self._namespace = recorder, namespace
         self._exclude = [re.compile(pattern) for pattern in exclude]
         self._subscribers: dict[str, rospy.Subscriber] = {}
         self._tallies: dict[tuple[str, ...], TopicTally] = {}
 
-    def subscribe(self, topic: str) -> None:
-        """Record a topic from now on, whether or not someone publishes it yet."""
-        name = rospy.resolve_name(topic)
-        if name in self._subscribers or any(p.fullmatch(name) for p in self._exclude):
+    def subscribe(self, name: str) -> None:
+        """Record a topic of the master from now on, whether or not someone publishes it yet."""
+        recorded = self._namespace.recorded(name)
+        if name in self._subscribers or not self._namespace.has_topic(name):
+            return
+        if any(pattern.fullmatch(recorded) for pattern in self._exclude):
             return
         self._subscribers[name] = rospy.Subscriber(
             name,
             rospy.AnyMsg,
-            partial(self._receive, name),
+            partial(self._receive, recorded),
             queue_size=None,  # None: rospy drops nothing on its side
             buff_size=RECEIVE_BUFFER,
             tcp_nodelay=True,
@@ -55,17 +58,21 @@ class TopicSubscriber:
         key = (topic, *(header.get(field, "") for field in IDENTITY))
         tally = self._tallies.get(key)
         if tally is None:
-            tally = self._tallies[key] = self._recorder.register(_source(topic, header))
+            publisher = header.get("callerid", "")
+            if topic in SHARED and not self._namespace.has_node(publisher):
+                return
+            source = _source(topic, header, self._namespace.recorded(publisher))
+            tally = self._tallies[key] = self._recorder.register(source)
         self._recorder.offer(tally, message._buff)
 
 
-def _source(topic: str, header: dict[str, str]) -> MessageSource:
+def _source(topic: str, header: dict[str, str], publisher: str) -> MessageSource:
     return MessageSource(
         topic=topic,
         datatype=header["type"],
         md5sum=header.get("md5sum", ""),
         definition=header.get("message_definition", ""),
-        publisher=header.get("callerid", ""),
+        publisher=publisher,
         is_latched=header.get("latching", "0") == "1",
     )
 
@@ -103,6 +110,6 @@ class Discovery:
 
 
 def ready_when(topics: Iterable[str], subscriber: TopicSubscriber) -> Callable[[], list[str]]:
-    """Make a function that lists which of the topics nobody publishes yet."""
-    wanted = [rospy.resolve_name(topic) for topic in topics]
+    """Make a function that lists which topics of the master nobody publishes yet."""
+    wanted = list(topics)
     return lambda: [topic for topic in wanted if topic not in subscriber.connected_topics()]

@@ -17,6 +17,7 @@ from std_msgs.msg import String, Time
 from session_log.config import RecorderConfig
 from session_log.mcap_file.session_folder import open_session, sessions_folder
 from session_log.recording import metadata
+from session_log.recording.namespace import Namespace
 from session_log.recording.recorder import Recorder
 from session_log.ros.diagnostics import RecorderDiagnostics
 from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
@@ -78,8 +79,8 @@ class Announcer:
 class ParameterWatcher:
     """Writes the parameter server into the recording, again whenever it changes."""
 
-    def __init__(self, recorder: Recorder) -> None:
-        self._recorder = recorder
+    def __init__(self, recorder: Recorder, namespace: Namespace) -> None:
+        self._recorder, self._namespace = recorder, namespace
         self._master = rosgraph.Master(rospy.get_name())
         self._hashes: dict[str, str] = {}
         source = MessageSource(
@@ -90,7 +91,7 @@ class ParameterWatcher:
     def check(self) -> None:
         """Compare with the last check and record what changed."""
         try:
-            parameters = self._master.getParam("/")
+            parameters = self._namespace.parameters(self._master.getParam("/"))
         except (OSError, rosgraph.MasterException) as error:
             rospy.logwarn_throttle(10.0, "cannot read the parameters: %s", error)
             return
@@ -119,9 +120,12 @@ class ParameterWatcher:
         return is_new
 
 
-def add_facts(recorder: Recorder, config: RecorderConfig, started: int) -> None:
+def add_facts(
+    recorder: Recorder, config: RecorderConfig, started: int, namespace: Namespace
+) -> None:
     """Record what is known from the start."""
-    recorder.add_metadata("session", metadata.session_facts(started, config.seed))
+    facts = metadata.session_facts(started, config.seed)
+    recorder.add_metadata("session", {**facts, "namespace": namespace.name})
     code = metadata.code_facts(package_folder("session_log"))
     code["version"] = package_version("session_log")
     recorder.add_metadata("code", code)
@@ -136,25 +140,27 @@ class RecorderNode:
         started = time.time_ns()
         self._config = config
         folder = sessions_folder(config.folder)
-        opener = partial(open_session, folder, config.name, started)
+        namespace = Namespace(rospy.get_namespace())
+        opener = partial(open_session, folder, config.name, started, namespace.suffix)
         self._recorder = Recorder(opener, config, time.time_ns)
-        self._topics = TopicSubscriber(self._recorder, config.exclude)
+        self._topics = TopicSubscriber(self._recorder, namespace, config.exclude)
         self._discovery = Discovery(self._topics, rospy.get_name(), config.discovery_period)
-        self._missing = ready_when(config.wait_for, self._topics)
+        self._early = [namespace.resolved(topic) for topic in config.subscribe_early]
+        self._missing = ready_when(map(namespace.resolved, config.wait_for), self._topics)
         self._deadline = time.monotonic() + config.wait_timeout
         self._next_check = 0.0
         self._is_ready = not config.wait_for
         self._diagnostics = RecorderDiagnostics(self._recorder, config)
         self._announcer = Announcer(self._recorder)
-        self._parameters = ParameterWatcher(self._recorder)
+        self._parameters = ParameterWatcher(self._recorder, namespace)
         self._next_report = 0.0
         self._ended = threading.Event()
         self._turns = threading.Thread(target=self._run_turns, name="turns", daemon=True)
-        add_facts(self._recorder, config, started)
+        add_facts(self._recorder, config, started, namespace)
 
     def run(self) -> None:
         """Record until the node is shut down."""
-        for topic in self._config.subscribe_early:
+        for topic in self._early:
             self._topics.subscribe(topic)
         self._recorder.start()
         self._discovery.start()

@@ -16,6 +16,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 from rst_control.admission.callers import caller_name, is_allowed
+from typed_config.ros.system_names import of_this_system
 
 MAX_STRANGERS: Final = 16  # that are named at once
 CODE: Final = "stranger"  # `reason_code` of the status
@@ -42,10 +43,11 @@ class KnownPublishers:
             topic: Its name.
             kind: Of its messages.
             callback: Takes messages of the nodes named.
-            names: Of these nodes, where a * may stand at the end; empty: all are taken.
+            names: Of these nodes as settings have them, where a * may stand at the end; empty: all
+                are taken.
             options: As of rospy.Subscriber.
         """
-        patterns = tuple(names)
+        patterns = tuple(map(of_this_system, names))
 
         def take(message: genpy.Message) -> None:
             if is_allowed(publisher_of(message), patterns):

@@ -7,6 +7,7 @@ import gc
 import sys
 import time
 from contextlib import ExitStack
+from dataclasses import replace
 
 import rospy
 
@@ -16,6 +17,7 @@ from rst_control.admission.homing_gate import HomingGate
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.config import MotionConfig
+from rst_control.config.callers import CallersConfig
 from rst_control.errors import RstError
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.robot_model import RobotModel, parse_robot
@@ -46,6 +48,7 @@ from rst_control.supervision.tension_trust import unbounded_pull
 from rst_control.types import Cause, Reason
 from typed_config import ConfigError, load_config
 from typed_config.ros.starting import starting
+from typed_config.ros.system_names import of_this_system
 
 FEEDBACK_RATE = 20.0  # [Hz] to action clients
 DIAGNOSTICS_PERIOD = 1.0  # [s]
@@ -90,17 +93,17 @@ class ControllerNode:
         self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
-        limiter = CallLimiter(settings.callers, time.monotonic)
+        limiter = CallLimiter(_in_any_namespace(settings.callers), time.monotonic)
         self._trocar = TrocarService(self._context, self._executor, limiter)
         self._markers = ControllerMarkers(config, self._context, self._look, self._clock)
         self._diagnostics = Diagnostics()
         self._actions = AssistServer(self._commands, self._executor, limiter)
-        self._spoken_by = settings.spoken_by
+        self._spoken_by = of_this_system(settings.spoken_by)
         self._service = CommandService(
             self._commands,
             self._executor,
             limiter,
-            settings.spoken_by,
+            self._spoken_by,
             settings.watchdogs.voice_heartbeat_age,
             self._known,
         )
@@ -185,6 +188,12 @@ class ControllerNode:
             return False
         self._due[what] = now + period
         return True
+
+
+def _in_any_namespace(callers: CallersConfig) -> CallersConfig:
+    """Callers that are allowed, by their names in this system, and as they are without one."""
+    both = (*callers.allowed, *map(of_this_system, callers.allowed))
+    return replace(callers, allowed=tuple(dict.fromkeys(both)))
 
 
 def main() -> None:

@@ -20,6 +20,7 @@ from visualization_msgs.msg import Marker
 from rst_control.msg import ControllerState, Event
 from typed_config import ConfigError
 from typed_config.ros.starting import starting
+from typed_config.ros.system_names import is_of_this_system
 from voice_assist.alarms.annunciator import Annunciator
 from voice_assist.alarms.appearance import is_lit, line
 from voice_assist.alarms.board import Board, Standing
@@ -150,6 +151,8 @@ class AlarmNode:
         self._hand_over(lambda board, now: board.see_utterance(heard, now))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        if not is_of_this_system(message._connection_header["callerid"]):
+            return  # another system on the same master
         for status in message.status:
             self._on_health(messages.part_health(status))
 

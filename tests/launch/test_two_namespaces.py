@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Two systems in namespaces of one master: each obeys its own words, and is recorded by itself."""
+
+import subprocess
+
+import pytest
+
+from session_log.export.arrays import read_columns
+from session_log.mcap_file.reader import SessionReader
+from support.waiting import wait_until
+from tests.support.ros_host import Host
+
+SIDES = ("left", "right")
+QUIET = {"voice": "false", "alarms": "false"}
+STATE, URDF = "/rst_control/state", "/robot_description"
+SHARED = {"/rosout", "/diagnostics", "/tf", "/tf_static"}
+
+
+@pytest.fixture(scope="module")
+def sessions(tmp_path_factory):
+    """Both recordings, after a "hey robot" on the left."""
+    folder = tmp_path_factory.mktemp("two")
+    host = Host(folder)
+    try:
+        host.start_master()
+        for side in SIDES:
+            host.launch("system", {"ROS_NAMESPACE": side}, sessions=folder, session=side, **QUIET)
+        for side in SIDES:
+            wait_until(lambda side=side: host.is_found(f"/{side}/rst_control/command"))
+        wait_until(lambda: call(host, "left", "hey robot").startswith("accepted: True"), every=0.5)
+        assert "in standby" in call(host, "right", "tense")
+    finally:
+        host.close()
+    return {side: SessionReader(folder / side) for side in SIDES}
+
+
+def call(host, side, command):
+    words = ("rosservice", "call", f"/{side}/rst_control/command", f"command: '{command}'")
+    return subprocess.run(
+        words, env=host.environment, capture_output=True, text=True, timeout=20
+    ).stdout
+
+
+def states(reader):
+    return set(read_columns(reader, STATE)["state"])
+
+
+def test_each_recording_has_the_states_of_its_own_system(sessions):
+    assert ["active" in states(sessions[side]) for side in SIDES] == [True, False]
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_a_recording_has_the_names_and_the_nodes_of_its_system_alone(sessions, side):
+    topics = {}
+    for message in sessions[side].messages():
+        topics.setdefault(message.source.topic, set()).add(message.source.publisher)
+    assert {STATE, URDF, "/joint_states", "/rst_control/event", *SHARED} <= set(topics)
+    other = [topic for topic in topics if topic.startswith(("/left", "/right"))]
+    names = set().union(*topics.values()) - {"", "/rosout"}
+    nodes = {"/controller", "/robot", "/recorder", "/robot_state_publisher", "/master_failover"}
+    assert (other, names - nodes) == ([], set())
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_a_recording_says_its_namespace_and_has_the_settings_of_its_system(sessions, side):
+    condition = sessions[side].check()
+    assert condition.latest("session")["namespace"] == f"/{side}/"
+    parameters = condition.latest("parameters")
+    assert {"controller", "recorder", "rosdistro"} <= set(parameters) and not {*SIDES} & {
+        *parameters
+    }
