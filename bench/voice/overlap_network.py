@@ -17,7 +17,7 @@ from bench.voice.material.over_talk import LATEST, alarms, looks_at, over_talk, 
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded
 from bench.voice.trials import THIN
 from support.figures import ROOT, Figure
-from voice_assist.audio.wav_file import read_sound
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.spotter.overlap import PATH, WINDOW, OverlapNetwork, overlap_scorer, read_overlap
 from voice_assist.types import RATE, Samples
 

@@ -83,6 +83,10 @@ class Listener:
         self._microphone = Microphone(*arguments, self.reports.append)
         self._thread = threading.Thread(target=self._read, daemon=True)
 
+    @property
+    def remark(self):
+        return self._microphone.remark
+
     def _read(self):
         with self._microphone as microphone:
             for frame in microphone:
@@ -129,6 +133,18 @@ def test_sound_played_into_a_source_is_heard_at_16_khz_with_its_pitch(surgeon, t
     sound = np.concatenate(loud[3:20])
     pitch = np.abs(np.fft.rfft(sound * np.hanning(len(sound)))).argmax() * RATE / len(sound)
     assert pitch == pytest.approx(440.0, abs=3.0)
+
+
+def test_channels_of_opposite_sign_are_heard_and_remarked(surgeon, tmp_path):
+    tone = 0.3 * np.sin(2 * np.pi * 440 * np.arange(48_000 * 4) / 48_000)
+    soundfile.write(tmp_path / "balanced.wav", np.stack([tone, -tone], axis=1), 48_000)
+    with Listener("pulse:surgeon.monitor") as listener:
+        listener.hears(5)
+        player = surgeon.play(tmp_path / "balanced.wav")
+        listener.wait_until(lambda: any(level_db(f.samples) > -16 for f in listener.frames))
+        player.kill()
+        player.wait()
+        assert "opposite sign" in listener.remark
 
 
 def test_a_source_that_goes_is_reported_never_replaced_and_taken_up_again(surgeon, tone):

@@ -18,6 +18,7 @@ import soxr
 import yaml
 
 from demo.virtual_microphone import VirtualMicrophone
+from rst_control.host.respawn import RESTART
 from support.waiting import wait_until
 from tests.support.ros_host import Host
 from tests.unit.voice_assist.support.fake_speech import say
@@ -266,6 +267,25 @@ def test_an_audio_topic_of_another_rate_is_heard_and_its_end_reported(master, tm
     assert len(seen["stop"]) == 1
     errors = [entry[2] for entry in seen["log"] if entry[1] == ERROR]
     assert any("no sound on /audio_in for 2.0 s" in error for error in errors)
+
+
+def test_what_a_recording_has_said_is_not_said_again_after_a_crash(master, tmp_path):
+    soundfile.write(tmp_path / "sound.wav", say("hey robot 1 tense"), 16_000)
+    settings = {"audio/wav/path": tmp_path / "sound.wav"}
+    seen = watch({**master, RESTART: "1"}, tmp_path, 3, **settings)
+    assert "call" not in seen and "utterance" not in seen and "heartbeat" not in seen
+    errors = [entry[2] for entry in seen["log"] if entry[1] == ERROR]
+    assert errors == ["a crash broke the recording off; nothing of it is said again"]
+
+
+def test_a_recording_that_cannot_be_read_ends_it_with_one_line(master, tmp_path):
+    load(master, {"audio/source": "wav", "audio/wav/path": tmp_path / "none.wav"})
+    node = [sys.executable, str(PROGRAMS / "fake_voice_node.py"), "__name:=voice_assist"]
+    done = subprocess.run(node, env=master, capture_output=True, text=True, timeout=START)
+    assert done.returncode == 2
+    said = (done.stdout + done.stderr).splitlines()
+    assert len([line for line in said if "none.wav: no such file" in line]) == 1
+    assert not any("Traceback" in line for line in said)
 
 
 def test_a_wrong_setting_ends_it_at_once_with_the_reason(master):

@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from voice_assist.assembly import make_pipeline
-from voice_assist.audio.wav_file import read_sound
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import Evaluator, LabelledClip
 from voice_assist.types import Mode

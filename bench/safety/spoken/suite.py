@@ -37,7 +37,7 @@ from rst_control.msg import Event
 from rst_control.ros.common.wall_clock import wall_offset
 from support.figures import ROOT, Figure
 from support.waiting import wait_until
-from voice_assist.audio.wav_file import read_sound
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.msg import AudioChunk
 from voice_assist.types import Samples
 

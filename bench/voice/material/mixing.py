@@ -19,7 +19,7 @@ from bench.voice.material import theatre_noise
 from bench.voice.material.synthesis import SpokenClip
 from support.figures import ROOT
 from voice_assist.audio.mixing import add_noise, end_of_speech
-from voice_assist.audio.wav_file import read_sound
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.evaluation.evaluator import AFTER, BEFORE, QUIET_DB, read_noises
 from voice_assist.types import RATE, Mode, Samples
 

@@ -18,7 +18,7 @@ from bench.voice.material.over_talk import at_peak, gain_below, over_talk
 from bench.voice.material.synthesis import SpokenClip
 from support.figures import ROOT
 from voice_assist.audio.mixing import end_of_speech
-from voice_assist.audio.wav_file import read_sound
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.types import RATE, Mode, Samples
 
 Kind = Literal["under talk", "at once", "talk alone"]

@@ -23,7 +23,7 @@ from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded, spoken
 from support.figures import ROOT
 from voice_assist.audio.mixing import speech_power
-from voice_assist.audio.wav_file import read_sound
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.training.data import texts
 from voice_assist.types import RATE, Mode, Samples
 

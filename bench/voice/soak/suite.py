@@ -41,8 +41,8 @@ from bench.voice.trials import MIN_TRIALS, clips_of
 from support.figures import ROOT, Figure
 from voice_assist.assembly import make_pipeline
 from voice_assist.audio.mixing import end_of_speech
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.audio.source import Framer
-from voice_assist.audio.wav_file import read_sound
 from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import StreamClock
 from voice_assist.pipeline.pipeline import Pipeline

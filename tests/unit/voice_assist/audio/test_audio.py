@@ -6,9 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.unit.voice_assist.support.fake_speech import quiet_frame
-from voice_assist.audio.resample import Resampler, to_mono
+from voice_assist.audio.channels import mix, plain
+from voice_assist.audio.resample import Resampler
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.audio.source import FRAME, Framer, GapWatch, level_db
-from voice_assist.audio.wav_file import WavFile, read_sound
+from voice_assist.audio.wav_file import WavFile
 from voice_assist.errors import AudioError
 from voice_assist.types import RATE, frozen_samples
 
@@ -113,7 +115,7 @@ def test_a_rate_of_no_device_is_refused():
 
 def test_channels_are_averaged_and_integers_scaled():
     both = np.array([[32767, -32767], [32767, 32767]], np.int16)
-    np.testing.assert_allclose(to_mono(both), [0.0, 1.0])
+    np.testing.assert_allclose(mix(both, plain(2)), [0.0, 1.0])
 
 
 def test_integer_samples_are_scaled_once():

@@ -78,6 +78,8 @@ class Spotter:
 class Room:
     """What the node hears, and all that it does."""
 
+    remark = ""
+
     def __init__(self, monkeypatch, clock):
         self.sound, self.done = Queue(), threading.Event()
         self.seen = deque()
@@ -142,6 +144,9 @@ class Room:
         self.calls_dropped += 1
 
     def __enter__(self):
+        return self
+
+    def __iter__(self):
         return iter(self.sound.get, None)
 
     def __exit__(self, *_):

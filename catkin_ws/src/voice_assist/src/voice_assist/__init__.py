@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from voice_assist.assembly import make_pipeline, make_recognizer
+    from voice_assist.audio.sound_file import read_sound
     from voice_assist.audio.source import Framer
-    from voice_assist.audio.wav_file import read_sound
     from voice_assist.config import VoiceConfig, load_voice_config
     from voice_assist.errors import VoiceError
     from voice_assist.pipeline.pipeline import Pipeline
@@ -55,7 +55,7 @@ _HOMES = {
     "load_voice_config": "config",
     "make_pipeline": "assembly",
     "make_recognizer": "assembly",
-    "read_sound": "audio.wav_file",
+    "read_sound": "audio.sound_file",
 }
 
 

@@ -34,7 +34,7 @@ Pause = Callable[[float], bool]  # waits so many seconds; True: give up now
 
 @dataclass(frozen=True)
 class _Block:
-    samples: NDArray[np.int16]
+    samples: NDArray[np.int16]  # (n,) or (n, channels)
     arrived: float  # [s] clock time
     is_after_loss: bool
 
@@ -73,6 +73,7 @@ class Microphone:
         self._framer = Framer()
         self._choices: SimpleQueue[_Choice] = SimpleQueue()
         self._is_kept = False  # the name is that of a device, and stays
+        self.remark = ""  # what a person should know of the channels; empty: nothing
         self.name = config.device  # asked for; once one was opened, that of this one
 
     @property
@@ -184,7 +185,8 @@ class Microphone:
                 self._framer.skip(round(late * RATE))
                 expected = None
             expected = start if expected is None else expected
-            yield from self._framer.push(resample(block.samples), start)
+            mono, self.remark = resample(block.samples), resample.remark
+            yield from self._framer.push(mono, start)
             # a slow clock drift follows the arrivals; single late blocks do not
             expected = expected + len(block.samples) / rate + 0.05 * (start - expected)
             if self._clock() - checked > _CHECK_EVERY:

@@ -18,7 +18,8 @@ from voice_assist.types import RATE
 
 _PULSE_LATENCY_MS = "20"  # else a PulseAudio server hands sound over in blocks of up to 2 s
 _SERVERS = ("pulse", "pipewire")  # devices by which PortAudio shows a sound server
-OnBlock = Callable[[NDArray[np.int16], bool], None]  # samples (n,), whether sound before was lost
+_MOST_CHANNELS = 8  # a device with more is one of software, which offers any number: 2 of it
+OnBlock = Callable[[NDArray[np.int16], bool], None]  # (n, channels), whether sound before was lost
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class Device:
     name: str
     rate: int  # [Hz] its own
     is_default: bool
+    channels: int = 1
 
     @property
     def is_monitor(self) -> bool:
@@ -90,14 +92,19 @@ class PortAudio:
             raise DeviceError(f"the sound devices cannot be searched ({error})") from error
         default = self._sd.default.device[0]
         found = [
-            Device(entry["name"], int(entry["default_samplerate"]), entry["index"] == default)
+            Device(
+                entry["name"],
+                int(entry["default_samplerate"]),
+                entry["index"] == default,
+                _wanted(entry["max_input_channels"]),
+            )
             for entry in self._sd.query_devices()
             if entry["max_input_channels"] > 0
         ]
         sources = pulse_sources() if any(d.name in _SERVERS for d in found) else ()
         if sources:  # asked directly, the server is 0.9 s quicker than through ALSA
             found = [replace(device, is_default=False) for device in found]
-        served = [Device(PREFIX + source.name, RATE, source.is_default) for source in sources]
+        served = [Device(PREFIX + s.name, RATE, s.is_default, s.channels) for s in sources]
         return found + served
 
     def open(self, device: Device, on_block: OnBlock) -> Stream:
@@ -105,30 +112,29 @@ class PortAudio:
         name = device.name
         if name.startswith(PREFIX):
             try:
-                return PulseStream(name[len(PREFIX) :], on_block)
+                return PulseStream(name[len(PREFIX) :], on_block, device.channels)
             except OSError as error:
                 raise DeviceError(f"cannot be opened ({error})", name) from error
-        try:
-            return _PortAudioStream(self._sd, name, RATE, on_block)
-        except (self._sd.PortAudioError, ValueError):
-            pass  # many devices know only their own rate
-        try:
-            return _PortAudioStream(self._sd, name, device.rate, on_block)
-        except (self._sd.PortAudioError, ValueError) as error:
-            raise DeviceError(f"cannot be opened ({error})", device.name) from error
+        problem: Exception | None = None
+        for rate in (RATE, device.rate):  # many devices know only their own rate
+            try:
+                return _PortAudioStream(self._sd, device, rate, on_block)
+            except (self._sd.PortAudioError, ValueError) as error:
+                problem = error
+        raise DeviceError(f"cannot be opened ({problem})", name) from problem
 
 
 class _PortAudioStream:
-    def __init__(self, sd: Any, name: str, rate: int, on_block: OnBlock) -> None:
+    def __init__(self, sd: Any, device: Device, rate: int, on_block: OnBlock) -> None:
         self.rate = rate
 
         def enqueue(indata: NDArray[np.int16], frames: int, time: object, status: Any) -> None:
-            on_block(indata[:, 0].copy(), bool(status.input_overflow))
+            on_block(indata.copy(), bool(status.input_overflow))
 
         self._stream = sd.InputStream(
-            device=name,
+            device=device.name,
             samplerate=rate,
-            channels=1,
+            channels=device.channels,
             dtype="int16",
             blocksize=FRAME * rate // RATE,
             latency="low",
@@ -138,6 +144,10 @@ class _PortAudioStream:
 
     def close(self) -> None:
         self._stream.close(ignore_errors=True)
+
+
+def _wanted(channels: int) -> int:
+    return channels if channels <= _MOST_CHANNELS else 2
 
 
 def choose(name: str, devices: list[Device], is_whole: bool = False) -> Device:

@@ -72,19 +72,23 @@ class PulseStream:
 
     rate = RATE
 
-    def __init__(self, source: str, on_block: Callable[[NDArray[np.int16], bool], None]) -> None:
+    def __init__(
+        self, source: str, on_block: Callable[[NDArray[np.int16], bool], None], channels: int = 1
+    ) -> None:
         """Begin to record.
 
         Args:
             source: Name on the server.
-            on_block: Takes each block of 32 ms, int16, 16 kHz, shape (512,), from a thread.
+            on_block: Takes each block of 32 ms, int16, 16 kHz, shape (512, channels), from a
+                thread.
+            channels: Of the source; the server would give their mean, which may be silence.
 
         Raises:
             OSError: `parec` is missing.
         """
         command = ["parec", "--verbose", "--raw", f"--device={source}"]
         command += [f"--latency-msec={_LATENCY_MS}"]
-        command += [f"--rate={RATE}", "--channels=1", "--format=s16le"]
+        command += [f"--rate={RATE}", f"--channels={channels}", "--no-remap", "--format=s16le"]
         self._recorder = subprocess.Popen(
             command,
             stdout=subprocess.PIPE,
@@ -92,7 +96,7 @@ class PulseStream:
             start_new_session=True,
             env={**os.environ, "LC_ALL": "C"},
         )
-        self._on_block = on_block
+        self._on_block, self._channels = on_block, channels
         targets = self._read, self._watch
         self._threads = [threading.Thread(target=target, daemon=True) for target in targets]
         for thread in self._threads:
@@ -116,6 +120,6 @@ class PulseStream:
                     self._recorder.terminate()
 
     def _read(self) -> None:
-        pipe = self._recorder.stdout
-        while pipe is not None and len(block := pipe.read(2 * FRAME)) == 2 * FRAME:
-            self._on_block(np.frombuffer(block, "<i2"), False)
+        pipe, size = self._recorder.stdout, 2 * FRAME * self._channels
+        while pipe is not None and len(block := pipe.read(size)) == size:
+            self._on_block(np.frombuffer(block, "<i2").reshape(FRAME, self._channels), False)

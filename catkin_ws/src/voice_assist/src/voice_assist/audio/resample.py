@@ -7,8 +7,9 @@ import numpy as np
 import soxr
 from numpy.typing import NDArray
 
+from voice_assist.audio.channels import StreamMixer
 from voice_assist.errors import AudioError
-from voice_assist.types import FULL_SCALE, RATE, Samples
+from voice_assist.types import RATE, Samples
 
 
 class Resampler:
@@ -25,7 +26,13 @@ class Resampler:
         """
         if not 1000 <= rate <= 768_000:
             raise AudioError(f"sample rate {rate} Hz, allowed: 1000 to 768000 Hz")
+        self._mix = StreamMixer(rate)
         self._stream = None if rate == RATE else soxr.ResampleStream(rate, RATE, 1, "float32")
+
+    @property
+    def remark(self) -> str:
+        """What a person should know of the channels; empty: nothing."""
+        return self._mix.remark
 
     def __call__(self, samples: NDArray[np.generic], is_last: bool = False) -> Samples:
         """Resample one block.
@@ -37,14 +44,7 @@ class Resampler:
         Returns:
             As many samples as are ready, 16 kHz. Shape (m,).
         """
-        mono = to_mono(samples)
+        mono = self._mix(samples)
         if self._stream is None:
             return mono
         return np.asarray(self._stream.resample_chunk(mono, last=is_last), np.float32)
-
-
-def to_mono(samples: NDArray[np.generic]) -> Samples:
-    """Mean of the channels, float32 in [-1, 1]. From shape (n,) or (n, channels) to (n,)."""
-    scale = float(FULL_SCALE) if samples.dtype == np.int16 else 1.0
-    values = np.asarray(samples, np.float32) / np.float32(scale)
-    return values if values.ndim == 1 else np.asarray(values.mean(axis=1), np.float32)

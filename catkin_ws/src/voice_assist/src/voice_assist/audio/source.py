@@ -34,6 +34,11 @@ class AudioSource(Protocol):
         """Close the source."""
         ...
 
+    @property
+    def remark(self) -> str:
+        """What a person should know of the sound that comes; empty: nothing."""
+        ...
+
     def __iter__(self) -> Iterator[Frame]:
         """Frames of FRAME samples, in order, 16 kHz mono."""
         ...

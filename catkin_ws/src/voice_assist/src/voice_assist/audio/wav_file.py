@@ -8,16 +8,14 @@ from pathlib import Path
 from types import TracebackType
 
 import numpy as np
-import soundfile
-import soxr
 
-from voice_assist.audio.resample import Resampler, to_mono
+from voice_assist.audio.resample import Resampler
+from voice_assist.audio.sound_file import SoundFile, check_sound
 from voice_assist.audio.source import FRAME, Clock, Framer
 from voice_assist.errors import AudioError
 from voice_assist.types import RATE, Frame, Samples
 
 Wait = Callable[[float], object]  # pauses for so many seconds
-_BLOCK = 1600  # samples read at once, at the file's rate
 
 
 class WavFile:
@@ -43,15 +41,20 @@ class WavFile:
         """
         self._path, self._clock, self._wait = Path(path), clock, wait
         self._speed, self._then_silence = speed, then_silence
-        self._file: soundfile.SoundFile | None = None
+        self._file: SoundFile | None = None
+
+    @property
+    def remark(self) -> str:
+        """What a person should know of its channels; empty: nothing."""
+        return "" if self._file is None else self._file.remark
 
     def __enter__(self) -> WavFile:
-        """Open the file.
+        """Check the file.
 
         Raises:
-            AudioError: It is missing or no sound.
+            AudioError: It cannot be read to its end.
         """
-        self._file = open_sound(self._path)
+        self._file = check_sound(self._path)
         return self
 
     def __exit__(
@@ -60,10 +63,8 @@ class WavFile:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Close the file."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+        """Forget the file."""
+        self._file = None
 
     def __iter__(self) -> Iterator[Frame]:
         """Give each frame when its last sample would have been heard."""
@@ -82,8 +83,8 @@ class WavFile:
         if self._file is None:
             raise AudioError(f"{self._path} is not open; enter the source first")
         framer = Framer()
-        resample = Resampler(self._file.samplerate)
-        for block in self._file.blocks(_BLOCK, dtype="float32"):
+        resample = Resampler(self._file.rate)
+        for block in self._file.blocks():
             yield from (f.samples for f in framer.push(resample(block), 0.0))
         last = resample(np.zeros(0, np.float32), is_last=True)
         yield from (f.samples for f in framer.push(last, 0.0))
@@ -92,39 +93,3 @@ class WavFile:
         silence.flags.writeable = False
         while self._then_silence:
             yield silence
-
-
-def open_sound(path: Path) -> soundfile.SoundFile:
-    """Open a sound file.
-
-    Raises:
-        AudioError: It is missing, empty or no sound.
-    """
-    if not path.is_file():
-        raise AudioError(f"{path}: no such file")
-    try:
-        file = soundfile.SoundFile(str(path))
-    except (soundfile.LibsndfileError, RuntimeError) as error:
-        raise AudioError(f"{path}: not a sound file that can be read ({error})") from error
-    if file.frames == 0:
-        file.close()
-        raise AudioError(f"{path}: holds no sound")
-    return file
-
-
-def read_sound(path: str | Path) -> Samples:
-    """All of a sound file, 16 kHz mono. Shape (n,).
-
-    Raises:
-        AudioError: It is missing, empty, damaged or no sound.
-    """
-    with open_sound(Path(path)) as file:
-        try:
-            samples = to_mono(file.read(dtype="float32"))
-        except (soundfile.LibsndfileError, RuntimeError) as error:
-            raise AudioError(f"{path}: damaged ({error})") from error
-        if not len(samples) or not np.isfinite(samples).all():
-            raise AudioError(f"{path}: holds no sound, or values that are no numbers")
-        if file.samplerate != RATE:
-            samples = soxr.resample(samples, file.samplerate, RATE)
-        return np.asarray(samples, np.float32)

@@ -84,19 +84,19 @@ def listen(config: VoiceConfig, mode: Mode) -> None:
     console = Console()
     screen = Screen(mode)
     stop = threading.Event()
-    console.print(f"loading {config.recognizer.model} ...", style="dim")
-    pipeline = make_pipeline(config, time.time)
-    pipeline.set_mode(mode, "start")
 
     def report(trouble: str) -> None:
         screen.trouble = trouble
 
     with make_source(config.audio, time.time, stop.wait, report) as source:
+        console.print(f"loading {config.recognizer.model} ...", style="dim")
+        pipeline = make_pipeline(config, time.time)
+        pipeline.set_mode(mode, "start")
         console.print("Ctrl-C ends. A spoken stop is no emergency stop.", style="dim")
         watch = SoundWatch(source, config.audio.deaf_after)
         with Live(screen, console=console, refresh_per_second=12):
             for frame in source:
-                screen.trouble = watch(frame)
+                screen.trouble = watch(frame) or source.remark
                 screen.hear(frame)
                 for event in pipeline(frame):
                     screen.show(event)

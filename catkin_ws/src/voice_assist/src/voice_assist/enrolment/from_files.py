@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from voice_assist.audio.wav_file import read_sound
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.enrolment.checks import Checked
 from voice_assist.enrolment.script import EnrolmentScript
 from voice_assist.errors import AudioError, ManifestError

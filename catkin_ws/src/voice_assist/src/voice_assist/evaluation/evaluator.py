@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from voice_assist.audio.mixing import add_noise, end_of_speech
+from voice_assist.audio.sound_file import check_sound, read_sound
 from voice_assist.audio.source import FRAME, Framer
-from voice_assist.audio.wav_file import open_sound, read_sound
 from voice_assist.config import CommandsConfig
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.intent.mapper import Mapper
@@ -273,7 +273,7 @@ def _clip(
     if not name.strip():
         raise ManifestError("the path is empty")
     path = folder / name.strip()
-    open_sound(path).close()
+    check_sound(path)
     words = normalize(transcript)
     said = next((halt for halt in halts if contains(words, normalize(halt))), None)
     return LabelledClip(row, path, transcript, said or phrases.get(" ".join(words), ""))

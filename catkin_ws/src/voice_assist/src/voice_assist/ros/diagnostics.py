@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper, Updater
 
@@ -25,6 +26,7 @@ class VoiceHealth:
     microphone: str = ""  # name of the open one; empty: none was opened yet
     trouble: str = "starting"  # with the source of sound
     trouble_fault: HearingFault = HearingFault.NO_SOUND
+    remark: str = ""  # what a person should know of the sound; no trouble
     failure: str = ""  # a thread ended by an error
     hang: str = ""  # recognition has been at one frame for too long
     slowest: float = 0.0  # [s] on one frame so far
@@ -42,6 +44,20 @@ class VoiceHealth:
     behind: float = 0.0  # [s] of that frame then
     commanded: float = field(default=float("-inf"))  # [s] when the last command was taken
     last_command: str = ""
+
+    def note_trouble(self, trouble: str, fault: HearingFault = HearingFault.NO_SOUND) -> None:
+        """Note what is wrong with the source, and log it once when it begins and ends."""
+        before, self.trouble, self.trouble_fault = self.trouble, trouble, fault
+        if trouble and trouble != before:
+            rospy.logerr("%s", trouble)
+        elif before and not trouble:
+            rospy.loginfo("sound comes in")
+
+    def note_remark(self, words: str) -> None:
+        """Note what a person should know of the sound, and log it once."""
+        if words and words != self.remark:
+            rospy.logwarn("%s", words)
+        self.remark = words or self.remark
 
     def sounded(self, level: float, clipped: float) -> None:
         """Note level [dB] and clipped share [0, 1] of one frame."""
@@ -122,6 +138,8 @@ def _summary(
         return error, health.spotter_failure, HearingFault.SPOTTER_FAILED
     if health.controller:
         return warning, health.controller, None
+    if health.remark:
+        return warning, health.remark, None
     if health.queued > health.capacity // 2:
         return warning, "recognition falls behind", None
     if health.clipped >= CLIPPED:

@@ -10,6 +10,7 @@ from typing import Final
 import rospy
 
 from typed_config import load_yaml
+from voice_assist.audio.sound_file import check_sound
 from voice_assist.config import (
     CONFIG_DIR,
     SECTIONS,
@@ -23,17 +24,26 @@ RESTART: Final = "RESPAWN_RESTART"  # variable that `rst_control respawn` sets a
 
 
 def node_settings() -> VoiceConfig:
-    """From the node's private parameters; missing sections from the package's files.
+    """The checked settings, with the microphone of the session in a node that crashed.
 
     Raises:
         ConfigError: They are not as they must be.
+        AudioError: The recording that they name cannot be read to its end.
     """
+    config = _as_before(_given())
+    if config.audio.source == "wav":
+        check_sound(config.audio.wav.path)
+    return config
+
+
+def _given() -> VoiceConfig:
+    """From the node's private parameters; missing sections from the package's files."""
     given = {name: rospy.get_param(f"~{name}") for name in SECTIONS if rospy.has_param(f"~{name}")}
     if not given:
         rospy.loginfo("no private parameters; the settings are those of the package's files")
-        return _as_before(load_voice_config())
+        return load_voice_config()
     files = {name: load_yaml(CONFIG_DIR / f"{name}.yaml") for name in SECTIONS if name not in given}
-    return _as_before(voice_config({**files, **given}))
+    return voice_config({**files, **given})
 
 
 def is_restart() -> bool:

@@ -27,6 +27,8 @@ _MAX_GAP = 3600.0  # [s] of lost sound between two chunks; a longer one is a res
 class TopicSource:
     """Frames of a topic of AudioChunk, until the node shuts down."""
 
+    remark = ""  # the sound of a topic has one channel
+
     def __init__(self, config: TopicConfig, report: Report) -> None:
         """Remember the topic.
 

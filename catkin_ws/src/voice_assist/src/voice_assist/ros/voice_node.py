@@ -36,7 +36,7 @@ from voice_assist.ros.command_client import CommandClient
 from voice_assist.ros.controller_state import follow_controller
 from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.microphone_service import MicrophoneService
-from voice_assist.ros.node_settings import node_settings
+from voice_assist.ros.node_settings import is_restart, node_settings
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
 from voice_assist.ros.recognition_watch import RecognitionWatch
@@ -53,7 +53,6 @@ from voice_assist.types import (
     Call,
     Frame,
     Halt,
-    HearingFault,
     Lost,
     Match,
     Mode,
@@ -157,6 +156,9 @@ class VoiceNode:
     # --- thread 1: sound
 
     def _listen(self) -> None:
+        if is_restart() and self._config.audio.source == "wav":
+            self._give_up_recording()
+            return
         with self._source() as source:
             watch = SoundWatch(source, self._config.audio.deaf_after)
             service = MicrophoneService(source)
@@ -164,7 +166,8 @@ class VoiceNode:
                 if self._over.is_set():
                     return
                 self._health.microphone = service.note_name()
-                self._trouble(watch(frame), watch.fault)
+                self._health.note_remark(source.remark)
+                self._health.note_trouble(watch(frame), watch.fault)
                 frame = self._with_motion(frame)
                 if self._spotter is not None:
                     self._spotter.feed(frame)
@@ -178,6 +181,12 @@ class VoiceNode:
                     self._publish.circumstance(SideInput(SideInputKind.UNHEARD, frame.first_sample))
         self._frames.put(None)
 
+    def _give_up_recording(self) -> None:
+        """A crash broke it off; what it has said must not be said again."""
+        self._health.note_trouble("a crash broke the recording off; nothing of it is said again")
+        if self._config.audio.wav.after_end == "exit":
+            self._frames.put(None)
+
     def _with_motion(self, frame: Frame) -> Frame:
         """The frame with whether the robot moves; each change is noted for a replay."""
         is_moving = self._motion.is_moving(_steady())
@@ -189,17 +198,8 @@ class VoiceNode:
 
     def _source(self) -> AudioSource:
         if self._config.audio.source == "topic":
-            return TopicSource(self._config.audio.topic, self._trouble)
-        return make_source(self._config.audio, _now, self._over.wait, self._trouble)
-
-    def _trouble(self, trouble: str, fault: HearingFault = HearingFault.NO_SOUND) -> None:
-        """Store the source's trouble, and log it once when it begins and ends."""
-        before, self._health.trouble = self._health.trouble, trouble
-        self._health.trouble_fault = fault
-        if trouble and trouble != before:
-            rospy.logerr("%s", trouble)
-        elif before and not trouble:
-            rospy.loginfo("sound comes in")
+            return TopicSource(self._config.audio.topic, self._health.note_trouble)
+        return make_source(self._config.audio, _now, self._over.wait, self._health.note_trouble)
 
     # --- thread 2: recognition
 

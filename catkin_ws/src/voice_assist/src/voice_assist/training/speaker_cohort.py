@@ -16,7 +16,7 @@ from random import Random
 
 import numpy as np
 
-from voice_assist.audio.wav_file import read_sound
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.speaker.cohort import PATH, write_cohort
 from voice_assist.speaker.network import Vector, VoiceNetwork
 from voice_assist.speaker.speech import spoken

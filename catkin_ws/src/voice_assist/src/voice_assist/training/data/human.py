@@ -10,13 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import soundfile
-import soxr
 
-from voice_assist.errors import AudioError
+from voice_assist.audio.sound_file import read_sound
 from voice_assist.training.data.synthesis import TrainingClip, read_sounds, save_sounds
 from voice_assist.training.data.texts import normalise_text
-from voice_assist.types import RATE
 
 RowKind = str  # "positive", "speech", "noise" or "rir"
 
@@ -93,16 +90,9 @@ def read_int16(path: Path) -> np.ndarray:
     """Read any sound file as int16, 16 kHz mono.
 
     Raises:
-        AudioError: The file cannot be read.
+        AudioError: The file cannot be read to its end.
     """
-    try:
-        sound, rate = soundfile.read(path, dtype="float32", always_2d=True)
-    except soundfile.LibsndfileError as error:
-        raise AudioError(f"{path} cannot be read: {error}") from error
-    mono = sound.mean(axis=1)
-    if rate != RATE:
-        mono = soxr.resample(mono, rate, RATE)
-    return np.round(np.clip(mono, -1, 1) * 32767).astype(np.int16)
+    return np.round(np.clip(read_sound(path), -1, 1) * 32767).astype(np.int16)
 
 
 def _kind(row: ManifestRow) -> str:
