@@ -108,7 +108,7 @@ build() {
     # Debian's ROS lives under /usr: only the underlay may be chained in, and cmake must find Debian's tools first
     python=$(cd .venv/bin && pwd -P)/python # whose folder comes first on PATH of who sources the space
     (cd catkin_ws && env -u ROS_PACKAGE_PATH CMAKE_PREFIX_PATH="$under" PATH="/usr/bin:/bin:$PATH" \
-        catkin_make -DPYTHON_EXECUTABLE="$python" -DCATKIN_ENABLE_TESTING=OFF "$@")
+        catkin_make -DPYTHON_EXECUTABLE="$python" -DCATKIN_ENABLE_TESTING=ON "$@")
 }
 
 # compile_kinematics SPACE: with the packages of a devel or install space.
