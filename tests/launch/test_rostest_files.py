@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`rostest rst_control NAME.test` and `catkin_make run_tests` find every rostest and its scripts."""
+"""`rostest rst_control NAME.test` and `catkin_make run_tests` find each file and its scripts."""
 
 from pathlib import Path
 from xml.etree import ElementTree
