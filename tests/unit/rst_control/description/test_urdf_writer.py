@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rst_control.config import URDF_FILE
-from rst_control.description.facts import body_inertia, load_facts
+from rst_control.description.facts import FACTS_FILE, body_inertia, load_facts
 from rst_control.description.urdf_writer import cylinder_pose, main, urdf_text
 from rst_control.kinematics.robot_model import rotation
 
@@ -29,6 +29,33 @@ def test_the_command_writes_the_file_and_then_finds_it_up_to_date(tmp_path, caps
     file.write_text("<robot/>")
     assert main([str(file), "--check"]) == 1
     assert "out of date" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("mass: 1.697", "mass: heavy", "links[0].mass is 'heavy', allowed: a number"),
+        ("name: gen3_openrst", "nam: gen3_openrst", "nam is 'gen3_openrst', allowed: no such key"),
+        ("shape: cylinder", "shape: cone", "shape is 'cone', allowed: one of cylinder"),
+        ("joints:", "joints: [", "allowed: valid YAML"),
+    ],
+)
+def test_a_wrong_number_is_named_in_one_line_and_nothing_is_written(
+    tmp_path, capsys, old, new, words
+):
+    facts, file = tmp_path / "facts.yaml", tmp_path / "robot.urdf"
+    facts.write_text(FACTS_FILE.read_text(encoding="utf-8").replace(old, new, 1), encoding="utf-8")
+    assert main([str(file), "--facts", str(facts)]) == 2
+    said = capsys.readouterr().err
+    assert words in said and said.count("\n") == 1
+    assert not file.exists()
+
+
+@pytest.mark.parametrize("arguments", [["nowhere/x.urdf"], ["x.urdf", "--facts", "nowhere.yaml"]])
+def test_a_file_that_is_not_there_is_named_in_one_line(capsys, arguments):
+    assert main(arguments) == 2
+    said = capsys.readouterr().err
+    assert "nowhere" in said and said.count("\n") == 1
 
 
 def test_all_turns_between_frames_are_exact_quarters(robot_xml):

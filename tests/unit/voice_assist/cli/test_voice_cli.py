@@ -122,6 +122,23 @@ def test_listen_plays_a_recording_and_shows_the_commands(tmp_path, monkeypatch, 
     assert "hey robot" in shown and "tense" in shown and "active" in shown
 
 
+def test_without_a_terminal_each_piece_of_news_is_a_line_as_it_comes(capsys):
+    lines = listen_module.Lines(Mode.STANDBY)
+    lines.note("no microphone", Mode.STANDBY)
+    lines.note("no microphone", Mode.STANDBY)
+    lines.show(Partial("pull", 0.0))
+    lines.show(decision(Match("pull more", {"pull more": 0.0})))
+    lines.show(Lost(512, 0.0))
+    lines.note("", Mode.ACTIVE)
+    assert capsys.readouterr().out.splitlines() == [
+        "trouble: no microphone",
+        "pull more  pull more  0.00  0.93  220 ms",
+        "512 samples lost",
+        "sound comes in",
+        "mode: active",
+    ]
+
+
 def test_no_microphone_is_said_so(monkeypatch, capsys):
     from voice_assist.audio import portaudio
 

@@ -13,6 +13,7 @@ from voice_assist.text.phonetic_distance import (
     can_pronounce,
     difference,
     distance,
+    languages,
     sounds,
     sounds_of_letters,
 )
@@ -111,3 +112,26 @@ def test_the_command_line_fails_for_a_file_with_two_that_are_too_alike(tmp_path,
         main(["check-commands", str(path)])
     assert ended.value.code == 1
     assert "too alike" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not can_pronounce(), reason="espeak-ng is not installed")
+@pytest.mark.parametrize(("asked", "near"), [("en-uk", "en-"), ("klingon", "such as ")])
+def test_a_language_that_nothing_pronounces_is_refused_with_one_that_is_known(capsys, asked, near):
+    with pytest.raises(SystemExit) as ended:
+        main(["check-commands", "--language", asked])
+    said = capsys.readouterr()
+    assert (ended.value.code, said.out) == (2, "")
+    assert f"--language is {asked!r}, allowed: a language of" in said.err and near in said.err
+
+
+@pytest.mark.parametrize("language", ["en-us", "de", "es"])
+def test_languages_of_the_documents_are_known(language):
+    assert not can_pronounce() or language in languages()
+
+
+def test_where_nothing_pronounces_any_language_is_guessed_and_said_so(monkeypatch, capsys):
+    monkeypatch.setattr(pronunciation, "which", lambda _: None)
+    languages.cache_clear()
+    main(["check-commands", "--language", "klingon"])
+    languages.cache_clear()
+    assert "sounds are guessed from letters" in capsys.readouterr().out

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The `listen` verb: what is heard, as it is heard, in the terminal."""
+"""The `listen` verb: what is heard, as it is heard, in the terminal or as lines."""
 
 from __future__ import annotations
 
 import threading
 import time
 from collections import deque
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 
 from rich.console import Console, Group
@@ -47,6 +48,10 @@ class Screen:
         """Follow the level, which falls slowly."""
         self.level = max(level_db(frame.samples), self.level - 1.0, QUIETEST_DB)
 
+    def note(self, trouble: str, mode: Mode) -> None:
+        """Take over how the source is, and the mode."""
+        self.trouble, self.mode = trouble, mode
+
     def __rich__(self) -> Group:
         """All of it, for rich."""
         style = "bold green" if self.mode is Mode.ACTIVE else "bold yellow"
@@ -59,6 +64,24 @@ class Screen:
         heard = Text(f" {self.partial or '...'}", style="cyan" if self.partial else "dim")
         trouble = [Text(self.trouble, style="bold red")] if self.trouble else []
         return Group(head, heard, *trouble, _table(self.rows))
+
+
+class Lines(Screen):
+    """The same for an output that is no terminal: each piece of news is a line, as it comes."""
+
+    def show(self, event: Event) -> None:
+        """Print what the pipeline gave, but for the text of speech that goes on."""
+        if not isinstance(event, Partial):
+            super().show(event)
+            print("  ".join(filter(None, self.rows[-1])), flush=True)
+
+    def note(self, trouble: str, mode: Mode) -> None:
+        """Print them where they changed."""
+        if trouble != self.trouble:
+            print(f"trouble: {trouble}" if trouble else "sound comes in", flush=True)
+        if mode is not self.mode:
+            print(f"mode: {mode.value}", flush=True)
+        super().note(trouble, mode)
 
 
 def row(decision: UtteranceDecision) -> tuple[str, ...]:
@@ -82,11 +105,11 @@ def listen(config: VoiceConfig, mode: Mode) -> None:
         VoiceError: Model or recording cannot be used.
     """
     console = Console()
-    screen = Screen(mode)
+    screen = Screen(mode) if console.is_terminal else Lines(mode)
     stop = threading.Event()
 
     def report(trouble: str) -> None:
-        screen.trouble = trouble
+        screen.note(trouble, screen.mode)
 
     with make_source(config.audio, time.time, stop.wait, report) as source:
         console.print(f"loading {config.recognizer.model} ...", style="dim")
@@ -94,13 +117,13 @@ def listen(config: VoiceConfig, mode: Mode) -> None:
         pipeline.set_mode(mode, "start")
         console.print("Ctrl-C ends. A spoken stop is no emergency stop.", style="dim")
         watch = SoundWatch(source, config.audio.deaf_after)
-        with Live(screen, console=console, refresh_per_second=12):
+        live = Live(screen, console=console, refresh_per_second=12)
+        with live if console.is_terminal else nullcontext():
             for frame in source:
-                screen.trouble = watch(frame) or source.remark
                 screen.hear(frame)
                 for event in pipeline(frame):
                     screen.show(event)
-                screen.mode = pipeline.state.mode
+                screen.note(watch(frame) or source.remark, pipeline.state.mode)
 
 
 def _table(rows: deque[tuple[str, ...]]) -> Table:

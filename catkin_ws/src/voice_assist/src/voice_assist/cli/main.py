@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import os
 import sys
 from collections.abc import Sequence
@@ -68,7 +69,13 @@ def _phrases(options: argparse.Namespace) -> None:
 def _check_commands(options: argparse.Namespace) -> None:
     """Print which commands are most alike; ends with 1 where two are too alike."""
     from voice_assist.intent.confusability import closest_pairs, told
+    from voice_assist.text.phonetic_distance import languages
 
+    known = languages()
+    if known and options.language not in known:
+        close = difflib.get_close_matches(options.language, known, n=1) or known
+        hint = f"a language of `espeak-ng --voices`, such as {close[0]}"
+        raise ConfigError("--language", options.language, hint)
     commands = settings(options).commands
     if options.file is not None:
         commands = load_config(CommandsConfig, load_yaml(options.file), options.file.name)

@@ -63,6 +63,17 @@ def can_pronounce() -> bool:
 
 
 @cache
+def languages() -> tuple[str, ...]:
+    """Those in which it can be pronounced; none where nothing pronounces."""
+    if not can_pronounce():
+        return ()
+    command = [PROGRAM, "--voices"]
+    listing = subprocess.run(command, capture_output=True, check=False, timeout=_PATIENCE).stdout
+    rows = listing.decode("utf-8", "replace").splitlines()[1:]  # below the names of the columns
+    return tuple(row.split()[1] for row in rows if len(row.split()) > 1)
+
+
+@cache
 def sounds(text: str, language: str = "en-us") -> Sounds:
     """Sounds of a text, one symbol of the IPA each, without stress and length.
 
