@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -269,7 +268,7 @@ def numbered(messages: Iterable[Message]) -> Iterator[Message]:
     for message in messages:
         topic = message.source.topic
         counts[topic] = counts.get(topic, 0) + 1
-        yield replace(message, sequence=counts[topic])
+        yield message._replace(sequence=counts[topic])
 
 
 def set_time(stamp: Any, seconds: float) -> None:

@@ -72,7 +72,7 @@ def as_recorded_before(message):
         setattr(former, name, getattr(present, RENAMED_FIELDS[datatype].get(name, name)))
     definition, digest = FORMER[datatype] + HEADER, former._md5sum
     source = replace(message.source, definition=definition, md5sum=digest)
-    return replace(message, source=source, data=serialise(former))
+    return message._replace(source=source, data=serialise(former))
 
 
 def write(path, messages):
@@ -123,7 +123,7 @@ def test_a_field_that_was_not_recorded_is_refused_with_its_topic(readers, tmp_pa
     without = FORMER["voice_assist/Utterance"].replace("string transcript\n", "") + HEADER
     short = generate_dynamic("voice_assist/Utterance", without)["voice_assist/Utterance"]()
     source = replace(messages[0].source, definition=without)
-    message = replace(messages[0], source=source, data=serialise(short))
+    message = messages[0]._replace(source=source, data=serialise(short))
     with pytest.raises(MissingField, match=r"/voice_assist/utterance: .* without 'transcript'"):
         Decoder().read(message, lambda content: content.transcript)
     found = extract(write(tmp_path / "s.mcap", [message]), report_config)

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: BSD-3-Clause
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -56,7 +55,7 @@ def test_a_lost_message_makes_no_late_cycle(tmp_path, report_config):
         story.say(0.002 * sequence, "/joint_states", "sensor_msgs/JointState")
         data = story.messages[-1].data
         numbered = sequence.to_bytes(4, "little") + data[4:]
-        story.messages[-1] = replace(story.messages[-1], data=numbered)
+        story.messages[-1] = story.messages[-1]._replace(data=numbered)
     write(tmp_path / "s.mcap", story.messages)
     (loop,) = extract(SessionReader(tmp_path / "s.mcap"), report_config).loops
     assert list(loop.length) == pytest.approx([0.002] * 3, abs=1e-6)
@@ -66,7 +65,7 @@ def test_a_stamp_that_was_not_set_is_replaced_by_the_time_of_arrival(tmp_path, r
     story = Story(duration=1.0)
     story.event(0.5, "accepted", "tense", "")
     (message,) = story.messages
-    unset = replace(message, data=message.data[:4] + bytes(8) + message.data[12:])
+    unset = message._replace(data=message.data[:4] + bytes(8) + message.data[12:])
     story.messages = [unset]
     write(tmp_path / "s.mcap", story.messages)
     (event,) = extract(SessionReader(tmp_path / "s.mcap"), report_config).events

@@ -26,8 +26,8 @@ UNREADABLE = (  # what reading damaged records raises
 )
 
 
-def records_of(chunk: McapRecord) -> list[tuple[int, bytes]]:
-    """Opcode and body of each record in a chunk.
+def content_of(chunk: McapRecord) -> bytes:
+    """The records of a chunk, as they were compressed.
 
     Raises:
         One of UNREADABLE: The chunk is damaged.
@@ -36,13 +36,22 @@ def records_of(chunk: McapRecord) -> list[tuple[int, bytes]]:
     if outer.uncompressed_size > LONGEST:
         raise ValueError(f"{outer.uncompressed_size} B in one chunk")
     stream, size = get_chunk_data_stream(outer, validate_crc=True)
-    content = stream.read(size)
-    found, position = [], 0
+    return stream.read(size)
+
+
+def places_of(content: bytes) -> list[tuple[int, int, int]]:
+    """Opcode, begin and end of the body of each record [B].
+
+    Raises:
+        ValueError, struct.error: They are none.
+    """
+    found, position, size = [], 0, len(content)
+    unpack = HEAD.unpack_from
     while position < size:
-        opcode, length = HEAD.unpack_from(content, position)
+        opcode, length = unpack(content, position)
         begin = position + HEAD.size
         position = begin + length
         if position > size or length < SHORTEST.get(opcode, 0):
             raise ValueError("a record of a length that cannot be")
-        found.append((opcode, content[begin:position]))
+        found.append((opcode, begin, position))
     return found

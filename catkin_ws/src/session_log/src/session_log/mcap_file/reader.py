@@ -16,7 +16,7 @@ from mcap.records import Channel, Header, Metadata, Schema
 
 from session_log.errors import NotASession, SessionMissing
 from session_log.mcap_file import checksums, records
-from session_log.mcap_file.chunk import UNREADABLE, records_of
+from session_log.mcap_file.chunk import UNREADABLE, content_of, places_of
 from session_log.mcap_file.records import MAGIC, McapRecord, RecordWalker
 from session_log.types import Damage, Message, MessageSource
 from typed_config import RECORDING, newest_recording
@@ -193,16 +193,19 @@ class _Pass:
 
     def _chunk(self, chunk: McapRecord, topics: Collection[str] | None) -> Iterator[Message]:
         try:
-            inside = records_of(chunk)
+            content = content_of(chunk)
+            places = places_of(content)
         except UNREADABLE:
             self._lose(chunk, "damaged chunk")
             return
-        for opcode, body in inside:
-            if opcode in (records.SCHEMA, records.CHANNEL):
-                self._note(McapRecord(chunk.offset, opcode, body))
-            message = self._message(body) if opcode == records.MESSAGE else None
-            if message and (topics is None or message.source.topic in topics):
-                yield message
+        for opcode, begin, end in places:
+            if opcode == records.MESSAGE:
+                channel, sequence, log_time, _ = _MESSAGE.unpack_from(content, begin)
+                source = self._channels.get(channel)
+                if source and (topics is None or source.topic in topics):
+                    yield Message(source, content[begin + _MESSAGE.size : end], log_time, sequence)
+            elif opcode in (records.SCHEMA, records.CHANNEL):
+                self._note(McapRecord(chunk.offset, opcode, content[begin:end]))
 
     def _lose(self, record: McapRecord, what: str) -> None:
         length = records.HEAD.size + len(record.body)

@@ -57,32 +57,46 @@ class RecordingSummary:
         return (last - self.start) * 1e-9
 
 
+@dataclass(slots=True)
+class _SourceCount:
+    """What one source has in the file."""
+
+    topic: TopicCount
+    sequence: int = 0  # of its latest message
+
+
 class MessageCounter:
     """Counts messages as they pass."""
 
     def __init__(self) -> None:
         self.topics: dict[str, TopicCount] = {}
         self.clock_steps: list[ClockStep] = []
-        self._sequences: dict[MessageSource, int] = {}
+        self._sources: dict[MessageSource, _SourceCount] = {}
         self._now = 0  # [ns] log time of the latest message
 
     def add(self, message: Message) -> None:
         """Count one message."""
-        source = message.source
-        if message.log_time < self._now - CLOCK_STEP:
-            self.clock_steps.append(ClockStep(self._now, message.log_time))
-        self._now = message.log_time
-        count = self.topics.get(source.topic)
-        if count is None:
-            count = self.topics[source.topic] = TopicCount(source.datatype, first=message.log_time)
+        source, data, log_time, sequence = message
+        if log_time < self._now - CLOCK_STEP:
+            self.clock_steps.append(ClockStep(self._now, log_time))
+        self._now = log_time
+        known = self._sources.get(source) or self._new(source, log_time)
+        if sequence > known.sequence + 1:
+            known.topic.missing += sequence - known.sequence - 1
+        known.sequence = sequence
+        count = known.topic
         count.messages += 1
-        count.size += len(message.data)
-        count.first = min(count.first, message.log_time)
-        count.last = max(count.last, message.log_time)
+        count.size += len(data)
+        if log_time > count.last:
+            count.last = log_time
+        elif log_time < count.first:
+            count.first = log_time
+
+    def _new(self, source: MessageSource, log_time: int) -> _SourceCount:
+        count = self.topics.setdefault(source.topic, TopicCount(source.datatype, first=log_time))
         count.publishers.add(source.publisher)
-        previous = self._sequences.get(source, 0)
-        count.missing += max(message.sequence - previous - 1, 0)
-        self._sequences[source] = message.sequence
+        self._sources[source] = _SourceCount(count)
+        return self._sources[source]
 
     def summary(self, condition: FileCondition) -> RecordingSummary:
         """Sum up; gaps and steps back in time mean something only in files of our recorder."""

@@ -6,15 +6,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from session_log.config import ReportConfig
+from session_log.mcap_file.bulk import Batch
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
-from session_log.mcap_file.headers import read_header, starts_with_header
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import MessageCounter, RecordingSummary
+from session_log.report.session.fast_topics import FastTopic, LoopTopic, Take
 from session_log.report.session.session_data import (
     IntendedPhrase,
     Intervals,
@@ -26,6 +29,7 @@ from session_log.report.session.session_data import (
     SampledTable,
     SessionData,
     Span,
+    Track,
 )
 from session_log.types import Message, MessageSource
 
@@ -55,6 +59,12 @@ class _Words:
         self._word: str | None = None
         self._since = 0.0
 
+    def say_all(self, times: Track, words: NDArray[Any]) -> None:
+        """Take words in order of time; the same again says nothing new."""
+        changes = np.flatnonzero(words[1:] != words[:-1]) + 1
+        for k in (0, *changes.tolist()):
+            self.say(float(times[k]), words[k])
+
     def say(self, time: float, word: str) -> None:
         if word != self._word:
             self.end(time)
@@ -71,10 +81,8 @@ class _Extractor:
         self._data, self._config = data, config
         self._decoder = Decoder()
         self._origin: int | None = None  # [ns]
-        self._now = 0.0  # [s] log time of the present message
-        self._due: dict[str, float] = {}
-        self._has_header: dict[MessageSource, bool] = {}
-        self._previous: dict[MessageSource, tuple[int, float]] = {}
+        self._now = 0.0  # [s] log time of the message that is decoded
+        self._end = 0  # [ns] log time of the latest message
         self._health: dict[str, NodeHealth] = {}
         self._picture_step = self._picture_count = 0
         self._modes, self._states = _Words(data.modes), _Words(data.states)
@@ -83,71 +91,67 @@ class _Extractor:
         self._slow: dict[str, Callable[[Any], None]] = {
             topics.utterance: self._utterance,
             topics.mode: self._mode,
-            topics.audio: self._audio,
             topics.event: self._event,
-            topics.state: self._state,
             topics.picture: self._picture,
             topics.diagnostics: self._diagnostics,
             topics.intended: self._intended,
             topics.trocar: self._trocar,
             URDF_TOPIC: self._urdf,
         }
-        self._fast: dict[str, Callable[[Any], None]] = {
-            topics.tension: self._tension,
-            topics.joint_states: self._joints,
+        period = config.sample_period
+        self._fast: dict[str, tuple[Take, float]] = {
+            topics.audio: (self._audio, 0.0),
+            topics.state: (self._state, 0.0),
+            topics.tension: (self._tension, period),
+            topics.joint_states: (self._joints, period),
         }
+        self._takers: dict[MessageSource, list[Callable[[Message], None]]] = {}
+        self._waiting: list[FastTopic | LoopTopic] = []
 
     def add(self, message: Message) -> None:
         """Take what matters of one message."""
-        if self._origin is None:
-            self._origin = message.log_time
-        self._now = (message.log_time - self._origin) * 1e-9
-        topic = message.source.topic
-        if topic in self._loops:
-            self._interval(self._loops[topic], message)
-        take = self._slow.get(topic)
-        if take is None and self._is_due(topic):
-            take = self._fast.get(topic)
-        if take is not None:
-            self._decode(message, take)
+        takers = self._takers.get(message.source)
+        if takers is None:
+            takers = self._takers[message.source] = self._takers_of(message)
+        for take in takers:
+            take(message)
+        self._end = message.log_time
 
     def finish(self) -> None:
         """Close what is open."""
+        for topic in self._waiting:
+            topic.flush()
+        end = self._relative(self._end)
         for words in (self._modes, self._states, self._phases):
-            words.end(self._now)
+            words.end(end)
         self._data.health = sorted(self._health.values(), key=lambda h: h.name)
         self._data.loops = [loop for loop in self._loops.values() if loop.length]
 
-    def _decode(self, message: Message, take: Callable[[Any], None]) -> None:
+    def _takers_of(self, message: Message) -> list[Callable[[Message], None]]:
+        source, topic = message.source, message.source.topic
+        if self._origin is None:
+            self._origin = message.log_time
+        found: list[FastTopic | LoopTopic] = []
+        if topic in self._loops:
+            found.append(LoopTopic(source, self._loops[topic], self._origin))
+        if topic in self._fast:
+            take, period = self._fast[topic]
+            found.append(FastTopic(source, take, self._data, self._origin, period))
+        self._waiting += found
+        takers: list[Callable[[Message], None]] = [waiting.add for waiting in found]
+        if topic in self._slow:
+            takers.append(partial(self._decode, self._slow[topic]))
+        return takers
+
+    def _decode(self, take: Callable[[Any], None], message: Message) -> None:
         topic = message.source.topic
+        self._now = self._relative(message.log_time)
         try:
             self._decoder.read(message, take)
         except MissingField as error:
             self._data.missing_fields.add(str(error))
         except (Undecodable, AttributeError, ValueError, IndexError):
             self._data.undecodable[topic] = self._data.undecodable.get(topic, 0) + 1
-
-    def _is_due(self, topic: str) -> bool:
-        if topic not in self._fast:
-            return False
-        due = self._due.get(topic, -math.inf)
-        if self._now < due:
-            return False
-        self._due[topic] = max(due + self._config.sample_period, self._now)
-        return True
-
-    def _interval(self, loop: Intervals, message: Message) -> None:
-        source = message.source
-        if source not in self._has_header:
-            self._has_header[source] = starts_with_header(source.definition)
-        header = read_header(message.data) if self._has_header[source] else None
-        time = self._relative(header.stamp) if header and header.stamp else self._now
-        sequence = header.sequence if header else message.sequence
-        before = self._previous.get(source)
-        self._previous[source] = (sequence, time)
-        if before is not None and sequence == before[0] + 1:  # a lost message is no late cycle
-            loop.time.append(time)
-            loop.length.append(time - before[1])
 
     def _relative(self, stamp: int) -> float:
         return (stamp - (self._origin or 0)) * 1e-9
@@ -192,33 +196,39 @@ class _Extractor:
             RecordedEvent(self._time(m.header.stamp), m.kind, m.command, m.message)
         )
 
-    def _state(self, m: Any) -> None:
-        time = self._time(m.header.stamp)
-        self._states.say(time, m.state)
-        self._phases.say(time, m.phase if m.state in MOVING else "")
-        moving = float(m.state in MOVING)
-        is_outside = getattr(m, "insertion", 0.0) < 0.0  # older recordings are all of inside
-        error = math.nan if is_outside else m.rcm_error
-        self._data.controller.append(time, error, m.tension, m.tension_target, m.path_speed, moving)
+    def _state(self, batch: Batch, time: Track) -> None:
+        state, moving = batch.column("state"), np.isin(batch.column("state"), MOVING)
+        self._states.say_all(time, state)
+        self._phases.say_all(time, np.where(moving, batch.column("phase"), ""))
+        error = batch.column("rcm_error")
+        if "insertion" in batch.names:  # older recordings are all of inside
+            error = np.where(batch.column("insertion") < 0.0, np.nan, error)
+        columns = (batch.column(name) for name in ("tension", "tension_target", "path_speed"))
+        self._data.controller.extend(time, error, *columns, moving)
 
-    def _tension(self, m: Any) -> None:
-        force = m.wrench.force
-        norm = math.sqrt(force.x**2 + force.y**2 + force.z**2)
-        self._data.tension.append(self._time(m.header.stamp), norm)
+    def _tension(self, batch: Batch, time: Track) -> None:
+        force = np.column_stack([batch.column(f"wrench.force.{axis}") for axis in "xyz"])
+        self._data.tension.extend(time, np.linalg.norm(force, axis=1))
 
-    def _joints(self, m: Any) -> None:
-        if self._data.joints is None:
-            self._data.joints = SampledTable(("time", *m.name))
-        if ("time", *m.name) == self._data.joints.columns:
-            self._data.joints.append(self._time(m.header.stamp), *m.position)
-
-    def _audio(self, m: Any) -> None:
-        if not m.samples:
+    def _joints(self, batch: Batch, time: Track) -> None:
+        count = sum(name.startswith("name[") for name in batch.names)
+        if not count:
             return
-        samples = np.asarray(m.samples, dtype=float)
-        power = float(samples @ samples) / len(samples) / FULL_SCALE**2
-        level = 10.0 * math.log10(power) if power > 0 else QUIETEST
-        self._data.sound.append(self._time(m.header.stamp), max(level, QUIETEST))
+        names = np.column_stack([batch.column(f"name[{k}]") for k in range(count)])
+        if self._data.joints is None:
+            self._data.joints = SampledTable(("time", *names[0]))
+        columns = np.array(self._data.joints.columns[1:], object)
+        position = batch.column("position")
+        if names.shape[1] == len(columns) == position.shape[1]:
+            same = (names == columns).all(axis=1)
+            self._data.joints.extend(time[same], position[same])
+
+    def _audio(self, batch: Batch, time: Track) -> None:
+        blocks = [np.asarray(samples, float) for samples in batch.column("samples")]
+        power = np.array([b @ b / max(len(b), 1) for b in blocks]) / FULL_SCALE**2
+        level = 10.0 * np.log10(np.maximum(power, 10.0 ** (QUIETEST / 10.0)))
+        has_sound = np.array([len(block) > 0 for block in blocks])
+        self._data.sound.extend(time[has_sound], level[has_sound])
 
     def _picture(self, m: Any) -> None:
         """Keep pictures spread over the session, never more than twice as many as are shown."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from array import array
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,6 +101,10 @@ class SampledTable:
         """Add one row, the time [s] first."""
         self._rows.extend(row)
 
+    def extend(self, *columns: NDArray[Any]) -> None:
+        """Add rows by their columns, each of shape (n,), the time [s] first."""
+        self._rows.frombytes(np.column_stack(columns).astype(float).tobytes())
+
     def __len__(self) -> int:
         return len(self._rows) // len(self.columns)
 
@@ -115,6 +120,11 @@ class Intervals:
     topic: str
     time: array[float] = field(default_factory=lambda: array("d"))  # [s] of the later message
     length: array[float] = field(default_factory=lambda: array("f"))  # [s]
+
+    def extend(self, time: Track, length: Track) -> None:
+        """Add intervals, shape (n,) each."""
+        self.time.frombytes(time.astype(float).tobytes())
+        self.length.frombytes(length.astype(np.float32).tobytes())
 
 
 @dataclass
