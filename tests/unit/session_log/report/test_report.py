@@ -198,3 +198,21 @@ def test_a_folder_that_cannot_be_made_is_named(story, tmp_path, report_config):
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OutputFailed, match=r"cannot write .*file"):
         write_report(SessionReader(story[0]), tmp_path / "file", report_config)
+
+
+@pytest.mark.parametrize(("missed", "is_warned"), [(1, False), (500, True)])
+def test_one_lost_message_of_thousands_is_a_note_and_many_are_a_warning(
+    tmp_path, report_config, missed, is_warned
+):
+    path = tmp_path / "s.mcap"
+    story = Story(rate=100)
+    with SessionWriter(path) as writer:
+        for message in story.build():
+            writer.add(message)
+        losses = {"/joint_states from /robot": f"0 dropped, {missed} missed"}
+        writer.add_metadata("losses", losses)
+    text = write_report(SessionReader(path), tmp_path, report_config).page.read_text()
+    words = f"Lost on /joint_states from /robot: 0 dropped, {missed} missed of"
+    assert words in text
+    warning = re.search(r'<p class="warn">(.*?)</p>', text)
+    assert (warning is not None and words in warning[1]) == is_warned

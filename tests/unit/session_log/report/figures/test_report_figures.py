@@ -4,16 +4,20 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from session_log.mcap_file.reader import SessionReader
 from session_log.report.figures import POOL_FIGURES, SessionMaterial
+from session_log.report.figures.rcm import RcmErrorFigure
 from session_log.report.figures.style import NARROW, WIDE
+from session_log.report.figures.tension import TensionFigure, tension_limit
 from session_log.report.figures.timeline import TimelineFigure
 from session_log.report.pool.pool import Pool
 from session_log.report.session.analysis import command_rows
 from session_log.report.session.extract import extract
+from session_log.report.session.session_data import SessionData
 from session_log.report.session.shaft import rcm_from_joints
 from session_log.report.session.summary import GivenCommand, summarise
 from session_log.report.session.trials import NOTHING, PhraseTrial, trials
@@ -62,6 +66,10 @@ def test_a_crowded_timeline_still_names_what_went_wrong(material):
     crowded = replace(material, rows=many, trials=wrong)
     words = words_of(TimelineFigure().draw(crowded, WIDE))
     assert "x" * 9 not in words and "meant: release (nothing heard)" in words
+    assert "400 without room for a label" in words
+    assert not any(
+        "without room" in word for word in words_of(TimelineFigure().draw(material, WIDE))
+    )
 
 
 def test_a_session_without_intentions_marks_nothing_as_misheard(material):
@@ -98,3 +106,23 @@ def test_captions_count_what_was_wrong(material):
     assert "Wrong: 2 of 15, of which 1 were taken for a command" in POOLED["confusion"].caption(
         pool_of(material, trials=extra)
     )
+
+
+def test_the_limit_of_the_tension_is_drawn_where_the_settings_name_it(material):
+    settings = {"other": "x: [", "controller": "tension: {limit: 2.4, maximum: 2.0}\nx: 1"}
+    assert tension_limit(settings) == 2.4
+    assert tension_limit({"robot1": "controller: {tension: {limit: 3}}"}) == 3.0
+    assert tension_limit({"controller": "watchdogs: {tension: 1}"}) is None
+    condition = replace(material.data.recording.condition, metadata=[("parameters", settings)])
+    data = replace(material.data, recording=replace(material.data.recording, condition=condition))
+    assert "limit 2.4 N" in words_of(TensionFigure().draw(replace(material, data=data), WIDE))
+    assert not any("limit" in w for w in words_of(TensionFigure().draw(material, WIDE)))
+
+
+def test_the_axis_of_the_rcm_error_ends_where_rounding_begins(material):
+    tiny = np.full(5, 1e-18)
+    rcm = replace(material.rcm, time=np.arange(5.0), error=tiny, moving=np.ones(5, bool))
+    figure = RcmErrorFigure().draw(replace(material, rcm=rcm, data=SessionData(None)), WIDE)
+    low, high = figure.axes[0].get_ylim()
+    assert low == pytest.approx(0.01) and high == pytest.approx(100.0)  # µm
+    assert min(figure.axes[0].lines[0].get_ydata()) == pytest.approx(0.01)

@@ -176,3 +176,14 @@ def test_late_cycles_are_counted_and_the_longest_is_placed():
     timing = analysis.loop_timing(loop, 1.5)
     assert (timing.late, timing.longest_at) == (2, 50.0)
     assert timing.period.largest == pytest.approx(0.009)
+
+
+def test_the_end_of_the_program_is_no_command_of_anybody(report_config):
+    events = [
+        RecordedEvent(
+            5.0, "stop_received", "stop", "the controller is being shut down", "shutdown"
+        ),
+        RecordedEvent(3.0, "stop_received", "stop", "stop topic, from /pedal", "stop_topic"),
+    ]
+    rows = rows_of(report_config, [], events)
+    assert [(row.command, row.heard, row.time) for row in rows] == [("stop", None, 3.0)]

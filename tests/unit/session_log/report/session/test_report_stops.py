@@ -60,6 +60,20 @@ def test_every_stop_that_was_said_is_a_row():
     assert [stop.time for stop in stops(events, [])] == [2.0, 4.0]
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_stop_that_comes_by_topic_and_by_service_is_one_row(order):
+    words = (TOPIC, '"stop" from /voice_assist')[::order]
+    events = [
+        RecordedEvent(2.0, "stop_received", "stop", words[0]),
+        RecordedEvent(2.002, "stop_received", "stop", words[1]),
+        RecordedEvent(2.1, "at_rest", "tense", TOPIC),
+        RecordedEvent(2.1, "halted", "tense", TOPIC),
+    ]
+    (stop,) = stops(events, [])
+    assert (stop.time, stop.cause, stop.command, stop.is_latched) == (2.0, words[0], "tense", True)
+    assert stop.at_rest == pytest.approx(0.1)
+
+
 def test_a_latch_without_any_cause_is_shown_as_such():
     states = [Span(0.0, 4.0, "active"), Span(4.0, 9.0, "faulted")]
     (stop,) = stops([], states)

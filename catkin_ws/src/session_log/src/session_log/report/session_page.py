@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from datetime import datetime
 from typing import Any
@@ -17,6 +18,7 @@ from session_log.report.session.summary import SessionSummary
 from session_log.report.tables import session_tables
 from session_log.report.tables.text_table import size_words
 
+LOSS_SHARE = 1e-3  # of a topic's messages: less is a note, not a warning
 COMMANDS_NOTE = "Decision and action: time after the end of speech."
 BELOW_COMMANDS = (
     "accuracy",
@@ -67,7 +69,8 @@ def _sections(
             yield figure_section(_FIGURES[name], images, pool)
     health = session_tables.health_table(material)
     yield table_section("Health", health, "The recording holds no diagnostics.")
-    yield Section("Recording", table=session_tables.topics_table(material))
+    few = " ".join(_losses(data.recording)[1])
+    yield Section("Recording", few, table=session_tables.topics_table(material))
     metadata = dict(sorted(dict(data.recording.condition.metadata).items()))  # the latest of each
     yield Section(
         "Origin", "" if metadata else "The recording holds no metadata.", details=metadata
@@ -79,6 +82,19 @@ def _subtitle(recording: RecordingSummary) -> str:
     words = began.strftime("%d %B %Y, %H:%M:%S %Z") if began else "no messages"
     extent = f"{recording.duration:.1f} s, {recording.messages} messages"
     return f"{words} · {extent} · {size_words(recording.condition.size)}"
+
+
+def _losses(recording: RecordingSummary) -> tuple[list[str], list[str]]:
+    """What was lost before the recorder: what is worth a warning, and a few messages of many."""
+    warned: list[str] = []
+    noted: list[str] = []
+    for name, loss in recording.condition.latest("losses").items():
+        lost = sum(map(int, re.findall(r"\d+", loss)))
+        topic = recording.topics.get(name.split(" ", 1)[0])
+        of = f" of {topic.messages + lost} messages" if topic else ""
+        is_little = topic is not None and lost < LOSS_SHARE * topic.messages
+        (noted if is_little else warned).append(f"Lost on {name}: {loss}{of}.")
+    return warned, noted
 
 
 def _warnings(material: SessionMaterial) -> Iterator[str]:
@@ -94,8 +110,7 @@ def _warnings(material: SessionMaterial) -> Iterator[str]:
         yield f"{recording.missing} messages were received but are not in the file."
     for step in recording.clock_steps:
         yield f"{str(step).capitalize()}: times after it are wrong."
-    for name, loss in condition.latest("losses").items():
-        yield f"Lost on {name}: {loss}."
+    yield from _losses(recording)[0]
     for topic, count in material.data.undecodable.items():
         yield f"{count} messages of {topic} do not fit what the report expects."
     for what in sorted(material.data.missing_fields):

@@ -23,7 +23,7 @@ from session_log.report.session.session_data import Track
 from session_log.report.tables.text_table import length
 
 SMALL = 20.0  # an error this many times below the limit is drawn on a logarithmic scale
-LEAST = 1e-6  # [µm] where that scale begins at the latest
+FLOOR = 0.01  # [µm] where that scale begins at the latest: below it is rounding
 WHAT = "Distance of the measured shaft line from the trocar"
 
 
@@ -72,7 +72,10 @@ class RcmErrorFigure(SessionFigure):
         if 0.0 < largest < limit / SMALL:
             ax.set_yscale("log")
             typical = float(np.median(error[error > 0.0]))
-            ax.set_ylim(max(typical / 10.0, LEAST), limit * 2.0)
+            floor = max(typical / 10.0, FLOOR)
+            ax.set_ylim(floor, limit * 2.0)
+            for line in ax.lines:  # what is less stands on the axis
+                line.set_ydata(np.maximum(line.get_ydata(), floor))
         else:
             ax.set_ylim(0.0, max(limit, largest) * 1.12)
         ax.set_ylabel("RCM error [µm]")

@@ -3,13 +3,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
+import yaml
 from matplotlib.figure import Figure
 
 from session_log.report.figures.figure import SessionFigure, SessionMaterial
 from session_log.report.figures.style import (
     BLUE,
     INK,
+    RED,
     Layout,
     new_figure,
     shade_motion,
@@ -59,8 +64,36 @@ class TensionFigure(SessionFigure):
             shown = np.where(target > 0, target, np.nan)
             ax.plot(data.controller["time"], shown, color=INK, ls="--", lw=1.0, label="target")
             top = max(top, float(target.max()))
+        if (limit := tension_limit(data.recording.condition.latest("parameters"))) is not None:
+            ax.axhline(limit, color=RED, lw=1.0, ls="--", label=f"limit {limit:.3g} N")
+            top = max(top, limit)
         ax.set_ylim(0.0, max(top, 0.1) * 1.25)
         ax.set_ylabel("tension [N]")
-        ax.legend(loc="upper right", ncols=2, borderaxespad=0.2)
+        ax.legend(loc="upper right", ncols=3, borderaxespad=0.2)
         time_axis(ax, material.duration)
         return figure
+
+
+def tension_limit(parameters: Mapping[str, str]) -> float | None:
+    """Tension at which the recorded controller stops [N]; None if its settings name none.
+
+    Args:
+        parameters: The recorded parameters, by their first name.
+    """
+    for text in parameters.values():
+        try:
+            found = _limit_in(yaml.safe_load(text)) if "tension:" in text else None
+        except yaml.YAMLError:
+            continue
+        if found is not None:
+            return found
+    return None
+
+
+def _limit_in(settings: Any) -> float | None:
+    if not isinstance(settings, dict):
+        return None
+    tension = settings.get("tension")
+    if isinstance(tension, dict) and isinstance(limit := tension.get("limit"), (int, float)):
+        return float(limit)
+    return next((v for v in map(_limit_in, settings.values()) if v is not None), None)

@@ -126,46 +126,65 @@ def _rows(duration: float, layout: Layout) -> list[TimelineRow]:
 
 def _draw_speech(ax: Axes, material: SessionMaterial, row: TimelineRow) -> None:
     sound = material.data.sound
+    mine = (sound["time"] >= row.start) & (sound["time"] <= row.end)
     ax.set_ylim(-0.5, 1.0 + 0.8 * LANES)
     ax.set_yticks([0.15], ["speech"])
     ax.tick_params(axis="x", labelbottom=False, length=0)
     ax.tick_params(axis="y", length=0)
     ax.spines[["left", "bottom"]].set_visible(False)
-    if len(sound):
+    if mine.any():
         level = (sound["level"].clip(QUIETEST, LOUDEST) - QUIETEST) / (LOUDEST - QUIETEST)
-        time, level = thin(sound["time"], level)
+        time, level = thin(sound["time"][mine], level[mine])
         ax.fill_between(time, -0.1, -0.1 + 0.8 * level, color=SOUND, lw=0)
     labels = [label for label in _labels(material) if row.start <= label.time < row.end]
-    for heard in material.data.heard:
-        length = max(heard.speech_end - heard.speech_start, 0.05)
-        color = GREEN if heard.command else QUIET
-        ax.barh(-0.3, length, left=heard.speech_start, height=0.3, color=color, lw=0)
+    for color, is_command in ((GREEN, True), (QUIET, False)):
+        speech = [
+            Span(h.speech_start, max(h.speech_end, h.speech_start + 0.05), "")
+            for h in material.data.heard
+            if bool(h.command) == is_command
+        ]
+        _draw_bars(ax, (-0.45, 0.3), speech, color, row)
     if sum(len(label.words) * row.letter for label in labels) > 0.9 * LANES * row.length:
-        labels = [label for label in labels if label.color in (RED, PURPLE)]  # what went wrong
-    _draw_labels(ax, labels, row)
+        wrong = [label for label in labels if label.color in (RED, PURPLE)]
+        others = [label.time for label in labels if label not in wrong]
+        _draw_labels(ax, wrong, others, row)
+    else:
+        _draw_labels(ax, labels, [], row)
 
 
-def _draw_labels(ax: Axes, labels: list[TimelineLabel], row: TimelineRow) -> None:
+def _draw_labels(
+    ax: Axes, labels: list[TimelineLabel], left_out: list[float], row: TimelineRow
+) -> None:
+    """Write the labels that find room, and mark the moments of the others, `left_out` too [s]."""
     free = [row.start] * LANES
     for label in labels:
         width = (len(label.words) + 2) * row.letter
         left = min(label.time, row.end - width)
         lane = next((i for i in range(LANES) if free[i] <= left), None)
         if lane is None:
+            left_out.append(label.time)
             continue
         free[lane] = left + width
-        y = 1.0 + 0.8 * lane
-        ax.plot([label.time] * 2, [-0.45, y + 0.5], color=label.color, lw=0.5, zorder=1)
-        ax.text(
-            left + 0.5 * row.letter,
-            y,
-            label.words,
-            fontsize=7,
-            color=label.color,
-            style=label.style,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
-            zorder=2,
-        )
+        _draw_label(ax, label, left + 0.5 * row.letter, 1.0 + 0.8 * lane)
+    if left_out:
+        top = 1.0 + 0.8 * LANES
+        ax.plot(left_out, [top] * len(left_out), ls="", marker="v", ms=2.5, color=QUIET)
+        words = f"{len(left_out)} without room for a label"
+        ax.text(row.end, top, words, ha="right", va="bottom", fontsize=6, color=QUIET)
+
+
+def _draw_label(ax: Axes, label: TimelineLabel, left: float, y: float) -> None:
+    ax.plot([label.time] * 2, [-0.45, y + 0.5], color=label.color, lw=0.5, zorder=1)
+    ax.text(
+        left,
+        y,
+        label.words,
+        fontsize=7,
+        color=label.color,
+        style=label.style,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
+        zorder=2,
+    )
 
 
 def _labels(material: SessionMaterial) -> list[TimelineLabel]:
@@ -193,30 +212,39 @@ def _quoted(words: str) -> str:
 def _draw_bands(ax: Axes, material: SessionMaterial, row: TimelineRow) -> None:
     data = material.data
     modes = {"active": SKY, "standby": STATE_COLORS["standby"]}
-    _draw_band(ax, 2.0, data.modes, modes)
-    _draw_band(ax, 1.0, data.states, STATE_COLORS)
+    _draw_band(ax, 2.0, data.modes, modes, row)
+    _draw_band(ax, 1.0, data.states, STATE_COLORS, row)
     shades = _phase_colors(data.phases)
-    _draw_band(ax, 0.0, data.phases, shades)
+    _draw_band(ax, 0.0, data.phases, shades, row)
     for span in data.phases:
         wide_enough = span.end - span.start > (len(span.word) + 0.5) * 0.75 * row.letter
         if span.word and wide_enough and row.start <= span.start and span.end <= row.end:
             middle = (span.start + span.end) / 2
             ax.text(middle, 0.0, span.word, ha="center", va="center", fontsize=6.5)
-    for event in data.events:
-        if event.kind in MARKS:
-            shape, color, _ = MARKS[event.kind]
-            ax.plot(event.time, 1.0, marker=shape, color=color, ms=6, mec="white", mew=0.6)
+    for kind, (shape, color, _) in MARKS.items():
+        times = [e.time for e in data.events if e.kind == kind and row.start <= e.time < row.end]
+        ones = [1.0] * len(times)
+        ax.plot(times, ones, ls="", marker=shape, color=color, ms=6, mec="white", mew=0.6)
     ax.set_ylim(-0.5, 2.5)
     ax.set_yticks([2.0, 1.0, 0.0], ["voice", "robot", "phase"])
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
 
 
-def _draw_band(ax: Axes, y: float, spans: list[Span], colors: dict[str, str]) -> None:
-    for span in spans:
-        if span.word in colors:
-            width = span.end - span.start
-            ax.barh(y, width, left=span.start, height=0.72, color=colors[span.word], lw=0)
+def _draw_band(
+    ax: Axes, y: float, spans: list[Span], colors: dict[str, str], row: TimelineRow
+) -> None:
+    for word, color in colors.items():
+        _draw_bars(ax, (y - 0.36, 0.72), [s for s in spans if s.word == word], color, row)
+
+
+def _draw_bars(
+    ax: Axes, place: tuple[float, float], spans: list[Span], color: str, row: TimelineRow
+) -> None:
+    """Bars of one colour, as one artist; `place` is where they begin and how high they are."""
+    shown = [(s.start, s.end - s.start) for s in spans if s.end > row.start and s.start < row.end]
+    if shown:
+        ax.broken_barh(shown, place, color=color, lw=0)
 
 
 def _phase_colors(phases: list[Span]) -> dict[str, str]:

@@ -19,6 +19,7 @@ from session_log.report.session.session_data import (
 )
 
 STOP = "stop"
+SHUTDOWN = "shutdown"  # reason code of rst_control/ReasonCode
 ANSWERS = ("accepted", "refused", "stop_received")
 CLOCK_SLACK = 0.02  # [s] an answer may be stamped this much before the decision it answers
 
@@ -90,7 +91,7 @@ def statistics(values: Iterable[float] | Track) -> Statistics:
 
 def command_rows(data: SessionData, config: ReportConfig) -> list[CommandRow]:
     """Join what was heard with what the controller answered and did, in order of time."""
-    answers = sorted((e for e in data.events if e.kind in ANSWERS), key=lambda e: e.time)
+    answers = sorted(filter(_is_answer, data.events), key=lambda e: e.time)
     rows = []
     for heard in sorted((h for h in data.heard if h.command), key=lambda h: h.decision):
         mine = _answers_to(heard, answers, config.match_window)
@@ -137,6 +138,11 @@ def _answers_to(
     candidates = [a for a in answers if since <= a.time <= until]
     first = next((a for a in candidates if _command_of(a) == heard.command), None)
     return [a for a in candidates if first and (a is first or _belongs(first, a))]
+
+
+def _is_answer(event: RecordedEvent) -> bool:
+    """An end of the program, such as by Ctrl-C, is no command that somebody gave."""
+    return event.kind in ANSWERS and event.reason_code != SHUTDOWN
 
 
 def _belongs(first: RecordedEvent, other: RecordedEvent) -> bool:

@@ -192,9 +192,8 @@ class _Extractor:
         self._modes.say(max(self._time(m.header.stamp), 0.0), m.mode)
 
     def _event(self, m: Any) -> None:
-        self._data.events.append(
-            RecordedEvent(self._time(m.header.stamp), m.kind, m.command, m.message)
-        )
+        time, code = self._time(m.header.stamp), getattr(m, "reason_code", "")
+        self._data.events.append(RecordedEvent(time, m.kind, m.command, m.message, code))
 
     def _state(self, batch: Batch, time: Track) -> None:
         state, moving = batch.column("state"), np.isin(batch.column("state"), MOVING)

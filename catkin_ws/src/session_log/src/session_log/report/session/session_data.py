@@ -58,6 +58,7 @@ class RecordedEvent:
     kind: str
     command: str
     message: str
+    reason_code: str = ""  # older recordings have none
 
 
 @dataclass(frozen=True)

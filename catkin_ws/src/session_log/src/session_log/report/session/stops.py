@@ -26,6 +26,7 @@ class RecordedStop:
     command: str  # in execution; empty: none
     at_rest: float  # [s] after `time`; nan: it moved nothing, or the recording ends before
     is_latched: bool
+    also: tuple[str, ...] = ()  # other words for its cause: it may come by topic and by service
 
 
 def stops(events: Sequence[RecordedEvent], states: Sequence[Span]) -> list[RecordedStop]:
@@ -67,11 +68,9 @@ def stops_table(found: Sequence[RecordedStop]) -> TextTable:
 
 def _belongs(last: RecordedStop, event: RecordedEvent) -> bool:
     """Whether an entry goes on with the stop before it: each is reported once as it ends."""
-    if event.message != last.cause:
-        return False
-    if event.kind == "stop_received":
-        return False  # somebody stopped once more
-    return not last.is_latched
+    if event.kind == "stop_received":  # later somebody stopped once more
+        return event.time - last.time < _SLACK and not last.is_latched
+    return event.message in (last.cause, *last.also) and not last.is_latched
 
 
 def _first(event: RecordedEvent, states: Sequence[Span]) -> RecordedStop:
@@ -83,6 +82,8 @@ def _first(event: RecordedEvent, states: Sequence[Span]) -> RecordedStop:
 
 
 def _joined(last: RecordedStop, event: RecordedEvent) -> RecordedStop:
+    if event.kind == "stop_received":
+        return replace(last, also=(*last.also, event.message))
     if event.kind == "at_rest":
         return replace(last, command=event.command, at_rest=event.time - last.time)
     return replace(last, command=last.command or event.command, is_latched=True)
