@@ -2,9 +2,9 @@
 """All figures of the voice, part by part; `make bench ONLY=voice.near` measures one part.
 
 In the environment: THIN=1 takes all clips (3: one in three in noise), JOBS the processes. The long
-parts (trials, stop, armed, near, unarmed, nothing) go on where they were interrupted: see
-bench/common/resumable.py for MINUTES, SHARE, RESULTS and FORCE, hearing/pieces.py for MODEL, and
-the parts themselves for HOURS and SOAK.
+parts (trials, stop, armed, near, foreign, ask, unarmed, nothing) go on where they were interrupted:
+see bench/common/resumable.py for MINUTES, SHARE, RESULTS and FORCE, hearing/pieces.py for MODEL,
+and the parts themselves for HOURS and SOAK.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ from collections.abc import Callable
 
 from bench.voice import (
     armed,
+    ask,
     calibration,
     false_alarms,
+    foreign,
     idle,
     near_misses,
     overlap,
@@ -32,6 +34,8 @@ PARTS: dict[str, Callable[[], list[Figure]]] = {
     "stop": stop.measure,
     "overlap": overlap.measure,
     "near": near_misses.measure,
+    "foreign": foreign.measure,
+    "ask": ask.measure,
     "overlap_network": overlap_network.measure,
     "armed": armed.measure,
     "calibration": calibration.measure,

@@ -42,6 +42,7 @@ class SoundScene:
     keeps_mode: bool = True  # whatever is heard, the mode stays; False: as in the node
     way: Way = "both"
     is_moving: bool = False  # the robot, all the time
+    asks: bool = False  # for motions that are nearly sure
     robot_speaks: tuple[tuple[float, float], ...] = ()  # [s] from, to; reported, as a lab would
 
 
@@ -96,6 +97,10 @@ class Deaf:
         """Every phrase is impossible."""
         return dict.fromkeys(phrases, _IMPOSSIBLE)
 
+    def verify(self, samples: Samples, phrase: str) -> float:
+        """It is not that phrase."""
+        return _IMPOSSIBLE
+
 
 class SceneListener:
     """Streams scenes, one pipeline per way.
@@ -109,11 +114,11 @@ class SceneListener:
         self._config = load_voice_config(recognizer__model=model)
         self._recognizer = make_recognizer(self._config)
         self._clock = StreamClock(time.process_time)
-        self._pipelines: dict[Way, Pipeline] = {}
+        self._pipelines: dict[tuple[Way, bool], Pipeline] = {}
 
     def __call__(self, scene: SoundScene) -> SceneResult:
         """Stream a scene from a fresh start."""
-        pipeline = self._pipeline(scene.way)
+        pipeline = self._pipeline(scene.way, scene.asks)
         pipeline.reset()
         pipeline.set_mode(scene.mode, "bench")
         began, compute = self._clock() + 1.0, self._clock.compute
@@ -137,15 +142,15 @@ class SceneListener:
         spent = self._clock.compute - compute
         return SceneResult(tuple(said), streamed, spent, armed * FRAME / RATE)
 
-    def _pipeline(self, way: Way) -> Pipeline:
-        if way not in self._pipelines:
-            config = _of_way(self._config, way)
+    def _pipeline(self, way: Way, asks: bool) -> Pipeline:
+        if (way, asks) not in self._pipelines:
+            config = _of_way(self._config, way, asks)
             recognizer: Recognizer = Deaf() if way == "spotter" else self._recognizer
             pipeline = make_pipeline(config, self._clock, recognizer)
             noise = np.random.default_rng(0).standard_normal(2 * RATE)
             pipeline.warm_up((0.1 * noise).astype(np.float32))
-            self._pipelines[way] = pipeline
-        return self._pipelines[way]
+            self._pipelines[way, asks] = pipeline
+        return self._pipelines[way, asks]
 
 
 def whole_frames(sound: Samples) -> Samples:
@@ -153,10 +158,14 @@ def whole_frames(sound: Samples) -> Samples:
     return np.pad(sound, (0, -len(sound) % FRAME))
 
 
-def _of_way(config: VoiceConfig, way: Way) -> VoiceConfig:
-    if way != "recogniser":
+def _of_way(config: VoiceConfig, way: Way, asks: bool) -> VoiceConfig:
+    if way != "recogniser" and not asks:
         return config
-    return load_voice_config(recognizer__model=config.recognizer.model, spotter__is_enabled=False)
+    return load_voice_config(
+        recognizer__model=config.recognizer.model,
+        recognizer__ask__is_enabled=asks,
+        spotter__is_enabled=way != "recogniser",
+    )
 
 
 def _said(decision: UtteranceDecision, began: float) -> SceneDecision:

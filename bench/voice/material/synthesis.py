@@ -16,7 +16,7 @@ from bench.common import resumable
 from bench.voice.material import clips as voice_sets
 from support.figures import ROOT
 from voice_assist.training.data.human import read_manifest
-from voice_assist.training.data.synthesis import synthesise
+from voice_assist.training.data.synthesis import speak_all
 from voice_assist.training.data.texts import normalise_text
 from voice_assist.training.data.voices import Prompt
 from voice_assist.types import RATE
@@ -27,7 +27,7 @@ class SpokenClip:
     """One sound file."""
 
     path: str  # relative to the repository
-    text: str  # normalised; empty where nobody knows
+    text: str  # normalised, of other languages as written; empty where nobody knows
     engine: str  # "human" for people
     voice: str
 
@@ -68,12 +68,12 @@ def recorded(*splits: str) -> list[SpokenClip]:
 def _speak(prompts: Sequence[Prompt], folder: Path, index: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     found = []
-    clips = synthesise(prompts, ROOT / ".cache" / "training" / "held_out")
-    for number, clip in enumerate(clips):
+    said = speak_all(prompts, ROOT / ".cache" / "training" / "held_out")
+    for number, (prompt, sound) in enumerate(said):
         path = folder / f"{number:05d}.wav"
-        soundfile.write(path, clip.samples, RATE)
-        engine, _, voice = clip.speaker.partition(":")
-        found.append(SpokenClip(str(path.relative_to(ROOT)), clip.text, engine, voice))
+        soundfile.write(path, sound, RATE)
+        clip = str(path.relative_to(ROOT)), prompt.text, prompt.engine, prompt.voice
+        found.append(SpokenClip(*clip))
     if len(found) < len(prompts):
         print(f"{len(prompts) - len(found)} of {len(prompts)} prompts gave no sound")
     unfinished = index.with_suffix(".tmp")

@@ -59,8 +59,8 @@ class FakeRecognizer:
     name = "fake"
     model_hash = "0"
 
-    def __init__(self, scores=None, confidence=0.8):
-        self.scores = scores or {}
+    def __init__(self, scores=None, confidence=0.8, odds=None):
+        self.scores, self.odds = scores or {}, odds or {}
         self.confidence = confidence
         self.heard = []  # lengths of what was transcribed [s]
 
@@ -72,6 +72,9 @@ class FakeRecognizer:
     def score(self, samples, phrases):
         text = self.transcribe(samples).text
         return {p: self.scores.get(p, 20.0 if p == text else -50.0) for p in phrases}
+
+    def verify(self, samples, phrase):
+        return self.odds.get(phrase, float("inf"))
 
     def _words(self, samples):
         block = 80  # 5 ms

@@ -27,6 +27,7 @@ WORDS = {w for p in COMMANDS.phrases for w in normalize(p) if len(w) >= LEFT_ALO
         ("unknown command 'more light'; say one of: hey robot, stop", "unknown command"),
         ("pulled 12.0 mm, allowed 10 N", "drawn 12.0 millimetres, allowed 10 newton"),
         ("the robot doesn't answer", "the arm doesn't answer"),
+        ("pull more?", "draws further?"),
         ("stop", "halts"),
         ('say "hey robot"', ""),
         ("", ""),

@@ -125,6 +125,7 @@ class RejectionReason(Enum):
 
     UNSURE = "unsure"
     SOUNDS_LIKE_ANOTHER = "sounds_like_another"
+    NEARLY_SURE = "nearly_sure"
     HALT_UNSURE = "halt_unsure"
     OTHER_VOICE = "other_voice"
     DAMAGED_SOUND = "damaged_sound"
@@ -167,6 +168,13 @@ class Call:
 
 
 @dataclass(frozen=True)
+class Ask:
+    """Ask a person whether a command was said."""
+
+    command: str
+
+
+@dataclass(frozen=True)
 class SetMode:
     """The voice changed its mode."""
 
@@ -174,7 +182,7 @@ class SetMode:
     reason: str
 
 
-Action = Halt | Call | SetMode
+Action = Halt | Call | Ask | SetMode
 
 
 @dataclass(frozen=True)

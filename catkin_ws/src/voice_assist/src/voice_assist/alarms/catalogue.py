@@ -63,6 +63,13 @@ ENTRIES: Final = (
         'Say "hey robot" first.',
     ),
     _entry(
+        Earcon.QUESTION,
+        Kind.REFUSAL,
+        'a motion was nearly sure; it is done after a "yes", and dropped by all else',
+        'pull more: nearly sure; say "yes" within 3 s: confidence 0.71, allowed: at least 0.80',
+        'Say "yes" if it is what you said.',
+    ),
+    _entry(
         Earcon.ACCEPTED,
         Kind.NOTICE,
         "a command was accepted",

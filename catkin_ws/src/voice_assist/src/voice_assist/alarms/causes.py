@@ -124,6 +124,7 @@ UNHEARD: Final = _refusals(  # by Utterance.reason_code: the words of a command 
     {
         "unsure": "Say it again, clearly.",
         "sounds_like_another": "Say it again, clearly.",
+        "nearly_sure": 'Say "yes" if it is what you said.',
         "halt_unsure": 'Say "stop" again, or stop by hand.',
         "other_voice": "Let the enrolled person say it, or give it by hand.",
         "damaged_sound": "Check the microphone and its cable.",

@@ -8,6 +8,7 @@ information.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 from voice_assist.alarms.causes import (
@@ -73,7 +74,9 @@ def unheard_alarm(utterance: UtteranceReport) -> Alarm | None:
     advice = UNHEARD.get(utterance.reason_code)
     if advice is None:  # it denies, or fits several: then nothing is what was wanted
         return None
-    return _refusal(advice, f"{utterance.nearest_command}: {utterance.reason}")
+    alarm = _refusal(advice, f"{utterance.nearest_command}: {utterance.reason}")
+    is_question = utterance.reason_code == "nearly_sure"
+    return replace(alarm, earcon=Earcon.QUESTION) if is_question else alarm
 
 
 def part_alarm(part: str, message: str, code: str, is_loaded: bool) -> Alarm:

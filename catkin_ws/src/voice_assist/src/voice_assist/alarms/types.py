@@ -35,6 +35,7 @@ class Earcon(Enum):
     FAULT_LOW = "fault-low"
     STOP = "stop"
     REFUSAL = "refusal"
+    QUESTION = "question"
     ACCEPTED = "accepted"
     ARMED = "armed"
     STANDBY = "standby"

@@ -29,6 +29,7 @@ from voice_assist.errors import CommandsError
 __all__ = [
     "CONFIG_DIR",
     "SECTIONS",
+    "AskConfig",
     "AudioConfig",
     "CommandConfig",
     "CommandsConfig",
@@ -202,6 +203,17 @@ class ConfidenceConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class AskConfig:
+    """When a motion that is nearly sure is asked for."""
+
+    is_enabled: bool = flag()
+    min_confidence: float = number(0.0, 1.0, "")
+    min_verification: float = number(-1000.0, 1000.0, "nat")
+    answer: str = text()
+    answer_within: float = number(0.5, 10.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
 class RecognizerConfig:
     """Recognition and the moment of decision."""
 
@@ -212,10 +224,12 @@ class RecognizerConfig:
     hung_after: float = number(0.1, 30.0, "s")
     second_opinion: bool = flag()
     motion_confidence: float = number(0.0, NEVER_SURE, "")
+    motion_verification: float = number(-1000.0, 1000.0, "nat")
     motion_pitch_variation: float = number(0.0, 20.0, "cent")
     motion_speech: float = number(0.0, 0.99, "")
     confidence: ConfidenceConfig
     early: EarlyConfig
+    ask: AskConfig
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,7 +21,7 @@ from torch.nn import functional
 
 from voice_assist.config.enrolment import AdaptConfig
 from voice_assist.enrolment.examples import Example
-from voice_assist.recognizer.hybrid import WhisperCtc
+from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import encode
 from voice_assist.training.data.batches import IGNORED, teacher_tensors
@@ -103,15 +103,8 @@ def _store(model: WhisperCtc, examples: Sequence[Example], blocks: int) -> list[
 
 
 def _below(model: WhisperCtc, example: Example, blocks: int) -> Tensor:
-    encoder = model.whisper.encoder
-    hidden = functional.gelu(
-        encoder.conv1(log_mel(torch.from_numpy(np.array(example.samples))[None]))
-    )
-    hidden = functional.gelu(encoder.conv2(hidden)).permute(0, 2, 1)
-    hidden = hidden + encoder.positional_embedding[: hidden.shape[1]]
-    for block in encoder.blocks[:blocks]:
-        hidden = block(hidden)
-    return hidden[0]
+    mel = log_mel(torch.from_numpy(np.array(example.samples))[None])
+    return encode_lower(model.whisper.encoder, mel, blocks)[0]
 
 
 def _batches(
@@ -134,11 +127,8 @@ def _batches(
 
 def _loss(model: WhisperCtc, batch: Sequence[_Stored], blocks: int) -> Tensor:
     """The loss of training (objective.joint_loss), from the stored states up."""
-    encoder = model.whisper.encoder
     hidden = torch.stack([one.hidden for one in batch])
-    for block in encoder.blocks[blocks:]:
-        hidden = block(hidden)
-    states = encoder.ln_post(hidden)
+    states = encode_upper(model.whisper.encoder, hidden, blocks)
     texts = [one.text for one in batch]
     tokens, targets = teacher_tensors(texts)
     logits = model.logits(tokens, states)

@@ -209,10 +209,11 @@ class Decider:
             if best != match.command:
                 words = f"it sounds more like {best!r}"
                 rejection = Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, words)
-        if rejection is None and confidence < command.min_confidence:
-            rejection = too_unsure(confidence, command.min_confidence)
         if rejection is None:
-            rejection = self._rejection_rules(command, transcript, self._decoder.sound, partial)
+            rejection = self._doubt(match, confidence, transcript)
+        if rejection is None or rejection.reason is RejectionReason.NEARLY_SURE:
+            rules = self._rejection_rules(command, transcript, self._decoder.sound, partial)
+            rejection = rules or rejection
         outcome = match if rejection is None else match.rejected(rejection)
         return Verdict(outcome, transcript, confidence, RECOGNIZER)
 
@@ -222,6 +223,45 @@ class Decider:
         by_text = self._decoder.scores(tuple(texts.values()))
         scores = {phrase: by_text[text] for phrase, text in texts.items()}
         return max(scores, key=scores.__getitem__), scores[match.command]
+
+    def _doubt(self, match: Match, confidence: float, transcript: Hypothesis) -> Rejection | None:
+        """Why a command may be none, or must be asked for; None: it is one."""
+        command, config = self._config.commands.get(match.command), self._recognizer_config
+        odds, least = self._verified(match, transcript), config.motion_verification
+        if confidence < command.min_confidence:
+            doubt = too_unsure(confidence, command.min_confidence)
+        elif odds < least:
+            words = f"it sounds like another word that is written {match.command!r}: {odds:.1f} nat"
+            words += f", allowed: at least {least:g}"
+            doubt = Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, words)
+        else:
+            return None
+        ask = config.ask
+        is_nearly = confidence >= ask.min_confidence and odds >= ask.min_verification
+        if not (ask.is_enabled and command.is_motion and is_nearly):
+            return doubt
+        words = f'nearly sure; say "{ask.answer}" within {ask.answer_within:g} s: {doubt.words}'
+        return Rejection(RejectionReason.NEARLY_SURE, words)
+
+    def _verified(self, match: Match, transcript: Hypothesis) -> float:
+        """Log-odds [nat] that a motion is no other word that is written the same.
+
+        The words of another language are written as the nearest English that training knew.
+        """
+        commands = self._config.commands
+        if not (self._recognizer_config.second_opinion and commands.get(match.command).is_motion):
+            return float("inf")
+        texts = commands.scored(match.command, normalize(transcript.text))
+        return self._decoder.verify(texts[match.command])
+
+    def confirmed(self, phrase: str, answer: Hypothesis, partial: PartialUtterance) -> Verdict:
+        """A motion that was asked for, or why the answer is not taken."""
+        command, wer = self._config.commands.get(phrase), self._mapper(answer.text).wer
+        match = Match(phrase, wer)
+        rejection = self._rejection_rules(command, answer, self._decoder.sound, partial)
+        worth = self._recognizer_config.confidence.transcript(log_odds(answer.confidence))
+        outcome = match if rejection is None else match.rejected(rejection)
+        return Verdict(outcome, answer, worth, RECOGNIZER)
 
     def _prepare(self, transcript: Hypothesis, partial: PartialUtterance) -> None:
         """Compute in the pause what a decision at its end will need."""

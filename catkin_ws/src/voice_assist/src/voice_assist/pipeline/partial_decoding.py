@@ -70,6 +70,7 @@ class PartialDecoder:
         self._ignored_until = float("-inf")  # [s] speech that ends before is not decoded
         self._sound: Samples | None = None  # of the newest pass
         self._scores: dict[str, float] = {}
+        self._verified: dict[str, float] = {}
 
     def restart(self, partial: PartialUtterance) -> None:
         """Go on with the rest of the utterance only."""
@@ -117,6 +118,12 @@ class PartialDecoder:
             self._scores = self._recognizer.score(self._sound, phrases)
         return self._scores
 
+    def verify(self, phrase: str) -> float:
+        """The recogniser's log-odds [nat] that the newest sound is a phrase; see Recognizer."""
+        if phrase not in self._verified:
+            self._verified[phrase] = self._recognizer.verify(self.sound, phrase)
+        return self._verified[phrase]
+
     def _is_due(self, partial: PartialUtterance, frame: Frame, time: float, is_turn: bool) -> bool:
         """Whether the sound is worth a pass now."""
         if partial.utterance.speech_end < self._ignored_until:
@@ -146,7 +153,7 @@ class PartialDecoder:
         self.transcript = self._recognizer.transcribe(self._sound, self._is_hopeless)
         if self.transcript.text:
             self.worded_at = time
-        self._decoded_at, self._scores = time, {}
+        self._decoded_at, self._scores, self._verified = time, {}, {}
         self._has_news = not is_final
 
     def _end_of(self, whole: Samples, seconds: float, is_final: bool) -> Samples:

@@ -23,6 +23,7 @@ from voice_assist.intent.dialogue import (
 )
 from voice_assist.intent.early_decision import DecisionContext
 from voice_assist.intent.mapper import Mapper
+from voice_assist.intent.question import Question
 from voice_assist.intent.rejection_rules import RejectionRules
 from voice_assist.pipeline.decider import Decider, StopInSound, Verdict
 from voice_assist.pipeline.partial_decoding import PartialDecoder
@@ -32,6 +33,7 @@ from voice_assist.spotter.spotter import Spotted
 from voice_assist.types import (
     RATE,
     Action,
+    Ask,
     Frame,
     Halt,
     Lost,
@@ -39,6 +41,8 @@ from voice_assist.types import (
     Mode,
     NoMatch,
     Partial,
+    Rejection,
+    RejectionReason,
     Samples,
     Utterance,
     UtteranceDecision,
@@ -103,6 +107,7 @@ class Pipeline:
         rules = self._stop_fusion, rejection_rules, stop_in_sound
         self._decider = Decider(config, mapper, self._decoder, *rules)
         self._dialogue_state = AT_START
+        self._question = Question(config.recognizer.ask)
         self._shown = ""  # the transcript published last
         self._start_utterance()
 
@@ -139,6 +144,7 @@ class Pipeline:
         if lost is None:
             return ()
         self._observer(SideInput(SideInputKind.LOST, frame.first_sample))
+        self._question.close()
         self._detector.reset()
         self._endpointer.reset()
         self._segmenter.break_at(frame.stamp)
@@ -191,11 +197,17 @@ class Pipeline:
 
     def _conclude(self, verdict: Verdict, partial: PartialUtterance) -> UtteranceDecision:
         """Let the dialogue act on it, and make ready for the rest of the utterance."""
-        mode, outcome, utterance = self._dialogue_state.mode, verdict.outcome, partial.utterance
+        mode, utterance = self._dialogue_state.mode, partial.utterance
+        verdict = self._confirmed(verdict, partial)
+        outcome = verdict.outcome
         actions: tuple[Action, ...] = ()
+        is_answer = self._question.is_open(utterance.speech_start)
+        self._question.close()
         if isinstance(outcome, Match):
             self._decider.accept(self._config.commands.get(outcome.command), partial)
             outcome, actions = self._act(outcome)
+        elif outcome.rejection.reason is RejectionReason.NEARLY_SURE:
+            outcome, actions = self._ask(outcome, utterance.speech_end + partial.quiet, is_answer)
         if not utterance.is_complete:
             self._segmenter.restart(_KEPT_OF_PAUSE if self._decoder.is_settled(partial) else 0.0)
             self._decoder.restart(partial)
@@ -219,6 +231,28 @@ class Pipeline:
         if outcome.rejection is not None:
             return match.rejected(outcome.rejection), ()
         return match, outcome.actions
+
+    def _confirmed(self, verdict: Verdict, partial: PartialUtterance) -> Verdict:
+        """The motion that was asked for, where the whole utterance confirms it."""
+        is_whole = partial.is_whole and not self._decoder.is_window
+        if isinstance(verdict.outcome, Match) or not (is_whole and partial.utterance.is_complete):
+            return verdict
+        heard = verdict.hypothesis
+        command = self._question.confirmed(heard.text, partial.utterance.speech_start)
+        return self._decider.confirmed(command, heard, partial) if command else verdict
+
+    def _ask(
+        self, outcome: NoMatch, time: float, is_answer: bool
+    ) -> tuple[NoMatch, tuple[Action, ...]]:
+        """Ask for a motion that is nearly sure, unless it answers a question itself."""
+        command = self._config.commands.get(outcome.nearest_command)
+        refused = step(self._dialogue_state, CommandRecognized(command)).rejection
+        if is_answer:
+            refused = Rejection(RejectionReason.UNSURE, "nearly sure again; it was asked once")
+        if refused is not None:
+            return replace(outcome, rejection=refused), ()
+        self._question.ask(command.phrase, time)
+        return outcome, (Ask(command.phrase),)
 
     def _forget_noise(self, partial: PartialUtterance, time: float) -> None:
         """Keep long noise, which the detector takes for speech, from hiding a command in it.
@@ -245,6 +279,7 @@ class Pipeline:
 
     def set_mode(self, mode: Mode, reason: str) -> None:
         """Put the dialogue into a mode."""
+        self._question.close()
         self._dialogue_state = DialogueState(mode, reason)
 
     def answer(self, answered: Answered) -> tuple[Action, ...]:
@@ -287,6 +322,7 @@ class Pipeline:
         self._stop_fusion.reset()
         self._robot_speech.reset()
         self._decider.reset()
+        self._question.close()
         self._start_utterance()
 
 

@@ -137,4 +137,5 @@ class PersonalRecognizer(EmbeddedRecognizer):
         self.model.load_state_dict(state, strict=False)
         self.model.eval()
         self._newest = None  # what the base heard last was encoded by the base
+        self._verifier = None  # it would refuse the very accent that was learned
         self.profile, self.profile_digest = profile, digest

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from voice_assist.recognizer.checkpoint import Checkpoint
 from voice_assist.recognizer.ctc import greedy_text
-from voice_assist.recognizer.hybrid import WhisperCtc
+from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.recognizer import LONGEST, SHORTEST, believed
 from voice_assist.recognizer.scoring import (
@@ -20,6 +20,7 @@ from voice_assist.recognizer.scoring import (
     decoder_likelihoods,
     ratios,
 )
+from voice_assist.recognizer.verification import BLOCKS, PhraseVerifier
 from voice_assist.recognizer.vocabulary import (
     END,
     NO_SPEECH,
@@ -41,6 +42,7 @@ class _Listened:
     """A sound, and what the encoder made of it."""
 
     sound: Samples
+    hidden: Tensor  # after the lower blocks of the encoder, (1, time, d)
     states: Tensor  # (1, time, d)
     ctc: Tensor  # log-probabilities, (time, classes)
     draft: str
@@ -58,17 +60,25 @@ class EmbeddedRecognizer:
     such a beginning cannot matter to him.
     """
 
-    def __init__(self, name: str, checkpoint: Checkpoint, device: str = "cpu") -> None:
+    def __init__(
+        self,
+        name: str,
+        checkpoint: Checkpoint,
+        device: str = "cpu",
+        verifier: PhraseVerifier | None = None,
+    ) -> None:
         """Take the weights.
 
         Args:
             name: As asked for.
             checkpoint: With a CTC head.
             device: A torch device.
+            verifier: Made for that checkpoint; None: no phrase is verified.
         """
         self.name, self.model_hash = name, checkpoint.sha256
         self.model = restore(checkpoint).to(device).eval()
         self._device = device
+        self._verifier = verifier
         self._newest: _Listened | None = None
 
     def transcribe(self, samples: Samples, is_hopeless: IsHopeless = never_hopeless) -> Hypothesis:
@@ -96,6 +106,17 @@ class EmbeddedRecognizer:
         head = ratios(dict(zip(texts, aligned, strict=True)), phrases)
         return {p: (1.0 - CTC_SHARE) * decoder[p] + CTC_SHARE * head[p] for p in phrases}
 
+    def verify(self, samples: Samples, phrase: str) -> float:
+        """The verifier's log-odds; see Recognizer."""
+        if self._verifier is None:
+            return float("inf")
+        if not is_audible(samples):
+            return float("-inf")
+        with torch.inference_mode():
+            heard = self._listen(samples)
+            hidden, ctc = heard.hidden[0].cpu().numpy(), heard.ctc.cpu().numpy()
+        return self._verifier(hidden, ctc, phrase)
+
     def _listen(self, samples: Samples) -> _Listened:
         """Encode a sound; the one that was just heard is not encoded again for its scores."""
         newest = self._newest
@@ -105,9 +126,10 @@ class EmbeddedRecognizer:
         missing = FEWEST_FRAMES * 160 - len(heard)
         heard = np.pad(heard, (0, max(missing, 0)))
         mel = log_mel(torch.from_numpy(heard)[None].to(self._device))
-        states = self.model.encode(mel)
+        hidden = encode_lower(self.model.whisper.encoder, mel, BLOCKS)
+        states = encode_upper(self.model.whisper.encoder, hidden, BLOCKS)
         ctc = self.model.ctc_logprobs(states)[0]
-        self._newest = _Listened(samples, states, ctc, greedy_text(ctc.cpu().numpy()))
+        self._newest = _Listened(samples, hidden, states, ctc, greedy_text(ctc.cpu().numpy()))
         return self._newest
 
     def _decode(self, states: Tensor, draft: str, is_hopeless: IsHopeless) -> Hypothesis:

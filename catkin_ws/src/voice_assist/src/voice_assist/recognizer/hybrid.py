@@ -26,12 +26,24 @@ def encode_short(encoder: AudioEncoder, mel: Tensor) -> Tensor:
     Returns:
         Shape (batch, (frames + 1) // 2, d).
     """
+    return encode_upper(encoder, encode_lower(encoder, mel, 0), 0)
+
+
+def encode_lower(encoder: AudioEncoder, mel: Tensor, blocks: int) -> Tensor:
+    """States after the first blocks of the encoder; arguments and shape as encode_short."""
     x = functional.gelu(encoder.conv1(mel))
     x = functional.gelu(encoder.conv2(x)).permute(0, 2, 1)
     x = x + encoder.positional_embedding[: x.shape[1]].to(x.dtype)
-    for block in encoder.blocks:
+    for block in encoder.blocks[:blocks]:
         x = block(x)
-    return encoder.ln_post(x)
+    return x
+
+
+def encode_upper(encoder: AudioEncoder, hidden: Tensor, blocks: int) -> Tensor:
+    """The rest of the encoder, from the states after its first blocks."""
+    for block in encoder.blocks[blocks:]:
+        hidden = block(hidden)
+    return encoder.ln_post(hidden)
 
 
 Memory = dict[nn.Module | None, Tensor]  # by the linear map that made it

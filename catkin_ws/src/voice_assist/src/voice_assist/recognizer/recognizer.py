@@ -43,6 +43,18 @@ class Recognizer(Protocol):
         """
         ...
 
+    def verify(self, samples: Samples, phrase: str) -> float:
+        """Third opinion on one phrase: is it this, or a strange word that is written the same?
+
+        Args:
+            samples: As for transcribe.
+            phrase: As for score.
+
+        Returns:
+            Log-odds of the phrase [nat]; infinity from a recogniser that cannot verify it.
+        """
+        ...
+
 
 def believed(text: str, avg_logprob: float, no_speech_prob: float) -> Hypothesis:
     """What was heard; no words where there was hardly speech, however sure the network is of them.

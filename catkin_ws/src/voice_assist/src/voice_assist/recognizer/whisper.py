@@ -22,6 +22,7 @@ from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.recognizer import LONGEST, Recognizer, believed
 from voice_assist.recognizer.scoring import ratios
+from voice_assist.recognizer.verification import read_verifier
 from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 MOST_TOKENS = 64  # written for one sound; ten seconds of talk need about 40
@@ -86,6 +87,10 @@ class OpenAIRecognizer:
             found |= {p: self._likelihood(states, _spellings(p)) for p in phrases}
         return ratios(found, phrases)
 
+    def verify(self, samples: Samples, phrase: str) -> float:
+        """It cannot; see Recognizer."""
+        return float("inf")
+
     def _mel(self, samples: Samples) -> Tensor:
         heard = np.array(samples[-int(LONGEST * RATE) :], dtype=np.float32)
         limit = self.model.dims.n_audio_ctx * 320
@@ -132,9 +137,11 @@ def load_recognizer(model: str = "embedded", device: str = "cpu") -> Recognizer:
         raise ModelError(f"device {device!r}: {error}; 'cpu' always works") from error
     path = find_checkpoint(model)
     checkpoint = read_checkpoint(path)
-    chosen = OpenAIRecognizer if checkpoint.ctc is None else EmbeddedRecognizer
     try:
-        return chosen(model, checkpoint, device)
+        if checkpoint.ctc is None:
+            return OpenAIRecognizer(model, checkpoint, device)
+        verifier = read_verifier(checkpoint.sha256, checkpoint.dims.n_audio_state)
+        return EmbeddedRecognizer(model, checkpoint, device, verifier)
     except (RuntimeError, KeyError, IndexError) as error:
         raise ModelError(f"{path}: weights do not fit its dims: {error}") from error
 

@@ -33,8 +33,13 @@ if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
     from voice_assist.spotter.spotter import Spotting
 
-# Parts that an older recording, or another node, did not have, as it behaved without them.
+_NEVER_ASKS = {
+    **{"is_enabled": False, "min_confidence": 1.0, "min_verification": 0.0},
+    **{"answer": "yes", "answer_within": 3.0},
+}
+# Sections and settings that an older recording did not have, as the node behaved without them.
 SWITCHED_OFF: dict[str, dict[str, Any]] = {
+    "recognizer": {"motion_verification": -1000.0, "ask": _NEVER_ASKS},
     "speaker": {"gate": "off"},
     "profile": {"name": "none"},
     "moving": {"is_enabled": False},
@@ -212,8 +217,10 @@ def restore_settings(
     today = {name: dict(load_yaml(CONFIG_DIR / f"{name}.yaml")) for name in SECTIONS}
     warnings = [] if recorded else ["no settings were recorded; today's are used"]
     recorded = with_present_keys(VoiceConfig, recorded)
-    absent = {name: off for name, off in SWITCHED_OFF.items() if recorded and name not in recorded}
-    recorded = {**recorded, **{name: {**today[name], **off} for name, off in absent.items()}}
+    for name, off in SWITCHED_OFF.items() if recorded else ():
+        section = recorded.get(name)
+        known = {**off, **section} if isinstance(section, Mapping) else {**today[name], **off}
+        recorded = {**recorded, name: known}
     data = _merge(today, recorded, "", warnings) if recorded else today
     data["recognizer"]["device"] = today["recognizer"]["device"]
     if model is not None:

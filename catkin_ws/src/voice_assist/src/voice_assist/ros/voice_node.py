@@ -50,6 +50,7 @@ from voice_assist.text.spoken_reply import spoken_reply
 from voice_assist.types import (
     RATE,
     Action,
+    Ask,
     Call,
     Frame,
     Halt,
@@ -243,6 +244,8 @@ class VoiceNode:
                 self._motion.send()
             self._robot_mode.send()
             self._client.call(action.command, action.command in self._repeatable)
+        elif isinstance(action, Ask):
+            self._publish.reply(spoken_reply(f"{action.command}?", self._config.commands.phrases))
         elif isinstance(action, SetMode):
             self._motion.arm(action.mode is Mode.ACTIVE)
             self._publish.mode(action.mode, action.reason, _now())

@@ -110,14 +110,20 @@ class Kokoro:
         self._symbols: dict[str, int] = json.loads(symbols.read_text(encoding="utf-8"))["vocab"]
         self._styles = styles
 
-    def __call__(self, prompt: KokoroPrompt) -> Int16:
-        """Speak a word; silence around it is cut off."""
-        ids = [self._symbols[symbol] for symbol in prompt.sounds if symbol in self._symbols]
-        style = np.fromfile(self._styles / f"{prompt.voice}.bin", np.float32).reshape(-1, 1, 256)
+    def __call__(self, sounds: str, voice: str, speed: float = 1.0) -> Int16:
+        """Speak; silence around it is cut off.
+
+        Args:
+            sounds: IPA; symbols that the network does not know are left out.
+            voice: One of its styles.
+            speed: Relative, 1 is the voice's own.
+        """
+        ids = [self._symbols[symbol] for symbol in sounds if symbol in self._symbols]
+        style = np.fromfile(self._styles / f"{voice}.bin", np.float32).reshape(-1, 1, 256)
         given = {
             "tokens": np.array([[0, *ids, 0]], np.int64),
             "style": style[len(ids)],
-            "speed": np.array([prompt.speed], np.float32),
+            "speed": np.array([speed], np.float32),
         }
         (sound, *_) = self._network.run(None, given)
         resampled = soxr.resample(np.ravel(sound), _RATE, RATE)
@@ -145,7 +151,7 @@ def spoken_words(packages: Path, cache: Path) -> list[TrainingClip]:
         prompts, path = list(group), cache / f"{voice}.npz"
         if not path.exists():
             kokoro = kokoro or Kokoro(packages, packages / "package" / "voices")
-            save_sounds([kokoro(prompt) for prompt in prompts], path)
+            save_sounds([kokoro(p.sounds, p.voice, p.speed) for p in prompts], path)
         for prompt, sound in zip(prompts, read_sounds(path), strict=True):
             found.append(TrainingClip(sound, prompt.text, "word", f"kokoro:{voice}"))
     return found

@@ -101,6 +101,16 @@ def plan_held_out(seed: int, per_voice: int = 2) -> list[Prompt]:
 
 
 def synthesise(prompts: Sequence[Prompt], cache: Path, workers: int = 2) -> list[TrainingClip]:
+    """Speak all prompts, as clips to train with; see speak_all."""
+    return [
+        TrainingClip(sound, texts.normalise_text(p.text), _kind(p.text), f"{p.engine}:{p.voice}")
+        for p, sound in speak_all(prompts, cache, workers)
+    ]
+
+
+def speak_all(
+    prompts: Sequence[Prompt], cache: Path, workers: int = 2
+) -> list[tuple[Prompt, Int16]]:
     """Speak all prompts, reusing what the cache already holds.
 
     Args:
@@ -109,7 +119,7 @@ def synthesise(prompts: Sequence[Prompt], cache: Path, workers: int = 2) -> list
         workers: Processes to speak with.
 
     Returns:
-        The clips that the engines could speak.
+        The prompts that the engines could speak, with their sound.
     """
     cache.mkdir(parents=True, exist_ok=True)
     groups = [list(g) for _, g in groupby(prompts, key=lambda p: (p.engine, p.voice))]
@@ -123,7 +133,12 @@ def synthesise(prompts: Sequence[Prompt], cache: Path, workers: int = 2) -> list
     if missing:
         with multiprocessing.get_context("spawn").Pool(workers) as pool:
             pool.map(_speak_chunk, missing, chunksize=1)
-    return [clip for chunk, path in jobs for clip in _read_chunk(chunk, path)]
+    return [
+        (prompt, sound)
+        for chunk, path in jobs
+        for prompt, sound in zip(chunk, read_sounds(path), strict=True)
+        if len(sound)
+    ]
 
 
 def _path(prompts: list[Prompt], cache: Path) -> Path:
@@ -137,14 +152,6 @@ def _speak_chunk(job: tuple[list[Prompt], Path]) -> None:
     for _, group in groupby(prompts, key=lambda p: (p.engine, p.voice)):
         sounds += speak(list(group))
     save_sounds([NOTHING if sound is None else sound for sound in sounds], path)
-
-
-def _read_chunk(prompts: list[Prompt], path: Path) -> list[TrainingClip]:
-    return [
-        TrainingClip(sound, texts.normalise_text(p.text), _kind(p.text), f"{p.engine}:{p.voice}")
-        for sound, p in zip(read_sounds(path), prompts, strict=True)
-        if len(sound)
-    ]
 
 
 def save_sounds(sounds: Sequence[Int16], path: Path) -> None:

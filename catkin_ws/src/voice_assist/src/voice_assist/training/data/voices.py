@@ -139,6 +139,19 @@ def phonemes(text: str, accent: str) -> str:
     return " ".join(_run(["espeak-ng", "-q", "-x", "-v", accent, text]).decode().split())
 
 
+def ipa(text: str, voice: str) -> str:
+    """Sounds of a text in the International Phonetic Alphabet.
+
+    Args:
+        text: In the voice's language.
+        voice: Of espeak-ng, such as "fr-fr".
+
+    Raises:
+        ModelError: espeak-ng is not installed.
+    """
+    return " ".join(_run(["espeak-ng", "-q", "--ipa", "-v", voice, text]).decode().split())
+
+
 def shared_phonemes(mnemonics: str) -> str:
     """English phonemes as the nearest ones that voices of other languages have."""
     return _PHONEME.sub(lambda match: _SHARED_PHONEMES[match[0]], mnemonics)

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Commands that are won back by asking, and what asking could let through.
+
+Every scene is a word and, about 2 s later, an answer. Commands and strange words are answered by
+"yes" in the same voice; strange words by other words as well, which must do nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple, dataclass
+
+import numpy as np
+
+from bench.common import resumable
+from bench.common.resumable import digest, share_of
+from bench.voice.hearing import pieces
+from bench.voice.hearing.fingerprint import outline
+from bench.voice.hearing.pieces import Label, SceneRecord
+from bench.voice.hearing.replay_stream import SoundScene
+from bench.voice.material.foreign_clips import by_espeak
+from bench.voice.material.held_out_voices import SyntheticVoice, foreigners, natives, spread
+from bench.voice.material.mixing import PER_CHUNK, StreamedTrial, stream_of, trials_of
+from bench.voice.material.synthesis import TALK, SpokenClip, recorded, spoken
+from bench.voice.outcomes import motions, rate
+from bench.voice.trials import MOTIONS
+from session_log.report.bounds import at_most
+from support.figures import Figure
+from voice_assist.types import RATE, Mode
+
+SEED = 23
+YES, OTHERS = "yes", ("no", "okay", "thank you", "next one please")
+SNR = 0.0  # [dB] of commands over the noise of a theatre
+TALK_EVERY = 6  # of people's clips of talk, one in so many
+ASKED = "nearly sure;"  # how the reason of a question begins
+
+
+@dataclass(frozen=True)
+class AskTrial:
+    """A word and the answer to what may be asked then; None: nobody answers."""
+
+    said: StreamedTrial
+    answer: StreamedTrial | None
+
+
+@dataclass(frozen=True)
+class AskChunk:
+    """Some trials in one piece."""
+
+    trials: tuple[AskTrial, ...]
+
+    def name(self) -> str:
+        """Digest of all that is streamed."""
+        sound, _, _ = stream_of(self.trials[0].said)
+        return digest([astuple(trial) for trial in self.trials], outline(sound))
+
+    def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
+        """One for each trial."""
+        for trial in self.trials:
+            sound, _, _ = stream_of(trial.said)
+            if trial.answer is not None:
+                sound = np.concatenate([sound, stream_of(trial.answer)[0]])
+            clip = trial.said.clip
+            label: Label = {"text": clip.text, "engine": clip.engine, "voice": clip.voice}
+            label["seconds"] = len(sound) / RATE
+            yield label, SoundScene(sound, Mode.ACTIVE, keeps_mode=False, asks=True)
+
+
+def measure() -> list[Figure]:
+    """Commands won back, false motions, and questions about nothing."""
+    plans = _plans()
+    every = pieces.measured("ask", {name: _chunks(trials) for name, trials in plans.items()})
+    found = {name: records for name, records in every.items() if records}
+    counts = [sum(map(len, sets.values())) for sets in (found, plans)]
+    figures = [resumable.measured(counts[0], "scenes", counts[1])]
+    for name, records in found.items():
+        figures += _of(name, records)
+    return figures
+
+
+def _of(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
+    asked = [r for r in records if any(one.why.startswith(ASKED) for one in r.heard.said)]
+    n = len(records)
+    if name == "human talk":
+        hours = sum(r.label["seconds"] for r in records) / 3600.0
+        moved = [r for r in records if not motions().isdisjoint(r.heard.taken)]
+        return [rate(f"{name}: questions", len(asked), hours), _moved(name, moved, n, 0.0)]
+    figures = [Figure(f"{name}: asked for", len(asked), "", note=f"(of {n})")]
+    if name.startswith("commands"):
+        right = [r for r in records if r.label["text"] in r.heard.taken]
+        won = [r for r in right if r in asked]
+        wrong = [r for r in records if (motions() - {r.label["text"]}) & set(r.heard.taken)]
+        note = f"(of {n}: {len(right)} right with them, {len(right) - len(won)} without)"
+        figures.append(Figure(f"{name}: won back", len(won), "", note=note))
+        return [*figures, _moved(name, wrong, n)]
+    moved = [r for r in records if not motions().isdisjoint(r.heard.taken)]
+    through = [r for r in moved if r in asked]
+    return [*figures, _moved(name, through, n, 0.0 if "others" in name else None)]
+
+
+def _moved(name: str, moved: Sequence[SceneRecord], n: int, target: float | None = None) -> Figure:
+    said = ", ".join(sorted({str(r.label["text"]) for r in moved}))
+    note = f"(of {n}, at most {at_most(len(moved), n):.4f} with 95 % {said})"
+    return Figure(f"{name}: false motions", len(moved), "", target, note=note)
+
+
+def _plans() -> dict[str, list[AskTrial]]:
+    strange = by_espeak()
+    words = [*strange["near words"], *strange["named"]]
+    accents = spoken(spread(MOTIONS, foreigners().present, 2, SEED))
+    native = spoken(spread(MOTIONS, natives().present, 2, SEED))
+    noisy = [StreamedTrial(c, i, background="theatre", snr=SNR) for i, c in enumerate(native)]
+    talk = [clip for clip in recorded(TALK) if not clip.text][::TALK_EVERY]
+    return {
+        "commands, accents": _answered(trials_of(accents), (YES,)),
+        "commands, 0 dB": _answered(noisy, (YES,)),
+        "strange words, then yes": _answered(trials_of(words), (YES,)),
+        "strange words, then others": _answered(trials_of(words), OTHERS),
+        "human talk": [AskTrial(trial, None) for trial in trials_of(talk)],
+    }
+
+
+def _answered(said: Sequence[StreamedTrial], answers: Sequence[str]) -> list[AskTrial]:
+    """Each with one answer in the same voice, where it speaks English, or in a native one."""
+    speakers = {SyntheticVoice(t.clip.engine, t.clip.voice) for t in said}
+    cast = sorted(v for v in speakers if v in (*natives().present, *foreigners().present))
+    cast = cast or list(natives().present)
+    by_voice: dict[str, list[SpokenClip]] = {}
+    for clip in spoken(spread(answers, cast, 1, SEED)):
+        by_voice.setdefault(clip.voice, []).append(clip)
+    every = [clip for clips in by_voice.values() for clip in clips]
+    trials = []
+    for index, trial in enumerate(said):
+        own = by_voice.get(trial.clip.voice, every)
+        trials.append(AskTrial(trial, StreamedTrial(own[index % len(own)], index)))
+    return trials
+
+
+def _chunks(trials: Sequence[AskTrial]) -> list[AskChunk]:
+    some = share_of(trials)
+    return [AskChunk(tuple(some[i : i + PER_CHUNK])) for i in range(0, len(some), PER_CHUNK)]

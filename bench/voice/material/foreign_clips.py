@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Words and short talk of other languages as sound, by espeak-ng, MBROLA and Kokoro.
+
+Kokoro speaks where its packages lie in .cache/training/openai, where `make train` puts them, or in
+the folder that KOKORO names.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from random import Random
+
+import soundfile
+
+from bench.common.resumable import CACHE, digest
+from bench.voice.material.foreign_words import LANGUAGES, NAMED
+from bench.voice.material.held_out_voices import PITCHES, RATES
+from bench.voice.material.synthesis import SpokenClip, spoken
+from support.figures import ROOT
+from voice_assist.errors import ModelError
+from voice_assist.training.data.kokoro import Kokoro
+from voice_assist.training.data.voices import Prompt, espeak_variants, ipa
+from voice_assist.types import RATE
+
+SEED = 19
+NEAR_VOICES, NAMED_VOICES = 2, 8  # of espeak-ng for each word; all others have one
+PACKAGES = Path(os.environ.get("KOKORO", ROOT / ".cache" / "training" / "openai"))
+
+
+def by_espeak() -> dict[str, list[SpokenClip]]:
+    """Clips by the kind of what is said: near words, words, talk, named; near words by MBROLA."""
+    _, variants = espeak_variants()
+    rng = Random(SEED)
+
+    def cast(text: str, language: str, voices: int) -> Iterator[Prompt]:
+        for variant in rng.sample(variants, voices):
+            style = rng.uniform(*RATES), rng.uniform(*PITCHES)
+            yield Prompt(text, "espeak", f"{language}+{variant}", *style)
+
+    plan: dict[str, list[Prompt]] = {"near words": [], "words": [], "talk": [], "named": []}
+    for one in LANGUAGES.values():
+        for kind, texts in (("near words", one.near), ("words", one.words), ("talk", one.talk)):
+            voices = NEAR_VOICES if kind == "near words" else 1
+            for text in texts.split("|"):
+                plan[kind] += cast(text, one.voice, voices)
+    for language, text in NAMED:
+        plan["named"] += cast(text, language, NAMED_VOICES)
+    plan["MBROLA"] = [
+        Prompt(text, "mbrola", name, 1.0, 0.5)
+        for one in LANGUAGES.values()
+        for name in one.diphones
+        for text in one.near.split("|")
+    ]
+    return {kind: spoken(sorted(prompts, key=_order)) for kind, prompts in plan.items()}
+
+
+def by_kokoro() -> list[SpokenClip]:
+    """Near words in Kokoro's voices; none where its packages are missing."""
+    said = [
+        (text, one.voice, style)
+        for one in LANGUAGES.values()
+        for style in one.styles
+        for text in one.near.split("|")
+    ]
+    folder = CACHE / "kokoro" / digest(said)
+    kokoro: Kokoro | None = None
+    clips = []
+    for number, (text, language, style) in enumerate(said):
+        path = folder / f"{number:03d}.wav"
+        if not path.is_file():
+            try:
+                kokoro = kokoro or Kokoro(PACKAGES, PACKAGES / "package" / "voices")
+            except ModelError as error:
+                print(f"Kokoro left out: {error}")
+                return []
+            folder.mkdir(parents=True, exist_ok=True)
+            soundfile.write(path, kokoro(f"{ipa(text, language)}.", style), RATE)
+        clips.append(SpokenClip(str(path.relative_to(ROOT)), text, "kokoro", style))
+    return clips
+
+
+def language_of(engine: str, voice: str) -> str:
+    """Name of the language that a voice of this module speaks."""
+    for name, one in LANGUAGES.items():
+        if voice in (*one.styles, *one.diphones) or (
+            engine == "espeak" and voice.partition("+")[0] == one.voice
+        ):
+            return name
+    raise KeyError(f"{engine}:{voice}")
+
+
+def _order(prompt: Prompt) -> tuple[str, str, str, float]:
+    return prompt.engine, prompt.voice, prompt.text, prompt.rate

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Train the verifier of phrases: python -m voice_assist.training.verifier.train_verifier.
+
+Where Kokoro's packages are missing, its voices are left out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+from collections.abc import Callable, Iterator
+from itertools import groupby
+from pathlib import Path
+from zlib import crc32
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch.nn.functional import binary_cross_entropy_with_logits
+
+from voice_assist.errors import ModelError
+from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
+from voice_assist.recognizer.embedded import restore
+from voice_assist.recognizer.hybrid import WhisperCtc
+from voice_assist.recognizer.verification import PATH, write_verifier
+from voice_assist.training.data.human import load_sounds, read_manifest
+from voice_assist.training.data.kokoro import Kokoro
+from voice_assist.training.data.noise import Surroundings, build_rooms
+from voice_assist.training.data.synthesis import read_sounds, save_sounds, speak_all
+from voice_assist.training.data.voices import Int16
+from voice_assist.training.fit.train_recognizer import REPOSITORY
+from voice_assist.training.verifier import examples
+from voice_assist.training.verifier.examples import Examples, Seen
+
+LOG = logging.getLogger("verifier")
+LOST = 0.003  # share of a phrase's clips, each in an engine that is left out, with odds below 0
+_WEIGHT = 2.0  # of the squared weights in the loss: large, so that unknown voices matter less
+_SHARES = 2  # of espeak-ng, the engine of most voices, left out one after the other
+
+
+def parse(arguments: list[str] | None = None) -> argparse.Namespace:
+    """Options of a run; the defaults make the shipped file."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    add = parser.add_argument
+    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
+    add("--packages", type=Path, default=REPOSITORY / ".cache" / "training" / "openai")
+    add("--out", type=Path, default=PATH)
+    add("--seed", type=int, default=1)
+    add("--threads", type=int, default=1)
+    return parser.parse_args(arguments)
+
+
+def main() -> None:
+    """Train, log what the development voices say, and leave the file in place."""
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
+    options = parse()
+    torch.set_num_threads(options.threads)
+    checkpoint = read_checkpoint(EMBEDDED_PATH)
+    model = restore(checkpoint).eval()
+    kept = options.cache / "verifier" / f"examples_{options.seed}.npz"
+    if not kept.exists():
+        examples.save(list(_seen(model, options)), kept)
+    weights = {}
+    for phrase, some in examples.load(kept).items():
+        weights[phrase], figures = train(some)
+        LOG.info("%s: %s", phrase, json.dumps(figures))
+    write_verifier(weights, checkpoint.sha256, options.out)
+
+
+def train(some: Examples) -> tuple[NDArray[np.float32], dict[str, float]]:
+    """Weights of a phrase, its bias last, and what they do in engines that were left out.
+
+    All voices train the weights. The bias makes the odds 0 where LOST of the clips of the phrase
+    lie below, each judged by a classifier that never heard its engine.
+    """
+    groups, odds = _groups(some), np.zeros(len(some.voices))
+    for group in sorted(set(groups)):
+        is_out = groups == group
+        odds[is_out] = _fit(some.seen[~is_out], some.is_said[~is_out])(some.seen[is_out])
+    said, other = odds[some.is_said], odds[~some.is_said]
+    least = float(np.quantile(said, LOST))
+    figures = {
+        "said": len(said),
+        "other": len(other),
+        "least": least,
+        "others taken": float((other >= least).mean()),
+        "area": float((said[:, None] > other).mean()),
+    }
+    judge = _fit(some.seen, some.is_said)
+    zero = judge(np.zeros((1, some.seen.shape[1]), np.float32))[0]
+    weights = judge(np.eye(some.seen.shape[1], dtype=np.float32)) - zero
+    return np.append(weights, zero - least).astype(np.float32), figures
+
+
+def _groups(some: Examples) -> NDArray[np.str_]:
+    """Engine of each example; that of most voices in shares."""
+    names = []
+    for voice in some.voices:
+        engine = str(voice).partition(":")[0]
+        share = crc32(voice.encode()) % _SHARES if engine == "espeak" else 0
+        names.append(f"{engine} {share}")
+    return np.array(names)
+
+
+def _fit(
+    seen: NDArray[np.float32], is_said: NDArray[np.bool_]
+) -> Callable[[NDArray[np.float32]], NDArray[np.float64]]:
+    """Logistic regression with both classes in balance; gives log-odds of shape (n,)."""
+    centre, spread = seen.mean(0), seen.std(0) + 1e-3
+    x = torch.from_numpy((seen - centre) / spread)
+    y = torch.from_numpy(is_said.astype(np.float32))
+    share = y.mean()
+    balance = torch.where(y > 0.5, 0.5 / share, 0.5 / (1.0 - share))
+    weights = torch.zeros(x.shape[1], requires_grad=True)
+    bias = torch.zeros(1, requires_grad=True)
+    optimiser = torch.optim.LBFGS([weights, bias], max_iter=200, line_search_fn="strong_wolfe")
+
+    def loss() -> torch.Tensor:
+        optimiser.zero_grad()
+        cross = binary_cross_entropy_with_logits(x @ weights + bias, y, reduction="none")
+        value = (balance * cross).mean() + _WEIGHT * weights.square().sum()
+        value.backward()
+        return value
+
+    optimiser.step(loss)
+    w = (weights.detach().numpy() / spread).astype(np.float64)
+    b = float(bias.detach()) - float(w @ centre)
+    return lambda given: given @ w + b
+
+
+def _seen(model: WhisperCtc, options: argparse.Namespace) -> Iterator[Seen]:
+    """What the verifier sees of each clip, varied once."""
+    rows, rng = read_manifest(options.speech), np.random.default_rng(options.seed)
+    rooms = build_rooms(load_sounds(rows, "rir"), rng)
+    around = Surroundings(load_sounds(rows, "noise"), rooms, ())
+    for number, (sound, command, voice) in enumerate(_sounds(options)):
+        varied = examples.varied(sound, around, rng)
+        for phrase, seen in examples.looks(model, varied, command):
+            yield Seen(phrase, seen, bool(command), voice)
+        if number % 500 == 0:
+            LOG.info("%d clips", number)
+
+
+def _sounds(options: argparse.Namespace) -> Iterator[tuple[Int16, str, str]]:
+    """Clip, the command that it says, and its voice."""
+    planned = {one.prompt: one.command for one in examples.plan(options.seed)}
+    prompts = sorted(planned, key=lambda p: (p.engine, p.voice, p.text, p.rate))
+    folder = options.cache / "verifier"
+    for prompt, sound in speak_all(prompts, folder, options.threads):
+        yield sound, planned[prompt], f"{prompt.engine}:{prompt.voice}"
+    kokoro: Kokoro | None = None
+    by_voice = sorted(examples.plan_kokoro(options.seed), key=lambda one: one.voice)
+    for voice, group in groupby(by_voice, key=lambda one: one.voice):
+        said, path = list(group), folder / f"kokoro_{voice}_{options.seed}.npz"
+        if not path.exists():
+            try:
+                kokoro = kokoro or Kokoro(options.packages, options.packages / "package" / "voices")
+            except ModelError as error:
+                LOG.info("Kokoro left out: %s", error)
+                return
+            save_sounds([kokoro(one.sounds, one.voice, one.speed) for one in said], path)
+        for one, sound in zip(said, read_sounds(path), strict=True):
+            yield sound, one.command, f"kokoro:{voice}"
+
+
+if __name__ == "__main__":
+    main()

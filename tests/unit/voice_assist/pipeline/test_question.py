@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A motion that is nearly sure is asked for once; "yes" does it, and all else drops it."""
+
+import pytest
+
+from tests.unit.voice_assist.pipeline.test_pipeline import commands, decisions, make, run
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
+from voice_assist.config import load_voice_config
+from voice_assist.types import Ask, Call, Mode, RejectionReason
+
+CONFIG = load_voice_config().recognizer
+YES = "please"  # of the words that the fake recogniser knows
+NEARLY = {"pull more": (CONFIG.ask.min_verification + CONFIG.motion_verification) / 2}
+HARDLY = {"pull more": CONFIG.ask.min_verification - 0.1}
+
+
+def hear(text, odds=NEARLY, mode=Mode.ACTIVE, is_enabled=True, **changes):
+    recognizer = FakeRecognizer(odds=odds)
+    changes |= {"recognizer__ask__is_enabled": is_enabled, "recognizer__ask__answer": YES}
+    pipeline, clock = make(mode, recognizer, **changes)
+    return run(pipeline, clock, frames(say(text)))
+
+
+def actions(events):
+    return [action for decision in decisions(events) for action in decision.actions]
+
+
+def reasons(events):
+    return [d.rejection.reason for d in decisions(events) if d.rejection is not None]
+
+
+def test_yes_does_what_was_asked_for():
+    events = hear(f"0.3 pull more 1.0 {YES}")
+    assert actions(events) == [Ask("pull more"), Call("pull more")]
+    asked, answered = decisions(events)
+    assert asked.rejection.reason is RejectionReason.NEARLY_SURE
+    assert asked.rejection.words.startswith(f'nearly sure; say "{YES}" within 3 s: ')
+    assert (answered.command, answered.hypothesis.text) == ("pull more", YES)
+
+
+def test_it_is_done_once():
+    assert commands(hear(f"0.3 pull more 1.0 {YES} 0.8 {YES}")) == ["pull more"]
+
+
+@pytest.mark.parametrize(
+    "then", ["0.8 what", "0.8 {0} {0}", "0.8 {0} more", "0.8 he said {0}", "0.1 {0}", "3.2 {0}", ""]
+)
+def test_anything_else_drops_it(then):
+    assert commands(hear(f"0.3 pull more {then.format(YES)}")) == []
+
+
+@pytest.mark.parametrize("other", ["what", "stop", "hey robot", "terminate", "more", "release"])
+def test_after_anything_else_a_yes_does_nothing(other):
+    heard = commands(hear(f"0.3 pull more 0.8 {other} 0.8 {YES}"))
+    assert "pull more" not in heard
+    assert heard == ([] if other in ("what", "more") else [other])
+
+
+def test_what_is_nearly_sure_again_is_not_asked_for_again():
+    events = hear(f"0.3 pull more 0.8 pull more 0.8 {YES}")
+    assert actions(events) == [Ask("pull more")]
+    assert reasons(events)[:2] == [RejectionReason.NEARLY_SURE, RejectionReason.UNSURE]
+
+
+def test_later_it_may_be_asked_for_again():
+    assert actions(hear("0.3 pull more 4.0 pull more")) == 2 * [Ask("pull more")]
+
+
+def test_what_is_hardly_like_it_is_not_asked_for():
+    events = hear(f"0.3 pull more 0.8 {YES}", HARDLY)
+    assert actions(events) == []
+    assert reasons(events)[0] is RejectionReason.SOUNDS_LIKE_ANOTHER
+
+
+def test_nothing_is_asked_for_in_standby():
+    events = hear(f"0.3 pull more 0.8 {YES}", mode=Mode.STANDBY)
+    assert actions(events) == []
+    assert reasons(events)[0] is RejectionReason.WRONG_MODE
+
+
+def test_nothing_is_asked_for_unless_the_settings_say_so():
+    assert not CONFIG.ask.is_enabled
+    assert actions(hear(f"0.3 pull more 0.8 {YES}", is_enabled=False)) == []
+
+
+def test_a_doubtful_confidence_is_asked_for_too():
+    changes = {"recognizer__second_opinion": False, "recognizer__ask__min_confidence": 0.8}
+    events = hear(f"0.3 tense 1.0 {YES}", {}, **changes)
+    assert actions(events) == [Ask("tense"), Call("tense")]
+
+
+@pytest.mark.parametrize("word", ["stop", "hey robot", "terminate"])
+def test_what_is_no_motion_is_never_asked_for(word):
+    events = hear(f"0.3 {word} 0.8 {YES}", {word: NEARLY["pull more"]})
+    assert not [action for action in actions(events) if isinstance(action, Ask)]

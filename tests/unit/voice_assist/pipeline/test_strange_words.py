@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A strange word that is written like a motion moves nothing; nothing else is ever verified."""
+
+import pytest
+
+from tests.unit.voice_assist.pipeline.test_pipeline import commands, hear, refusals
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
+from voice_assist.config import load_voice_config
+from voice_assist.types import Mode, RejectionReason
+
+MOTIONS = ("tense", "release", "pull more", "pull less")
+LEAST = load_voice_config().recognizer.motion_verification
+
+
+class Asked(FakeRecognizer):
+    """Notes what it is asked to verify, and is sure of nothing."""
+
+    def __init__(self):
+        super().__init__()
+        self.asked = []
+
+    def verify(self, samples, phrase):
+        self.asked.append(phrase)
+        return -1000.0
+
+
+@pytest.mark.parametrize("command", MOTIONS)
+def test_a_motion_of_too_low_odds_is_refused_with_them_and_what_is_allowed(command):
+    events = hear(command, recognizer=FakeRecognizer(odds={command: LEAST - 1.5}))
+    assert commands(events) == []
+    (refusal,) = refusals(events)
+    assert refusal.nearest_command == command
+    assert refusal.rejection.reason is RejectionReason.SOUNDS_LIKE_ANOTHER
+    found = f"it sounds like another word that is written {command!r}: {LEAST - 1.5:.1f} nat"
+    assert refusal.rejection.words == f"{found}, allowed: at least {LEAST:g}"
+
+
+@pytest.mark.parametrize("command", MOTIONS)
+def test_from_the_least_odds_on_it_is_taken(command):
+    assert commands(hear(command, recognizer=FakeRecognizer(odds={command: LEAST}))) == [command]
+
+
+@pytest.mark.parametrize("mode", [Mode.ACTIVE, Mode.STANDBY])
+@pytest.mark.parametrize("command", ["stop", "hey robot"])
+def test_a_stop_and_what_moves_nothing_are_never_verified(command, mode):
+    recognizer = Asked()
+    assert commands(hear(command, mode, recognizer)) == [command]
+    assert recognizer.asked == []
+
+
+def test_without_a_second_opinion_nothing_is_verified():
+    recognizer = Asked()
+    heard = hear("release", recognizer=recognizer, recognizer__second_opinion=False)
+    assert commands(heard) == ["release"] and recognizer.asked == []
