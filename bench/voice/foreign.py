@@ -24,7 +24,7 @@ from support.figures import Figure
 from voice_assist.training.data.voices import ACCENTS, FLITE, RHVOICE, espeak_variants
 
 SEED = 19
-EACH = 3  # times that each held-out native voice says each command
+EACH = 2  # times that each held-out native voice says each command
 COMMANDS = (*MOTIONS, *STOP)
 STRANGE = "it sounds like another word"  # how the reason of the verifier begins
 FOREIGN = ("near words", "words", "talk", "named", "MBROLA", "Kokoro")

@@ -10,8 +10,8 @@ from voice_assist.types import Ask, Call, Mode, RejectionReason
 
 CONFIG = load_voice_config().recognizer
 YES = "please"  # of the words that the fake recogniser knows
-NEARLY = {"pull more": (CONFIG.ask.min_verification + CONFIG.motion_verification) / 2}
-HARDLY = {"pull more": CONFIG.ask.min_verification - 0.1}
+NEARLY = {"pull more": (CONFIG.ask.sure_verification + CONFIG.motion_verification) / 2}
+HARDLY = {"pull more": CONFIG.motion_verification - 0.1}
 
 
 def hear(text, odds=NEARLY, mode=Mode.ACTIVE, is_enabled=True, **changes):
@@ -78,9 +78,9 @@ def test_nothing_is_asked_for_in_standby():
     assert reasons(events)[0] is RejectionReason.WRONG_MODE
 
 
-def test_nothing_is_asked_for_unless_the_settings_say_so():
+def test_where_nothing_is_asked_for_what_is_nearly_sure_is_taken():
     assert not CONFIG.ask.is_enabled
-    assert actions(hear(f"0.3 pull more 0.8 {YES}", is_enabled=False)) == []
+    assert actions(hear("0.3 pull more", is_enabled=False)) == [Call("pull more")]
 
 
 def test_a_doubtful_confidence_is_asked_for_too():

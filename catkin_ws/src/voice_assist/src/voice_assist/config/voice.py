@@ -208,7 +208,7 @@ class AskConfig:
 
     is_enabled: bool = flag()
     min_confidence: float = number(0.0, 1.0, "")
-    min_verification: float = number(-1000.0, 1000.0, "nat")
+    sure_verification: float = number(-1000.0, 1000.0, "nat")
     answer: str = text()
     answer_within: float = number(0.5, 10.0, "s")
 

@@ -227,18 +227,18 @@ class Decider:
     def _doubt(self, match: Match, confidence: float, transcript: Hypothesis) -> Rejection | None:
         """Why a command may be none, or must be asked for; None: it is one."""
         command, config = self._config.commands.get(match.command), self._recognizer_config
-        odds, least = self._verified(match, transcript), config.motion_verification
+        ask, odds = config.ask, self._verified(match, transcript)
+        is_asking, least = ask.is_enabled and command.is_motion, config.motion_verification
+        sure = max(least, ask.sure_verification) if is_asking else least
         if confidence < command.min_confidence:
             doubt = too_unsure(confidence, command.min_confidence)
-        elif odds < least:
+        elif odds < sure:
             words = f"it sounds like another word that is written {match.command!r}: {odds:.1f} nat"
-            words += f", allowed: at least {least:g}"
+            words += f", allowed: at least {sure:g}"
             doubt = Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, words)
         else:
             return None
-        ask = config.ask
-        is_nearly = confidence >= ask.min_confidence and odds >= ask.min_verification
-        if not (ask.is_enabled and command.is_motion and is_nearly):
+        if not is_asking or confidence < ask.min_confidence or odds < least:
             return doubt
         words = f'nearly sure; say "{ask.answer}" within {ask.answer_within:g} s: {doubt.words}'
         return Rejection(RejectionReason.NEARLY_SURE, words)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from voice_assist.spotter.spotter import Spotting
 
 _NEVER_ASKS = {
-    **{"is_enabled": False, "min_confidence": 1.0, "min_verification": 0.0},
+    **{"is_enabled": False, "min_confidence": 1.0, "sure_verification": 0.0},
     **{"answer": "yes", "answer_within": 3.0},
 }
 # Sections and settings that an older recording did not have, as the node behaved without them.

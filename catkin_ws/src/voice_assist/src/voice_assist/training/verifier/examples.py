@@ -38,7 +38,7 @@ _LEAD, _TAIL = (0.1, 0.6), (0.12, 0.3)  # [s] of quiet, as endpointing leaves it
 _ADDED = 2400  # samples of silence that the pipeline puts behind a settled transcript
 _COMMANDS, _ACCENTED = 250, 200  # clips of each phrase: any voice, and voices of other languages
 _TAKES = 3  # voices for each word
-_UNLIKE = -2.5  # [nat] for each letter of a phrase below which a sound is not like it at all
+_UNLIKE = -1.2  # [nat] for each letter of a phrase below which a sound would not be taken for it
 _IPA = {  # American, British
     "tense": ("tˈɛns", "tˈɛns"),
     "release": ("ɹɪlˈis", "ɹɪlˈis"),

@@ -34,9 +34,10 @@ from voice_assist.training.verifier import examples
 from voice_assist.training.verifier.examples import Examples, Seen
 
 LOG = logging.getLogger("verifier")
-LOST = 0.003  # share of a phrase's clips, each in an engine that is left out, with odds below 0
-_WEIGHT = 2.0  # of the squared weights in the loss: large, so that unknown voices matter less
-_SHARES = 2  # of espeak-ng, the engine of most voices, left out one after the other
+LOST = 0.005  # share of a phrase's clips, each in a voice that is left out, with odds below 0
+TAKES = {True: 1, False: 2}  # times that a clip is varied: one of a command, one of another word
+_WEIGHT = 0.3  # of the squared weights in the loss
+_FOLDS = 5  # of the voices, left out one after the other
 
 
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
@@ -70,14 +71,15 @@ def main() -> None:
 
 
 def train(some: Examples) -> tuple[NDArray[np.float32], dict[str, float]]:
-    """Weights of a phrase, its bias last, and what they do in engines that were left out.
+    """Weights of a phrase, its bias last, and what they do in voices that were left out.
 
     All voices train the weights. The bias makes the odds 0 where LOST of the clips of the phrase
-    lie below, each judged by a classifier that never heard its engine.
+    lie below, each judged by a classifier that never heard its voice.
     """
-    groups, odds = _groups(some), np.zeros(len(some.voices))
-    for group in sorted(set(groups)):
-        is_out = groups == group
+    folds = np.array([crc32(voice.encode()) % _FOLDS for voice in some.voices])
+    odds = np.zeros(len(folds))
+    for fold in range(_FOLDS):
+        is_out = folds == fold
         odds[is_out] = _fit(some.seen[~is_out], some.is_said[~is_out])(some.seen[is_out])
     said, other = odds[some.is_said], odds[~some.is_said]
     least = float(np.quantile(said, LOST))
@@ -92,16 +94,6 @@ def train(some: Examples) -> tuple[NDArray[np.float32], dict[str, float]]:
     zero = judge(np.zeros((1, some.seen.shape[1]), np.float32))[0]
     weights = judge(np.eye(some.seen.shape[1], dtype=np.float32)) - zero
     return np.append(weights, zero - least).astype(np.float32), figures
-
-
-def _groups(some: Examples) -> NDArray[np.str_]:
-    """Engine of each example; that of most voices in shares."""
-    names = []
-    for voice in some.voices:
-        engine = str(voice).partition(":")[0]
-        share = crc32(voice.encode()) % _SHARES if engine == "espeak" else 0
-        names.append(f"{engine} {share}")
-    return np.array(names)
 
 
 def _fit(
@@ -131,14 +123,15 @@ def _fit(
 
 
 def _seen(model: WhisperCtc, options: argparse.Namespace) -> Iterator[Seen]:
-    """What the verifier sees of each clip, varied once."""
+    """What the verifier sees of each clip, varied."""
     rows, rng = read_manifest(options.speech), np.random.default_rng(options.seed)
     rooms = build_rooms(load_sounds(rows, "rir"), rng)
     around = Surroundings(load_sounds(rows, "noise"), rooms, ())
     for number, (sound, command, voice) in enumerate(_sounds(options)):
-        varied = examples.varied(sound, around, rng)
-        for phrase, seen in examples.looks(model, varied, command):
-            yield Seen(phrase, seen, bool(command), voice)
+        for _ in range(TAKES[bool(command)]):
+            varied = examples.varied(sound, around, rng)
+            for phrase, seen in examples.looks(model, varied, command):
+                yield Seen(phrase, seen, bool(command), voice)
         if number % 500 == 0:
             LOG.info("%d clips", number)
 
