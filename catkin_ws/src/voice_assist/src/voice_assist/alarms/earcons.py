@@ -68,7 +68,7 @@ PATTERNS: Final = {
     Earcon.FAULT_LOW: Pattern(Priority.LOW, _even(2, 0.40), _FAULT[:2], 0.20),
     Earcon.STOP: Pattern(Priority.MEDIUM, _even(3, 0.36), (_C5, _A4, _F4), 0.18),  # it falls
     Earcon.REFUSAL: Pattern(Priority.LOW, _even(2, 0.28), (_A4, _A4), 0.14),
-    Earcon.QUESTION: Pattern(Priority.LOW, _even(2, 0.28), (_A4, _D5), 0.14),  # it rises
+    Earcon.QUESTION: Pattern(Priority.INFORMATION, _even(2, 0.28), (_A4, _D5), 0.14),  # it rises
     Earcon.ACCEPTED: Pattern(Priority.INFORMATION, (0.0,), (_A5,), 0.07, is_soft=True),
     Earcon.ARMED: Pattern(Priority.INFORMATION, _even(2, 0.14), (_D5, _A5), 0.10, is_soft=True),
     Earcon.STANDBY: Pattern(Priority.INFORMATION, _even(2, 0.14), (_A5, _D5), 0.10, is_soft=True),

@@ -76,7 +76,9 @@ def unheard_alarm(utterance: UtteranceReport) -> Alarm | None:
         return None
     alarm = _refusal(advice, f"{utterance.nearest_command}: {utterance.reason}")
     is_question = utterance.reason_code == "nearly_sure"
-    return replace(alarm, earcon=Earcon.QUESTION) if is_question else alarm
+    if not is_question:
+        return alarm
+    return replace(alarm, earcon=Earcon.QUESTION, priority=Priority.INFORMATION)
 
 
 def part_alarm(part: str, message: str, code: str, is_loaded: bool) -> Alarm:
