@@ -9,6 +9,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.figures import POOL_FIGURES, SessionMaterial
 from session_log.report.figures.rcm import RcmErrorFigure
 from session_log.report.figures.style import NARROW, WIDE
@@ -120,9 +121,10 @@ def test_the_limit_of_the_tension_is_drawn_where_the_settings_name_it(material):
 
 
 def test_the_axis_of_the_rcm_error_ends_where_rounding_begins(material):
+    nothing = SessionData(RecordingSummary(material.data.recording.condition))
     tiny = np.full(5, 1e-18)
     rcm = replace(material.rcm, time=np.arange(5.0), error=tiny, moving=np.ones(5, bool))
-    figure = RcmErrorFigure().draw(replace(material, rcm=rcm, data=SessionData(None)), WIDE)
+    figure = RcmErrorFigure().draw(replace(material, rcm=rcm, data=nothing), WIDE)
     low, high = figure.axes[0].get_ylim()
     assert low == pytest.approx(0.01) and high == pytest.approx(100.0)  # µm
     assert min(figure.axes[0].lines[0].get_ydata()) == pytest.approx(0.01)
