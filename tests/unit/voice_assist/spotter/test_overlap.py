@@ -10,9 +10,11 @@ from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import read_checkpoint
 from voice_assist.recognizer.whisper_shapes import whisper_shapes
 from voice_assist.spotter.overlap import (
+    STEADY,
     STEP,
     WINDOW,
     WindowCutter,
+    is_steady,
     overlap_scorer,
     read_overlap,
     untrained,
@@ -54,6 +56,13 @@ def talk(seconds):
     return np.random.default_rng(1).uniform(-0.1, 0.1, round(seconds * RATE)).astype(np.float32)
 
 
+def word_in_noise():
+    """What is in the middle of a window is as loud as the noise around it."""
+    window, other = np.split(talk(3.2), 2)
+    window[9000:14000] += 2.0 * other[9000:14000] * np.hanning(5000).astype(np.float32)
+    return window
+
+
 @pytest.mark.parametrize("block", [1, 512, STEP, 5000])
 def test_windows_do_not_depend_on_the_blocks_they_come_in(block):
     sound, cutter = talk(0.5 if block == 1 else 2.0), WindowCutter()
@@ -72,11 +81,21 @@ def test_a_new_stream_begins_in_silence():
         np.testing.assert_array_equal(one, other)
 
 
+def test_steady_sound_costs_no_look_and_a_word_as_loud_as_the_noise_does(written):
+    _, network = written
+    noise = talk(1.6)
+    assert is_steady(noise) and is_steady(np.zeros(WINDOW, np.float32))
+    assert overlap_scorer(network)(noise[None]) == STEADY
+    word = word_in_noise()
+    assert not is_steady(word)
+    assert overlap_scorer(network)(word[None]) != STEADY
+
+
 def test_what_is_written_is_read_and_judges_alike(written, encoder):
     path, network = written
     read, digest = read_overlap(path, encoder)
     assert len(digest) == 64
-    window = talk(1.6)[None]
+    window = word_in_noise()[None]
     assert overlap_scorer(read)(window) == pytest.approx(overlap_scorer(network)(window), abs=0.01)
 
 
