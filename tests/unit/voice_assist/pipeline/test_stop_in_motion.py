@@ -38,11 +38,14 @@ class SpotterOf:
         """Nothing."""
 
 
-def hear(text, is_moving, mode=Mode.ACTIVE, recognizer=None, spotter=None, **changes):
+def hear(
+    text, is_moving, mode=Mode.ACTIVE, recognizer=None, spotter=None, over_talk=None, **changes
+):
     config, clock = load_voice_config(**changes), StreamClock()
     fusion = StopFusion(config.spotter, spotter)
     recognizer = recognizer or FakeRecognizer()
-    pipeline = Pipeline(config, recognizer, make_detector(), clock, fusion)
+    in_sound = None if over_talk is None else lambda sound, newest=None: over_talk
+    pipeline = Pipeline(config, recognizer, make_detector(), clock, fusion, stop_in_sound=in_sound)
     pipeline.set_mode(mode, "test")
     sound = [replace(frame, is_moving=is_moving) for frame in frames(say(text))]
     return run(pipeline, clock, sound)
@@ -111,3 +114,20 @@ def test_what_moves_nothing_is_not_refused_for_it(command):
 def test_switched_off_the_motion_is_taken_as_before():
     off = {**SPOTTER, "moving__is_enabled": False}
     assert commands(hear("pull more", False, spotter=SpotterOf(1.5), **off)) == ["pull more"]
+
+
+@pytest.mark.parametrize("text", WITH_STOP)
+def test_in_motion_a_written_stop_counts_only_if_the_spotter_over_talk_heard_it(text):
+    assert commands(hear(text, True, over_talk=0.0)) == []
+    assert "stop" in commands(hear(text, True, over_talk=2.0))
+
+
+@pytest.mark.parametrize("text", WITHOUT)
+def test_at_rest_a_stop_under_talk_counts_at_the_end_of_the_utterance(text):
+    assert commands(hear(text, False, over_talk=9.0)) == ["stop"]
+    assert commands(hear(text, False, over_talk=4.0)) == []
+
+
+@pytest.mark.parametrize("text", WITH_STOP)
+def test_at_rest_a_stop_that_is_written_in_a_sentence_is_none_however_surely_it_is_heard(text):
+    assert commands(hear(text, False, over_talk=9.0)) == []

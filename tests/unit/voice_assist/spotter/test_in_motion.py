@@ -6,7 +6,7 @@ import pytest
 
 from tests.unit.voice_assist.support.fake_speech import quiet_frame
 from voice_assist.spotter.in_motion import SpotterInMotion
-from voice_assist.spotter.overlap import WINDOW, sound_scorer
+from voice_assist.spotter.overlap import WINDOW, SoundScorer
 from voice_assist.spotter.spotter import Spotted
 
 ALWAYS, SECOND = Spotted(1.0, 2.0), Spotted(1.0, 7.0)
@@ -61,4 +61,4 @@ def test_the_newest_seconds_of_a_sound_are_seen_whole(seconds, place):
         assert windows.shape[1] == WINDOW
         return windows.max(1).values, windows
 
-    assert sound_scorer(loudest)(sound) == (1.0 if len(newest) else 0.0)
+    assert SoundScorer(loudest)(sound) == (1.0 if len(newest) else 0.0)

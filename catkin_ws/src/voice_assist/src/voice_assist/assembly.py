@@ -14,8 +14,9 @@ from voice_assist.audio.microphone import Microphone, Pause
 from voice_assist.audio.portaudio import PortAudio
 from voice_assist.audio.source import AudioSource, Clock, Report
 from voice_assist.audio.wav_file import WavFile
-from voice_assist.config import AudioConfig, MovingConfig, SpotterConfig, VoiceConfig
+from voice_assist.config import AudioConfig, SpotterConfig, VoiceConfig
 from voice_assist.errors import AudioError
+from voice_assist.pipeline.decider import StopInSound
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.side_inputs import Observer, ignore
 from voice_assist.spotter.fusion import StopFusion
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from voice_assist.speaker.gate import Gate
     from voice_assist.spotter.overlap import OverlapNetwork
     from voice_assist.spotter.spotter import Spotter, Spotting
-    from voice_assist.types import Samples
 
 CODE_KEPT = "ONEDNN_PRIMITIVE_CACHE_CAPACITY"
 MOST_KEPT = 64  # 34 MB less after 20 minutes of talk and commands than 1,024, and no slower
@@ -89,7 +89,7 @@ def make_spotters(config: VoiceConfig) -> tuple[Spotting, str]:
     """
     moving = config.moving
     always, digest = make_spotter(config.spotter, moving.spotter_alone)
-    if not (moving.is_enabled and moving.over_talk):
+    if not (moving.is_enabled and config.spotter.over_talk):
         return always, digest
     from voice_assist.spotter.in_motion import SpotterInMotion
     from voice_assist.spotter.overlap import WindowCutter, overlap_scorer
@@ -140,16 +140,16 @@ def make_pipeline(
         spotting, _ = make_spotters(config)
     second, gate = StopFusion(config.spotter, spotting), _make_gate(config, voiceprint)
     detector = make_detector(config.audio.vad)
-    in_sound = _stop_in_sound(config.moving)
+    in_sound = _stop_in_sound(config.spotter)
     return Pipeline(config, recognizer, detector, clock, second, observer, gate, in_sound)
 
 
-def _stop_in_sound(config: MovingConfig) -> Callable[[Samples], float] | None:
+def _stop_in_sound(config: SpotterConfig) -> StopInSound | None:
     if not (config.is_enabled and config.over_talk):
         return None
-    from voice_assist.spotter.overlap import sound_scorer
+    from voice_assist.spotter.overlap import SoundScorer
 
-    return sound_scorer(_over_talk()[0])
+    return SoundScorer(_over_talk()[0])
 
 
 def _make_gate(config: VoiceConfig, voiceprint: bytes | None) -> Gate | None:

@@ -247,6 +247,8 @@ class SpotterConfig:
     agree_within: float = number(0.1, 5.0, "s")
     sure: float = number(0.0, 1.0, "")
     rearm_after: float = number(0.1, 60.0, "s")
+    over_talk: bool = flag()
+    over_talk_alone: float = number(-100.0, 1000.0, "nat")
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""

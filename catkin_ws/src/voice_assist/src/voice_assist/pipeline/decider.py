@@ -7,9 +7,8 @@ Every other command is taken in `Decider.command`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from voice_assist.config import CommandConfig, VoiceConfig
 from voice_assist.config.calibration import log_odds
@@ -26,8 +25,21 @@ if TYPE_CHECKING:
     from voice_assist.vad.segmenter import PartialUtterance
 
 RECOGNIZER, SPOTTER = "recognizer", "spotter"  # who decided
-StopInSound = Callable[[Samples], float]
+_NEWEST = 4  # windows of the spotter over talk: a word that ended up to 1.1 s ago
 NEVER = 1000.0  # [nat] a `halt_score_threshold` that switches halts by score off
+
+
+class StopInSound(Protocol):
+    """The spotter over talk, asked about a sound."""
+
+    def __call__(self, sound: Samples, newest: int | None = None) -> float:
+        """How surely a stop is in it [nat].
+
+        Args:
+            sound: Shape (n,).
+            newest: Windows from its end that count; None: all.
+        """
+        ...
 
 
 @dataclass(frozen=True)
@@ -94,10 +106,13 @@ class Decider:
         self, transcript: Hypothesis, partial: PartialUtterance, context: DecisionContext
     ) -> Verdict | None:
         """Decide about the newest transcript; None: wait for more."""
-        if context.is_moving and (stop := self._stop_in_motion(transcript)) is not None:
+        if context.is_moving and (stop := self._stop_in_motion(transcript, partial)) is not None:
             return stop
         outcome = self._early_decision(transcript, context)
-        stop = self.stop(outcome, transcript, partial, context.spotted)
+        stop = self.stop(outcome, transcript, partial, context)
+        is_rest_over = context.is_complete and not context.is_moving
+        if stop is None and is_rest_over and not isinstance(outcome, Match):
+            stop = self._stop_over_talk(transcript, partial)
         if stop is not None:
             return stop
         if isinstance(outcome, Match):
@@ -116,7 +131,7 @@ class Decider:
         outcome: Match | NoMatch | None,
         transcript: Hypothesis,
         partial: PartialUtterance,
-        spotted: float | None,
+        context: DecisionContext,
     ) -> Verdict | None:
         """A stop by the first way that holds; None: no stop.
 
@@ -130,16 +145,17 @@ class Decider:
         part = self._decoder.part
         least = self._config.audio.robot_speech.stop_over_speech_confidence
         over = self._early_decision.said_over(part, least)
-        if part is not None and over is not None:
+        is_clear = not context.is_moving or self._is_heard_over_talk(partial)
+        if part is not None and over is not None and is_clear:
             return Verdict(over, part, worth.transcript(log_odds(part.confidence)), RECOGNIZER)
         confidence = worth.transcript(log_odds(transcript.confidence))
         if isinstance(outcome, Match):
             is_halt = outcome.command in self._halts
             return Verdict(outcome, transcript, confidence, RECOGNIZER) if is_halt else None
-        unwritten = self._unwritten_stop(transcript, partial, spotted)
+        unwritten = self._unwritten_stop(transcript, partial, context.spotted)
         if unwritten is None:
             return None
-        confidence = confidence if spotted is None else worth.spotter(spotted)
+        confidence = confidence if context.spotted is None else worth.spotter(context.spotted)
         return Verdict(unwritten, transcript, confidence, SPOTTER)
 
     def spotted(self, spotted: Spotted) -> Verdict | None:
@@ -151,15 +167,27 @@ class Decider:
         confidence = self._recognizer_config.confidence.spotter(spotted.score)
         return Verdict(match, transcript, confidence, SPOTTER)
 
-    def _stop_in_motion(self, transcript: Hypothesis) -> Verdict | None:
-        """A stop among the words of enough transcripts in a row, while the robot moves."""
+    def _stop_in_motion(self, transcript: Hypothesis, partial: PartialUtterance) -> Verdict | None:
+        """A stop among the words of a transcript, while the robot moves.
+
+        The spotter over talk must have heard it, too. Without one, enough transcripts in a row
+        must hold it.
+        """
         written = self._written_among(transcript)
         self._votes = self._votes + 1 if written else 0
-        if written is None or self._votes < self._config.moving.sentence_agreement:
+        needed = self._config.moving.sentence_agreement if self._stop_in_sound is None else 1
+        if written is None or self._votes < needed or not self._is_heard_over_talk(partial):
             return None
         phrase, heard = written
         worth = self._recognizer_config.confidence.transcript(log_odds(heard.confidence))
         return Verdict(Match(phrase, self._mapper(heard.text).wer), heard, worth, RECOGNIZER)
+
+    def _is_heard_over_talk(self, partial: PartialUtterance) -> bool:
+        """Whether the spotter over talk heard a stop in the newest sound, or there is none."""
+        if self._stop_in_sound is None:
+            return True
+        score = self._stop_in_sound(partial.utterance.samples, _NEWEST)
+        return score >= self._config.moving.over_talk_agree
 
     def _written_among(self, transcript: Hypothesis) -> tuple[str, Hypothesis] | None:
         """A halt that stands among other words, and the transcript; None: there is none."""
@@ -171,6 +199,22 @@ class Decider:
                     if contains(words, normalize(phrase)):
                         return phrase, heard
         return None
+
+    def _stop_over_talk(self, transcript: Hypothesis, partial: PartialUtterance) -> Verdict | None:
+        """A stop under other people's talk, at the end of the whole utterance.
+
+        Where the transcript has a halt among its words, somebody said it in a sentence: it is none.
+        """
+        words = normalize(transcript.text)
+        written = any(contains(words, normalize(halt)) for halt in self._halts)
+        if self._stop_in_sound is None or written or self._early_decision.has_halted:
+            return None
+        score = self._stop_in_sound(partial.utterance.samples)
+        if score < self._config.spotter.over_talk_alone:
+            return None
+        match = Match(self._stop_fusion.phrase, self._mapper(transcript.text).wer)
+        confidence = self._recognizer_config.confidence.spotter(score)
+        return Verdict(match, transcript, confidence, SPOTTER)
 
     def _stop_beside(self, transcript: Hypothesis, partial: PartialUtterance) -> Verdict | None:
         """What is said at the same time as a motion: a stop, or a reason to refuse the motion.

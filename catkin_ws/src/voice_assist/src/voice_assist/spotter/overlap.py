@@ -30,7 +30,7 @@ WINDOW = 25_600  # samples that a look sees, 1.6 s
 TRAINED = 2  # blocks of the encoder, the last ones, that have weights of their own
 STEADY = -20.0  # [nat] the score of steady sound
 ENCODER_SHA256, STATE = "encoder_sha256", "state"  # keys of the file
-_HOP, _MOST_WINDOWS = 3 * STEP, 8  # of a whole sound: each 0.24 s, 1.9 s in all
+_HOP = 3 * STEP  # between two windows of a whole sound, 0.24 s
 _FRAME, _STANDS_OUT = 320, 2.0  # samples; ratio of powers
 _WIDE, _NARROW, _REACH = 128, 64, 5  # channels and width of the convolutions
 
@@ -177,14 +177,22 @@ def overlap_scorer(network: OverlapNetwork) -> Callable[[Windows], float]:
     return score
 
 
-def sound_scorer(network: OverlapNetwork) -> Callable[[Samples], float]:
-    """The network for a whole sound, shape (n,): the best log-odds [nat] of its newest seconds."""
+class SoundScorer:
+    """The network for a whole sound."""
 
-    def score(sound: Samples) -> float:
+    def __init__(self, network: OverlapNetwork) -> None:
+        """Ask that network."""
+        self._network = network
+
+    def __call__(self, sound: Samples, newest: int | None = None) -> float:
+        """The best log-odds [nat] of its windows, which begin 0.24 s apart.
+
+        Args:
+            sound: Shape (n,); before it there is silence.
+            newest: Windows from its end that count; None: all.
+        """
         padded = np.concatenate([np.zeros(WINDOW, np.float32), sound.astype(np.float32)])
-        ends = range(len(padded), WINDOW, -_HOP)[:_MOST_WINDOWS]
+        ends = range(len(padded), WINDOW, -_HOP)[:newest]
         windows = np.stack([padded[end - WINDOW : end] for end in ends or (len(padded),)])
         with torch.inference_mode():
-            return float(network(torch.from_numpy(windows))[0].max())
-
-    return score
+            return float(self._network(torch.from_numpy(windows))[0].max())
