@@ -13,7 +13,7 @@ from typed_config.ros.running_nodes import running_again
 
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
 ALARMS, VOICE, SYSTEM = (LAUNCH / f"{name}.launch" for name in ("alarms", "voice", "system"))
-RUNNING, DEAD = "/left/alarms", "/voice_assist"
+RUNNING, DEAD, SHARED = "/left/alarms", "/voice_assist", "/robot_state_publisher"
 GROUP = '<launch><group ns="{ns}"><include file="{file}"/></group></launch>'
 
 
@@ -22,8 +22,8 @@ def calls():
     """A master with one node that runs and one that was killed; all methods called, in order."""
     server = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
     uri, seen = f"http://127.0.0.1:{server.server_address[1]}/", []
-    uris = {RUNNING: uri, DEAD: f"http://127.0.0.1:{free_port()}/"}
-    state = [[["/rosout", [RUNNING, DEAD]]], [], []]
+    uris = {RUNNING: uri, SHARED: uri, DEAD: f"http://127.0.0.1:{free_port()}/"}
+    state = [[["/rosout", [RUNNING, DEAD, SHARED]]], [], []]
     answers = {"getSystemState": lambda *_: state, "lookupNode": lambda _, name: uris[name]}
 
     def answer(method, words):
@@ -71,6 +71,11 @@ def test_what_starts_nothing_is_not_refused(calls, monkeypatch):
     assert again(ALARMS, "--nodes", str(ALARMS)) == []
     assert again(SYSTEM, str(SYSTEM), "alarms:=false") == []
     assert running_again(ALARMS, ["/usr/bin/python3", "/usr/bin/rostest", str(ALARMS)]) == []
+
+
+def test_a_publisher_of_the_robots_links_may_be_started_twice(calls):
+    """As by robot.launch and kinova.launch, for the stand-in of Kinova's drivers."""
+    assert again(LAUNCH / "robot.launch", str(LAUNCH / "robot.launch")) == []
 
 
 def test_another_master_is_another_system(calls, monkeypatch):

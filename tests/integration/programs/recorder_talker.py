@@ -45,7 +45,8 @@ def odd_message():
 
 
 def say(**values):
-    print(json.dumps(values), flush=True)
+    sys.stdout.write(json.dumps(values) + "\n")  # at once: threads write side by side
+    sys.stdout.flush()
 
 
 class Talker:

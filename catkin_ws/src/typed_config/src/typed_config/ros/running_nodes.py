@@ -17,6 +17,7 @@ from xmlrpc.client import ServerProxy
 import rosgraph
 
 CALLER = "/check_settings"
+SHARED = {"robot_state_publisher"}  # programs of which the newer takes the older's place unharmed
 PATIENCE = 1.0  # [s] for the master, and for a node that may hang
 
 
@@ -82,7 +83,11 @@ def _nodes(words: Sequence[str]) -> Collection[str]:
         found = config.load_config_default(files, None, loader=WithoutCommands())
     except roslaunch.RLException:
         return ()  # roslaunch says why
-    return {rosgraph.names.ns_join(node.namespace, node.name) for node in found.nodes}
+    return {
+        rosgraph.names.ns_join(node.namespace, node.name)
+        for node in found.nodes
+        if node.type not in SHARED
+    }
 
 
 def _is_alive(master: rosgraph.Master, name: str) -> bool:
