@@ -8,6 +8,6 @@ setup(
     **generate_distutils_setup(
         packages=find_packages("src"),
         package_dir={"": "src"},
-        package_data={"voice_assist": ["py.typed"]},
+        package_data={"voice_assist": ["py.typed", "display/page/*"]},
     )
 )

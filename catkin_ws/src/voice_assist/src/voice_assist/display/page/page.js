@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Draws the newest snapshot ten times a second, and marks what is old; sends the four acts.
+"use strict";
+
+const RETRY = 1000; // [ms] before a connection that was refused is tried again
+const SILENT = 3000; // [ms] without an event after which the connection is made anew
+const ACT_WITHIN = 4000; // [ms] for an act to be answered
+const QUIET = -60, LOUD = -3; // [dB] ends of the level bar, and what clips
+const SHAPES = { standby: "circle", active: "disc", moving: "arrow", stopping: "bars", halted: "square", faulted: "warning" };
+const NAMES = { standby: "Standby", active: "Ready", moving: "Moving", stopping: "Stopping", halted: "Halted", faulted: "Fault" };
+const PHASES = {
+  reach: "Reaching the tissue", close: "Closing the jaws", pull: "Pulling", step: "One step", open: "Opening the jaws", ease: "Easing off",
+  approach: "Approaching the trocar", align: "Aligning the tool", insert: "Inserting", withdraw: "Withdrawing", look: "Moving the camera",
+  brake: "Braking", hold: "Holding",
+};
+
+const byId = (id) => document.getElementById(id);
+const say = (id, text) => { const e = byId(id); if (e.textContent !== text) e.textContent = text; };
+const show = (id, isShown) => { byId(id).hidden = !isShown; };
+const shape = (id, name) => byId(id).setAttribute("href", `#${name}`);
+const mm = (metres, digits) => `${(1000 * metres).toFixed(digits)} mm`;
+
+let news = null; // the newest snapshot
+let arrived = -Infinity; // [ms] when it came
+let source = null;
+let token = "";
+let isAiming = false;
+let heardSince = performance.now(); // [ms] of the last try or event
+
+// --- news
+
+function connect() {
+  if (source) source.close();
+  heardSince = performance.now();
+  source = new EventSource("/events");
+  source.onmessage = (event) => {
+    news = JSON.parse(event.data);
+    arrived = heardSince = performance.now();
+    draw();
+  };
+  source.onerror = () => { // a browser tries again by itself, unless it was refused
+    if (source.readyState === EventSource.CLOSED) setTimeout(connect, RETRY);
+  };
+}
+
+function draw() {
+  const since = (performance.now() - arrived) / 1000;
+  const limit = news ? news.old_after : 0.5;
+  const isLost = since > limit;
+  show("lost", isLost);
+  document.title = isLost ? "No connection" : title();
+  if (isLost) say("lost-words", news ? ` for ${since.toFixed(0)} s: nothing below is as it is now` : " yet");
+  tell("lost", isLost ? "No connection to the robot's display" : news ? "Connected" : "");
+  if (!news) return;
+  drawRobot(since, limit);
+  drawHearing(since, limit);
+  drawTissue(since, limit);
+  drawPicture(since);
+  drawAlarm();
+  drawQuestion();
+  drawFoot(since, limit);
+}
+
+// Marks a part as old, in words; returns whether it can be drawn.
+function mark(id, part, since, limit, what) {
+  const age = part ? (part.age === null ? Infinity : part.age + since) : Infinity;
+  const isOld = age > limit;
+  const words = age === Infinity ? `No news of the ${what}` : `Old: ${what} silent for ${age < 10 ? age.toFixed(1) : age.toFixed(0)} s`;
+  byId(id).classList.toggle("is-old", isOld);
+  byId(id).dataset.old = isOld ? words : "";
+  tell(id, isOld ? `No news of the ${what}` : `News of the ${what}`, !isOld);
+  return Boolean(part);
+}
+
+function title() {
+  const robot = news.robot;
+  return robot ? `${NAMES[robot.state] || robot.state} - Theatre` : "Theatre";
+}
+
+function drawRobot(since, limit) {
+  const robot = news.robot;
+  if (!mark("robot", robot, since, limit, "controller")) return;
+  byId("robot").dataset.state = robot.state;
+  const name = NAMES[robot.state] || robot.state;
+  say("state", name);
+  shape("state-shape", SHAPES[robot.state] || "clock");
+  const held = robot.is_tissue_held ? "tissue held" : "nothing held";
+  say("why", robot.halt_reason || (robot.state === "standby" ? `${held}; say "hey robot" to begin` : held));
+  const isUnderWay = robot.state === "moving" || robot.state === "stopping";
+  const phase = PHASES[robot.phase] || robot.phase;
+  say("phase", isUnderWay ? phase : robot.command ? `Last: ${robot.command}` : "At rest");
+  say("remaining", isUnderWay && robot.remaining !== null ? `about ${robot.remaining.toFixed(1)} s` : "");
+  bar("progress", isUnderWay ? robot.progress : 0, Math.round(100 * robot.progress), `${phase}, ${Math.round(100 * robot.progress)} %`);
+  const words = robot.words.join("|");
+  if (byId("words").dataset.words !== words) {
+    byId("words").dataset.words = words;
+    byId("words").replaceChildren(...robot.words.map((word) => Object.assign(document.createElement("b"), { textContent: word })));
+  }
+  tell("state", `${name}. ${isUnderWay ? phase : robot.halt_reason}`);
+}
+
+function drawHearing(since, limit) {
+  const hearing = news.hearing;
+  if (!mark("hearing", hearing, since, limit, "voice")) return;
+  say("microphone", hearing.microphone || "not named");
+  const share = Math.min(1, Math.max(0, (hearing.level - QUIET) / -QUIET));
+  bar("level", share, Math.max(QUIET, hearing.level).toFixed(0), `${hearing.level.toFixed(0)} decibel`);
+  byId("level").classList.toggle("is-loud", hearing.level > LOUD);
+  say("level-number", `${hearing.level.toFixed(0)} dB`);
+  say("level-words", hearing.trouble || (hearing.level > LOUD ? "Too loud: it clips" : `Voice ${hearing.mode || "unknown"}`));
+  say("partial", hearing.partial ? `hearing “${hearing.partial}” ?` : "");
+  drawUtterance(hearing.utterance);
+}
+
+function drawUtterance(said) {
+  show("utterance", Boolean(said));
+  if (!said) { say("utterance-why", "Nothing has been said yet"); return; }
+  const isTaken = Boolean(said.command);
+  byId("utterance").classList.toggle("is-taken", isTaken);
+  byId("utterance").classList.toggle("is-refused", !isTaken);
+  shape("utterance-shape", isTaken ? "tick" : "cross");
+  const text = said.transcript.trim();
+  say("utterance-words", isTaken ? said.command : text ? `“${text}”` : "no words");
+  const ago = said.age < 1.5 ? "now" : said.age < 90 ? `${said.age.toFixed(0)} s ago` : `${(said.age / 60).toFixed(0)} min ago`;
+  const by = said.decided_by === "spotter" ? ", by the spotter" : "";
+  const why = isTaken ? `taken from “${text}”${by}` : `not taken: ${said.reason}`;
+  say("utterance-why", `${why}, ${ago}`);
+  tell("utterance", isTaken ? `Heard ${said.command}` : `Not taken: ${text}. ${said.reason}`);
+}
+
+function drawTissue(since, limit) {
+  const tissue = news.tissue;
+  if (!mark("tissue", tissue, since, limit, "measurements")) return;
+  const top = 1.1 * (tissue.tension_limit || 2);
+  const tension = tissue.tension;
+  say("tension", tension === null ? "no value" : `${tension.toFixed(2)} N`);
+  bar("tension-bar", (tension || 0) / top, (tension || 0).toFixed(2), `${(tension || 0).toFixed(2)} newton`);
+  byId("tension-bar").setAttribute("aria-valuemax", top.toFixed(2));
+  byId("tension-bar").parentElement.classList.toggle("is-over", Boolean(tissue.tension_limit) && tension > tissue.tension_limit);
+  place("target-mark", tissue.tension_target, top);
+  place("limit-mark", tissue.tension_limit, top);
+  say("tension-target", tissue.invalid_reason ? `Not valid: ${tissue.invalid_reason}` : tissue.tension_target === null ? "no target" : `target ${tissue.tension_target.toFixed(2)} N`);
+  say("tension-limit", tissue.tension_limit === null ? "" : `limit ${tissue.tension_limit.toFixed(2)} N`);
+  const isOutside = tissue.insertion !== null && tissue.insertion < 0;
+  const error = tissue.rcm_error, bound = tissue.rcm_limit;
+  say("rcm", error === null ? "no value" : error < 0.01 ? mm(error, 3) : mm(error, 1));
+  bar("rcm-bar", bound && error !== null ? error / (1.1 * bound) : 0, error === null ? 0 : (1000 * error).toFixed(3), error === null ? "no value" : mm(error, 3));
+  byId("rcm-bar").setAttribute("aria-valuemax", bound ? (1100 * bound).toFixed(2) : 1);
+  byId("rcm-bar").parentElement.classList.toggle("is-over", !isOutside && Boolean(bound) && error > bound);
+  say("rcm-limit", isOutside ? "outside: no limit" : bound === null ? "" : `limit ${mm(bound, 2)}`);
+  say("depth", tissue.insertion === null ? "" : isOutside ? `${mm(-tissue.insertion, 0)} outside` : `depth ${mm(tissue.insertion, 0)}`);
+}
+
+function drawPicture(since) {
+  const picture = news.picture;
+  if (!picture) { say("picture-words", "No picture of the scene"); return; }
+  const image = byId("picture");
+  if (image.dataset.number !== String(picture.number) && !image.dataset.loading) {
+    const next = new Image(); // decoded before it is shown: no flicker, and one at a time
+    image.dataset.loading = "yes";
+    const done = () => { delete image.dataset.loading; };
+    next.onload = () => { image.src = next.src; image.dataset.number = String(picture.number); image.hidden = false; done(); };
+    next.onerror = () => setTimeout(done, RETRY);
+    next.src = `/picture?number=${picture.number}`;
+  }
+  const age = picture.age + since;
+  const isOld = age > 2 * picture.period + news.old_after;
+  const words = isAiming ? "Click where the tissue is to be grasped" : isOld ? "OLD picture, " : "Picture, ";
+  say("picture-words", isAiming ? words : `${words}${age.toFixed(1)} s ago`);
+  image.classList.toggle("is-aiming", isAiming);
+}
+
+function drawAlarm() {
+  const alarm = news.alarm;
+  const isShown = !alarm || ["stop", "fault", "refusal"].includes(alarm.kind); // notices would make the page jump
+  show("alarm", isShown);
+  if (!alarm) {
+    say("alarm-cause", "No alarms are watched");
+    say("alarm-next", "Start the alarm node, or watch the log");
+    byId("alarm").dataset.kind = "fault";
+    byId("alarm").dataset.priority = "2";
+  } else if (isShown) {
+    byId("alarm").dataset.kind = alarm.kind;
+    byId("alarm").dataset.priority = alarm.priority;
+    byId("alarm").classList.toggle("is-acknowledged", alarm.is_acknowledged);
+    say("alarm-cause", alarm.cause);
+    say("alarm-next", alarm.next_step ? `Next: ${alarm.next_step}` : "");
+    say("alarm-others", alarm.others.length ? `also: ${alarm.others.join("; ")}` : "");
+  }
+  const words = alarm && isShown ? `${alarm.cause}. ${alarm.next_step}` : "";
+  if (words !== said.alarm) { said.alarm = words; say("alert", words); }
+}
+
+function drawQuestion() {
+  const question = news.question;
+  show("question", Boolean(question));
+  if (!question) return;
+  say("question-words", `${question.command[0].toUpperCase()}${question.command.slice(1)}?`);
+  const hint = token ? "or say “yes”" : "say “yes”, or enter the token to press here";
+  say("question-hint", `${Math.ceil(question.remaining)} s: ${hint}`);
+  byId("answer-yes").disabled = byId("answer-no").disabled = !token;
+  tell("question", `${question.command}?`);
+}
+
+function drawFoot(since, limit) {
+  const recording = news.recording;
+  const isOld = !recording || recording.age + since > Math.max(2, limit);
+  const isOn = !isOld && !recording.problem;
+  byId("recording").classList.toggle("is-on", isOn);
+  byId("recording").classList.toggle("is-off", !isOn);
+  shape("recording-shape", isOn ? "disc" : "cross");
+  const file = recording && recording.file ? recording.file.split("/").slice(-2, -1)[0] : "";
+  const took = recording && recording.since !== null ? duration(recording.since) : "";
+  say("recording-words", isOn ? `Recording ${took} ${file}` : recording ? (isOld ? "Recorder silent" : `Not recorded: ${recording.problem}`) : "Not recorded");
+  say("disk", recording && recording.free !== null ? `${(recording.free / 1e9).toFixed(1)} GB free` : "");
+  say("time", new Date(1000 * news.time).toLocaleTimeString("en-GB"));
+  drawChoices();
+}
+
+function drawChoices() {
+  const choices = news.microphones.join("|");
+  const select = byId("microphones");
+  show("choose", news.microphones.length > 0);
+  if (select.dataset.choices !== choices) {
+    select.dataset.choices = choices;
+    select.replaceChildren(new Option("choose", ""), ...news.microphones.map((name) => new Option(name, name)));
+  }
+}
+
+function duration(seconds) {
+  const whole = Math.floor(seconds);
+  const two = (n) => String(n).padStart(2, "0");
+  return `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}`;
+}
+
+function bar(id, share, value, words) {
+  const element = byId(id);
+  element.querySelector(".fill").style.setProperty("--share", Math.min(1, Math.max(0, share)).toFixed(3));
+  element.setAttribute("aria-valuenow", value);
+  element.setAttribute("aria-valuetext", words);
+}
+
+function place(id, value, top) {
+  show(id, value !== null && value !== undefined);
+  if (value) byId(id).style.setProperty("--share", Math.min(1, value / top).toFixed(3));
+}
+
+// Tells screen readers each change of a part once; the first news of all parts say nothing.
+const said = { alarm: "" };
+function tell(part, words, isFirstQuiet = false) {
+  if (said[part] === words) return;
+  const isFirst = said[part] === undefined;
+  said[part] = words;
+  if (words && !(isFirst && isFirstQuiet)) say("announce", words);
+}
+
+// --- acts
+
+async function act(name, fields, words) {
+  const body = fields ? JSON.stringify(fields) : undefined;
+  const headers = fields ? { "Content-Type": "application/json", Authorization: `Bearer ${token}` } : {};
+  const signal = AbortSignal.timeout(ACT_WITHIN);
+  try {
+    const response = await fetch(`/act/${name}`, { method: "POST", body, headers, signal });
+    if (!response.ok) {
+      if (response.status === 401) lock();
+      return words(false, (await response.text()).trim());
+    }
+    const outcome = await response.json();
+    return words(outcome.done, outcome.words);
+  } catch (error) {
+    return words(false, "no answer");
+  }
+}
+
+let pressed = -Infinity;
+function stop() {
+  if (performance.now() - pressed < 300) return; // a press is also a click
+  pressed = performance.now();
+  stopWords(true, "Stop is sent");
+  act("stop", null, (isDone, text) => stopWords(isDone, isDone ? text : `NOT STOPPED: ${text}. Press the emergency stop.`));
+}
+
+function stopWords(isDone, text) {
+  say("stop-words", text);
+  byId("stop-words").classList.toggle("is-bad", !isDone);
+}
+
+function actWords(_, text) {
+  say("act-words", text);
+}
+
+function lock() {
+  token = "";
+  sessionStorage.removeItem("token");
+  aim(false);
+}
+
+function aim(isOn) {
+  isAiming = isOn;
+  byId("grasp").setAttribute("aria-pressed", String(isOn));
+}
+
+function needToken() {
+  if (!token) { say("act-words", "Enter the token first: it is printed where the page was started"); byId("more").open = true; }
+  return !token;
+}
+
+byId("stop").addEventListener("pointerdown", stop);
+byId("stop").addEventListener("click", stop);
+byId("unlock").addEventListener("submit", (event) => {
+  event.preventDefault();
+  token = byId("token").value.trim();
+  sessionStorage.setItem("token", token);
+  byId("token").value = "";
+  say("act-words", token ? "The token is kept until this page is closed" : "");
+});
+byId("microphones").addEventListener("change", (event) => {
+  if (event.target.value && !needToken()) act("microphone", { name: event.target.value }, actWords);
+});
+byId("answer-yes").addEventListener("click", () => needToken() || act("answer", { yes: true }, actWords));
+byId("answer-no").addEventListener("click", () => needToken() || act("answer", { yes: false }, actWords));
+byId("grasp").addEventListener("click", () => needToken() || aim(!isAiming));
+byId("picture").addEventListener("click", (event) => {
+  if (!isAiming) return;
+  const box = event.target.getBoundingClientRect();
+  const column = (event.clientX - box.left) / box.width, row = (event.clientY - box.top) / box.height;
+  aim(false);
+  act("grasp", { column, row }, actWords);
+});
+byId("theme").addEventListener("change", (event) => theme(event.target.value));
+
+function theme(name) {
+  localStorage.setItem("theme", name);
+  if (name) document.documentElement.dataset.theme = name;
+  else delete document.documentElement.dataset.theme;
+}
+
+theme(localStorage.getItem("theme") || "");
+byId("theme").value = localStorage.getItem("theme") || "";
+token = sessionStorage.getItem("token") || "";
+say("stop-words", "Brakes and holds. Not an emergency stop.");
+connect();
+setInterval(() => {
+  if (performance.now() - heardSince > SILENT) connect();
+  if (performance.now() - arrived > 150) draw(); // what was drawn last gets older
+}, 100);

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Gathers what the system reports, from any thread, into snapshots."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
+
+from voice_assist.display.phase_clock import PhaseClock
+from voice_assist.display.snapshot import (
+    AlarmPart,
+    HearingPart,
+    Picture,
+    PicturePart,
+    QuestionPart,
+    RecordingPart,
+    RobotPart,
+    Snapshot,
+    TissuePart,
+    UtterancePart,
+)
+from voice_assist.display.words import WordRule, words_that_count
+
+QUIET = -100.0  # [dB] of full scale, silence
+PARTIAL_FOR = 3.0  # [s] that text as it is heard is shown without more of it
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class _News(Generic[T]):
+    value: T
+    at: float  # [s] steady clock
+
+    def age(self, now: float) -> float:
+        return max(0.0, now - self.at)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the controller brakes at; None: unknown."""
+
+    tension: float | None = None  # [N]
+    rcm: float | None = None  # [m]
+
+
+class Theatre:
+    """The newest of everything.
+
+    Args:
+        old_after: Age from which viewers are shown a part as old [s].
+        clock: Steady clock [s].
+        wall: Wall clock [s since 1970].
+    """
+
+    def __init__(
+        self, old_after: float, clock: Callable[[], float], wall: Callable[[], float]
+    ) -> None:
+        self._old_after, self._clock, self._wall = old_after, clock, wall
+        self._lock = threading.Lock()
+        self._phase = PhaseClock()
+        self._robot: _News[tuple[RobotPart, TissuePart]] | None = None
+        self._sound: _News[float] | None = None
+        self._heard_voice = False
+        self._partial: _News[str] | None = None
+        self._utterance: _News[UtterancePart] | None = None
+        self._mode = self._microphone = self._trouble = ""
+        self._alarm: AlarmPart | None = None
+        self._recording: _News[str] | None = None
+        self._file: _News[str] | None = None
+        self._free: int | None = None
+        self._picture: _News[Picture] | None = None
+        self._picture_period = 0.0
+        self._question: _News[QuestionPart] | None = None
+        self._invalid_reason = ""
+        self.limits = Limits()
+        self.rules: Sequence[WordRule] = ()
+        self.microphones: tuple[str, ...] = ()
+
+    # --- what comes in
+
+    def see_robot(self, robot: RobotPart, tissue: TissuePart) -> None:
+        """A state of the controller."""
+        with self._lock:
+            now = self._clock()
+            self._robot = _News((robot, tissue), now)
+            self._phase.report(f"{robot.command}/{robot.phase}", robot.progress, now)
+
+    def see_tension_invalid(self, reason: str) -> None:
+        """Why the tension counts as invalid; empty: it is valid."""
+        self._invalid_reason = reason
+
+    def see_sound(self, level: float) -> None:
+        """The level of a block of sound [dB of full scale]."""
+        with self._lock:
+            loudest = level if self._sound is None else max(level, self._sound.value)
+            self._sound = _News(loudest, self._clock())
+
+    def see_partial(self, text: str) -> None:
+        """Text as it is heard."""
+        self._partial = _News(text, self._clock())
+
+    def see_utterance(self, utterance: UtterancePart) -> None:
+        """A decision of the recogniser ends the text that led to it."""
+        with self._lock:
+            self._utterance = _News(utterance, self._clock())
+            self._partial = None
+
+    def see_mode(self, mode: str) -> None:
+        """Standby or active."""
+        self._mode = mode
+
+    def see_voice_health(self, microphone: str, trouble: str) -> None:
+        """By which microphone the voice node hears, and why it may not."""
+        self._heard_voice = True
+        self._microphone, self._trouble = microphone, trouble
+
+    def see_alarm(self, alarm: AlarmPart | None) -> None:
+        """What stands first; None: no alarm node is there."""
+        self._alarm = alarm
+
+    def see_recording(self, problem: str) -> None:
+        """The recorder's heartbeat; empty: everything is recorded."""
+        self._recording = _News(problem, self._clock())
+
+    def see_file(self, file: str) -> None:
+        """The file that is recorded; empty: none."""
+        self._file = _News(file, self._clock()) if file else None
+
+    def see_free_space(self, free: int | None) -> None:
+        """Of the recorder's disk [B]; None: unknown."""
+        self._free = free
+
+    def see_picture(self, kind: str, data: bytes) -> None:
+        """A picture of the scene.
+
+        Args:
+            kind: image/png or image/jpeg.
+            data: The file.
+        """
+        with self._lock:
+            number = 1 if self._picture is None else self._picture.value.number + 1
+            self._picture = _News(Picture(number, kind, data), self._clock())
+
+    def see_picture_period(self, period: float) -> None:
+        """How often a picture can come [s]."""
+        self._picture_period = period
+
+    def see_question(self, command: str, answer_within: float) -> None:
+        """A motion that waits for a yes [s]; an empty command: no more."""
+        question = QuestionPart(command, answer_within)
+        self._question = _News(question, self._clock()) if command else None
+
+    # --- what goes out
+
+    @property
+    def picture(self) -> Picture | None:
+        """The newest."""
+        news = self._picture
+        return None if news is None else news.value
+
+    def snapshot(self) -> Snapshot:
+        """Everything as it is now; the level counts from the last snapshot on."""
+        with self._lock:
+            now = self._clock()
+            return Snapshot(
+                time=self._wall(),
+                old_after=self._old_after,
+                robot=self._robot_part(now),
+                tissue=self._tissue_part(now),
+                hearing=self._hearing_part(now),
+                alarm=self._alarm,
+                recording=self._recording_part(now),
+                picture=self._picture_part(now),
+                question=self._question_part(now),
+                microphones=self.microphones,
+            )
+
+    def _robot_part(self, now: float) -> RobotPart | None:
+        if self._robot is None:
+            return None
+        robot = self._robot.value[0]
+        words = words_that_count(self.rules, self._mode, robot.state, robot.is_tissue_held)
+        remaining = self._phase.remaining if robot.state in ("moving", "stopping") else None
+        return replace(robot, remaining=remaining, words=words, age=self._robot.age(now))
+
+    def _tissue_part(self, now: float) -> TissuePart | None:
+        if self._robot is None:
+            return None
+        return replace(
+            self._robot.value[1],
+            invalid_reason=self._invalid_reason,
+            tension_limit=self.limits.tension,
+            rcm_limit=self.limits.rcm,
+            age=self._robot.age(now),
+        )
+
+    def _hearing_part(self, now: float) -> HearingPart | None:
+        sound, partial, said = self._sound, self._partial, self._utterance
+        if sound is None and not self._heard_voice:
+            return None
+        if sound is not None:
+            self._sound = _News(QUIET, sound.at)
+        is_shown = partial is not None and partial.age(now) < PARTIAL_FOR
+        return HearingPart(
+            level=QUIET if sound is None else sound.value,
+            partial=partial.value if partial is not None and is_shown else "",
+            mode=self._mode,
+            microphone=self._microphone,
+            trouble=self._trouble,
+            utterance=None if said is None else replace(said.value, age=said.age(now)),
+            age=float("inf") if sound is None else sound.age(now),
+        )
+
+    def _recording_part(self, now: float) -> RecordingPart | None:
+        if self._recording is None:
+            return None
+        file = self._file
+        return RecordingPart(
+            problem=self._recording.value,
+            file="" if file is None else file.value,
+            since=None if file is None else file.age(now),
+            free=self._free,
+            age=self._recording.age(now),
+        )
+
+    def _picture_part(self, now: float) -> PicturePart | None:
+        news = self._picture
+        if news is None:
+            return None
+        return PicturePart(news.value.number, self._picture_period, news.age(now))
+
+    def _question_part(self, now: float) -> QuestionPart | None:
+        news = self._question
+        if news is None or news.age(now) >= news.value.remaining:
+            return None
+        return replace(news.value, remaining=news.value.remaining - news.age(now))

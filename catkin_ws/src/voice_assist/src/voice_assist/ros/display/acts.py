@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a person does on the page, by the topics and services that a person by hand uses, too."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rospy
+from std_msgs.msg import Empty
+
+from rst_control.srv import Command
+from voice_assist.display.acts import Outcome
+from voice_assist.ros.command_client import SERVICE
+
+STOP_TOPIC = "rst_control/stop"
+WITHIN = 2.5  # [s] for a service to answer; the page waits longer
+
+
+class RosActs:
+    """Acts on the system under this node's name, by which the controller tells callers apart."""
+
+    def __init__(self) -> None:
+        self._stop = rospy.Publisher(STOP_TOPIC, Empty, queue_size=10)
+
+    def send_stop(self) -> None:
+        """Publish the stop; it waits for nobody."""
+        self._stop.publish(Empty())
+
+    def stop(self) -> Outcome:
+        """Ask the controller by its service, too, and say what it answers."""
+        reply = _call(SERVICE, Command, "stop")
+        if reply is None:
+            return Outcome(False, "the controller does not answer")
+        return Outcome(bool(reply.accepted), reply.message)
+
+    def choose_microphone(self, name: str) -> Outcome:
+        """Hear by another microphone."""
+        return Outcome(False, f"the voice node cannot change to {name!r} while it runs")
+
+    def answer(self, is_yes: bool) -> Outcome:
+        """Answer the question that stands."""
+        return Outcome(False, "no question stands")
+
+    def set_grasp(self, column: float, row: float) -> Outcome:
+        """Grasp where a person points to."""
+        return Outcome(False, "the controller takes no other grasp point")
+
+
+def _call(name: str, kind: type, *words: Any) -> Any:
+    """The answer of a service; None: there is none in time."""
+    try:
+        rospy.wait_for_service(name, WITHIN)
+        return rospy.ServiceProxy(name, kind)(*words)
+    except (rospy.ROSException, rospy.ServiceException, OSError):
+        return None

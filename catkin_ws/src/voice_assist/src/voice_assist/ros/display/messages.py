@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Messages of the running system to what the page shows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from rst_control.commands.spec import TissueNeeded
+from rst_control.commands.table import COMMANDS
+from rst_control.msg import ControllerState
+from rst_control.types import State
+from voice_assist.audio.source import level_db
+from voice_assist.config import CommandConfig
+from voice_assist.display.snapshot import AlarmPart, RobotPart, TissuePart, UtterancePart
+from voice_assist.display.words import WordRule
+from voice_assist.msg import Alarm, AudioChunk, Utterance
+from voice_assist.ros.messages import pcm
+from voice_assist.types import FULL_SCALE
+
+ANY_STATE = frozenset(state.value for state in State)
+_HELD = {TissueNeeded.HELD: True, TissueNeeded.NONE: False, TissueNeeded.ANY: None}
+_BEGINNINGS = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
+LARGEST = 8_000_000  # [B] of a picture
+
+
+def robot_parts(message: ControllerState) -> tuple[RobotPart, TissuePart]:
+    """What the controller does, and what it measures."""
+    robot = RobotPart(
+        state=message.state,
+        phase=message.phase,
+        command=message.command,
+        progress=message.progress if math.isfinite(message.progress) else 0.0,
+        is_active=message.assistance_enabled,
+        is_tissue_held=message.tissue_held,
+        halt_reason=message.halt_reason,
+        last_refusal=message.last_refusal,
+    )
+    tissue = TissuePart(
+        tension=_number(message.tension),
+        tension_target=_number(message.tension_target) or None,
+        rcm_error=_number(message.rcm_error),
+        insertion=_number(message.insertion),
+    )
+    return robot, tissue
+
+
+def utterance_part(message: Utterance) -> UtterancePart:
+    """A decision of the recogniser."""
+    return UtterancePart(message.transcript, message.command, message.reason, message.decided_by)
+
+
+def alarm_part(message: Alarm) -> AlarmPart:
+    """What stands first."""
+    return AlarmPart(
+        kind=message.kind,
+        priority=message.priority,
+        cause=message.cause,
+        next_step=message.next_step,
+        is_acknowledged=message.acknowledged,
+        others=tuple(message.others),
+    )
+
+
+def sound_level(message: AudioChunk) -> float:
+    """Level of a block of sound [dB of full scale]."""
+    return level_db(pcm(message).astype(np.float32) / np.float32(FULL_SCALE))
+
+
+def picture_kind(data: bytes) -> str:
+    """image/png or image/jpeg, by its first bytes; empty: it is neither, or too large."""
+    if len(data) > LARGEST:
+        return ""
+    return next((kind for start, kind in _BEGINNINGS.items() if data.startswith(start)), "")
+
+
+def is_bad(status: DiagnosticStatus) -> bool:
+    """Whether a part reports an error, or nothing any more."""
+    level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
+    return level >= 2  # ERROR or STALE
+
+
+def values_of(status: DiagnosticStatus) -> Mapping[str, str]:
+    """What a part reports, by name."""
+    return {pair.key: pair.value for pair in status.values}
+
+
+def word_rules(commands: Iterable[CommandConfig]) -> tuple[WordRule, ...]:
+    """When each spoken word counts, by voice and controller."""
+    return tuple(_rule(command) for command in commands)
+
+
+def _rule(command: CommandConfig) -> WordRule:
+    spec = COMMANDS.get(command.command)
+    states: Iterable[Any] = spec.counts_in if spec else ()
+    return WordRule(
+        phrase=command.phrase,
+        modes=frozenset(command.modes),
+        states=frozenset(state.value for state in states) if spec else ANY_STATE,
+        is_tissue_held=_HELD[spec.tissue] if spec else None,
+    )
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The node of the operator's page: follows the system, serves the page, at low priority."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+import time
+from contextlib import suppress
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from std_msgs.msg import String
+
+from rst_control.msg import ControllerState
+from typed_config import ConfigError, load_config
+from voice_assist.config import CommandConfig, CommandsConfig
+from voice_assist.config.display import DisplayConfig, display_config, load_display_config
+from voice_assist.display.access_token import AccessToken
+from voice_assist.display.server import DisplayServer
+from voice_assist.display.theatre import Limits, Theatre
+from voice_assist.msg import Alarm, AudioChunk, Mode, Utterance
+from voice_assist.ros.display import messages
+from voice_assist.ros.display.acts import RosActs
+from voice_assist.ros.display.pictures import Pictures
+
+NICE = 10  # the page gives way to all that hears and moves
+LOOK_AGAIN = 1.0  # [s] between looks at what no topic says: settings, and whether alarms are there
+SETTINGS = "controller"  # node whose parameters hold the limits
+VOICE = "voice_assist"  # node whose parameters hold the spoken commands
+
+
+class DisplayNode:
+    """Follows the topics.
+
+    Args:
+        theatre: Gets all that is shown.
+    """
+
+    def __init__(self, theatre: Theatre) -> None:
+        self._theatre = theatre
+        follow = rospy.Subscriber
+        self._alarm = follow("voice_assist/alarm", Alarm, self._on_alarm)
+        self._subscribers = [
+            follow("rst_control/state", ControllerState, self._on_state, queue_size=1),
+            follow("robot/tension_invalid_reason", String, self._on_invalid),
+            follow("voice_assist/audio", AudioChunk, self._on_sound, queue_size=10),
+            follow("voice_assist/partial", String, self._on_partial, queue_size=1),
+            follow("voice_assist/utterance", Utterance, self._on_utterance, queue_size=10),
+            follow("voice_assist/mode", Mode, self._on_mode, queue_size=1),
+            follow("session_log/recording", String, self._on_recording, queue_size=1),
+            follow("session_log/file", String, self._on_file, queue_size=1),
+            follow("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20),
+        ]
+
+    def look_again(self) -> None:
+        """Take in what no topic says."""
+        if not _is_connected(self._alarm):
+            self._theatre.see_alarm(None)
+        self._theatre.limits = Limits(
+            tension=_setting("controller/tension/limit"), rcm=_setting("rcm/measured_tolerance")
+        )
+        if not self._theatre.rules:
+            self._theatre.rules = messages.word_rules(_commands())
+
+    def _on_state(self, message: ControllerState) -> None:
+        self._theatre.see_robot(*messages.robot_parts(message))
+
+    def _on_invalid(self, message: String) -> None:
+        self._theatre.see_tension_invalid(message.data)
+
+    def _on_sound(self, message: AudioChunk) -> None:
+        self._theatre.see_sound(messages.sound_level(message))
+
+    def _on_partial(self, message: String) -> None:
+        self._theatre.see_partial(message.data)
+
+    def _on_utterance(self, message: Utterance) -> None:
+        self._theatre.see_utterance(messages.utterance_part(message))
+
+    def _on_mode(self, message: Mode) -> None:
+        self._theatre.see_mode(message.mode)
+
+    def _on_alarm(self, message: Alarm) -> None:
+        self._theatre.see_alarm(messages.alarm_part(message))
+
+    def _on_recording(self, message: String) -> None:
+        self._theatre.see_recording(message.data)
+
+    def _on_file(self, message: String) -> None:
+        self._theatre.see_file(message.data)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self._on_health(status)
+
+    def _on_health(self, status: DiagnosticStatus) -> None:
+        values = messages.values_of(status)
+        if "microphone level [dB]" in values:
+            microphone = values.get("microphone") or values.get("source", "")
+            trouble = status.message if messages.is_bad(status) else ""
+            self._theatre.see_voice_health(microphone, trouble)
+        if "free space [B]" in values:
+            self._theatre.see_free_space(int(values["free space [B]"]) or None)
+
+
+def _is_connected(topic: rospy.Subscriber) -> bool:
+    """Whether a publisher is there; the connection to a killed one stays, without its socket."""
+    return any(connection.socket is not None for connection in topic.impl.connections)
+
+
+def _setting(name: str) -> float | None:
+    value = rospy.get_param(f"{SETTINGS}/{name}", None)
+    return float(value) if isinstance(value, int | float) else None
+
+
+def _commands() -> tuple[CommandConfig, ...]:
+    """What can be said; nothing while no voice node was launched."""
+    given = rospy.get_param(f"{VOICE}/commands", None)
+    if given is None:
+        return ()
+    try:
+        return load_config(CommandsConfig, given, "commands.yaml").commands
+    except ConfigError:  # the voice node refuses it, and says why
+        return ()
+
+
+async def serve(config: DisplayConfig) -> None:
+    """Serve the page until ROS shuts down.
+
+    Raises:
+        OSError: The address cannot be had.
+    """
+    theatre = Theatre(config.old_after, time.monotonic, time.time)
+    token = AccessToken(time.monotonic)
+    node, acts = DisplayNode(theatre), RosActs()
+    async with DisplayServer(config, theatre, acts, token, rospy.logerr) as server:
+        pictures = Pictures(config.picture, theatre, lambda: len(server.viewers) > 0)
+        # printed, not logged: what is logged is recorded
+        print(f"operator's page: {server.address}   token: {token.text}", flush=True)
+        rospy.loginfo("operator's page: %s", server.address)
+        rospy.set_param("~page", server.address)
+        loop = asyncio.get_running_loop()
+        while not rospy.is_shutdown():
+            await loop.run_in_executor(None, node.look_again)
+            await asyncio.sleep(LOOK_AGAIN)
+        del pictures
+
+
+def main() -> None:
+    """Run the display node."""
+    with suppress(OSError):
+        os.setpriority(os.PRIO_PROCESS, 0, NICE)
+    rospy.init_node("display")
+    try:
+        config = _load_config()
+        asyncio.run(serve(config))
+    except ConfigError as error:
+        rospy.logfatal("%s", error)
+        sys.exit(2)
+    except OSError as error:
+        rospy.logfatal("the page cannot be served: %s", error)
+        sys.exit(2)
+
+
+def _load_config() -> DisplayConfig:
+    """From the node's private parameters; from the package's file where there are none."""
+    names = ("address", "port", "hosts", "rate", "old_after", "max_viewers", "backlog", "picture")
+    given = {k: rospy.get_param(f"~{k}") for k in names if rospy.has_param(f"~{k}")}
+    if not given:
+        rospy.loginfo("no private parameters; the settings are those of the package's file")
+        return load_display_config()
+    return display_config(given)

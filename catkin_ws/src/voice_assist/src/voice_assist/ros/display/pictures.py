@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of the scene: taken as they come, and asked for while somebody looks."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+import rospy
+from sensor_msgs.msg import CompressedImage
+from std_srvs.srv import Trigger
+
+from voice_assist.config.display import PictureConfig
+from voice_assist.display.theatre import Theatre
+from voice_assist.ros.display.messages import picture_kind
+
+BUFFER = 16_000_000  # [B] of the connection: the newest picture is read whole
+SMOOTHING = 0.2  # of the time between two pictures
+
+
+class Pictures:
+    """Follows the topic; asks for the next picture in a thread of its own.
+
+    Args:
+        config: Topic, service and how often.
+        theatre: Gets the pictures.
+        is_watched: Whether anybody looks.
+    """
+
+    def __init__(
+        self, config: PictureConfig, theatre: Theatre, is_watched: Callable[[], bool]
+    ) -> None:
+        self._config, self._theatre, self._is_watched = config, theatre, is_watched
+        self._period = config.period
+        self._last = float("-inf")
+        self._refused = ""
+        theatre.see_picture_period(config.period)
+        self._topic = rospy.Subscriber(
+            config.topic, CompressedImage, self._on_picture, queue_size=1, buff_size=BUFFER
+        )
+        if config.request:
+            threading.Thread(target=self._ask, name="pictures", daemon=True).start()
+
+    def _on_picture(self, message: CompressedImage) -> None:
+        kind = picture_kind(message.data)
+        if not kind:
+            self._complain(f"a picture of {len(message.data)} bytes is neither PNG nor JPEG")
+            return
+        now = time.monotonic()
+        if now - self._last < 10.0 * self._period:  # not the first after a pause
+            self._period += SMOOTHING * (now - self._last - self._period)
+        self._last = now
+        self._theatre.see_picture_period(self._period)
+        self._theatre.see_picture(kind, bytes(message.data))
+
+    def _ask(self) -> None:
+        """Ask again and again; a picture that takes long is asked for less often."""
+        service = rospy.ServiceProxy(self._config.request, Trigger)
+        while not rospy.is_shutdown():
+            began = time.monotonic()
+            if self._is_watched():
+                try:
+                    answer = service()
+                    self._complain("" if answer.success else answer.message)
+                except rospy.ServiceException:
+                    pass  # nobody offers pictures; the page says that there is none
+            took = time.monotonic() - began
+            rest = max(self._config.period - took, took / self._config.share - took)
+            rospy.rostime.wallsleep(rest)
+
+    def _complain(self, words: str) -> None:
+        """Log a trouble once when it begins."""
+        if words and words != self._refused:
+            rospy.logwarn("no picture of the scene: %s", words)
+        self._refused = words

@@ -1,0 +1,427 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page's server over real sockets, without ROS."""
+
+import asyncio
+import json
+import random
+import socket
+import string
+import time
+from contextlib import suppress
+
+import pytest
+from aiohttp import ClientSession, ClientTimeout, TCPConnector
+
+from tests.unit.voice_assist.display.support.theatre import (
+    TOKEN,
+    Clock,
+    RecordedActs,
+    make_server,
+    make_theatre,
+)
+from voice_assist.display import connections
+from voice_assist.display.http_rules import HEADERS
+from voice_assist.display.server import AT_WORK, FILES, MOST_BODY
+
+LIMIT = ClientTimeout(20.0)
+RIGHT = {"Authorization": f"Bearer {TOKEN}"}
+
+
+def run(act, **settings):
+    """Let `act(server, session)` use a page; gives what it returns."""
+
+    async def inner():
+        connector = TCPConnector(limit=0)
+        async with (
+            make_server(**settings) as server,
+            ClientSession(server.address, timeout=LIMIT, connector=connector) as session,
+        ):
+            return await act(server, session)
+
+    return asyncio.run(inner())
+
+
+def assert_strict(headers):
+    for name, value in HEADERS.items():
+        assert headers.get(name) == value, name
+    assert headers.get("Connection", "close") == "close"  # HTTP/1.0 ends by itself
+
+
+async def first_event(response):
+    line = await response.content.readline()
+    return json.loads(line.removeprefix(b"data: "))
+
+
+def test_page_style_and_script_are_served_from_the_package():
+    async def act(_, session):
+        for path, (name, kind) in FILES.items():
+            async with session.get(path) as answer:
+                assert answer.status == 200, name
+                assert answer.content_type == kind
+                assert_strict(answer.headers)
+                assert b"SPDX" in await answer.read()
+        async with session.head("/") as answer:
+            assert answer.status == 200 and not await answer.read()
+
+    run(act)
+
+
+def test_no_file_asks_for_anything_from_elsewhere():
+    async def act(_, session):
+        for path in FILES:
+            async with session.get(path) as answer:
+                text = (await answer.text()).replace("http://www.w3.org/2000/svg", "")
+                assert "http:" not in text and "https:" not in text and "//cdn" not in text
+
+    run(act)
+
+
+def test_every_viewer_gets_the_same_events_at_the_rate():
+    async def act(server, session):
+        answers = [await session.get("/events") for _ in range(3)]
+        for answer in answers:
+            assert_strict(answer.headers)
+            assert answer.content_type == "text/event-stream"
+        assert len(server.viewers) == 3
+        lines = []
+        for answer in answers:
+            await answer.content.readline()
+            await answer.content.readline()
+        began = time.monotonic()
+        for _ in range(4):
+            lines.append([await answer.content.readline() for answer in answers])
+            for answer in answers:
+                await answer.content.readline()
+        assert 0.2 < time.monotonic() - began < 5.0
+        assert all(len(set(line)) == 1 for line in lines)
+        for answer in answers:
+            answer.close()
+        while len(server.viewers):
+            await asyncio.sleep(0.01)
+
+    run(act)
+
+
+def test_old_news_come_with_their_age():
+    clock = Clock()
+    theatre = make_theatre(clock)
+    clock.now += 7.25
+
+    async def act(_, session):
+        async with session.get("/events") as answer:
+            data = await first_event(answer)
+        assert data["robot"]["age"] == data["hearing"]["age"] == 7.25
+        assert data["old_after"] == 0.5
+
+    run(act, theatre=theatre)
+
+
+def test_pictures_come_as_they_are():
+    theatre = make_theatre()
+
+    async def act(_, session):
+        async with session.get("/picture") as answer:
+            assert answer.status == 404
+        theatre.see_picture("image/jpeg", b"\xff\xd8\xff")
+        async with session.get("/picture?number=1") as answer:
+            assert (answer.content_type, await answer.read()) == ("image/jpeg", b"\xff\xd8\xff")
+            assert_strict(answer.headers)
+
+    run(act, theatre=theatre)
+
+
+def test_a_stop_needs_no_token_and_is_sent_whatever_comes_with_it():
+    acts = RecordedActs()
+
+    async def act(_, session):
+        for body in (b"", b"{", b"\xff" * 5000):
+            async with session.post("/act/stop", data=body) as answer:
+                assert answer.status == 200
+                assert await answer.json() == {"done": True, "words": "done"}
+                assert_strict(answer.headers)
+
+    run(act, acts=acts)
+    assert acts.asked == ["sent stop", "stop"] * 3
+
+
+def test_a_stop_is_sent_while_all_that_acts_is_busy():
+    acts = RecordedActs()
+
+    class Slow(RecordedActs):
+        def stop(self):
+            time.sleep(0.3)
+            return super().stop()
+
+    acts = Slow()
+
+    async def act(_, session):
+        many = [session.post("/act/stop") for _ in range(AT_WORK + 3)]
+        answers = await asyncio.gather(*many)
+        assert sorted({a.status for a in answers}) == [200, 503]
+
+    run(act, acts=acts)
+    assert acts.asked.count("sent stop") == AT_WORK + 3
+
+
+@pytest.mark.parametrize(
+    ("name", "body", "asked"),
+    [
+        ("microphone", {"name": "USB"}, ("microphone", "USB")),
+        ("answer", {"yes": True}, ("answer", True)),
+        ("grasp", {"column": 0.75, "row": 1}, ("grasp", 0.75, 1.0)),
+    ],
+)
+def test_the_other_acts_need_the_token(name, body, asked):
+    acts = RecordedActs()
+
+    async def act(_, session):
+        for headers in ({}, {"Authorization": "Bearer WRONG"}, {"Authorization": "Basic x"}):
+            async with session.post(f"/act/{name}", json=body, headers=headers) as answer:
+                assert answer.status == 401
+                assert_strict(answer.headers)
+        assert not acts.asked
+        async with session.post(f"/act/{name}", json=body, headers=RIGHT) as answer:
+            assert (answer.status, await answer.json()) == (200, {"done": True, "words": "done"})
+
+    run(act, acts=acts)
+    assert acts.asked == [asked]
+
+
+@pytest.mark.parametrize(
+    ("name", "body"),
+    [
+        ("microphone", b""),
+        ("microphone", b"[]"),
+        ("microphone", b'{"name": ""}'),
+        ("microphone", b'{"name": "a\\u0000"}'),
+        ("microphone", b'{"name": 3}'),
+        ("microphone", b'{"name": "a", "more": 1}'),
+        ("microphone", b"x" * (MOST_BODY + 1)),
+        ("microphone", b"[" * MOST_BODY),
+        ("answer", b'{"yes": 1}'),
+        ("grasp", b'{"column": 0.5}'),
+        ("grasp", b'{"column": 0.5, "row": 1.01}'),
+        ("grasp", b'{"column": NaN, "row": 0.5}'),
+        ("grasp", b'{"column": true, "row": 0.5}'),
+        ("grasp", b'{"column": 1' + b"0" * 400 + b', "row": 0}'),
+        ("grasp", b'{"column": "0.5", "row": 0.5}'),
+    ],
+)
+def test_what_is_asked_for_badly_is_named_and_does_nothing(name, body):
+    acts = RecordedActs()
+
+    async def act(_, session):
+        async with session.post(f"/act/{name}", data=body, headers=RIGHT) as answer:
+            assert answer.status == 400
+            assert (await answer.text()).strip()
+            assert_strict(answer.headers)
+
+    run(act, acts=acts)
+    assert not acts.asked
+
+
+def test_an_act_that_fails_is_logged_and_answered():
+    class Broken(RecordedActs):
+        def answer(self, is_yes):
+            raise RuntimeError("broken")
+
+    errors = []
+
+    async def act(_, session):
+        async with session.post("/act/answer", json={"yes": True}, headers=RIGHT) as answer:
+            assert (await answer.json())["done"] is False
+
+    run(act, acts=Broken(), errors=errors)
+    assert "broken" in errors[0]
+
+
+def test_other_names_and_other_pages_are_refused():
+    acts = RecordedActs()
+
+    async def act(server, session):
+        port = server.address.rsplit(":", 1)[1]
+        bad = (
+            {"Host": "theatre.example"},
+            {"Host": f"theatre.example:{port}"},
+            {"Host": "127.0.0.1"},
+            {"Host": ""},
+            {"Origin": "http://theatre.example"},
+            {"Origin": f"https://127.0.0.1:{port}"},
+            {"Origin": "null"},
+        )
+        for headers in bad:
+            for path in ("/", "/events", "/act/stop"):
+                method = "POST" if "act" in path else "GET"
+                async with session.request(method, path, headers=headers) as answer:
+                    assert answer.status == 403, headers
+                    assert_strict(answer.headers)
+        assert not acts.asked
+        for host in (f"localhost:{port}", f"OR-2.local:{port}"):
+            async with session.get("/", headers={"Host": host}) as answer:
+                assert answer.status == 200
+        own = {"Origin": server.address}
+        async with session.post("/act/stop", headers=own) as answer:
+            assert answer.status == 200
+
+    run(act, acts=acts, hosts=("or-2.local",))
+
+
+def test_unknown_paths_and_methods_are_named():
+    async def act(_, session):
+        cases = {
+            ("GET", "/nothing"): 404,
+            ("GET", "/page/../server.py"): 404,
+            ("GET", "/%2e%2e/server.py"): 404,
+            ("POST", "/"): 405,
+            ("DELETE", "/events"): 405,
+            ("GET", "/act/stop"): 405,
+            ("POST", "/act/tense"): 404,
+        }
+        for (method, path), status in cases.items():
+            async with session.request(method, path) as answer:
+                assert answer.status == status, path
+                assert_strict(answer.headers)
+
+    run(act)
+
+
+def test_one_viewer_too_many_is_refused_and_a_place_becomes_free():
+    async def act(server, session):
+        first = [await session.get("/events") for _ in range(2)]
+        async with session.get("/events") as answer:
+            assert answer.status == 503
+            assert_strict(answer.headers)
+        first[0].close()
+        while len(server.viewers) == 2:
+            await asyncio.sleep(0.01)
+        async with session.get("/events") as answer:
+            assert answer.status == 200
+
+    run(act, max_viewers=2)
+
+
+def test_a_hundred_viewers_all_see_it():
+    async def act(server, session):
+        answers = await asyncio.gather(*(session.get("/events") for _ in range(100)))
+        data = await asyncio.gather(*(first_event(answer) for answer in answers))
+        assert len(server.viewers) == 100
+        assert all(entry["robot"]["state"] == "moving" for entry in data)
+        async with session.post("/act/stop") as answer:
+            assert answer.status == 200
+        for answer in answers:
+            answer.close()
+
+    run(act)
+
+
+def test_a_viewer_that_never_reads_is_dropped_and_delays_nobody():
+    theatre = make_theatre()
+    theatre.microphones = tuple(f"{'x' * 190}{n}" for n in range(300))  # large events: soon
+
+    async def act(server, session):
+        port = int(server.address.rsplit(":", 1)[1])
+        asleep = socket.socket()
+        asleep.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        asleep.setblocking(False)
+        loop = asyncio.get_running_loop()
+        await loop.sock_connect(asleep, ("127.0.0.1", port))
+        request = f"GET /events HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n"
+        await loop.sock_sendall(asleep, request.encode())
+        async with session.get("/events") as awake:
+            while len(server.viewers) < 2:
+                await asyncio.sleep(0.01)
+            slowest, last = 0.0, time.monotonic()
+            while len(server.viewers) > 1:
+                await awake.content.readline()
+                await awake.content.readline()
+                slowest, last = max(slowest, time.monotonic() - last), time.monotonic()
+            assert slowest < 1.0
+            assert (await first_event(awake))["robot"]
+        asleep.close()
+
+    run(act, theatre=theatre, rate=30.0, backlog=4)
+
+
+def test_a_connection_that_says_nothing_or_too_little_ends(monkeypatch):
+    monkeypatch.setattr(connections, "ANSWER_WITHIN", 0.2)
+
+    async def act(server, _):
+        port = int(server.address.rsplit(":", 1)[1])
+        for words in (b"", b"GET / HTTP/1.1\r\nHost: a", b"POST /act/answer HTTP/1.1\r\n"):
+            reader, writer = await asyncio.open_connection("127.0.0.1", port)
+            writer.write(words)
+            with suppress(ConnectionResetError):
+                assert await asyncio.wait_for(reader.read(), 5.0) == b""
+            writer.close()
+
+    run(act)
+
+
+def test_connections_without_end_leave_room_for_none_but_are_bounded(monkeypatch):
+    monkeypatch.setattr(connections, "ANSWER_WITHIN", 0.5)
+    monkeypatch.setattr(connections, "SPARE", 5)
+
+    async def act(server, session):
+        port = int(server.address.rsplit(":", 1)[1])
+        idle = [await asyncio.open_connection("127.0.0.1", port) for _ in range(30)]
+        ended = 0
+        for reader, _ in idle:
+            try:
+                ended += await asyncio.wait_for(reader.read(), 5.0) == b""
+            except ConnectionResetError:
+                ended += 1
+        assert ended == 30
+        async with session.get("/") as answer:
+            assert answer.status == 200
+
+    run(act, max_viewers=2)
+
+
+def test_garbage_is_answered_strictly_or_not_at_all(monkeypatch):
+    """Drawn requests: broken lines, methods, paths, headers; none does anything."""
+    monkeypatch.setattr(connections, "ANSWER_WITHIN", 0.3)
+    acts, errors, draw = RecordedActs(), [], random.Random(33)
+    letters = string.printable + "\x00\x7f\xff"
+
+    def words(most):
+        return "".join(draw.choice(letters) for _ in range(draw.randrange(most)))
+
+    def one_of(*good):
+        return draw.choice(good) if draw.random() < 0.85 else words(30)
+
+    def request(port):
+        method = one_of("GET", "POST", "PUT", "OPTIONS", "TRACE", "CONNECT")
+        path = one_of("/", "/events?x", "/picture", "/act/answer", "/act/grasp", "/act/x")
+        version, host = one_of("HTTP/1.1", "HTTP/1.0"), one_of(f"127.0.0.1:{port}")
+        length = one_of("", "", "Content-Length: 5\r\n", "Transfer-Encoding: chunked\r\n")
+        token = one_of("", f"Authorization: Bearer {TOKEN}\r\n")
+        head = f"{method} {path} {version}\r\nHost: {host}\r\n{length}{token}\r\n"
+        return (head + words(200)).encode("latin-1", "replace")
+
+    async def ask(port, data):
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        try:
+            writer.write(data)
+            return await asyncio.wait_for(reader.read(4096), 20.0)
+        except (ConnectionError, OSError):
+            return b""
+        finally:
+            writer.close()
+
+    async def act(server, session):
+        port = int(server.address.rsplit(":", 1)[1])
+        statuses = set()
+        for _ in range(40):
+            answers = await asyncio.gather(*(ask(port, request(port)) for _ in range(25)))
+            for answer in filter(None, answers):
+                head = answer.split(b"\r\n\r\n")[0].decode("latin-1").split("\r\n")
+                found = dict(line.split(": ", 1) for line in head[1:])
+                statuses.add(int(head[0].split()[1]))
+                assert_strict(found)
+        assert statuses <= {200, 400, 401, 403, 404, 405, 429}, statuses
+        assert {400, 403, 404, 405} <= statuses
+        async with session.get("/") as answer:
+            assert answer.status == 200
+
+    run(act, acts=acts, errors=errors)
+    assert not acts.asked and not errors

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import json
+from dataclasses import replace
+
+import pytest
+
+from tests.unit.voice_assist.display.support.theatre import (
+    HALTED,
+    PULLING,
+    RULES,
+    TISSUE,
+    Clock,
+    make_theatre,
+)
+from voice_assist.display.access_token import FREE_TRIES, LENGTH, WAIT, AccessToken
+from voice_assist.display.encoding import event
+from voice_assist.display.phase_clock import PhaseClock
+from voice_assist.display.snapshot import UtterancePart
+from voice_assist.display.theatre import PARTIAL_FOR, QUIET, Theatre
+from voice_assist.display.words import words_that_count
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def theatre(clock):
+    return make_theatre(clock)
+
+
+def test_nothing_is_known_of_what_was_never_heard(clock):
+    snapshot = Theatre(0.5, clock, clock).snapshot()
+    assert (snapshot.robot, snapshot.tissue, snapshot.hearing, snapshot.recording) == (None,) * 4
+    assert (snapshot.alarm, snapshot.picture, snapshot.question) == (None,) * 3
+
+
+def test_each_part_ages_by_itself(theatre, clock):
+    clock.now += 3.0
+    theatre.see_sound(-20.0)
+    snapshot = theatre.snapshot()
+    assert snapshot.robot.age == snapshot.tissue.age == snapshot.recording.age == 3.0
+    assert snapshot.hearing.age == 0.0
+    assert snapshot.hearing.utterance.age == 3.0
+
+
+def test_a_voice_without_sound_has_no_age(clock):
+    theatre = Theatre(0.5, clock, clock)
+    theatre.see_voice_health("", "no sound has come yet")
+    hearing = theatre.snapshot().hearing
+    assert hearing.age == float("inf")
+    assert hearing.trouble == "no sound has come yet"
+
+
+def test_the_level_is_the_loudest_since_the_last_snapshot(theatre):
+    for level in (-50.0, -12.0, -40.0):
+        theatre.see_sound(level)
+    assert theatre.snapshot().hearing.level == -12.0
+    assert theatre.snapshot().hearing.level == QUIET
+    theatre.see_sound(-44.0)
+    assert theatre.snapshot().hearing.level == -44.0
+
+
+def test_text_as_it_is_heard_goes_with_the_decision_or_with_time(theatre, clock):
+    theatre.see_partial("pull m")
+    assert theatre.snapshot().hearing.partial == "pull m"
+    theatre.see_utterance(UtterancePart("pull more", "pull more", "", "recognizer"))
+    assert theatre.snapshot().hearing.partial == ""
+    theatre.see_partial("rel")
+    clock.now += PARTIAL_FOR
+    assert theatre.snapshot().hearing.partial == ""
+
+
+def test_limits_and_why_the_tension_is_invalid_are_shown_with_it(theatre):
+    theatre.see_tension_invalid("stuck")
+    tissue = theatre.snapshot().tissue
+    assert (tissue.tension_limit, tissue.rcm_limit) == (2.4, 1e-3)
+    assert tissue.invalid_reason == "stuck"
+
+
+def test_a_question_stands_until_its_time_or_its_answer(theatre, clock):
+    theatre.see_question("pull more", 3.0)
+    clock.now += 1.0
+    question = theatre.snapshot().question
+    assert (question.command, question.remaining) == ("pull more", 2.0)
+    clock.now += 2.0
+    assert theatre.snapshot().question is None
+    theatre.see_question("pull more", 3.0)
+    theatre.see_question("", 0.0)
+    assert theatre.snapshot().question is None
+
+
+def test_pictures_are_numbered(theatre):
+    theatre.see_picture("image/png", b"one")
+    theatre.see_picture("image/jpeg", b"two")
+    assert theatre.snapshot().picture.number == theatre.picture.number == 2
+    assert (theatre.picture.kind, theatre.picture.data) == ("image/jpeg", b"two")
+
+
+def test_words_count_by_mode_state_and_what_is_held():
+    cases = {
+        ("standby", "standby", False): ("hey robot", "stop"),
+        ("active", "active", False): ("hey robot", "tense", "stop"),
+        ("active", "active", True): ("hey robot", "release", "pull more", "pull less", "stop"),
+        ("active", "moving", True): ("hey robot", "pull more", "pull less", "stop"),
+        ("active", "halted", True): ("hey robot", "stop"),
+        ("", "active", True): (),
+    }
+    for (mode, state, held), expected in cases.items():
+        assert words_that_count(RULES, mode, state, held) == expected
+
+
+def test_the_words_that_count_follow_the_controller(theatre):
+    assert "pull more" in theatre.snapshot().robot.words
+    theatre.see_robot(HALTED, TISSUE)
+    assert theatre.snapshot().robot.words == ("hey robot", "stop")
+
+
+def test_a_phase_ends_as_its_speed_lately_says(clock):
+    phase = PhaseClock()
+    for step in range(11):
+        phase.report("pull", 0.04 * step, 0.1 * step)
+    assert phase.remaining == pytest.approx(1.5)
+    phase.report("pull", 0.4, 3.0)  # it stands
+    assert phase.remaining is None
+    phase.report("release", 0.0, 3.1)
+    assert phase.remaining is None
+
+
+def test_the_next_phase_and_the_same_one_again_begin_anew():
+    phase = PhaseClock()
+    for step in range(10):
+        phase.report("pull", 0.1 * step, 0.1 * step)
+    assert phase.remaining is not None
+    phase.report("pull", 0.1, 1.0)
+    assert phase.remaining is None
+
+
+def test_the_remaining_time_is_shown_of_what_moves_only(theatre, clock):
+    for step in range(5):
+        clock.now += 0.1
+        theatre.see_robot(replace(PULLING, progress=0.5 + 0.05 * step), TISSUE)
+    assert theatre.snapshot().robot.remaining == pytest.approx(0.5)
+    theatre.see_robot(replace(HALTED, phase="pull", progress=0.7), TISSUE)
+    assert theatre.snapshot().robot.remaining is None
+
+
+def test_an_event_is_one_line_of_json_without_what_is_no_number(theatre):
+    theatre.see_robot(PULLING, replace(TISSUE, tension=float("nan"), rcm_error=float("inf")))
+    theatre.see_partial('pull\n\ndata: {"robot":null} \u2028')
+    text = event(theatre.snapshot())
+    assert text.startswith(b"data: {") and text.endswith(b"}\n\n")
+    assert text.count(b"\n") == 2 and text.isascii()
+    data = json.loads(text.removeprefix(b"data: "))
+    assert data["tissue"]["tension"] is None and data["tissue"]["rcm_error"] is None
+    assert data["hearing"]["partial"].startswith("pull\n")
+    assert data["robot"]["words"][0] == "hey robot"
+
+
+def test_tokens_differ_and_are_taken_as_a_person_types_them(clock):
+    token = AccessToken(clock)
+    assert len(token.text) == LENGTH and token.text != AccessToken(clock).text
+    assert token.admits(f" {token.text.lower()} ")
+    assert not token.admits("") and not token.admits("\udcff" + token.text)
+
+
+def test_guessing_tokens_takes_a_wait_each(clock):
+    token = AccessToken(clock)
+    for _ in range(FREE_TRIES):
+        assert not token.is_locked
+        assert not token.admits("wrong")
+    assert token.is_locked and not token.admits(token.text)
+    clock.now += WAIT
+    assert not token.admits("wrong")
+    assert token.is_locked
+    clock.now += WAIT
+    assert token.admits(token.text) and not token.is_locked
