@@ -114,7 +114,6 @@ class Snapshot:
     recording: RecordingPart | None = None
     picture: PicturePart | None = None
     question: QuestionPart | None = None
-    microphones: tuple[str, ...] = ()  # that can be chosen
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,6 @@ class Theatre:
         self._invalid_reason = ""
         self.limits = Limits()
         self.rules: Sequence[WordRule] = ()
-        self.microphones: tuple[str, ...] = ()
 
     # --- what comes in
 
@@ -174,7 +173,6 @@ class Theatre:
                 recording=self._recording_part(now),
                 picture=self._picture_part(now),
                 question=self._question_part(now),
-                microphones=self.microphones,
             )
 
     def _robot_part(self, now: float) -> RobotPart | None:

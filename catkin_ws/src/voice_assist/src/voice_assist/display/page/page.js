@@ -214,17 +214,6 @@ function drawFoot(since, limit) {
   say("recording-words", isOn ? `Recording ${took} ${file}` : recording ? (isOld ? "Recorder silent" : `Not recorded: ${recording.problem}`) : "Not recorded");
   say("disk", recording && recording.free !== null ? `${(recording.free / 1e9).toFixed(1)} GB free` : "");
   say("time", new Date(1000 * news.time).toLocaleTimeString("en-GB"));
-  drawChoices();
-}
-
-function drawChoices() {
-  const choices = news.microphones.join("|");
-  const select = byId("microphones");
-  show("choose", news.microphones.length > 0);
-  if (select.dataset.choices !== choices) {
-    select.dataset.choices = choices;
-    select.replaceChildren(new Option("choose", ""), ...news.microphones.map((name) => new Option(name, name)));
-  }
 }
 
 function duration(seconds) {
@@ -315,8 +304,9 @@ byId("unlock").addEventListener("submit", (event) => {
   byId("token").value = "";
   say("act-words", token ? "The token is kept until this page is closed" : "");
 });
-byId("microphones").addEventListener("change", (event) => {
-  if (event.target.value && !needToken()) act("microphone", { name: event.target.value }, actWords);
+byId("choose").addEventListener("click", () => {
+  const name = byId("microphone-name").value.trim();
+  if (name && !needToken()) act("microphone", { name }, actWords);
 });
 byId("answer-yes").addEventListener("click", () => needToken() || act("answer", { yes: true }, actWords));
 byId("answer-no").addEventListener("click", () => needToken() || act("answer", { yes: false }, actWords));

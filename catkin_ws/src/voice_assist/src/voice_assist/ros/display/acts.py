@@ -11,6 +11,8 @@ from std_msgs.msg import Empty
 from rst_control.srv import Command
 from voice_assist.display.acts import Outcome
 from voice_assist.ros.command_client import SERVICE
+from voice_assist.ros.microphone_service import SERVICE as MICROPHONE
+from voice_assist.srv import SetMicrophone
 
 STOP_TOPIC = "rst_control/stop"
 WITHIN = 2.5  # [s] for a service to answer; the page waits longer
@@ -35,7 +37,10 @@ class RosActs:
 
     def choose_microphone(self, name: str) -> Outcome:
         """Hear by another microphone."""
-        return Outcome(False, f"the voice node cannot change to {name!r} while it runs")
+        reply = _call(MICROPHONE, SetMicrophone, name)
+        if reply is None:
+            return Outcome(False, "no voice node listens to a microphone")
+        return Outcome(bool(reply.success), reply.message or f"the microphone is {name!r} now")
 
     def answer(self, is_yes: bool) -> Outcome:
         """Answer the question that stands."""

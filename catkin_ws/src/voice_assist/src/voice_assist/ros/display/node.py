@@ -15,6 +15,8 @@ from std_msgs.msg import String
 
 from rst_control.msg import ControllerState
 from typed_config import ConfigError, load_config
+from typed_config.ros.starting import starting
+from typed_config.ros.system_names import is_of_this_system
 from voice_assist.config import CommandConfig, CommandsConfig
 from voice_assist.config.display import DisplayConfig, display_config, load_display_config
 from voice_assist.display.access_token import AccessToken
@@ -92,13 +94,16 @@ class DisplayNode:
         self._theatre.see_file(message.data)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        if not is_of_this_system(message._connection_header["callerid"]):
+            return  # another system on the same master
         for status in message.status:
             self._on_health(status)
 
     def _on_health(self, status: DiagnosticStatus) -> None:
         values = messages.values_of(status)
         if "microphone level [dB]" in values:
-            microphone = values.get("microphone") or values.get("source", "")
+            source = values.get("source", "")
+            microphone = values.get("microphone", "") if source == "microphone" else source
             trouble = status.message if messages.is_bad(status) else ""
             self._theatre.see_voice_health(microphone, trouble)
         if "free space [B]" in values:
@@ -152,13 +157,14 @@ def main() -> None:
     """Run the display node."""
     with suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, 0, NICE)
-    rospy.init_node("display")
+    with starting("display", needs_clock=False):
+        try:
+            config = _load_config()
+        except ConfigError as error:
+            rospy.logfatal("%s", error)
+            sys.exit(2)
     try:
-        config = _load_config()
         asyncio.run(serve(config))
-    except ConfigError as error:
-        rospy.logfatal("%s", error)
-        sys.exit(2)
     except OSError as error:
         rospy.logfatal("the page cannot be served: %s", error)
         sys.exit(2)
