@@ -163,55 +163,40 @@ def test_a_stop_is_sent_while_all_that_acts_is_busy():
     assert acts.asked.count("sent stop") == AT_WORK + 3
 
 
-@pytest.mark.parametrize(
-    ("name", "body", "asked"),
-    [
-        ("microphone", {"name": "USB"}, ("microphone", "USB")),
-        ("answer", {"yes": True}, ("answer", True)),
-        ("grasp", {"column": 0.75, "row": 1}, ("grasp", 0.75, 1.0)),
-    ],
-)
-def test_the_other_acts_need_the_token(name, body, asked):
-    acts = RecordedActs()
+def test_a_microphone_is_chosen_with_the_token_only():
+    acts, body = RecordedActs(), {"name": "USB"}
 
     async def act(_, session):
         for headers in ({}, {"Authorization": "Bearer WRONG"}, {"Authorization": "Basic x"}):
-            async with session.post(f"/act/{name}", json=body, headers=headers) as answer:
+            async with session.post("/act/microphone", json=body, headers=headers) as answer:
                 assert answer.status == 401
                 assert_strict(answer.headers)
         assert not acts.asked
-        async with session.post(f"/act/{name}", json=body, headers=RIGHT) as answer:
+        async with session.post("/act/microphone", json=body, headers=RIGHT) as answer:
             assert (answer.status, await answer.json()) == (200, {"done": True, "words": "done"})
 
     run(act, acts=acts)
-    assert acts.asked == [asked]
+    assert acts.asked == [("microphone", "USB")]
 
 
 @pytest.mark.parametrize(
-    ("name", "body"),
+    "body",
     [
-        ("microphone", b""),
-        ("microphone", b"[]"),
-        ("microphone", b'{"name": ""}'),
-        ("microphone", b'{"name": "a\\u0000"}'),
-        ("microphone", b'{"name": 3}'),
-        ("microphone", b'{"name": "a", "more": 1}'),
-        ("microphone", b"x" * (MOST_BODY + 1)),
-        ("microphone", b"[" * MOST_BODY),
-        ("answer", b'{"yes": 1}'),
-        ("grasp", b'{"column": 0.5}'),
-        ("grasp", b'{"column": 0.5, "row": 1.01}'),
-        ("grasp", b'{"column": NaN, "row": 0.5}'),
-        ("grasp", b'{"column": true, "row": 0.5}'),
-        ("grasp", b'{"column": 1' + b"0" * 400 + b', "row": 0}'),
-        ("grasp", b'{"column": "0.5", "row": 0.5}'),
+        b"",
+        b"[]",
+        b'{"name": ""}',
+        b'{"name": "a\\u0000"}',
+        b'{"name": 3}',
+        b'{"name": "a", "more": 1}',
+        b"x" * (MOST_BODY + 1),
+        b"[" * MOST_BODY,
     ],
 )
-def test_what_is_asked_for_badly_is_named_and_does_nothing(name, body):
+def test_what_is_asked_for_badly_is_named_and_does_nothing(body):
     acts = RecordedActs()
 
     async def act(_, session):
-        async with session.post(f"/act/{name}", data=body, headers=RIGHT) as answer:
+        async with session.post("/act/microphone", data=body, headers=RIGHT) as answer:
             assert answer.status == 400
             assert (await answer.text()).strip()
             assert_strict(answer.headers)
@@ -222,13 +207,13 @@ def test_what_is_asked_for_badly_is_named_and_does_nothing(name, body):
 
 def test_an_act_that_fails_is_logged_and_answered():
     class Broken(RecordedActs):
-        def answer(self, is_yes):
+        def choose_microphone(self, name):
             raise RuntimeError("broken")
 
     errors = []
 
     async def act(_, session):
-        async with session.post("/act/answer", json={"yes": True}, headers=RIGHT) as answer:
+        async with session.post("/act/microphone", json={"name": "USB"}, headers=RIGHT) as answer:
             assert (await answer.json())["done"] is False
 
     run(act, acts=Broken(), errors=errors)
@@ -347,7 +332,7 @@ def test_a_connection_that_says_nothing_or_too_little_ends(monkeypatch):
 
     async def act(server, _):
         port = int(server.address.rsplit(":", 1)[1])
-        for words in (b"", b"GET / HTTP/1.1\r\nHost: a", b"POST /act/answer HTTP/1.1\r\n"):
+        for words in (b"", b"GET / HTTP/1.1\r\nHost: a", b"POST /act/microphone HTTP/1.1\r\n"):
             reader, writer = await asyncio.open_connection("127.0.0.1", port)
             writer.write(words)
             with suppress(ConnectionResetError):
@@ -391,7 +376,7 @@ def test_garbage_is_answered_strictly_or_not_at_all(monkeypatch):
 
     def request(port):
         method = one_of("GET", "POST", "PUT", "OPTIONS", "TRACE", "CONNECT")
-        path = one_of("/", "/events?x", "/picture", "/act/answer", "/act/grasp", "/act/x")
+        path = one_of("/", "/events?x", "/picture", "/act/microphone", "/act/x")
         version, host = one_of("HTTP/1.1", "HTTP/1.0"), one_of(f"127.0.0.1:{port}")
         length = one_of("", "", "Content-Length: 5\r\n", "Transfer-Encoding: chunked\r\n")
         token = one_of("", f"Authorization: Bearer {TOKEN}\r\n")

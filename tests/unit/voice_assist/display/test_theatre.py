@@ -33,7 +33,7 @@ def theatre(clock):
 def test_nothing_is_known_of_what_was_never_heard(clock):
     snapshot = Theatre(0.5, clock, clock).snapshot()
     assert (snapshot.robot, snapshot.tissue, snapshot.hearing, snapshot.recording) == (None,) * 4
-    assert (snapshot.alarm, snapshot.picture, snapshot.question) == (None,) * 3
+    assert (snapshot.alarm, snapshot.picture) == (None,) * 2
 
 
 def test_each_part_ages_by_itself(theatre, clock):
@@ -77,18 +77,6 @@ def test_limits_and_why_the_tension_is_invalid_are_shown_with_it(theatre):
     tissue = theatre.snapshot().tissue
     assert (tissue.tension_limit, tissue.rcm_limit) == (2.4, 1e-3)
     assert tissue.invalid_reason == "stuck"
-
-
-def test_a_question_stands_until_its_time_or_its_answer(theatre, clock):
-    theatre.see_question("pull more", 3.0)
-    clock.now += 1.0
-    question = theatre.snapshot().question
-    assert (question.command, question.remaining) == ("pull more", 2.0)
-    clock.now += 2.0
-    assert theatre.snapshot().question is None
-    theatre.see_question("pull more", 3.0)
-    theatre.see_question("", 0.0)
-    assert theatre.snapshot().question is None
 
 
 def test_pictures_are_numbered(theatre):

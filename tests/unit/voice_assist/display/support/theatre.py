@@ -72,12 +72,6 @@ class RecordedActs:
     def choose_microphone(self, name):
         return self._take(("microphone", name))
 
-    def answer(self, is_yes):
-        return self._take(("answer", is_yes))
-
-    def set_grasp(self, column, row):
-        return self._take(("grasp", column, row))
-
     def _take(self, what):
         self.asked.append(what)
         return Outcome(True, "done")

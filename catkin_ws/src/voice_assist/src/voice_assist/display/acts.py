@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 STOP = "stop"  # needs no token
 MOST_LETTERS = 200  # of a text that is asked for
@@ -35,24 +35,12 @@ class Acts(Protocol):
         """Hear by another microphone."""
         ...
 
-    def answer(self, is_yes: bool) -> Outcome:
-        """Answer the question that stands."""
-        ...
-
-    def set_grasp(self, column: float, row: float) -> Outcome:
-        """Grasp where a person points to, in shares [0, 1] of the picture from its upper left."""
-        ...
-
 
 class BadRequestError(ValueError):
     """What was asked for is none of the acts; says what is wrong."""
 
 
-FIELDS: Mapping[str, Mapping[str, type]] = {
-    "microphone": {"name": str},
-    "answer": {"yes": bool},
-    "grasp": {"column": float, "row": float},
-}
+FIELDS: Mapping[str, tuple[str, ...]] = {"microphone": ("name",)}  # of each act, all texts
 
 
 def read_act(name: str, body: bytes) -> Callable[[Acts], Outcome]:
@@ -66,14 +54,10 @@ def read_act(name: str, body: bytes) -> Callable[[Acts], Outcome]:
         BadRequestError: It is not.
     """
     given = _fields(name, body)
-    if name == "microphone":
-        return lambda acts: acts.choose_microphone(given["name"])
-    if name == "answer":
-        return lambda acts: acts.answer(given["yes"])
-    return lambda acts: acts.set_grasp(given["column"], given["row"])
+    return lambda acts: acts.choose_microphone(given["name"])
 
 
-def _fields(name: str, body: bytes) -> dict[str, Any]:
+def _fields(name: str, body: bytes) -> dict[str, str]:
     wanted = FIELDS[name]
     try:
         given = json.loads(body)
@@ -81,16 +65,10 @@ def _fields(name: str, body: bytes) -> dict[str, Any]:
         raise BadRequestError("the body is not JSON") from None
     if not isinstance(given, dict) or set(given) != set(wanted):
         raise BadRequestError(f"{name} takes {', '.join(wanted)}, and nothing else")
-    return {key: _checked(key, given[key], kind) for key, kind in wanted.items()}
+    return {key: _text(key, given[key]) for key in wanted}
 
 
-def _checked(key: str, value: object, kind: type) -> object:
-    if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
-        if 0.0 <= value <= 1.0:
-            return float(value)
-        raise BadRequestError(f"{key} is a number from 0 to 1")
-    if not isinstance(value, kind):
-        raise BadRequestError(f"{key} is {kind.__name__}")
-    if isinstance(value, str) and not (0 < len(value) <= MOST_LETTERS and value.isprintable()):
-        raise BadRequestError(f"{key} is printable text of up to {MOST_LETTERS} letters")
-    return value
+def _text(key: str, value: object) -> str:
+    if isinstance(value, str) and 0 < len(value) <= MOST_LETTERS and value.isprintable():
+        return value
+    raise BadRequestError(f"{key} is printable text of up to {MOST_LETTERS} letters")

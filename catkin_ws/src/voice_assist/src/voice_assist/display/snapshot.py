@@ -94,14 +94,6 @@ class PicturePart:
 
 
 @dataclass(frozen=True)
-class QuestionPart:
-    """A motion that was nearly sure, and waits for a yes."""
-
-    command: str
-    remaining: float  # [s] to answer in
-
-
-@dataclass(frozen=True)
 class Snapshot:
     """All parts; None: nothing has been heard of it yet."""
 
@@ -113,7 +105,6 @@ class Snapshot:
     alarm: AlarmPart | None = None  # None: no alarm node is connected
     recording: RecordingPart | None = None
     picture: PicturePart | None = None
-    question: QuestionPart | None = None
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ from voice_assist.display.snapshot import (
     HearingPart,
     Picture,
     PicturePart,
-    QuestionPart,
     RecordingPart,
     RobotPart,
     Snapshot,
@@ -72,7 +71,6 @@ class Theatre:
         self._free: int | None = None
         self._picture: _News[Picture] | None = None
         self._picture_period = 0.0
-        self._question: _News[QuestionPart] | None = None
         self._invalid_reason = ""
         self.limits = Limits()
         self.rules: Sequence[WordRule] = ()
@@ -146,11 +144,6 @@ class Theatre:
         """How often a picture can come [s]."""
         self._picture_period = period
 
-    def see_question(self, command: str, answer_within: float) -> None:
-        """A motion that waits for a yes [s]; an empty command: no more."""
-        question = QuestionPart(command, answer_within)
-        self._question = _News(question, self._clock()) if command else None
-
     # --- what goes out
 
     @property
@@ -172,7 +165,6 @@ class Theatre:
                 alarm=self._alarm,
                 recording=self._recording_part(now),
                 picture=self._picture_part(now),
-                question=self._question_part(now),
             )
 
     def _robot_part(self, now: float) -> RobotPart | None:
@@ -228,9 +220,3 @@ class Theatre:
         if news is None:
             return None
         return PicturePart(news.value.number, self._picture_period, news.age(now))
-
-    def _question_part(self, now: float) -> QuestionPart | None:
-        news = self._question
-        if news is None or news.age(now) >= news.value.remaining:
-            return None
-        return replace(news.value, remaining=news.value.remaining - news.age(now))

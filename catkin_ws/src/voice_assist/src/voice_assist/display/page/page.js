@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Draws the newest snapshot ten times a second, and marks what is old; sends the four acts.
+// Draws the newest snapshot ten times a second, and marks what is old; sends the two acts.
 "use strict";
 
 const RETRY = 1000; // [ms] before a connection that was refused is tried again
@@ -24,7 +24,6 @@ let news = null; // the newest snapshot
 let arrived = -Infinity; // [ms] when it came
 let source = null;
 let token = "";
-let isAiming = false;
 let heardSince = performance.now(); // [ms] of the last try or event
 
 // --- news
@@ -57,7 +56,6 @@ function draw() {
   drawTissue(since, limit);
   drawPicture(since);
   drawAlarm();
-  drawQuestion();
   drawFoot(since, limit);
 }
 
@@ -165,9 +163,7 @@ function drawPicture(since) {
   }
   const age = picture.age + since;
   const isOld = age > 2 * picture.period + news.old_after;
-  const words = isAiming ? "Click where the tissue is to be grasped" : isOld ? "OLD picture, " : "Picture, ";
-  say("picture-words", isAiming ? words : `${words}${age.toFixed(1)} s ago`);
-  image.classList.toggle("is-aiming", isAiming);
+  say("picture-words", `${isOld ? "OLD picture" : "Picture"}, ${age.toFixed(1)} s ago`);
 }
 
 function drawAlarm() {
@@ -189,17 +185,6 @@ function drawAlarm() {
   }
   const words = alarm && isShown ? `${alarm.cause}. ${alarm.next_step}` : "";
   if (words !== said.alarm) { said.alarm = words; say("alert", words); }
-}
-
-function drawQuestion() {
-  const question = news.question;
-  show("question", Boolean(question));
-  if (!question) return;
-  say("question-words", `${question.command[0].toUpperCase()}${question.command.slice(1)}?`);
-  const hint = token ? "or say “yes”" : "say “yes”, or enter the token to press here";
-  say("question-hint", `${Math.ceil(question.remaining)} s: ${hint}`);
-  byId("answer-yes").disabled = byId("answer-no").disabled = !token;
-  tell("question", `${question.command}?`);
 }
 
 function drawFoot(since, limit) {
@@ -282,12 +267,6 @@ function actWords(_, text) {
 function lock() {
   token = "";
   sessionStorage.removeItem("token");
-  aim(false);
-}
-
-function aim(isOn) {
-  isAiming = isOn;
-  byId("grasp").setAttribute("aria-pressed", String(isOn));
 }
 
 function needToken() {
@@ -307,16 +286,6 @@ byId("unlock").addEventListener("submit", (event) => {
 byId("choose").addEventListener("click", () => {
   const name = byId("microphone-name").value.trim();
   if (name && !needToken()) act("microphone", { name }, actWords);
-});
-byId("answer-yes").addEventListener("click", () => needToken() || act("answer", { yes: true }, actWords));
-byId("answer-no").addEventListener("click", () => needToken() || act("answer", { yes: false }, actWords));
-byId("grasp").addEventListener("click", () => needToken() || aim(!isAiming));
-byId("picture").addEventListener("click", (event) => {
-  if (!isAiming) return;
-  const box = event.target.getBoundingClientRect();
-  const column = (event.clientX - box.left) / box.width, row = (event.clientY - box.top) / box.height;
-  aim(false);
-  act("grasp", { column, row }, actWords);
 });
 byId("theme").addEventListener("change", (event) => theme(event.target.value));
 

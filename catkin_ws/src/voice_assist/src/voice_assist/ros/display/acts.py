@@ -42,14 +42,6 @@ class RosActs:
             return Outcome(False, "no voice node listens to a microphone")
         return Outcome(bool(reply.success), reply.message or f"the microphone is {name!r} now")
 
-    def answer(self, is_yes: bool) -> Outcome:
-        """Answer the question that stands."""
-        return Outcome(False, "no question stands")
-
-    def set_grasp(self, column: float, row: float) -> Outcome:
-        """Grasp where a person points to."""
-        return Outcome(False, "the controller takes no other grasp point")
-
 
 def _call(name: str, kind: type, *words: Any) -> Any:
     """The answer of a service; None: there is none in time."""
