@@ -18,7 +18,7 @@ WITHIN = 10.0  # [s] for an answer
 
 
 class Display(unittest.TestCase):
-    """The page as a browser has it, between a controller that this test plays and the stop topic."""
+    """The page as a browser has it; this test plays the controller."""
 
     @classmethod
     def setUpClass(cls):
