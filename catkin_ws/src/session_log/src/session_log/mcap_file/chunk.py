@@ -23,6 +23,7 @@ UNREADABLE = (  # what reading damaged records raises
     EOFError,
     RuntimeError,
     MemoryError,
+    OverflowError,
 )
 
 
