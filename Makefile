@@ -87,7 +87,7 @@ $(STYLES): $(TINY)
 
 MEAN := python -m voice_assist.training.fit.average
 RUNS := .cache/training/run_
-train: $(if $(ARGS),.setup/dev,$(TINY) $(STYLES)) ## fine-tune Whisper tiny.en into the embedded recogniser, then the spotter that hears over talk; or one run of your own with ARGS; resumes where it was interrupted
+train: $(if $(ARGS),.setup/dev,$(TINY) $(STYLES)) ## fine-tune Whisper tiny.en into the embedded recogniser, then the verifier and the spotter that hears over talk; or one run of your own with ARGS; resumes where it was interrupted
 ifneq ($(ARGS),)
 	@$(RUN) $(FIT) $(ARGS)
 else
@@ -98,7 +98,8 @@ else
 	@$(RUN) $(FIT) --from $(RUNS)third/step_05000.pt --out .cache/training/fourth.pt --lesson twins --seed 2 --rate 2e-4 --steps 1600 --decay 0.75
 	@$(RUN) $(MEAN) .cache/training/second.pt $(RUNS)third/step_04000.pt $(RUNS)fourth/step_01600.pt \
 	    --out catkin_ws/src/voice_assist/models/embedded.pt
-	@$(RUN) python -m voice_assist.training.spotter.train_overlap
+	@$(RUN) python -m voice_assist.training.verifier.train_verifier
+	@$(RUN) python -m voice_assist.training.spotter.train_overlap --steps 4000
 endif
 
 paper: .setup/dev ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; goes on where it was interrupted
