@@ -35,7 +35,7 @@ UTTERANCE, CIRCUMSTANCES = "/voice_assist/utterance", "/voice_assist/circumstanc
 
 def settings(folder, **changes):
     """Parameters of both nodes."""
-    names = ("audio", "recognizer", "spotter", "commands")
+    names = ("audio", "recognizer", "spotter", "commands", "moving")
     read = {
         n: yaml.safe_load((PACKAGES / "voice_assist/config" / f"{n}.yaml").read_text())
         for n in names

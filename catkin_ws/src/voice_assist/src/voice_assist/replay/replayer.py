@@ -43,6 +43,7 @@ SWITCHED_OFF: dict[str, dict[str, Any]] = {
     "speaker": {"gate": "off"},
     "profile": {"name": "none"},
     "moving": {"is_enabled": False},
+    "spotter": {"over_talk": False},
 }
 
 
