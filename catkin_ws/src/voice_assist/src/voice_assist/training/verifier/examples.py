@@ -160,7 +160,7 @@ def looks(
 
 def save(found: Sequence[Seen], path: Path) -> None:
     """Keep what was seen, one file for all phrases, all or nothing."""
-    kept: dict[str, NDArray[Any]] = {}
+    kept: dict[str, Any] = {}
     for number, phrase in enumerate(PHRASES):
         some = [one for one in found if one.phrase == phrase]
         kept[f"seen_{number}"] = np.stack([one.states for one in some]).astype(np.float16)
