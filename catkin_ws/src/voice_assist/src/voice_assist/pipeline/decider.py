@@ -110,8 +110,8 @@ class Decider:
             return stop
         outcome = self._early_decision(transcript, context)
         stop = self.stop(outcome, transcript, partial, context)
-        is_rest_over = context.is_complete and not context.is_moving
-        if stop is None and is_rest_over and not isinstance(outcome, Match):
+        is_over_at_rest = context.is_complete and not context.is_moving
+        if stop is None and is_over_at_rest and not isinstance(outcome, Match):
             stop = self._stop_over_talk(transcript, partial)
         if stop is not None:
             return stop
@@ -145,8 +145,9 @@ class Decider:
         part = self._decoder.part
         least = self._config.audio.robot_speech.stop_over_speech_confidence
         over = self._early_decision.said_over(part, least)
-        is_clear = not context.is_moving or self._is_heard_over_talk(partial)
-        if part is not None and over is not None and is_clear:
+        if over is not None and context.is_moving and not self._is_heard_over_talk(partial):
+            over = None
+        if part is not None and over is not None:
             return Verdict(over, part, worth.transcript(log_odds(part.confidence)), RECOGNIZER)
         confidence = worth.transcript(log_odds(transcript.confidence))
         if isinstance(outcome, Match):
