@@ -1,12 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 from dataclasses import replace
 
-import numpy as np
-import pytest
-
 from tests.unit.voice_assist.support.fake_speech import quiet_frame
 from voice_assist.spotter.in_motion import SpotterInMotion
-from voice_assist.spotter.overlap import WINDOW, SoundScorer
 from voice_assist.spotter.spotter import Spotted
 
 ALWAYS, SECOND = Spotted(1.0, 2.0), Spotted(1.0, 7.0)
@@ -47,18 +43,3 @@ def test_both_forget():
     first, second = Scripted(None), Scripted(None)
     SpotterInMotion(first, second).reset()
     assert (first.resets, second.resets) == (1, 1)
-
-
-@pytest.mark.parametrize("seconds", [0.0, 0.3, 1.0, 3.0])
-@pytest.mark.parametrize("place", [0.0, 0.5, 1.0])
-def test_the_newest_seconds_of_a_sound_are_seen_whole(seconds, place):
-    sound = np.zeros(round(seconds * 16_000), np.float32)
-    newest = sound[-30_000:]
-    if len(newest):
-        newest[min(round(place * len(newest)), len(newest) - 1)] = 1.0
-
-    def loudest(windows):
-        assert windows.shape[1] == WINDOW
-        return windows.max(1).values, windows
-
-    assert SoundScorer(loudest)(sound) == (1.0 if len(newest) else 0.0)

@@ -13,6 +13,7 @@ from voice_assist.spotter.overlap import (
     STEADY,
     STEP,
     WINDOW,
+    SoundScorer,
     WindowCutter,
     is_steady,
     overlap_scorer,
@@ -154,3 +155,43 @@ def test_it_fires_once_for_a_word_and_again_after_a_second():
     fired = [found for frame in frames(talk(3.2)) if (found := spotter(frame))]
     assert len(fired) == 2
     assert fired[1].time - fired[0].time > CONFIG.rearm_after
+
+
+class Loudest:
+    """A network whose answer is the loudest sample of a window; counts the windows."""
+
+    asked = 0
+
+    def __call__(self, windows):
+        assert windows.shape[1] == WINDOW
+        self.asked += len(windows)
+        return windows.max(1).values, windows
+
+
+@pytest.mark.parametrize("block", [512, 5_000, 160_000])
+@pytest.mark.parametrize("place", [0.0, 0.4, 0.999])
+def test_a_sound_that_grows_is_heard_whole_and_each_part_once(block, place):
+    network = Loudest()
+    scorer, sound = SoundScorer(network), np.zeros(80_000, np.float32)
+    sound[int(place * len(sound))] = 1.0
+    for until in range(block, len(sound) + 1, block):
+        scorer.follow(sound[:until])
+    assert scorer.best(sound) == 1.0
+    assert network.asked <= len(sound) / 3_840 + 1
+
+
+def test_what_was_said_before_a_restart_counts_no_more():
+    scorer, sound = SoundScorer(Loudest()), np.zeros(16_000, np.float32)
+    assert scorer.best(sound + 1.0) == 1.0
+    scorer.restart()
+    assert scorer.best(sound) == 0.0
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.3, 1.0, 3.0])
+@pytest.mark.parametrize("place", [0.0, 0.5, 1.0])
+def test_the_newest_second_of_a_sound_is_seen_whole(seconds, place):
+    sound = np.zeros(round(seconds * 16_000), np.float32)
+    newest = sound[-16_000:]
+    if len(newest):
+        newest[min(round(place * len(newest)), len(newest) - 1)] = 1.0
+    assert SoundScorer(Loudest()).newest(sound) == (1.0 if len(newest) else 0.0)

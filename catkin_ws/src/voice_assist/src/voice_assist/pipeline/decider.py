@@ -25,20 +25,27 @@ if TYPE_CHECKING:
     from voice_assist.vad.segmenter import PartialUtterance
 
 RECOGNIZER, SPOTTER = "recognizer", "spotter"  # who decided
-_NEWEST = 4  # windows of the spotter over talk: a word that ended up to 1.1 s ago
 NEVER = 1000.0  # [nat] a `halt_score_threshold` that switches halts by score off
 
 
 class StopInSound(Protocol):
-    """The spotter over talk, asked about a sound."""
+    """The spotter over talk, asked about the sound of an utterance: how surely a stop is in it.
 
-    def __call__(self, sound: Samples, newest: int | None = None) -> float:
-        """How surely a stop is in it [nat].
+    A sound has shape (n,), an answer is in nat.
+    """
 
-        Args:
-            sound: Shape (n,).
-            newest: Windows from its end that count; None: all.
-        """
+    def restart(self) -> None:
+        """What follows is another sound."""
+
+    def follow(self, sound: Samples) -> None:
+        """Take the sound so far, so that little is left to do when it is asked."""
+
+    def best(self, sound: Samples) -> float:
+        """Of all of the sound so far."""
+        ...
+
+    def newest(self, sound: Samples) -> float:
+        """Of its end alone."""
         ...
 
 
@@ -72,7 +79,7 @@ class Decider:
             decoder: Holds the newest transcript, and scores phrases in its sound.
             stop_fusion: Joins recogniser and spotter.
             rejection_rules: What keeps a motion from being taken.
-            stop_in_sound: How surely a stop is anywhere in a sound [nat]; None: nobody says.
+            stop_in_sound: The spotter over talk; None: there is none.
         """
         self._stop_in_sound = stop_in_sound
         self._config, self._recognizer_config = config, config.recognizer
@@ -94,6 +101,17 @@ class Decider:
         """What is said next belongs to a new utterance."""
         self._early_decision.reset()
         self._votes = 0
+        self.start_sound()
+
+    def start_sound(self) -> None:
+        """The utterance goes on without its sound so far."""
+        if self._stop_in_sound is not None:
+            self._stop_in_sound.restart()
+
+    def hear(self, sound: Samples) -> None:
+        """Take the utterance's sound so far, shape (n,), with each frame."""
+        if self._stop_in_sound is not None:
+            self._stop_in_sound.follow(sound)
 
     def accept(self, command: CommandConfig, partial: PartialUtterance) -> None:
         """Note that a command was taken from an utterance."""
@@ -187,7 +205,7 @@ class Decider:
         """Whether the spotter over talk heard a stop in the newest sound, or there is none."""
         if self._stop_in_sound is None:
             return True
-        score = self._stop_in_sound(partial.utterance.samples, _NEWEST)
+        score = self._stop_in_sound.newest(partial.utterance.samples)
         return score >= self._config.moving.over_talk_agree
 
     def _written_among(self, transcript: Hypothesis) -> tuple[str, Hypothesis] | None:
@@ -210,7 +228,7 @@ class Decider:
         written = any(contains(words, normalize(halt)) for halt in self._halts)
         if self._stop_in_sound is None or written or self._early_decision.has_halted:
             return None
-        score = self._stop_in_sound(partial.utterance.samples)
+        score = self._stop_in_sound.best(partial.utterance.samples)
         if score < self._config.spotter.over_talk_alone:
             return None
         match = Match(self._stop_fusion.phrase, self._mapper(transcript.text).wer)
@@ -229,7 +247,7 @@ class Decider:
         by_spotter = NEVER if spotted is None else moving.spotter_alone - spotted
         missing = [(by_spotter, moving.spotter_alone - moving.refuse_spotter)]
         if self._stop_in_sound is not None:
-            lacks = moving.over_talk_alone - self._stop_in_sound(self._decoder.sound)
+            lacks = moving.over_talk_alone - self._stop_in_sound.best(partial.utterance.samples)
             missing.append((lacks, moving.over_talk_alone - moving.refuse_over_talk))
         if all(lacks > allowed for lacks, allowed in missing):
             return None

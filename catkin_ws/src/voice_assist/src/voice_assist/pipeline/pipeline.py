@@ -88,7 +88,7 @@ class Pipeline:
             stop_fusion: The spotter and the rule that joins it; without it the recogniser is alone.
             observer: Gets all inputs besides sound, and all sound that is skipped for lack of time.
             gate: Refuses motions in other voices; None: any voice may move the robot.
-            stop_in_sound: How surely a stop is anywhere in a sound [nat]; None: nobody says.
+            stop_in_sound: The spotter over talk; None: there is none.
         """
         self._config, self._clock, self._observer = config, clock, observer
         self._next_sample = 0  # index of the sample that follows all those taken
@@ -125,6 +125,7 @@ class Pipeline:
             events += self._decide_spotted(spotted, partial)
         if partial is None:
             return events
+        self._decider.hear(partial.utterance.samples)
         if self._decoder(partial, frame, _end(frame), self._window_alone(frame)):
             events += (*self._transcribed(frame), *self._decide(partial, frame))
             self._forget_noise(partial, _end(frame))
@@ -211,6 +212,7 @@ class Pipeline:
         if not utterance.is_complete:
             self._segmenter.restart(_KEPT_OF_PAUSE if self._decoder.is_settled(partial) else 0.0)
             self._decoder.restart(partial)
+            self._decider.start_sound()
         return UtteranceDecision(
             hypothesis=verdict.hypothesis,
             outcome=outcome,
@@ -264,6 +266,7 @@ class Pipeline:
         wordless = min(length, time - self._decoder.worded_at)
         if wordless > self._config.recognizer.early.noise_after:
             self._segmenter.forget(_KEPT_OF_NOISE)
+            self._decider.start_sound()
 
     def _start_utterance(self) -> None:
         self._decider.start_utterance()

@@ -7,7 +7,7 @@ not matter to it. `Spotter` follows the stream and fires; this module gives it w
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +30,8 @@ WINDOW = 25_600  # samples that a look sees, 1.6 s
 TRAINED = 2  # blocks of the encoder, the last ones, that have weights of their own
 STEADY = -20.0  # [nat] the score of steady sound
 ENCODER_SHA256, STATE = "encoder_sha256", "state"  # keys of the file
-_HOP = 3 * STEP  # between two windows of a whole sound, 0.24 s
+_HOP = 3 * STEP  # between two windows of an utterance, 0.24 s
+_NEWEST = 4  # windows: a word that ended up to 1.1 s ago
 _FRAME, _STANDS_OUT = 320, 2.0  # samples; ratio of powers
 _WIDE, _NARROW, _REACH = 128, 64, 5  # channels and width of the convolutions
 
@@ -178,21 +179,36 @@ def overlap_scorer(network: OverlapNetwork) -> Callable[[Windows], float]:
 
 
 class SoundScorer:
-    """The network for a whole sound."""
+    """The network for the sound of an utterance that grows; asks about each part of it once.
+
+    Its windows end 0.24 s apart. Before the sound there is silence.
+    """
 
     def __init__(self, network: OverlapNetwork) -> None:
         """Ask that network."""
         self._network = network
+        self.restart()
 
-    def __call__(self, sound: Samples, newest: int | None = None) -> float:
-        """The best log-odds [nat] of its windows, which begin 0.24 s apart.
+    def restart(self) -> None:
+        """What follows is another sound."""
+        self._best, self._until = STEADY, 0
 
-        Args:
-            sound: Shape (n,); before it there is silence.
-            newest: Windows from its end that count; None: all.
-        """
+    def follow(self, sound: Samples) -> None:
+        """Take the sound so far, shape (n,); the windows that have become whole are asked about."""
+        if ends := range(self._until + _HOP, len(sound) + 1, _HOP):
+            self._best, self._until = max(self._best, self._score(sound, ends)), ends[-1]
+
+    def best(self, sound: Samples) -> float:
+        """The best log-odds [nat] of all windows of the sound so far, and of one at its end."""
+        self.follow(sound)
+        return max(self._best, self._score(sound, (len(sound),)))
+
+    def newest(self, sound: Samples) -> float:
+        """The best log-odds [nat] of a word that ended in the newest 1.1 s of a sound."""
+        return self._score(sound, range(len(sound), 0, -_HOP)[:_NEWEST] or (0,))
+
+    def _score(self, sound: Samples, ends: Sequence[int]) -> float:
         padded = np.concatenate([np.zeros(WINDOW, np.float32), sound.astype(np.float32)])
-        ends = range(len(padded), WINDOW, -_HOP)[:newest]
-        windows = np.stack([padded[end - WINDOW : end] for end in ends or (len(padded),)])
+        windows = np.stack([padded[end : end + WINDOW] for end in ends])
         with torch.inference_mode():
             return float(self._network(torch.from_numpy(windows))[0].max())
