@@ -1,22 +1,44 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Sets the project up, one part per call: system FILE | python FILE | workspace | install PREFIX. `make` and docker/Dockerfile call the same parts.
+# Sets the project up, one part per call: check | system FILE | python FILE | workspace | install PREFIX. `make` and docker/Dockerfile call the same parts.
 # FILE lists packages: of Debian (docker/apt-*.txt) or of Python (requirements*.txt).
 # Every part can be interrupted and run again; a part with nothing to do says so by saying nothing.
 set -eu
 cd "$(dirname "$0")/.."
-PYTHON=/usr/bin/python3 # Debian's own: rospy and PyKDL belong to it, whatever other python comes first on PATH
+SYSTEM_ROOT=${SYSTEM_ROOT:-} # where the tests keep another system's files
+PYTHON=$SYSTEM_ROOT/usr/bin/python3 # Debian's own: rospy and PyKDL belong to it, whatever other python comes first on PATH
+CONTAINER="docker build -f docker/Dockerfile -t voice_assist . && docker run --rm voice_assist"
 unset PYTHONPATH PYTHONHOME VIRTUAL_ENV MAKEFLAGS MAKELEVEL || true
 export PYTHONNOUSERSITE=1 # packages under ~/.local would come before Debian's: an empy 4 there breaks the messages' generators
 
 say() { printf '\n== %s\n' "$*"; }
 fail() {
-    printf '\n%s\n' "$*" >&2
+    printf '%s\n' "$*" >&2
     exit 1
 }
 
+# What nothing can be set up without, in one line each, before anything is installed or written.
+machine() {
+    release=$SYSTEM_ROOT/etc/os-release
+    found=$(sh -c '. "$0" && printf %s "$ID $VERSION_ID"' "$release" 2>/dev/null) || found="a system without /etc/os-release"
+    [ "$found" = "debian 12" ] || fail "This project runs on Debian 12, and this is $found. In a container it runs elsewhere: $CONTAINER"
+    [ "$(dpkg --print-architecture)" = amd64 ] ||
+        fail "This project runs on x86-64 (amd64) only, and this is $(dpkg --print-architecture). In a container, emulated: \
+export DOCKER_DEFAULT_PLATFORM=linux/amd64; $CONTAINER"
+    # on a bare Debian 12 there is none yet, and its own is 3.11
+    [ ! -e "$PYTHON" ] || "$PYTHON" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' ||
+        fail "$PYTHON is $("$PYTHON" --version), not the 3.11 of Debian 12. In a container nothing changes it: $CONTAINER"
+    plain_path "$PWD" "This folder"
+}
+
+# plain_path PATH NAME: catkin, roslaunch and make take a path apart at spaces and signs.
+plain_path() {
+    case "$1" in *[!A-Za-z0-9/._+@~,=-]*)
+        fail "$2 has a space, a quotation mark or another sign in its path that ROS takes apart: $1. Move it, or use a container: $CONTAINER" ;;
+    esac
+}
+
 system_packages() {
-    command -v dpkg-query >/dev/null || fail "This project runs on Debian 12: dpkg-query was not found."
     wanted=$(grep -v '^#' "$1")
     missing=
     for package in $wanted; do
@@ -43,8 +65,6 @@ then run the same make command again."
 
 # Lines whose comment says "--no-deps" are installed without what their metadata asks for.
 python_packages() {
-    "$PYTHON" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' ||
-        fail "$PYTHON is not Python 3.11, the version of Debian 12: $("$PYTHON" --version)"
     if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
         say "Python environment in .venv"
         rm -rf .venv
@@ -132,16 +152,19 @@ workspace() {
 # install_space PREFIX: all packages with their files, runnable without the source; Python packages stay in .venv.
 install_space() {
     case "${1:-}" in /*) ;; *) fail "The folder to install to must be an absolute path: PREFIX=/opt/voice_assist" ;; esac
+    plain_path "$1" "PREFIX"
     prepare
     build install -DCMAKE_INSTALL_PREFIX="$1"
     compile_kinematics "$1"
 }
 
+machine
 case "${1:-}" in
+check) ;;
 system) system_packages "${2:-docker/apt-packages.txt}" ;;
 python) python_packages "${2:-requirements.txt}" ;;
 workspace) workspace ;;
 install) install_space "${2:-}" ;;
 elsewhere) found_elsewhere ;;
-*) fail "usage: docker/setup.sh system [FILE] | python [FILE] | workspace | install PREFIX | elsewhere" ;;
+*) fail "usage: docker/setup.sh check | system [FILE] | python [FILE] | workspace | install PREFIX | elsewhere" ;;
 esac
