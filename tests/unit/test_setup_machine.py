@@ -73,7 +73,11 @@ def run(copy, *words):
 def assert_refused(copy, *names):
     """Everything from `make` down says the same line, and nothing else has happened."""
     before = sorted(copy.rglob("*"))
-    for words in (["make", "setup"], ["docker/setup.sh", "workspace"], ["docker/setup.sh", "check"]):
+    for words in (
+        ["make", "setup"],
+        ["docker/setup.sh", "workspace"],
+        ["docker/setup.sh", "check"],
+    ):
         status, printed = run(copy, *words)
         assert status != 0
         (line,) = [line for line in printed.splitlines() if not line.startswith("make")]
@@ -101,7 +105,9 @@ def test_another_python_in_place_of_debians_is_refused(machine):
     assert_refused(machine(python="3.12.3"), "Python 3.12.3", "3.11")
 
 
-@pytest.mark.parametrize("folder", ["a b", "o'brien", 'say "hi"', "a:b", "a;b", "$HOME", "a#b", "é"])
+@pytest.mark.parametrize(
+    "folder", ["a b", "o'brien", 'say "hi"', "a:b", "a;b", "$HOME", "a#b", "é"]
+)
 def test_a_path_that_ros_takes_apart_is_refused(machine, folder):
     assert_refused(machine(folder=folder), "path", folder)
 
