@@ -5,13 +5,14 @@ from voice_assist.config import load_voice_config
 from voice_assist.intent.mapper import Mapper
 from voice_assist.types import Match, NoMatch, Rejection, RejectionReason
 
-MAPPER = Mapper(load_voice_config().commands)
+COMMANDS = load_voice_config().commands
+MAPPER = Mapper(COMMANDS)
 
 TAKEN = {
-    "hey robot": ["hey robot", "Hey, robot.", "HEY ROBOT!", " hey  robot "],
+    "hey robot": ["hey robot", "Hey, robot.", "HEY ROBOT!", " hey  robot ", "Heyrobot."],
     "tense": ["tense", "Tense.", "TENSE!"],
     "release": ["release", "Release!"],
-    "pull more": ["pull more", "Pull more.", "pull-more", "PULL, MORE"],
+    "pull more": ["pull more", "Pull more.", "pull-more", "PULL, MORE", "Pullmore!"],
     "pull less": ["pull less", "Pull less!"],
     "stop": [
         "stop",
@@ -21,6 +22,8 @@ TAKEN = {
         "stop now",
         "please stop",
         "no, stop!",
+        "stopstop",
+        "nostop",
     ],
     "terminate": ["terminate", "Terminate."],
 }
@@ -37,7 +40,9 @@ terminate it | germinate | a robot | hey robin | they rob it | hey robot arm | r
 hey robot look | hey | can you pass me the scissors | he told me to pull more shifts |
 pull more is what he said | i would release it and pull more | the tension is high |
 we should stop for coffee later | zero one two | 5 | hey robot tense | tense release | no |
-not | never | stop not | stop no | no tense | less more | pull les | pul more | hey robots
+not | never | stop not | stop no | no tense | less more | pull les | pul more | hey robots |
+pullmore gauze | pullmorepullless | pull moreor | tensetense | nopullmore | not pullmore |
+heyrobots | hey heyrobot | pullmores | pul lmore | stopit | nonstop | unstop | stoprelease | st op
 """
 IGNORED = ["", "   ", *(text.strip() for text in TALK.split("|"))]
 
@@ -76,6 +81,40 @@ def test_the_nearest_command_and_its_error_are_named():
     outcome = MAPPER("pull more gauze")
     assert outcome.nearest_command == "pull more"
     assert outcome.rejection.words == "WER 0.50 to 'pull more', allowed below 0.50"
+
+
+@pytest.mark.parametrize(
+    ("text", "nearest"),
+    [
+        ("tents", "tense"),
+        ("full moor", "pull more"),
+        ("germinate", "terminate"),
+        ("is there more water in that bowl", "pull more"),
+        ("could you hand me the scissors please", "release"),
+        ("never hey robot", "hey robot"),
+        ("do not stop", "stop"),
+    ],
+)
+def test_the_nearest_command_is_by_sound(text, nearest):
+    assert MAPPER(text).nearest_command == nearest
+
+
+def test_talk_is_not_all_near_the_command_with_the_longest_spelling():
+    talk = [text for text in IGNORED if len(text.split()) > 3]
+    stops = [text for text in talk if MAPPER(text).nearest_command == "stop"]
+    assert len(talk) > 5 and all("stop" in text for text in stops), stops
+
+
+def test_what_runs_together_is_parted_only_where_no_command_has_that_word():
+    entries = [{**vars(c), "spellings": list(c.spellings)} for c in COMMANDS.commands]
+    entries[3] |= {"phrase": "camera closer", "command": "camera closer"}
+    entries[4] |= {"phrase": "in sight", "spellings": ["on pullmore"]}
+    mapper = Mapper(load_voice_config(commands__commands=entries).commands)
+    outcome = mapper("Cameracloser.")
+    assert isinstance(outcome, Match) and outcome.wer["camera closer"] == 0.0
+    assert mapper.words("insight") == ("in", "sight")
+    assert mapper.words("pullmore") == ("pullmore",)
+    assert not mapper.cannot_become("cameracloser ") and mapper.cannot_become("the cameracloser ")
 
 
 def test_silence_has_no_nearest_command():

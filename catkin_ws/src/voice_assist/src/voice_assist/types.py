@@ -151,7 +151,7 @@ class NoMatch:
     """No command was recognised, and why."""
 
     rejection: Rejection
-    nearest_command: str  # that with the lowest WER; empty when nothing was said
+    nearest_command: str  # by sound; empty when nothing was said
     wer: dict[str, float] = field(default_factory=dict)
 
 
@@ -223,7 +223,7 @@ class UtteranceDecision:
 
     @property
     def nearest_command(self) -> str:
-        """That with the lowest WER, taken or not; empty when nothing was said."""
+        """That which sounds most alike, taken or not; empty when nothing was said."""
         outcome = self.outcome
         return outcome.command if isinstance(outcome, Match) else outcome.nearest_command
 

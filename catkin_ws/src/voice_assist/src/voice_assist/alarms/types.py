@@ -92,7 +92,7 @@ class UtteranceReport:
     command: str  # empty: none
     reason: str  # why none was taken
     reason_code: str
-    nearest_command: str  # that with the lowest WER
+    nearest_command: str  # that which sounds most alike
     wer: float  # of that command
 
 

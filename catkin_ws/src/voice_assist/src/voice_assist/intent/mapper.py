@@ -1,14 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Transcript to command by Word Error Rate; what is not clearly a command is none."""
+"""Transcript to command by Word Error Rate; what is not clearly a command is none.
+
+The rate is that of words. So "cameracloser" would be one wrong word and one that is missing, though
+every letter of the command is there. A word that is a whole spelling written as one is parted
+before the words are counted. Words that are apart are never joined: "re lease" is no "release".
+
+A rate says little of how near a command is where none was said: the longer of two spellings has the
+lower one. So the nearest command is that which some of the words sound most like.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import lru_cache
+from itertools import chain
+
 from voice_assist.config import CommandsConfig
 from voice_assist.text.normalize import LONGEST, Words, foreign, is_negated, is_too_long, normalize
+from voice_assist.text.phonetic_distance import distance, sounds_of_letters
 from voice_assist.text.wer import min_distance, wer
 from voice_assist.types import Match, NoMatch, Rejection, RejectionReason
 
 SILENCE = "nothing was said"
+_COMPARED = 50  # words that the nearest command is sought in; an utterance has fewer
 
 
 class Mapper:
@@ -20,6 +34,8 @@ class Mapper:
             command.phrase: tuple(normalize(spelling) for _, spelling in command.all_spellings)
             for command in config.commands
         }
+        self._phrases = {phrase: normalize(phrase) for phrase in self._spellings}
+        self._joined = _joined(chain.from_iterable(self._spellings.values()))
         self._thresholds = {command.phrase: command.threshold for command in config.commands}
         self._halts = {command.phrase for command in config.commands if command.is_halt}
 
@@ -32,13 +48,12 @@ class Mapper:
         Args:
             transcript: As recognised; may have punctuation, contractions and capitals.
         """
-        words = normalize(transcript)
+        words = self.words(transcript)
         errors = self._errors(words)
         if is_too_long(transcript):
             return _no_command(f"{len(transcript)} characters, allowed: {LONGEST}", "", errors)
         if not words:
             return _no_command(SILENCE, "", errors)
-        nearest = min(errors, key=errors.__getitem__)
         near = {p: error for p, error in errors.items() if error < self._thresholds[p]}
         best = [phrase for phrase, error in near.items() if error == min(near.values())]
         if len(best) == 1 and (near[best[0]] == 0.0 or not is_negated(words)):
@@ -47,14 +62,21 @@ class Mapper:
                 why = f"U+{ord(odd):04X} in it, which no command has"
                 return _no_command(why, best[0], errors)
             return Match(best[0], errors)
+        nearest = self._nearest(words, errors)
         return _no_command(self._reason(words, nearest, errors, best), nearest, errors)
+
+    def words(self, transcript: str) -> Words:
+        """Words of a transcript; those of a spelling that run together are parted."""
+        return tuple(
+            part for word in normalize(transcript) for part in self._joined.get(word, (word,))
+        )
 
     def can_grow(self, transcript: str) -> bool:
         """Whether more words could make another command of it, other than a halt.
 
         A halt may follow any decision, so nothing has to wait for one.
         """
-        words = normalize(transcript)
+        words = self.words(transcript)
         outcome = self(transcript)
         own = outcome.command if isinstance(outcome, Match) else ""
         return any(
@@ -73,7 +95,7 @@ class Mapper:
         Args:
             beginning: Of a transcript, without contractions that go on after a space.
         """
-        words = normalize(beginning.rpartition(" ")[0])
+        words = self.words(beginning.rpartition(" ")[0])
         return bool(words) and all(
             min_distance(spelling, words) / len(spelling) >= self._thresholds[phrase]
             for phrase, spellings in self._spellings.items()
@@ -93,6 +115,14 @@ class Mapper:
             for phrase, spellings in self._spellings.items()
         }
 
+    def _nearest(self, words: Words, errors: dict[str, float]) -> str:
+        """The command said without an error, else that which some of the words sound most like."""
+        best = min(errors, key=errors.__getitem__)
+        if errors[best] == 0.0:
+            return best
+        some = words[:_COMPARED]
+        return min(self._phrases, key=lambda phrase: _least_apart(self._phrases[phrase], some))
+
     def _reason(self, words: Words, nearest: str, errors: dict[str, float], best: list[str]) -> str:
         if is_negated(words):
             return "it denies; what is denied never moves"
@@ -100,6 +130,25 @@ class Mapper:
             return "it fits " + " and ".join(repr(phrase) for phrase in best) + " equally well"
         error, allowed = errors[nearest], self._thresholds[nearest]
         return f"WER {error:.2f} to {nearest!r}, allowed below {allowed:.2f}"
+
+
+def _joined(spellings: Iterable[Words]) -> dict[str, Words]:
+    """Spellings of several words, by the one word that they are where nothing parts them."""
+    every = list(spellings)
+    known = set(chain.from_iterable(every))
+    joined = {"".join(words): words for words in every if len(words) > 1}
+    return {word: words for word, words in joined.items() if word not in known}
+
+
+def _least_apart(phrase: Words, words: Words) -> float:
+    """How far the phrase is in sound from those of the words, side by side, that are nearest."""
+    size = min(len(phrase), len(words))
+    return min(_apart(phrase, words[at : at + size]) for at in range(len(words) - size + 1))
+
+
+@lru_cache(4096)  # a transcript that grows has the same words again and again
+def _apart(one: Words, other: Words) -> float:
+    return distance(*(sounds_of_letters(" ".join(words)) for words in (one, other)))
 
 
 def _no_command(words: str, nearest: str, errors: dict[str, float]) -> NoMatch:

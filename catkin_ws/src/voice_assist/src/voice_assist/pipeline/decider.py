@@ -213,7 +213,7 @@ class Decider:
         least = self._config.moving.sentence_confidence
         for heard in (self._decoder.part, transcript):
             if heard is not None and heard.confidence >= least:
-                words = normalize(heard.text)
+                words = self._mapper.words(heard.text)
                 for phrase in self._halts:
                     if contains(words, normalize(phrase)):
                         return phrase, heard
@@ -224,7 +224,7 @@ class Decider:
 
         Where the transcript has a halt among its words, somebody said it in a sentence: it is none.
         """
-        words = normalize(transcript.text)
+        words = self._mapper.words(transcript.text)
         written = any(contains(words, normalize(halt)) for halt in self._halts)
         if self._stop_in_sound is None or written or self._early_decision.has_halted:
             return None
@@ -282,7 +282,7 @@ class Decider:
 
     def _best_scored(self, match: Match, transcript: Hypothesis) -> tuple[str, float]:
         """The command that the sound is most like, and the score [nat] of the one taken."""
-        texts = self._config.commands.scored(match.command, normalize(transcript.text))
+        texts = self._config.commands.scored(match.command, self._mapper.words(transcript.text))
         by_text = self._decoder.scores(tuple(texts.values()))
         scores = {phrase: by_text[text] for phrase, text in texts.items()}
         return max(scores, key=scores.__getitem__), scores[match.command]
@@ -314,7 +314,7 @@ class Decider:
         commands = self._config.commands
         if not (self._recognizer_config.second_opinion and commands.get(match.command).is_motion):
             return float("inf")
-        texts = commands.scored(match.command, normalize(transcript.text))
+        texts = commands.scored(match.command, self._mapper.words(transcript.text))
         return self._decoder.verify(texts[match.command])
 
     def confirmed(self, phrase: str, answer: Hypothesis, partial: PartialUtterance) -> Verdict:
