@@ -41,10 +41,10 @@ FORCE:
 setup: .setup/workspace ## install and build what the nodes, `make demo` and `make report` need; UNDERLAY=devel[:devel] builds upon other workspaces
 
 install: setup ## PREFIX=/opt/voice_assist: an install space that runs without this folder's sources; Python packages stay in .venv
-	@docker/setup.sh install '$(PREFIX)'
+	@docker/setup.sh install "$$PREFIX"
 
 demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you, ROBOT=kinova_strict leads it as Kinova's driver is led
-	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out '$(OUT)')
+	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out "$$OUT")
 
 check: .setup/dev ## before a change is proposed: lint, and the tests that need no node and little time
 	@$(MAKE) --no-print-directory --keep-going --jobs 2 lint fast
@@ -67,10 +67,10 @@ fuzz: .setup/bench ## [SECONDS=60 TARGET=queue] coverage-guided fuzzing of all t
 	@$(RUN) python -m tests.fuzz --seconds '$(or $(SECONDS),60)' $(TARGET)
 
 evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=active|standby|moving] [JOBS=n] [MODEL=name]
-	@test -n "$(MANIFEST)" || { echo "make evaluate needs MANIFEST=file.csv (columns path, transcript) and OUT=file.json"; exit 2; }
-	@test -n "$(OUT)" || { echo "make evaluate needs OUT=file.json, the file to write"; exit 2; }
-	@$(RUN) python -m voice_assist.cli.main evaluate '$(MANIFEST)' --out '$(OUT)' $(if $(NOISE),--noise '$(NOISE)') \
-	    $(if $(SNR),--snr '$(SNR)') $(if $(MODE),--mode '$(MODE)') $(if $(JOBS),--jobs '$(JOBS)') $(if $(MODEL),--model '$(MODEL)')
+	@test -n "$$MANIFEST" || { echo "make evaluate needs MANIFEST=file.csv (columns path, transcript) and OUT=file.json"; exit 2; }
+	@test -n "$$OUT" || { echo "make evaluate needs OUT=file.json, the file to write"; exit 2; }
+	@$(RUN) python -m voice_assist.cli.main evaluate "$$MANIFEST" --out "$$OUT" $(if $(NOISE),--noise "$$NOISE") \
+	    $(if $(SNR),--snr '$(SNR)') $(if $(MODE),--mode '$(MODE)') $(if $(JOBS),--jobs '$(JOBS)') $(if $(MODEL),--model "$$MODEL")
 
 FIT := python -m voice_assist.training.fit.train_recognizer
 # OpenAI's tiny.en, as a package carries it; its digest is the one by which the whisper library knows OpenAI's own file
@@ -104,11 +104,11 @@ endif
 
 paper: .setup/dev ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; goes on where it was interrupted
 	@$(RUN) python -m paper $(if $(REPETITIONS),--repetitions '$(REPETITIONS)') $(if $(VOICES),--voices '$(VOICES)') \
-	    $(if $(OUT),--out '$(OUT)')
+	    $(if $(OUT),--out "$$OUT")
 
 report: setup ## SESSION=sessions/<time> or a folder of sessions: make the report [OUT=dir] [LATEX=1] [JOBS=n]
-	@test -n "$(SESSION)" || { echo "make report needs SESSION=folder or file.mcap"; exit 2; }
-	@$(RUN) python -m session_log.cli report '$(SESSION)' $(if $(OUT),--out '$(OUT)') \
+	@test -n "$$SESSION" || { echo "make report needs SESSION=folder or file.mcap"; exit 2; }
+	@$(RUN) python -m session_log.cli report "$$SESSION" $(if $(OUT),--out "$$OUT") \
 	    $(if $(LATEX),--latex) $(if $(JOBS),--jobs '$(JOBS)')
 
 # --offline: dependencies are checked against packages found, not against rosdep's database, which is fetched from elsewhere
