@@ -63,7 +63,7 @@ def test_a_host_name_is_an_address_too():
 
 def test_every_launch_file_of_ours_asks_for_the_check_by_its_own_name():
     for file in LAUNCH.glob("*.launch"):
-        assert f'--launch &quot;$(dirname)/{file.name}&quot;' in file.read_text("utf-8"), file.name
+        assert f"--launch &quot;$(dirname)/{file.name}&quot;" in file.read_text("utf-8"), file.name
 
 
 def test_the_system_passes_on_each_argument_of_the_voice_that_a_site_sets():
