@@ -8,11 +8,13 @@ run along arrays without an index list, and the compiler takes four or eight nod
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from rst_control.kernels import kernel
 
 Points = NDArray[np.float64]  # (n, 3), [m]
 Rows = NDArray[np.float64]  # (3, n): the same points, one axis after the other
@@ -83,7 +85,7 @@ class Impulses:
     outside: NDArray[np.float64]  # of drag and bed on the free nodes
 
 
-@njit(cache=True, nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@partial(kernel, error_model="numpy")
 def _link_forces(
     x: Rows,
     v: Rows,
@@ -121,7 +123,7 @@ def _link_forces(
                 there[n] -= along_axis[n]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@partial(kernel, error_model="numpy")
 def _advance(
     x: Rows,
     v: Rows,
