@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PRODUCT = ("catkin_ws/src", "demo", "support")
 OPTIONAL = {"pyarrow"}  # requirements-parquet.txt; the export says what to install
 # Files or needs of others; ruckig's module is in no list of importlib.metadata.
-NOT_IMPORTED = {"openwakeword", "resemblyzer", "tiktoken", "more-itertools", "tqdm", "ruckig"}
+NOT_IMPORTED = {"openwakeword", "tiktoken", "more-itertools", "tqdm", "ruckig"}
 
 
 def named(file):

