@@ -27,7 +27,9 @@ class Rig:
         self.late = 0.0
         self.quiet = 0.0
         self.speech_end = 0.0
-        self.hearing = PartialDecoder(self.recognizer, early, lambda: self.now + self.late)
+        self.notes = []
+        clock = lambda: self.now + self.late  # noqa: E731
+        self.hearing = PartialDecoder(self.recognizer, early, clock, self.notes.append)
 
     def feed(self, is_speech, is_complete=False, seconds=None):
         """One frame; tells whether something can be decided."""
@@ -155,3 +157,39 @@ def test_each_look_may_ask_what_loses():
     for _ in range(8):
         rig.feed(True)
     assert asked and all(asked)
+
+
+@pytest.mark.parametrize(("cost", "apart"), [(0.09, 0.096), (0.2, 0.4), (0.45, 0.9)])
+def test_a_slow_model_is_asked_less_often_and_what_it_skips_is_noted(cost, apart):
+    rig, looked = Rig(), []
+    transcribe = rig.recognizer.transcribe
+
+    def slowly(*given):
+        rig.late += cost
+        looked.append(rig.now)
+        return transcribe(*given)
+
+    rig.recognizer.transcribe = slowly
+    for _ in range(125):
+        rig.feed(True)
+        rig.late = max(rig.late - FRAME, 0.0)  # frames queue while it works
+    gaps = np.diff(looked)
+    assert gaps.min() >= apart - 1e-6 and gaps.max() <= apart + FRAME
+    is_slow = cost > EARLY.partial_interval
+    assert bool(rig.notes) == is_slow
+
+
+def test_the_end_of_an_utterance_waits_for_no_slow_model():
+    rig = Rig()
+    transcribe = rig.recognizer.transcribe
+
+    def slowly(*given):
+        rig.late += 0.4
+        return transcribe(*given)
+
+    rig.recognizer.transcribe = slowly
+    for _ in range(4):
+        rig.feed(True)
+    assert rig.looks == 1
+    rig.feed(True)
+    assert rig.feed(False, is_complete=True) and rig.looks == 2

@@ -77,7 +77,7 @@ class _BesideSource(InTreeCacheLocator):
 
 
 class _BesideSourceImpl(CompileResultCacheImpl):
-    _locator_classes = (_BesideSource,)
+    _locator_classes = [_BesideSource]  # noqa: RUF012  # as its base declares it
 
 
 class _KernelCache(FunctionCache):

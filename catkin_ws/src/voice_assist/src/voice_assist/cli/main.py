@@ -141,6 +141,15 @@ def _evaluate(options: argparse.Namespace) -> None:
     evaluate(settings(options), job)
 
 
+def _convert_model(options: argparse.Namespace) -> None:
+    """Write a Whisper model of CTranslate2 as a checkpoint that `model:=` takes."""
+    from voice_assist.recognizer.ctranslate2 import convert
+
+    convert(options.parts, options.out)
+    size = options.out.stat().st_size / 1e6
+    print(f"{options.out}: {size:.0f} MB; use it with model:={options.out}")
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voice_assist", description="Hear spoken commands.")
     version = f"%(prog)s {package_version('voice_assist')}"
@@ -161,6 +170,10 @@ def _parser() -> argparse.ArgumentParser:
     _add_alarms(verbs)
     _add_evaluate(verbs)
     _add_enrolment(verbs)
+    convert = verbs.add_parser("convert-model", help="take a Whisper model from CTranslate2")
+    convert.add_argument("parts", type=Path, nargs="+", help="model.bin, whole or in parts")
+    convert.add_argument("--out", type=Path, required=True, help="checkpoint to write, *.pt")
+    convert.set_defaults(run=_convert_model)
     return parser
 
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
 
 _SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
+_BUSY = 0.5  # share of the time that passes may take of a model slower than `partial_interval`
 
 
 class PartialDecoder:
@@ -34,7 +35,8 @@ class PartialDecoder:
     of quiet. It stands until there is speech again, so that the end of the `pause` finds nothing
     left to compute. Of a long utterance only the last `window` is decoded, which bounds each pass:
     a command is short. While the robot itself speaks or moves, the very last part is decoded alone
-    too, since one word may stand by itself in it.
+    too, since one word may stand by itself in it. A model that is slower than `partial_interval`
+    is asked less often.
     """
 
     def __init__(
@@ -51,11 +53,13 @@ class PartialDecoder:
             recognizer: Makes text of sound.
             config: When to decode.
             clock: The one that stamps the frames [s].
-            observer: Gets each pass that is skipped because the sound comes too late.
+            observer: Gets each pass that is skipped, since the sound comes too late or the model
+                is slow.
             is_hopeless: Of the beginning of a text: no continuation of it is a command.
         """
         self._recognizer, self._config, self._clock = recognizer, config, clock
         self._observer, self._is_hopeless = observer, is_hopeless
+        self._cost = 0.0  # [s] of the newest pass
         self.reset()
 
     def reset(self) -> None:
@@ -136,10 +140,17 @@ class PartialDecoder:
             self._observer(SideInput(SideInputKind.BEHIND, frame.first_sample))
             return False
         decoded_at = time if self._decoded_at is None else self._decoded_at
-        is_time = time - decoded_at >= self._config.partial_interval - _SLACK
-        return is_time or is_turn or self.is_settled(partial)
+        since = time - decoded_at + _SLACK
+        if is_turn or self.is_settled(partial) or since < self._config.partial_interval:
+            return is_turn or self.is_settled(partial)
+        is_slow = self._cost > self._config.partial_interval
+        if is_slow and since < self._cost / _BUSY:
+            self._observer(SideInput(SideInputKind.BEHIND, frame.first_sample))
+            return False
+        return True
 
     def _decode(self, partial: PartialUtterance, time: float, part: float, is_moving: bool) -> None:
+        begun = self._clock()
         whole = partial.utterance.samples
         is_final = partial.utterance.is_complete or self.is_settled(partial)
         self._sound = self._end_of(whole, self._config.window, is_final)
@@ -155,6 +166,7 @@ class PartialDecoder:
             self.worded_at = time
         self._decoded_at, self._scores, self._verified = time, {}, {}
         self._has_news = not is_final
+        self._cost = self._clock() - begun
 
     def _end_of(self, whole: Samples, seconds: float, is_final: bool) -> Samples:
         """The last part of a sound, of `seconds` at most. From shape (n,) to (m,)."""

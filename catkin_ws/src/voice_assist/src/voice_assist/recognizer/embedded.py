@@ -14,7 +14,7 @@ from voice_assist.recognizer.checkpoint import Checkpoint
 from voice_assist.recognizer.ctc import greedy_text
 from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
-from voice_assist.recognizer.recognizer import LONGEST, SHORTEST, believed
+from voice_assist.recognizer.recognizer import LONGEST, SHORTEST, believed, is_same
 from voice_assist.recognizer.scoring import (
     ctc_likelihoods,
     decoder_likelihoods,
@@ -120,7 +120,7 @@ class EmbeddedRecognizer:
     def _listen(self, samples: Samples) -> _Listened:
         """Encode a sound; the one that was just heard is not encoded again for its scores."""
         newest = self._newest
-        if newest is not None and newest.sound is samples and not samples.flags.writeable:
+        if newest is not None and is_same(newest.sound, samples):
             return newest
         heard = np.array(samples[-int(LONGEST * RATE) :], dtype=np.float32)
         missing = FEWEST_FRAMES * 160 - len(heard)

@@ -68,3 +68,8 @@ def believed(text: str, avg_logprob: float, no_speech_prob: float) -> Hypothesis
     """
     said = text if no_speech_prob < NOTHING_SAID else ""
     return Hypothesis(said, min(avg_logprob, 0.0), no_speech_prob)
+
+
+def is_same(heard: Samples, samples: Samples) -> bool:
+    """Whether a sound is one that was heard already, and cannot have changed since."""
+    return heard is samples and not samples.flags.writeable

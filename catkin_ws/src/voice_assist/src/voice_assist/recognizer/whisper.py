@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import torch
 from torch import Tensor
-from whisper.decoding import DecodingOptions, DecodingTask
-from whisper.model import Whisper
+from whisper.decoding import DecodingOptions, DecodingTask, GreedyDecoder
+from whisper.model import LayerNorm, Whisper
 
 from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import (
@@ -20,8 +21,9 @@ from voice_assist.recognizer.checkpoint import (
 from voice_assist.recognizer.embedded import EmbeddedRecognizer, is_audible
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import log_mel
-from voice_assist.recognizer.recognizer import LONGEST, Recognizer, believed
+from voice_assist.recognizer.recognizer import LONGEST, Recognizer, believed, is_same
 from voice_assist.recognizer.scoring import ratios
+from voice_assist.recognizer.token_tree import likelihoods
 from voice_assist.recognizer.verification import read_verifier
 from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
@@ -29,11 +31,46 @@ MOST_TOKENS = 64  # written for one sound; ten seconds of talk need about 40
 QUIET = RATE  # samples of silence appended: models trained on 30 s expect an end
 
 
-class ShortDecodingTask(DecodingTask):  # type: ignore[misc]  # untyped library
-    """Whisper's own decoding, on encoder states of short sound."""
+class _UntilHopeless(GreedyDecoder):  # type: ignore[misc]  # untyped library
+    """Greedy decoding that ends where the caller says that the text cannot matter to him.
+
+    It ends as well where the text begins anew: without 30 s of sound, a model does not see the end.
+    """
+
+    def __init__(self, task: DecodingTask) -> None:
+        super().__init__(0.0, task.tokenizer.eot)
+        self._task = task
+        self.is_hopeless: IsHopeless = never_hopeless
+
+    def update(
+        self, tokens: Tensor, logits: Tensor, sum_logprobs: Tensor
+    ) -> tuple[Tensor, bool | Tensor]:
+        """One token more, and whether it is the last one."""
+        tokens, is_over = super().update(tokens, logits, sum_logprobs)
+        if is_over:
+            return tokens, is_over
+        written = self._task.tokenizer.decode(tokens[0, self._task.sample_begin :].tolist())
+        return tokens, once(written) != written or self.is_hopeless(written)
+
+
+class _ShortDecodingTask(DecodingTask):  # type: ignore[misc]  # untyped library
+    """Whisper's own decoding, of the encoder's states of short sound."""
+
+    def __init__(self, model: Whisper, options: DecodingOptions) -> None:
+        super().__init__(model, options)
+        self.decoder = _UntilHopeless(self)
 
     def _get_audio_features(self, mel: Tensor) -> Tensor:
-        return encode_short(self.model.encoder, mel)
+        return mel  # `run` is given states
+
+
+@dataclass(eq=False)
+class _Listened:
+    """A sound, the encoder's states of it, and its whole text once it is written."""
+
+    sound: Samples
+    states: Tensor  # (1, time, d)
+    text: Hypothesis | None = None
 
 
 class OpenAIRecognizer:
@@ -45,6 +82,7 @@ class OpenAIRecognizer:
         checkpoint: Checkpoint,
         device: str = "cpu",
         most_tokens: int = MOST_TOKENS,
+        dtype: torch.dtype | None = None,
     ) -> None:
         """Take the weights.
 
@@ -53,11 +91,16 @@ class OpenAIRecognizer:
             checkpoint: Of any size.
             device: A torch device.
             most_tokens: Written for one sound.
+            dtype: Of the weights; None: the device's best.
         """
         self.name, self.model_hash = name, checkpoint.sha256
+        self.dtype = dtype or best_dtype(device)
         self.model = Whisper(checkpoint.dims)
         self.model.load_state_dict(checkpoint.state)
-        self.model = self.model.to(device).float().eval()
+        self.model = self.model.to(device, self.dtype).eval()
+        for module in self.model.modules():
+            if isinstance(module, LayerNorm):
+                module.float()  # Whisper computes it so
         options = DecodingOptions(
             language="en",
             temperature=0.0,
@@ -65,58 +108,83 @@ class OpenAIRecognizer:
             without_timestamps=True,
             fp16=False,
         )
-        self._task = ShortDecodingTask(self.model, options)
+        self._task = _ShortDecodingTask(self.model, options)
+        self._newest: _Listened | None = None
 
     def transcribe(self, samples: Samples, is_hopeless: IsHopeless = never_hopeless) -> Hypothesis:
-        """Text of the sound, always written to its end; see Recognizer."""
+        """Text of the sound; where it is hopeless, only its beginning. See Recognizer."""
         if not is_audible(samples):
             return Hypothesis("", 0.0, 1.0)
-        with torch.inference_mode():
-            result = self._task.run(self._mel(samples))[0]
-        return believed(result.text, float(result.avg_logprob), result.no_speech_prob)
+        return self._write(self._listen(samples), is_hopeless)
 
     def score(self, samples: Samples, phrases: Sequence[str]) -> dict[str, float]:
         """The decoder's opinion, over the usual spellings; see Recognizer."""
         if not is_audible(samples):
             return dict.fromkeys(phrases, float("-inf"))
-        free = self.transcribe(samples).text
-        rivals = ["", free] if _plain(free) not in phrases else [""]
+        heard = self._listen(samples)
+        free = (heard.text or self._write(heard, never_hopeless)).text
+        texts = {phrase: _spellings(phrase) for phrase in phrases}
+        texts |= {text: [text] for text in ("", free) if _plain(text) not in phrases}
+        tokenizer = self._task.tokenizer
+        written = {text for some in texts.values() for text in some}
+        lines = {t: tokenizer.encode(f" {t}", disallowed_special=()) if t else [] for t in written}
+        prompt = tokenizer.sot_sequence_including_notimestamps
+        sound, decoder = heard.states, self.model.decoder
         with torch.inference_mode():
-            states = encode_short(self.model.encoder, self._mel(samples))
-            found = {text: self._likelihood(states, [text]) for text in rivals}
-            found |= {p: self._likelihood(states, _spellings(p)) for p in phrases}
-        return ratios(found, phrases)
+            found = likelihoods(decoder, sound, prompt, list(lines.values()), tokenizer.eot)
+        likely = dict(zip(lines, found, strict=True))
+        return ratios({text: max(likely[t] for t in some) for text, some in texts.items()}, phrases)
 
     def verify(self, samples: Samples, phrase: str) -> float:
         """It cannot; see Recognizer."""
         return float("inf")
 
-    def _mel(self, samples: Samples) -> Tensor:
+    def _listen(self, samples: Samples) -> _Listened:
+        """Encode a sound; the one that was just heard is not encoded again."""
+        newest = self._newest
+        if newest is not None and is_same(newest.sound, samples):
+            return newest
         heard = np.array(samples[-int(LONGEST * RATE) :], dtype=np.float32)
         limit = self.model.dims.n_audio_ctx * 320
         padded = np.pad(heard, (0, QUIET))[:limit]
         sound = torch.from_numpy(padded)[None].to(self.model.device)
-        return log_mel(sound, self.model.dims.n_mels)
+        with torch.inference_mode():
+            mel = log_mel(sound, self.model.dims.n_mels).to(self.dtype)
+            self._newest = _Listened(samples, encode_short(self.model.encoder, mel))
+        return self._newest
 
-    def _likelihood(self, states: Tensor, spellings: Sequence[str]) -> float:
-        """Log-probability of the likeliest of some spellings and its end."""
-        tokenizer = self._task.tokenizer
-        prompt = list(tokenizer.sot_sequence_including_notimestamps)
-        lines = [
-            tokenizer.encode(f" {text}", disallowed_special=()) if text else []
-            for text in spellings
-        ]
-        width = max(map(len, lines)) + 1
-        end = tokenizer.eot
-        wanted = [[*line, *[end] * (width - len(line))] for line in lines]
-        targets = torch.tensor(wanted, device=states.device)
-        start = torch.tensor([prompt], device=states.device).expand(len(lines), -1)
-        fed = torch.cat([start, targets[:, :-1]], dim=1)
-        logits = self.model.decoder(fed, states.expand(len(lines), -1, -1))
-        logprobs = logits[:, len(prompt) - 1 :].float().log_softmax(-1)
-        chosen = logprobs.gather(-1, targets.unsqueeze(-1)).squeeze(-1)
-        pairs = zip(chosen, lines, strict=True)
-        return max(float(row[: len(line) + 1].sum()) for row, line in pairs)
+    def _write(self, heard: _Listened, is_hopeless: IsHopeless) -> Hypothesis:
+        was_cut = False
+
+        def is_over(text: str) -> bool:
+            nonlocal was_cut
+            was_cut = is_hopeless(text)
+            return was_cut
+
+        self._task.decoder.is_hopeless = is_over
+        with torch.inference_mode():
+            result = self._task.run(heard.states)[0]
+        text = believed(once(result.text), float(result.avg_logprob), result.no_speech_prob)
+        if not was_cut:
+            heard.text = text
+        return text
+
+
+def once(text: str) -> str:
+    """The first of equal parts that a text begins with; the text, if it does not begin so."""
+    words, plain = text.split(), [_plain(word) for word in text.split()]
+    for n in range(1, len(words) // 2 + 1):
+        if plain[:n] == plain[n : 2 * n]:
+            return " ".join(words[:n])
+    return text
+
+
+def best_dtype(device: str) -> torch.dtype:
+    """Type of weights in which a device is quickest: bfloat16 where the processor has it."""
+    if torch.device(device).type != "cpu":
+        return torch.float32
+    has_it = torch.ops.mkldnn._is_mkldnn_bf16_supported()
+    return torch.bfloat16 if has_it else torch.float32
 
 
 def load_recognizer(model: str = "embedded", device: str = "cpu") -> Recognizer:
