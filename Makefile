@@ -22,7 +22,7 @@ help: ## list the verbs
 	@docker/setup.sh system $<
 	@mkdir -p .setup && touch $@
 
-.setup/python: .setup/system requirements.txt
+.setup/python: .setup/system requirements.txt docker/constraints.txt
 	@docker/setup.sh python requirements.txt
 	@touch $@
 
@@ -112,8 +112,8 @@ report: setup ## SESSION=sessions/<time> or a folder of sessions: make the repor
 	    $(if $(LATEX),--latex) $(if $(JOBS),--jobs '$(JOBS)')
 
 # --offline: dependencies are checked against packages found, not against rosdep's database, which is fetched from elsewhere
-lint: .setup/dev ## style, types, layers and the packages' manifests
-	@$(RUN) ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports \
+lint: .setup/dev ## style, types, layers, the packages' manifests and digests
+	@$(RUN) python docker/lock.py check && ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports \
 	    && catkin_lint --quiet --offline --strict -W2 catkin_ws/src
 
 clean: ## remove what setup and the tests made; sessions stay

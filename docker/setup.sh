@@ -46,6 +46,7 @@ system_packages() {
         [ "$status" = installed ] || missing="$missing $package"
     done
     [ -n "$missing" ] || return 0
+    announce
     say "Debian packages of $1 to install:$missing"
     line="apt-get install -y --no-install-recommends$missing"
     if [ "$(id -u)" = 0 ]; then
@@ -63,20 +64,65 @@ then run the same make command again."
     $sudo env DEBIAN_FRONTEND=noninteractive $line
 }
 
-# Lines whose comment says "--no-deps" are installed without what their metadata asks for.
+# torch_build: "cpu" or "cuda", by the variable TORCH or else by the machine's card and what the index offers.
+torch_build() {
+    wished=$(torch_wished) || exit 1
+    [ "$wished" = cpu ] || { echo cuda && return; }
+    version=$(sed -n 's/^torch==\(.*+cpu\) --hash.*/\1/p' docker/constraints.txt)
+    if [ -d ".venv/lib/python3.11/site-packages/torch-$version.dist-info" ] ||
+        .venv/bin/python -m pip index versions torch 2>/dev/null | grep -qF "$version"; then
+        echo cpu
+    elif [ -n "${TORCH:-}" ]; then
+        fail "TORCH=cpu, but the package index has no torch $version: name one that has in PIP_EXTRA_INDEX_URL, or set TORCH=cuda"
+    else
+        echo cuda
+    fi
+}
+
+torch_wished() {
+    case "${TORCH:-}" in
+    cpu | cuda) echo "$TORCH" ;;
+    "") if [ -e "$SYSTEM_ROOT/proc/driver/nvidia/version" ]; then echo cuda; else echo cpu; fi ;;
+    *) fail "TORCH=$TORCH, allowed: cpu, cuda, or empty to choose by the machine's card" ;;
+    esac
+}
+
+# to_fetch BUILD: what installing costs with that build of torch.
+to_fetch() {
+    sed -n "s/.*\[MB\]:.*$1 \([0-9]*\).*/\1/p" docker/constraints.txt |
+        awk -v build="$1" '{ printf "%.1f GB of Python packages (torch: %s), %s GB on disk, about %.0f minutes at 100 Mbit/s",
+            $1 / 1000, build, build == "cpu" ? "2.2" : "6.0", $1 * 8 / 100 / 60 + 3 }'
+}
+
+# What the first set-up costs, before anything is fetched.
+announce() {
+    [ ! -x .venv/bin/python ] || return 0
+    wished=$(torch_wished)
+    say "To fetch: 0.4 GB of Debian packages, 1.5 GB on disk, less what is installed; $(to_fetch "$wished")"
+    [ "$wished" = cuda ] || echo "If the package index has no CPU build of torch: $(to_fetch cuda). TORCH=cpu refuses that."
+}
+
+# locked FILE...: lines of docker/constraints.txt that these requirements files need, with the chosen build of torch.
+locked() {
+    build=$(torch_build) || exit 1
+    awk -v files="$*" -v build="$build" 'BEGIN { for (n = split(files, f); n; n--) wanted[f[n]] }
+        /^#/ { next }
+        { take = 0; for (i = NF; $i != "#"; i--) { if ($i in wanted) take = 1; if ($i ~ /^(cpu|cuda)$/ && $i != build) next } }
+        take' docker/constraints.txt
+}
+
 python_packages() {
     if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
         say "Python environment in .venv"
         rm -rf .venv
         "$PYTHON" -m venv --system-site-packages .venv
     fi
-    say "Python packages of $1"
-    rest=$(mktemp)
-    trap 'rm -f "$rest"' EXIT
-    sed -e '/#.*--no-deps/d' -e "s|^-r |&$PWD/|" "$1" >"$rest"
-    .venv/bin/python -m pip install --progress-bar on -r "$rest"
-    alone=$(sed -n 's/^\([^# ]*\) *#.*--no-deps.*/\1/p' "$1")
-    [ -z "$alone" ] || .venv/bin/python -m pip install --progress-bar on --no-deps $alone
+    pins=$(mktemp)
+    trap 'rm -f "$pins"' EXIT
+    locked "$1" $(sed -n 's/^-r //p' "$1") >"$pins"
+    [ -s "$pins" ] || fail "docker/constraints.txt has no package of $1: .venv/bin/python docker/lock.py write"
+    say "Python packages of $1: $(grep -c . "$pins")"
+    .venv/bin/python -m pip install --progress-bar on --no-deps --require-hashes -r "$pins"
 }
 
 # Packages of ours that stand in for other people's messages: what is found elsewhere is neither built nor found here.

@@ -2,7 +2,10 @@
 """What users install is all that the product imports, and what tests need is kept apart."""
 
 import ast
+import importlib.util
+import os
 import re
+import subprocess
 from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
@@ -60,3 +63,85 @@ def test_packages_of_debian_are_listed_once():
     lists = [ROOT / "docker" / name for name in ("apt-packages.txt", "apt-packages-dev.txt")]
     names = [line for file in lists for line in file.read_text().split("\n") if line[:1] not in "#"]
     assert len(names) == len(set(names))
+
+
+@pytest.fixture
+def lock(tmp_path, monkeypatch):
+    """The maker of the lock, on a copy of it that may be changed: (module, change)."""
+    spec = importlib.util.spec_from_file_location("lock", ROOT / "docker" / "lock.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    text = module.LOCK.read_text(encoding="utf-8")
+    monkeypatch.setattr(module, "LOCK", tmp_path / "constraints.txt")
+
+    def change(old="", new=""):
+        assert old in text
+        module.LOCK.write_text(text.replace(old, new) if old else text, encoding="utf-8")
+        return module.check()
+
+    return change
+
+
+def test_every_package_is_locked_with_its_digest(lock):
+    assert lock() == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "word"),
+    [
+        ("\nrich==15.0.0 ", "\nrich==14.0.0 ", "pins rich==15.0.0, locked: ['14.0.0']"),
+        ("\nnumba==0.68.1 ", "\n# ", "pins numba==0.68.1, locked: []"),
+        (
+            "\nyarl==1.25.1 --hash=sha256:",
+            "\nyarl==1.25.1 --hash=md5:",
+            "no pin with a digest: yarl",
+        ),
+        ("\nyarl==1.25.1 ", "\nyarl>=1.25.1 ", "no pin with a digest: yarl"),
+        ("\nyarl==1.25.1 ", "\nyarl==1.0.0 ", "yarl 1.25.1 is installed, locked: ['1.0.0']"),
+    ],
+)
+def test_a_lock_that_is_not_of_the_files_or_the_installed_packages_is_named(lock, old, new, word):
+    assert any(word in fault for fault in lock(old, new))
+
+
+def chosen(tmp_path, file, *, card=False, **environment):
+    """Packages that set-up would install from a file, and what it says, without any network."""
+    if card:
+        (tmp_path / "proc/driver/nvidia").mkdir(parents=True)
+        (tmp_path / "proc/driver/nvidia/version").touch()
+    library = (ROOT / "docker/setup.sh").read_text(encoding="utf-8").partition("\nmachine\n")[0]
+    line = f'cd "{ROOT}/docker"; {library}\nlocked "$1"'
+    done = subprocess.run(
+        ["/bin/sh", "-c", line, str(ROOT / "docker/x"), file],
+        env={"PATH": os.environ["PATH"], "SYSTEM_ROOT": str(tmp_path), **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return [line.split()[0] for line in done.stdout.splitlines()], done.stderr
+
+
+CPU, CUDA = "torch==2.13.0+cpu", "torch===2.13.0"
+
+
+def test_cuda_is_chosen_for_an_nvidia_card_and_by_the_variable(tmp_path):
+    for given in ({"TORCH": "cuda"}, {"card": True}):
+        packages, _ = chosen(tmp_path, "requirements.txt", **given)
+        assert CUDA in packages and CPU not in packages
+        assert any(package.startswith("nvidia-cublas") for package in packages)
+
+
+def test_the_variable_comes_before_the_card(tmp_path):
+    packages, said = chosen(tmp_path, "requirements.txt", card=True, TORCH="cpu")
+    assert CUDA not in packages and not [p for p in packages if p.startswith("nvidia-")]
+    assert CPU in packages or "PIP_EXTRA_INDEX_URL" in said  # if this machine has the CUDA build
+
+
+def test_another_word_for_the_choice_is_refused(tmp_path):
+    packages, said = chosen(tmp_path, "requirements.txt", TORCH="gpu")
+    assert not packages and "TORCH=gpu, allowed: cpu, cuda" in said
+
+
+def test_each_file_has_its_own_packages(tmp_path):
+    train, _ = chosen(tmp_path, "requirements-train.txt")
+    assert set(map(str.lower, named("requirements-train.txt"))) == {p.split("=")[0] for p in train}
