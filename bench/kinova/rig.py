@@ -19,6 +19,7 @@ from rst_control.admission.command_queue import CommandQueue
 from rst_control.assembly import make_executor
 from rst_control.config import CONFIG_FOLDER, URDF_FILE, MotionConfig, load_simulation_config
 from rst_control.kinematics.robot_model import load_robot
+from rst_control.kinova.brake_plan import LastCourse
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import KinovaConfig, load_kinova_config
 from rst_control.kinova.feedback import FeedbackReader
@@ -79,7 +80,8 @@ class KinovaRig(LockStep):
         self._read_tool = FeedbackReader(tool.joints, tool.signs, None)
         self.arm_names, self._tool_names = arm.joints, tool.joints
         self._steps, self._is_sending = 0, False
-        self._guard = StopGuard(kinova.bridge.guard)
+        self._told_course: LastCourse | None = None  # with the last beat of the bridge
+        self.guard = StopGuard(kinova.bridge)
         self.lost: Loss | None = None  # what fails from now on
         context = ActiveTrocarContext(TrocarContext(motion, load_robot()))
         self.planner, self._gauge = context.current.planner, context.trocar_pose
@@ -134,16 +136,31 @@ class KinovaRig(LockStep):
         self.bridge.on_force(self.robot.force, now)
         if count % 8 == 0:
             self._report_tool(now)
-        if count % 25 == 0 and self.lost not in ("feedback", "bridge"):  # nobody would hear of it
-            arm = self.drivers.arm_feedback()
+        is_silent = self.lost in ("feedback", "bridge")  # of the last nobody would hear
+        arm = None if count % 25 or is_silent else self.drivers.arm_feedback()
+        if arm is not None:
             values = {"position": arm.position, "velocity": arm.velocity, "effort": arm.effort}
             self.bridge.on_arm(self._read_arm.read(self.arm_names, values, now))
         if count % 20 == 0:
             self.bridge.on_guard(now)
         if count % 5 == 0 and self.lost != "bridge":
             self.bridge.step(now)
-            self._guard.heard(now)
-        if count % 10 == 0 and self._guard.is_stop_due(now):
+            self._beat(now)
+        if count % 5 == 0:
+            self._guarded(now)
+
+    def _beat(self, now: float) -> None:
+        """One beat for the guard, with each velocity and every 20 ms, as the bridge's node."""
+        if self.bridge.last_course is not self._told_course or self._steps % 20 == 0:
+            self._told_course = self.bridge.last_course
+            self.guard.heard(now, self._told_course)
+
+    def _guarded(self, now: float) -> None:
+        """One round of the guard."""
+        speeds = self.guard.speeds_due(now)
+        if speeds is not None:
+            self.send_speeds(speeds)
+        elif self.guard.is_stop_due(now):
             self.stop()
 
     def _report_tool(self, now: float) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from bench.safety.suite import gather
-from bench.site import mounting, near_limits, tension, turns
+from bench.site import mounting, near_limits, stops, tension, turns
 from support.figures import RESULTS, Figure
 
 PARTS: dict[str, Callable[[], list[Figure]]] = {
@@ -17,6 +17,7 @@ PARTS: dict[str, Callable[[], list[Figure]]] = {
     "near_limits": near_limits.measure,  # inverse kinematics where joints are near their ends
     "turns": turns.measure,  # joints that turn for ever, written in each of their turns
     "mounting": mounting.measure,  # a base on a wall, aslant or on the ceiling
+    "stops": stops.measure,  # feedback, driver, bridge or its host lost in motion
 }
 
 

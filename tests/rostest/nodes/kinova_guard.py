@@ -8,8 +8,10 @@ import unittest
 
 import rospy
 import rostest
+from kortex_driver.msg import Base_JointSpeeds
 from std_msgs.msg import Empty
 
+from rst_control.msg import BridgeBeat
 from support.waiting import wait_until
 
 
@@ -18,10 +20,13 @@ class KinovaGuard(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.stops, cls.alive = [], []
+        cls.stops, cls.alive, cls.speeds = [], [], []
+        rospy.Subscriber(
+            "my_gen3/in/joint_velocity", Base_JointSpeeds, cls.speeds.append, tcp_nodelay=True
+        )
         rospy.Subscriber("my_gen3/in/stop", Empty, cls.stops.append, tcp_nodelay=True)
         rospy.Subscriber("kinova_guard/alive", Empty, cls.alive.append, tcp_nodelay=True)
-        cls.beat = rospy.Publisher("kinova_bridge/beat", Empty, queue_size=1, tcp_nodelay=True)
+        cls.beat = rospy.Publisher("kinova_bridge/beat", BridgeBeat, queue_size=1, tcp_nodelay=True)
         wait_until(lambda: cls.alive and cls.beat.get_num_connections(), "the guard")
 
     def test_1_it_stops_nothing_while_nobody_was_heard(self):
@@ -30,7 +35,7 @@ class KinovaGuard(unittest.TestCase):
 
     def test_2_silence_after_beats_stops_the_arm_again_and_again(self):
         for _ in range(5):
-            self.beat.publish(Empty())
+            self.beat.publish(BridgeBeat())
             time.sleep(0.01)
         wait_until(lambda: len(self.stops) >= 5, "five stops")
 
@@ -42,6 +47,20 @@ class KinovaGuard(unittest.TestCase):
         alive = len(self.alive)
         time.sleep(1.0)
         self.assertGreater(len(self.alive), alive)
+
+    def test_4_an_arm_that_was_led_is_braked_along_its_course_before_it_is_stopped(self):
+        before, row = len(self.stops), [0.1, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0]
+        still = [0.0] * 7
+        course = {"position": still, "velocity": row, "sent": row, "goal": still, "speed": row}
+        self.assertEqual(self.speeds, [])
+        self.beat.publish(BridgeBeat(is_leading=True, age=0.0, bend=still, **course))
+        wait_until(lambda: len(self.stops) > before, "a stop")
+        sent = [speed.joint_speeds[0].value for speed in self.speeds]
+        self.assertGreater(len(sent), 3)
+        self.assertAlmostEqual(sent[-1], 0.0, places=6)
+        for speed in self.speeds:  # all joints keep to their common way
+            first, second, *_ = (joint.value for joint in speed.joint_speeds)
+            self.assertAlmostEqual(second, 0.5 * first, delta=1e-3)
 
 
 if __name__ == "__main__":

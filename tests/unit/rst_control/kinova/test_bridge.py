@@ -12,6 +12,7 @@ from rst_control.config import URDF_FILE
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinova.bridge import Lead
+from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import ToolState
 from rst_control.tension.gravity_check import RestTorques
 from rst_control.trajectory.motion_profile import MotionProfile
@@ -106,17 +107,33 @@ def test_a_blocked_joint_stops_the_arm_by_name(hardware, way):
     assert np.abs(hardware.speed).max() == 0.0
 
 
-def test_old_feedback_stops_the_arm_at_once(hardware, way):
+def test_old_feedback_brakes_the_arm_along_its_course_then_stops_it(hardware, way, planner):
     hardware.advance(1.0, way)
     assert np.abs(hardware.speed).max() > 0.0
-    hardware.tells_arm = False
+    hardware.tells_arm, errors = False, []
+    hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
     hardware.advance(0.1, way)
     assert "joints of the arm" in hardware.bridge.fault(hardware.now)
-    sent = len(hardware.speeds)
-    hardware.advance(0.4, way)
-    assert len(hardware.speeds) == sent
+    assert not hardware.stops  # the driver's own stop would take the shaft off the trocar
+    hardware.advance(0.9, way)
     assert len(hardware.stops) > 5  # repeated: nobody knows whether the arm rests
+    assert hardware.stops[0] > hardware.speeds[-1][0]
     assert np.abs(hardware.speed).max() == 0.0
+    assert max(errors) < 100e-6
+
+
+def test_a_state_that_comes_once_more_after_a_gap_is_none(hardware, way):
+    hardware.advance(1.0, way)
+    stale = JointFeedback(hardware.arm.copy(), hardware.speed.copy(), np.zeros(7), hardware.now)
+    hardware.bridge.on_arm(stale)
+    hardware.tells_arm = False
+    hardware.advance(0.2, way)
+    again = JointFeedback(stale.position, stale.velocity, stale.effort, hardware.now)
+    hardware.bridge.on_arm(again)
+    assert hardware.bridge.measured.stamp == stale.stamp
+    fresh = JointFeedback(stale.position + 1e-9, stale.velocity, stale.effort, hardware.now)
+    hardware.bridge.on_arm(fresh)
+    assert hardware.bridge.measured.stamp == hardware.now
 
 
 def test_set_points_that_end_slow_it_down_along_its_curve_and_latch(hardware, way, planner):
@@ -328,7 +345,7 @@ def test_it_tells_where_it_holds_the_jaws_on_the_tissue_and_nothing_while_it_is_
 
 
 def test_an_arm_whose_torques_at_rest_are_not_gravitys_takes_no_set_points(hardware, way, kinova):
-    hardware.bridge._torques = RestTorques(kinova.torques, URDF_FILE.read_text("utf-8"), ())
+    hardware.bridge._ready.torques = RestTorques(kinova.torques, URDF_FILE.read_text("utf-8"), ())
     hardware.advance(1.5, way)  # the fake arm reports no torques at all
     assert "torques at rest do not fit gravity" in hardware.bridge.fault(hardware.now)
     assert not hardware.speeds

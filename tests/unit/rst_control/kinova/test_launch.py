@@ -61,7 +61,7 @@ def test_what_is_given_counts():
     assert value["/controller/controller/speed/scale"] == 0.5
     assert value["/controller/controller/first_motion"] == "free"
     assert value["/kinova_bridge/bridge/arm/namespace"] == "a"
-    assert value["/kinova_guard/arm_namespace"] == "a"
+    assert value["/kinova_guard/bridge/arm/namespace"] == "a"
     assert "robot" in {node.name for node in config.nodes}
 
 

@@ -12,6 +12,7 @@ from rst_control.config import CONFIG_FOLDER
 from rst_control.kinova.config import BridgeConfig, load_kinova_config
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, unwrapped
 from rst_control.kinova.guard import StopGuard
+from rst_control.kinova.velocity_follower import Follower
 from rst_control.kinova.velocity_ramp import Ramp, feasible_share, velocity_for
 from typed_config import ConfigError, load_config, load_yaml
 
@@ -109,10 +110,32 @@ class TestRamp:
         assert velocity[0] == 0.1
 
 
+class TestFollower:
+    @pytest.mark.parametrize("ahead", [0.001, 0.010])
+    def test_an_arm_behind_its_course_catches_up_without_swinging_about_it(self, kinova, ahead):
+        arm, speed = kinova.bridge.arm, np.array([0.10, -0.14, 0.05, 0.19, 0.04, -0.19, 0.03])
+        line = speed / np.linalg.norm(speed)
+        follower, place = Follower(arm, np.full(7, 0.41)), np.zeros(7)
+        follower.start(place, 0.0)
+        ramp = Ramp(0.0, place, place, place, np.array(arm.acceleration))
+        off, left = [], []
+        for count in range(1, 120):
+            now, grown = count * arm.period, min((count + 1) * arm.period, 0.32)
+            gone = 0.5 * grown**2 / 0.32 + max(0.0, (count + 1) * arm.period - 0.32)
+            goal = gone * speed + ahead * line
+            place, velocity = ramp.at(now)
+            ramp = Ramp(now, place, velocity, follower.step(goal, now), ramp.acceleration)
+            off.append(np.abs(place - (place @ line) * line).max())
+            left.append((goal - arm.period * speed - place) @ line)
+        assert max(off) < 1e-3
+        assert min(left[20:]) > -2e-3
+        assert max(np.abs(left[60:])) < 1e-4
+
+
 class TestGuard:
     @pytest.fixture
     def guard(self, kinova):
-        return StopGuard(kinova.bridge.guard)
+        return StopGuard(kinova.bridge)
 
     def stops(self, guard, begin, end):
         return [t for t in np.arange(begin, end, 0.01) if guard.is_stop_due(float(t))]
@@ -151,6 +174,7 @@ class TestSettings:
             ("tool.signs", [1.0, 0.5, 1.0], "1 or -1"),
             ("tool.joints", ["a", "b"], "names that differ"),
             ("guard.insist", 0.1, "from repeat on"),
+            ("guard.silence", 0.035, "from two beats"),
             ("arm.lagg", 0.1, "did you mean lag"),
             ("rate", 60.0, "at least two"),
         ],

@@ -4,11 +4,11 @@
 Set-points are taken and played by the same servo as the simulated robot's, with the same refusals
 and faults. Who is in charge of the arm is one of three: nobody (it rests, nothing is sent), the
 course (a velocity every 25 ms), or a stop that was sent and is repeated until the arm is measured
-at rest. A stop by the controller brakes along its path by velocities. Set-points that end, and
-`hold`, slow the arm down along the curve it was on, then stop it. Everything else that is wrong -
-old feedback, a joint that does not follow, a guard that is silent, a tool that lost its homing, a
-time in which this did not run - stops the arm by the driver's own stop at once. All of these but
-`hold` latch.
+at rest. A stop by the controller brakes along its path by velocities. Set-points that end, `hold`,
+old feedback, a guard that is silent and a tool that lost its homing slow the arm down along the
+curve it was on, then stop it: the driver's own stop would take the shaft off the trocar. After a
+time in which this did not run, the arm is braked as its guard brakes it. A joint that does not
+follow stops the arm by the driver's own stop at once. All of these but `hold` latch.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ import numpy as np
 
 from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.kinematics.joint_limits import active_layer
-from rst_control.kinova.config import ARM_COUNT, KinovaConfig
+from rst_control.kinova.brake_plan import BrakePlan, LastCourse
+from rst_control.kinova.config import ARM_COUNT, BEAT_PERIOD, KinovaConfig
 from rst_control.kinova.feedback import JointFeedback
+from rst_control.kinova.readiness import Readiness
 from rst_control.kinova.tool import Grip, Tool
 from rst_control.kinova.velocity_follower import Follower
+from rst_control.kinova.velocity_ramp import next_due
 from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, warm_up
 from rst_control.tension.gravity_check import RestTorques
 from rst_control.types import JOINTS, Measurement, Setpoint, Vector
-
-STARTING = "the arm's driver never told its joints: is it running?"
-NO_GUARD = "the stop guard was never heard: start the node kinova_guard"
 
 
 class Hardware(Protocol):
@@ -84,20 +84,21 @@ class Bridge:
     def __init__(
         self, config: KinovaConfig, hardware: Hardware, torques: RestTorques | None = None
     ) -> None:
-        self._config, self._hardware, self._torques = config.bridge, hardware, torques
+        self._config, self._hardware = config.bridge, hardware
         self._limits = bridge_limits(config)
         warm_up(self._config.servo, self._limits)
         self._follower = Follower(self._config.arm, self._limits.speed[:ARM_COUNT])
         self.tool = Tool(self._config.tool, self._config.grip)
+        self._ready = Readiness(self._config, self.tool, torques)
         self._grip = Grip(self._config.grip)
         self._has_contact = False
         self._servo: Servo | None = None  # None: the joints are not known yet
         self._lead = Lead.NOBODY
-        self._arm: JointFeedback | None = None
         self._force: tuple[Vector, float] | None = None  # [N], and when it came [s]
-        self._guard = -np.inf  # [s] of the guard's last beat
         self._arm_due = self._tool_due = self._stop_due = -np.inf
         self._goals: tuple[Vector, Vector, float] | None = None  # last two, and when [s]
+        self.last_course: LastCourse | None = None  # of the newest velocity, while the arm is led
+        self._plan: BrakePlan | None = None  # braking that goes before the driver's stop
         self._opening: float | None = None  # [rad] last commanded
         self._latest = 0.0
         self._stepped = np.inf  # [s] of the last step
@@ -107,13 +108,15 @@ class Bridge:
 
     def on_arm(self, feedback: JointFeedback) -> None:
         """Take in joints of the arm."""
-        self._arm, tool = feedback, self.tool.joints
+        if self._ready.is_repeated(feedback):
+            return
+        self._ready.arm, tool = feedback, self.tool.joints
         position = np.concatenate([feedback.position, tool.position])
         if self._servo is None:
             self._servo = Servo(self._config.servo, self._limits, position)
         self._follower.update(feedback)
-        if self._torques is not None and not self.is_gripped:
-            self._torques.update(position, feedback.velocity, feedback.effort)
+        if self._ready.torques is not None and not self.is_gripped:
+            self._ready.torques.update(position, feedback.velocity, feedback.effort)
         if self._lead is Lead.NOBODY:
             self._servo.stand_at(self._stand(position))
         self.measured = Measurement(
@@ -144,18 +147,18 @@ class Bridge:
 
     def on_guard(self, now: float) -> None:
         """Note a beat of the stop guard."""
-        self._guard = now
+        self._ready.guard = now
 
     # What comes from the controller.
 
     def servo_jp(self, setpoint: Setpoint, now: float) -> None:
         """Take one set-point of a stream; without effect before everything is ready."""
         servo = self._servo
-        if servo is None or self._lead is Lead.STOP or self._unready(now):
+        if servo is None or self._lead is Lead.STOP or self._ready.objection(now):
             return
         servo.accept(setpoint, now)
-        if servo.state is ServoState.FOLLOWING and self._lead is Lead.NOBODY and self._arm:
-            self._follower.start(self._arm.position, now)
+        if servo.state is ServoState.FOLLOWING and self._lead is Lead.NOBODY and self._ready.arm:
+            self._follower.start(self._ready.arm.position, now)
             place, _ = servo.course(now)
             self._goals, self._lead = (place, place, now), Lead.COURSE
             self._arm_due = self._tool_due = now
@@ -172,10 +175,11 @@ class Bridge:
             self._hardware.clear_faults()
 
     def fail(self, reason: str, now: float) -> None:
-        """Latch a fault and stop the arm at once."""
+        """Latch a fault, and brake an arm that is led along its course."""
         if self._servo is not None:
             self._servo.fail(reason, now)
-        self._stop(now)
+        if self._lead is not Lead.COURSE:
+            self._stop(now)
 
     def begin_homing(self) -> str:
         """Take the tool out of service, to be homed; why that cannot be; empty: it was done."""
@@ -191,7 +195,7 @@ class Bridge:
     def fault(self, now: float) -> str:
         """Why nothing moves, or would; empty: all is well."""
         latched = self._servo.fault if self._servo is not None else ""
-        return latched or self._unready(now)
+        return latched or self._ready.objection(now)
 
     def force(self, now: float) -> Vector | None:
         """Force of the tissue [N], base frame; None: none is measured."""
@@ -228,19 +232,37 @@ class Bridge:
         if servo is None:
             return
         if self._lead is Lead.COURSE:
-            wrong = self._overslept(idle) or self._unready(now) or self._follower.objection
-            if wrong:
-                self.fail(wrong, now)
-            else:
-                self._lead_on(servo, now)
+            self._supervise(servo, idle, now)
         else:
             servo.course(now)  # lets its own braking end
         if self._lead is Lead.STOP:
             self._repeat_stop(servo, now)
 
+    def _supervise(self, servo: Servo, idle: float, now: float) -> None:
+        """Lead the arm on, brake it along its course, or stop it, as what is wrong demands."""
+        if overslept := self._overslept(idle):
+            servo.fail(overslept, now)
+            self._plan = self.brake_plan(self._config.guard.silence)
+            if self._plan is not None:
+                self._plan.pass_over(now)  # the guard has sent them
+            self._stop(now)
+        elif self._follower.objection:
+            servo.fail(self._follower.objection, now)
+            self._stop(now)
+        else:
+            wrong = "" if servo.fault else self._ready.objection(now)
+            if wrong:
+                servo.fail(wrong, now)
+            self._lead_on(servo, now)
+
+    def brake_plan(self, delay: float) -> BrakePlan | None:
+        """How to brake the arm, from a delay [s] after the newest velocity; None: it rests."""
+        last = self.last_course
+        return None if last is None else BrakePlan(self._config, last, delay)
+
     def _overslept(self, idle: float) -> str:
-        """Why a course may not go on: for so long nobody led the arm, and its guard stopped it."""
-        allowed = self._config.guard.silence
+        """Why a course may not go on: for so long nobody led the arm, and its guard may brake."""
+        allowed = self._config.guard.silence - BEAT_PERIOD  # the guard counts from the last beat
         if idle <= allowed:
             return ""
         return f"the bridge did not run for {idle:.2f} s in motion, allowed {allowed:.2f} s"
@@ -261,15 +283,17 @@ class Bridge:
     def _lead_on(self, servo: Servo, now: float) -> None:
         if now >= self._arm_due:
             self._latest = max(self._latest, now - self._arm_due)
-            self._arm_due = max(self._arm_due + self._config.arm.period, now)
-            goal, _ = servo.course(now)
+            self._arm_due = next_due(self._arm_due, now, self._config.arm.period)
+            goal, speed = servo.course(now)
             if servo.state is ServoState.HOLDING:  # braked to a stand by itself
                 self._stop(now)
                 return
             last = self._goals[1] if self._goals is not None else goal
             self._goals = last, goal, now
             self._hardware.send_speeds(self._follower.step(goal[:ARM_COUNT], now))
-        if now >= self._tool_due:
+            bend = servo.bend(now)[:ARM_COUNT]
+            self.last_course = self._follower.last_course(speed[:ARM_COUNT], bend)
+        if now >= self._tool_due and not (servo.fault and self.tool.objection(now)):
             self._tool_due = max(self._tool_due + self._config.tool.period, now)
             self._lead_tool(now)
 
@@ -287,40 +311,26 @@ class Bridge:
             self.fail(wrong, now)
 
     def _stop(self, now: float) -> None:
-        self._lead, self._stop_due = Lead.STOP, now
+        self._lead, self._stop_due, self.last_course = Lead.STOP, now, None
         self._follower.leave()
 
     def _repeat_stop(self, servo: Servo, now: float) -> None:
+        plan = self._plan
+        if plan is not None and not plan.is_over:
+            speeds = plan.step(now)
+            if speeds is not None:
+                self._hardware.send_speeds(speeds)
+            return
+        self._plan = None
         if now >= self._stop_due:
             self._stop_due = now + self._config.arm.period
             self._hardware.stop()
-        arm, config = self._arm, self._config.arm
+        arm, config = self._ready.arm, self._config.arm
         is_fresh = arm is not None and now - arm.stamp <= config.feedback_age
         if not is_fresh or servo.state is not ServoState.HOLDING:
             return
         if arm is not None and float(np.abs(arm.velocity).max()) <= config.rest_speed:
             self._lead, self._goals = Lead.NOBODY, None
-
-    def _unready(self, now: float) -> str:
-        """What keeps the hardware from being led at this moment."""
-        if self._arm is None:
-            return STARTING
-        age, allowed = now - self._arm.stamp, self._config.arm.feedback_age
-        if age > allowed:
-            return f"joints of the arm {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
-        torques = self._torques.refusal if self._torques is not None else ""
-        return torques or self._unguarded(now) or self.tool.objection(now)
-
-    def _unguarded(self, now: float) -> str:
-        guard = self._config.guard
-        if not guard.is_required:
-            return ""
-        if not np.isfinite(self._guard):
-            return NO_GUARD
-        silent = now - self._guard
-        if silent <= guard.silence:
-            return ""
-        return f"the stop guard is silent for {silent:.2f} s, allowed {guard.silence:.2f} s"
 
 
 def bridge_limits(config: KinovaConfig) -> ServoLimits:

@@ -24,6 +24,7 @@ Seven = tuple[float, float, float, float, float, float, float]
 Triple = tuple[float, float, float]
 ARM_COUNT = 7  # joints of the arm
 TOOL_COUNT = 3  # joints of OpenRST: pitch, left jaw, right jaw
+BEAT_PERIOD = 0.02  # [s] at most, between two beats of the bridge for its guard
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +103,7 @@ class TensionSourceConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class GuardConfig:
-    """The process that stops the arm when the bridge has died."""
+    """The process that brakes and stops the arm when the bridge has died."""
 
     is_required: bool = flag()
     silence: float = number(0.03, 1.0, "s")
@@ -115,6 +116,8 @@ class GuardConfig:
         require_names("bridge", self.bridge)
         allowed = f"from repeat on, {self.repeat:g} s"
         require(self.insist >= self.repeat, "insist", self.insist, allowed)
+        allowed = f"from two beats of {BEAT_PERIOD:g} s on"
+        require(self.silence >= 2.0 * BEAT_PERIOD, "silence", self.silence, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)

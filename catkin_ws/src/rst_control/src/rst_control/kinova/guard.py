@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stops the arm when the sender of its velocities falls silent: the arm itself never would.
+"""Brakes and stops the arm when the sender of its velocities falls silent: it never would.
 
 The driver has no watchdog on velocities (ros_kortex issue 159), so a bridge that dies in motion
 would leave the arm turning. This runs in a process of its own, so small that there is little in it
@@ -8,24 +8,43 @@ to die of.
 
 from __future__ import annotations
 
-from rst_control.kinova.config import GuardConfig
+from rst_control.kinova.brake_plan import BrakePlan, LastCourse
+from rst_control.kinova.config import BridgeConfig
+from rst_control.types import Vector
 
 
 class StopGuard:
-    """Decides when to stop the arm.
+    """Decides when to brake and to stop the arm.
 
     Args:
-        config: Silence that is allowed, and how stops are repeated.
+        config: Of the bridge: silence that is allowed, how the arm is braked, how stops are
+            repeated.
     """
 
-    def __init__(self, config: GuardConfig) -> None:
-        self._config = config
+    def __init__(self, config: BridgeConfig) -> None:
+        self._config, self._all = config.guard, config
+        self._last: LastCourse | None = None  # None: the arm is not led
+        self._plan: BrakePlan | None = None
         self._heard: float | None = None  # [s] of the last beat; None: never, or long ago
         self._stopped = 0.0
 
-    def heard(self, now: float) -> None:
-        """Note a beat of the bridge."""
-        self._heard = now
+    def heard(self, now: float, last: LastCourse | None = None) -> None:
+        """Note a beat of the bridge, with the course on which it leads the arm."""
+        self._heard, self._last, self._plan = now, last, None
+
+    def speeds_due(self, now: float) -> Vector | None:
+        """Velocities that brake the arm along its course [rad/s], shape (7,); None: none now.
+
+        They come before any stop.
+        """
+        if self._last is None or not self.is_silent(now):
+            return None
+        if self._plan is None:
+            self._plan = BrakePlan(self._all, self._last, now - self._last.time)
+        speeds = self._plan.step(now)
+        if self._plan.is_over:
+            self._last = None
+        return speeds
 
     def is_silent(self, now: float) -> bool:
         """Whether the bridge was there, and is silent now."""
@@ -36,7 +55,7 @@ class StopGuard:
 
         Somebody may have to move the arm by other means once the bridge is gone.
         """
-        if self._heard is None or not self.is_silent(now):
+        if self._heard is None or self._last is not None or not self.is_silent(now):
             return False
         if now - self._heard > self._config.silence + self._config.insist:
             self._heard = None

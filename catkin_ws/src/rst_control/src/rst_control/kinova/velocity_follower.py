@@ -5,9 +5,9 @@ Each velocity is the one with which the arm, from where it is predicted to be, r
 place of the course one period later. So all joints go along a chord of their common path: the shaft
 leaves the trocar by the chord's height only, and lateness of one period sent is made up for by the
 next. Predicted is by what was sent and by how fast the driver lets each joint change its velocity
-(`ramp.py`). Where the feedback, which is late and seldom, says otherwise, the difference is made up
-for slowly, all joints at the same rate, so that this, too, goes along the path where its cause is
-nothing but another lag than was thought.
+(`velocity_ramp.py`). Where the feedback, which is late and seldom, says otherwise, the difference
+is made up for slowly, all joints at the same rate, so that this, too, goes along the path where its
+cause is nothing but another lag than was thought.
 """
 
 from __future__ import annotations
@@ -16,13 +16,15 @@ from collections import deque
 
 import numpy as np
 
+from rst_control.kinova.brake_plan import LastCourse
 from rst_control.kinova.config import ArmConfig
 from rst_control.kinova.feedback import JointFeedback
-from rst_control.kinova.velocity_ramp import Ramp, feasible_share, velocity_for
+from rst_control.kinova.velocity_ramp import Ramp, catching_up, feasible_share, velocity_for
 from rst_control.types import Vector
 
 MEMORY = 1.0  # [s] of what was sent; above the lag and the age of the feedback
 STILL = 2e-4  # [rad/s] of all joints, below which an arm that should stand is sent zeros
+SPARE = 0.4  # share of the acceleration that plans leave, for catching up with the course
 LAG_CHANGE = 0.002  # [rad/s] from feedback to feedback, from which motion shows the lag
 LAG_MEMORY = 0.98  # share of what was learnt of the lag that each such feedback leaves
 
@@ -65,6 +67,18 @@ class Follower:
         self._goal, self._standing_since = np.array(position), now
         self.objection = ""
 
+    def last_course(self, speed: Vector, bend: Vector) -> LastCourse | None:
+        """What the newest velocity leaves behind; None: none was sent.
+
+        Args:
+            speed: Of the course at its goal [rad/s]. Shape (7,).
+            bend: Of the course there [rad/s^2]. Shape (7,).
+        """
+        if not self._past:
+            return None
+        ramp, goal = self._past[-1], self._goal + self._correction
+        return LastCourse(ramp.begun, ramp.position, ramp.velocity, ramp.wanted, goal, speed, bend)
+
     def leave(self) -> None:
         """Lead it no longer."""
         self._past.clear()
@@ -88,10 +102,12 @@ class Follower:
         """
         if not np.array_equal(goal, self._goal):
             self._standing_since = now
-        self._goal = np.array(goal)
+        ahead, self._goal = goal - self._goal, np.array(goal)
         self._correct()
         place, velocity = self._past[-1].at(now)
-        wanted = self._wanted(goal + self._correction - place, velocity, now > self._standing_since)
+        behind = goal + self._correction - place - ahead
+        way = ahead + catching_up(behind, SPARE * self._acceleration, self._config.period) * behind
+        wanted = self._wanted(way, velocity, now > self._standing_since)
         wanted = wanted.astype(np.float32).astype(float)  # as the message carries it
         self._past.append(Ramp(now, place, velocity, wanted, self._acceleration))
         while len(self._past) > 1 and self._past[1].begun < now - MEMORY:

@@ -10,6 +10,16 @@ import numpy as np
 from rst_control.types import Vector
 
 TINY = 1e-12
+LEAST_SPACING = 0.75  # periods between two velocities; each is made for a whole one
+
+
+def next_due(due: float, now: float, period: float) -> float:
+    """When the velocity after the one that was due, and is sent now, is due [s].
+
+    The beat of the periods is kept where the velocity was a little late. Two velocities in short
+    order would each change the joints' speeds as for a whole period.
+    """
+    return max(due + period, now + LEAST_SPACING * period)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,3 +87,18 @@ def feasible_share(way: Vector, velocity: Vector, acceleration: Vector, time: fl
     if low > high:  # some must go further than others can
         return min(1.0, max(0.0, 0.5 * (low + high)))
     return max(0.0, min(max(1.0, low), high))
+
+
+def catching_up(behind: Vector, acceleration: Vector, time: float) -> float:
+    """Share of what the joints are behind to be made up for within a time.
+
+    So much that the speed it takes can still be taken off on the rest: more would swing about the
+    course, each joint by its own. Of a share x that is (x b / t)^2 = 2 a (1 - x) b.
+
+    Args:
+        behind: Of the course, b [rad]. Shape (n,).
+        acceleration: That the course leaves each joint, a [rad/s^2]. Shape (n,).
+        time: t [s].
+    """
+    least = float((2.0 * acceleration * time * time / np.maximum(np.abs(behind), TINY)).min())
+    return 2.0 / (1.0 + float(np.sqrt(1.0 + 4.0 / least)))  # is (sqrt(q^2 + 4 q) - q) / 2

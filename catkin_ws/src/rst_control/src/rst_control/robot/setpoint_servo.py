@@ -46,7 +46,7 @@ class ServoLimits:
 
 
 @dataclass(frozen=True, eq=False)
-class _Curve:
+class Curve:
     """A course beyond its last known point: a parabola in joint space."""
 
     position: Joints
@@ -54,6 +54,7 @@ class _Curve:
     bend: Joints  # [rad/s^2] square to the velocity
 
     def at(self, time: float) -> tuple[Joints, Joints]:
+        """Position [rad] and velocity [rad/s] at a time [s] from its start."""
         velocity = self.velocity + time * self.bend
         return self.position + 0.5 * time * (self.velocity + velocity), velocity
 
@@ -62,7 +63,7 @@ class _Curve:
 class _Brake:
     """A curve on which time itself slows down to a stand, by the smooth step 3u^2 - 2u^3."""
 
-    curve: _Curve
+    curve: Curve
     begun: float  # [s] time on the curve when braking starts
     start: float  # [s]
     duration: float  # [s]
@@ -70,7 +71,7 @@ class _Brake:
     @classmethod
     def standing(cls, position: Joints) -> _Brake:
         still = np.zeros_like(position)
-        return cls(_Curve(np.array(position), still, still), 0.0, 0.0, 0.0)
+        return cls(Curve(np.array(position), still, still), 0.0, 0.0, 0.0)
 
     def at(self, now: float) -> tuple[Joints, Joints]:
         if self.duration == 0.0:
@@ -219,6 +220,13 @@ class Servo:
             self._rest(position)
         return position, velocity
 
+    def bend(self, now: float) -> Joints:
+        """How the course bends at a time [s], square to its velocity [rad/s^2]. Shape (10,)."""
+        if self.state is not ServoState.FOLLOWING:
+            return self._brake.curve.bend
+        time = now - self._config.playout_delay
+        return self._curve(min(time, self.newest_stamp)).bend
+
     def _go_stale(self, now: float) -> None:
         is_unfinished, age = not self._ends_at_rest(), now - self.newest_stamp
         self._start_braking(now)
@@ -261,15 +269,15 @@ class Servo:
             after += 1
         return _hermite(points[after - 1], points[after], time)
 
-    def _curve(self, time: float) -> _Curve:
+    def _curve(self, time: float) -> Curve:
         """The course at a time within the set-points, and how it bends there."""
         position, velocity = self._between(time)
         squared = float(velocity @ velocity)
         if squared <= self._config.rest_speed**2:
-            return _Curve(position, velocity, np.zeros_like(velocity))
+            return Curve(position, velocity, np.zeros_like(velocity))
         change = (velocity - self._between(time - self._config.period)[1]) / self._config.period
         bend = change - (change @ velocity / squared) * velocity
-        return _Curve(position, velocity, np.clip(bend, -self._deceleration, self._deceleration))
+        return Curve(position, velocity, np.clip(bend, -self._deceleration, self._deceleration))
 
     def _objection(self, point: Setpoint, now: float) -> str:
         limits = self._limits

@@ -86,6 +86,8 @@ class KinovaRobot:
         self.tool = OpenRst(config.tool, self._signs * start[TOOL])
         self._torques = TorqueSensors(config.driver.torque)
         self._led_until = -np.inf
+        self._silent_until = -np.inf  # [s] while a reply of the arm is waited for
+        self._last: ArmFeedback | None = None
 
     @property
     def is_moving(self) -> bool:
@@ -110,8 +112,20 @@ class KinovaRobot:
         if now <= self._led_until:
             physics.servo_jp(self._setpoint(now))
 
-    def arm_feedback(self) -> ArmFeedback:
-        """The arm as its driver reports it."""
+    def lose_reply(self, seconds: float) -> None:
+        """Let one reply of the arm be lost: the driver waits, then reports what it had before."""
+        self._silent_until = self._physics.now + seconds
+
+    def arm_feedback(self) -> ArmFeedback | None:
+        """The arm as its driver reports it; None while it waits for a reply."""
+        if self._physics.now < self._silent_until:
+            return None
+        was_lost, self._silent_until = self._silent_until > -np.inf, -np.inf
+        if not was_lost or self._last is None:
+            self._last = self._arm_feedback()
+        return self._last
+
+    def _arm_feedback(self) -> ArmFeedback:
         reading = self._physics.reading
         turned = np.mod(reading.position[ARM] + np.pi, 2.0 * np.pi) - np.pi
         velocity = reading.velocity[ARM]

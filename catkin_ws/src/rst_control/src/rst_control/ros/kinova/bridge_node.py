@@ -20,9 +20,11 @@ from std_msgs.msg import Bool, Empty, String
 from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.errors import RstError
+from rst_control.kinova.brake_plan import LastCourse
 from rst_control.kinova.bridge import Bridge
-from rst_control.kinova.config import KinovaConfig
+from rst_control.kinova.config import BEAT_PERIOD, KinovaConfig
 from rst_control.kinova.homing import NotAllowed, home
+from rst_control.msg import BridgeBeat
 from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
@@ -30,6 +32,7 @@ from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
 from rst_control.ros.common.wall_clock import followed, wall_offset
+from rst_control.ros.kinova.beat import beat_message
 from rst_control.ros.kinova.hardware import KinovaHardware
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
@@ -47,7 +50,6 @@ from rst_control.types import (
 from typed_config import ConfigError, load_config
 from typed_config.ros.starting import starting
 
-BEAT_PERIOD = 0.02  # [s] between two beats for the stop guard
 TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
 DIAGNOSTICS_PERIOD = 1.0  # [s]
 ANSWER_TIME = 2.0  # [s] for the controller to say whether the tool may be homed
@@ -83,6 +85,7 @@ class KinovaBridgeNode:
         self._told_fault: Repeated[str] = Repeated(TELL_PERIOD, lambda a, b: bool(a) is bool(b))
         self._told_rest: Repeated[Vector] = Repeated(TELL_PERIOD, np.array_equal)
         self._due = dict.fromkeys(("beat", "diagnostics"), 0.0)
+        self._told_course: LastCourse | None = None  # with the last beat
         self._homing = threading.Lock()
         self._latest = 0.0
         self._advertise()
@@ -103,8 +106,8 @@ class KinovaBridgeNode:
             time.sleep(max(0.0, due - time.monotonic()))
 
     def close(self) -> None:
-        """Stop the arm and send nothing else; may come in the midst of a round of the loop."""
-        self._hardware.close()
+        """Brake the arm, stop it, send nothing else; may come in the midst of a round."""
+        self._hardware.close(self._bridge.brake_plan(self._config.arm.period))
 
     def _round(self) -> float:
         for _ in range(len(self._jobs)):
@@ -112,8 +115,10 @@ class KinovaBridgeNode:
         now = time.monotonic()
         self._bridge.step(now)
         self._tell(now)
-        if self._is_due("beat", now, BEAT_PERIOD):
-            self._beat.publish(Empty())
+        last = self._bridge.last_course
+        if self._is_due("beat", now, BEAT_PERIOD) or last is not self._told_course:
+            self._told_course = last
+            self._beat.publish(beat_message(last, now))
         if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
             self._diagnose()
         return now
@@ -125,7 +130,7 @@ class KinovaBridgeNode:
         self._rest = rospy.Publisher("robot/setpoint_js", JointState, queue_size=10, latch=True)
         self._gripped = rospy.Publisher("robot/gripped", Bool, queue_size=10, latch=True)
         self._fault = rospy.Publisher("robot/fault", String, queue_size=10, latch=True)
-        self._beat = rospy.Publisher("kinova_bridge/beat", Empty, queue_size=1, **newest)
+        self._beat = rospy.Publisher("kinova_bridge/beat", BridgeBeat, queue_size=1, **newest)
         self._diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
         self._ask = rospy.ServiceProxy("rst_control/may_home_tool", Trigger)
         self._service = rospy.Service("robot/home_tool", Trigger, self._on_home)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The stop guard as a process of its own: publishes in/stop when the bridge falls silent."""
+"""The stop guard as a process of its own: brakes and stops the arm when the bridge is silent."""
 
 from __future__ import annotations
 
@@ -7,20 +7,23 @@ import sys
 import time
 
 import rospy
+from kortex_driver.msg import Base_JointSpeeds
 from std_msgs.msg import Empty
 
-from rst_control.kinova.config import GuardConfig
+from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.guard import StopGuard
+from rst_control.msg import BridgeBeat
 from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
-from rst_control.ros.kinova.hardware import send_at_shutdown
+from rst_control.ros.kinova.beat import course_of
+from rst_control.ros.kinova.hardware import send_at_shutdown, speeds_message
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from typed_config import ConfigError, load_config
 from typed_config.ros.starting import starting
 
-PERIOD = 0.010  # [s] between two rounds
-ALIVE_EVERY = 2  # rounds between two beats for the bridge
+PERIOD = 0.005  # [s] between two rounds
+ALIVE_EVERY = 4  # rounds between two beats for the bridge
 
 
 def main() -> None:
@@ -29,32 +32,46 @@ def main() -> None:
     with starting("kinova_guard", needs_clock=False):
         try:
             settings = launch_settings()
-            guard_settings = settings.get("bridge", {}).get("guard", {})
-            config = load_config(GuardConfig, guard_settings, "guard parameters")
+            config = load_config(BridgeConfig, settings.get("bridge", {}), "guard parameters")
         except ConfigError as error:
             rospy.logfatal(f"the stop guard cannot start: {error}; launch/kinova.launch starts it")
             sys.exit(2)
         guard = StopGuard(config)
+
+        def on_beat(message: BridgeBeat) -> None:
+            now = time.monotonic()
+            guard.heard(now, course_of(message, now))
+
         newest = {"queue_size": 1, "tcp_nodelay": True}
-        stop = rospy.Publisher(f"{settings['arm_namespace']}/in/stop", Empty, **newest)
+        arm = config.arm.namespace
+        stop = rospy.Publisher(f"{arm}/in/stop", Empty, **newest)
+        speeds = rospy.Publisher(f"{arm}/in/joint_velocity", Base_JointSpeeds, **newest)
         alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
         KnownPublishers().subscribe(
             "kinova_bridge/beat",
-            Empty,
-            lambda _: guard.heard(time.monotonic()),
-            config.bridge,
+            BridgeBeat,
+            on_beat,
+            config.guard.bridge,
             **newest,
         )
-        # A guard that ends guards no longer: the arm stops, whether the bridge is there or not.
-        rospy.on_shutdown(lambda: send_at_shutdown(lambda: stop.publish(Empty())))
+
+        def close() -> None:
+            """A bridge that lives brakes the arm by itself, for its guard is silent from now on."""
+            if guard.is_silent(time.monotonic()):
+                send_at_shutdown(lambda: stop.publish(Empty()))
+
+        rospy.on_shutdown(close)
     ask_for_priority()
     rounds, was_silent = 0, False
     while not rospy.is_shutdown():
         now = time.monotonic()
-        if guard.is_stop_due(now):
+        braking = guard.speeds_due(now)
+        if braking is not None:
+            speeds.publish(speeds_message(braking))
+        elif guard.is_stop_due(now):
             stop.publish(Empty())
-            if not was_silent:
-                rospy.logerr("the bridge is silent: the arm is stopped")
+        if guard.is_silent(now) and not was_silent:
+            rospy.logerr("the bridge is silent: the arm is braked along its course and stopped")
         was_silent = guard.is_silent(now)
         rounds += 1
         if rounds % ALIVE_EVERY == 0:

@@ -12,12 +12,14 @@ from openrst_control.srv import openrst_request
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty, Float64MultiArray, Int32MultiArray
 
+from rst_control.kinova.brake_plan import BrakePlan
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
 from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.types import Vector
 
 LAST_TIMES, LAST_PERIOD = 5, 0.02  # that a last message is sent, and [s] between them
+LOOK_PERIOD = 0.002  # [s] between two looks whether a velocity is due
 SAY_AGAIN = 2.0  # [s] before the same complaint about messages is made again
 
 
@@ -26,6 +28,12 @@ def send_at_shutdown(send: Callable[[], None]) -> None:
     for _ in range(LAST_TIMES):
         send()
         time.sleep(LAST_PERIOD)
+
+
+def speeds_message(speeds: Vector) -> Base_JointSpeeds:
+    """Joint speeds [rad/s] as the arm's driver takes them. Shape (7,)."""
+    joints = [JointSpeed(j, speed, 0) for j, speed in enumerate(speeds.tolist())]
+    return Base_JointSpeeds(joints, 0)
 
 
 class KinovaHardware:
@@ -53,10 +61,8 @@ class KinovaHardware:
 
     def send_speeds(self, speeds: Vector) -> None:
         """Turn the arm's joints at these speeds [rad/s]. Shape (7,)."""
-        if self._is_closed:
-            return
-        joints = [JointSpeed(j, speed, 0) for j, speed in enumerate(speeds.tolist())]
-        self._speeds.publish(Base_JointSpeeds(joints, 0))
+        if not self._is_closed:
+            self._speeds.publish(speeds_message(speeds))
 
     def send_tool(self, joints: Vector) -> None:
         """Send pitch and jaws to these angles [rad]. Shape (3,)."""
@@ -70,9 +76,13 @@ class KinovaHardware:
         """Ask the arm to clear its faults."""
         self._clear.publish(Empty())
 
-    def close(self) -> None:
-        """Stop the arm, and send it no more velocities."""
-        self._is_closed = True
+    def close(self, plan: BrakePlan | None) -> None:
+        """Brake the arm along its course, where it is led, stop it, and send no more velocities."""
+        self._is_closed = True  # for the loop, which may be in the midst of a round
+        while plan is not None and not plan.is_over:
+            if (speeds := plan.step(time.monotonic())) is not None:
+                self._speeds.publish(speeds_message(speeds))
+            time.sleep(LOOK_PERIOD)
         send_at_shutdown(self.stop)
 
     def request(self, message: str) -> bool:

@@ -135,6 +135,8 @@ class DriverInterface:
 
     def _publish_arm(self) -> None:
         feedback = self._drivers.arm_feedback()
+        if feedback is None:
+            return
         message = JointState(
             name=list(self._config.driver.joints),
             position=feedback.position.tolist(),

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What keeps arm and tool from being led: drivers, guard, torques at rest, the tool's homing."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from rst_control.kinova.config import BridgeConfig
+from rst_control.kinova.feedback import JointFeedback
+from rst_control.kinova.tool import Tool
+from rst_control.tension.gravity_check import RestTorques
+
+STARTING: Final = "the arm's driver never told its joints: is it running?"
+NO_GUARD: Final = "the stop guard was never heard: start the node kinova_guard"
+
+
+class Readiness:
+    """Knows what was heard last of each; one thread calls it.
+
+    Args:
+        config: How old each may be.
+        tool: Of the arm.
+        torques: Compared with gravity's before the first motion; None: nothing is compared.
+    """
+
+    def __init__(self, config: BridgeConfig, tool: Tool, torques: RestTorques | None) -> None:
+        self._config, self._tool, self.torques = config, tool, torques
+        self.arm: JointFeedback | None = None
+        self.guard = -np.inf  # [s] of the guard's last beat
+
+    def is_repeated(self, feedback: JointFeedback) -> bool:
+        """Whether it is the last one once more, after a gap, which says nothing of the arm.
+
+        Where a reply of the arm is lost, the driver waits, then reports what it had before.
+        """
+        last = self.arm
+        if last is None or feedback.stamp - last.stamp <= self._config.arm.feedback_age:
+            return False
+        return all(
+            np.array_equal(getattr(last, row), getattr(feedback, row))
+            for row in ("position", "velocity", "effort")
+        )
+
+    def objection(self, now: float) -> str:
+        """Why the arm may not be led at a time [s]; empty: it may."""
+        if self.arm is None:
+            return STARTING
+        age, allowed = now - self.arm.stamp, self._config.arm.feedback_age
+        if age > allowed:
+            return f"joints of the arm {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
+        torques = self.torques.refusal if self.torques is not None else ""
+        return torques or self._unguarded(now) or self._tool.objection(now)
+
+    def _unguarded(self, now: float) -> str:
+        guard = self._config.guard
+        if not guard.is_required:
+            return ""
+        if not np.isfinite(self.guard):
+            return NO_GUARD
+        silent = now - self.guard
+        if silent <= guard.silence:
+            return ""
+        return f"the stop guard is silent for {silent:.2f} s, allowed {guard.silence:.2f} s"
