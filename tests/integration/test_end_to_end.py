@@ -74,6 +74,15 @@ def test_the_robot_moved_through_the_trocar_and_stopped_in_mid_motion(session):
     assert not states[-1].tissue_held, "it was stopped on its way to the tissue"
 
 
+def test_no_state_is_from_before_the_session(session):
+    folder, _ = session
+    began = next(SessionReader(folder).messages()).log_time / 1e9
+    for topic in ("/rst_control/state", "/rst_control/markers"):
+        first = next(m for _, m in messages(folder / "session.mcap", topic))
+        (stamp,) = {m.header.stamp.to_sec() for m in getattr(first, "markers", [first])}
+        assert stamp > began - 60.0, topic  # it was the time at which the machine started
+
+
 def test_the_recording_holds_sound_joint_states_and_decisions(session):
     folder, _ = session
     counts = {}

@@ -113,6 +113,7 @@ class ControllerNode:
         self._stack = ExitStack()
 
     def __enter__(self) -> ControllerNode:
+        self._executor.tick(time.monotonic(), None)  # so that the first state has a time of its own
         self._diagnostics.priority = ask_for_priority()
         links = (self._service.heartbeats, self._actions.start())
         watch = LivenessWatch(
