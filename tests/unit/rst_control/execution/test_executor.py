@@ -241,13 +241,13 @@ def test_jaws_that_close_on_nothing_end_the_motion_without_a_latch():
     assert rig.still_for(0.1)
 
 
-@given(tick=st.integers(0, 2400), how=st.sampled_from(["stop", "terminate"]))
 def test_before_the_robot_spoke_a_tick_sends_nothing_and_has_its_time():
     executor = Rig().executor
     assert executor.tick(5.0, None) is None
     assert executor.snapshot.stamp == 5.0
 
 
+@given(tick=st.integers(0, 2400), how=st.sampled_from(["stop", "terminate"]))
 @settings(max_examples=40, deadline=None)
 def test_a_stop_at_any_moment_brakes_at_once_stays_on_the_trocar_and_holds(tick, how):
     rig = Rig().awake()
