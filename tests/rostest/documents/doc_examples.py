@@ -79,6 +79,8 @@ class DocExamples(unittest.TestCase):
             self.robot.wait_for_state("standby", "active", "halted", "faulted")
             return
         self.robot.start_fresh()
+        if "'release'" in line.text:
+            self.robot.say_and_finish("tense", 60.0)
         is_outside = self.robot.state.insertion < 0.0
         if "'insert'" in line.text and not is_outside:
             self.robot.say_and_finish("withdraw", 60.0)
