@@ -23,6 +23,7 @@ from demo.script import Script, load_script
 from demo.sound import render
 from demo.timeline import Timeline
 from demo.virtual_microphone import VirtualMicrophone
+from rst_control.simulation.rendering.window import window_obstacle
 from support.interrupt import end_as_by_ctrl_c
 from support.launched_system import System
 from support.theatre_sound import RATE
@@ -42,6 +43,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the demonstration; returns the exit status: 0 when every step happened."""
     options = _parse(argv)
     console = Console()
+    if options.gui and (obstacle := window_obstacle()):
+        console.print(f"[red]The demo could not run:[/red] {obstacle}")
+        return 1
     script = load_script(options.script or SCRIPTS[options.robot])
     folder = options.out or ROOT / "sessions" / datetime.datetime.now().strftime(
         "%Y-%m-%d_%H-%M-%S"

@@ -16,6 +16,7 @@ from std_msgs.msg import String
 
 from demo.check import ControllerSample, HeardUtterance, Observed
 from demo.first_sound import FirstSound
+from demo.live_line import live_line
 from rst_control.msg import ControllerState, Event
 from voice_assist.msg import AudioChunk, Mode, Utterance
 
@@ -186,12 +187,4 @@ class Timeline:
             self.observed.states.append(state)
 
     def _footer(self) -> Text:
-        s = self._state
-        robot = (
-            "waiting for the controller"
-            if s is None
-            else f"{s.state} {s.phase} {s.progress:4.0%} | tension {s.tension:5.2f} N"
-            f" | RCM error {s.rcm_error * 1e6:5.1f} um"
-        )
-        words = f"{self.now():7.2f} s  voice {self._mode} | {robot} | hearing: {self._partial}"
-        return Text(words, style="reverse", no_wrap=True, overflow="ellipsis")
+        return live_line(self.now(), self._mode, self._state, self._partial)

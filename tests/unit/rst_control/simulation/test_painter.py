@@ -12,6 +12,7 @@ import pytest
 
 from rst_control.config import URDF_FILE, load_simulation_config
 from rst_control.kinematics.configuration import robot_joints
+from rst_control.simulation.rendering import window
 from rst_control.simulation.rendering.painter import ScenePainter, png_bytes
 from rst_control.simulation.rendering.state import SceneSetup, SceneState
 from rst_control.simulation.rendering.worker import SceneLostError, SceneWorker
@@ -55,10 +56,28 @@ def test_the_drawing_process_draws_and_ends():
         worker.picture(SceneState(HOME, REST))
 
 
-def test_a_window_without_a_screen_is_refused_with_the_reason(monkeypatch):
-    monkeypatch.delenv("DISPLAY", raising=False)
-    with pytest.raises(SceneLostError, match="DISPLAY is not set"):
+@pytest.mark.parametrize(
+    ("display", "installed", "words"),
+    [
+        ("", [], "DISPLAY is not set"),
+        (":9", ["libX11.so.6"], "libGL.so.1: apt-get install --no-install-recommends libgl1, or"),
+        (":9", [], "libGL.so.1 and libX11.so.6: apt-get .* libgl1 libx11-6, or"),
+        (":9", ["libGL.so.1", "libX11.so.6"], "nothing answers at DISPLAY=:9"),
+    ],
+)
+def test_a_window_that_cannot_open_is_refused_with_the_reason(
+    monkeypatch, display, installed, words
+):
+    monkeypatch.setenv("DISPLAY", display)
+    monkeypatch.setattr(window, "_is_installed", lambda name: name in installed)
+    monkeypatch.setattr(window, "_opens", lambda _: False)
+    with pytest.raises(SceneLostError, match=words):
         SceneWorker(SceneSetup(CONFIG.scene, CAMERAS, URDF_FILE, window=True))
+
+
+def test_libraries_and_screens_that_are_not_there_are_found():
+    assert window._is_installed("libc.so.6") and not window._is_installed("libNone.so.1")
+    assert not window._is_installed("libX11.so.6") or not window._opens(":99991")
 
 
 def test_a_scene_that_cannot_be_drawn_says_why(tmp_path):

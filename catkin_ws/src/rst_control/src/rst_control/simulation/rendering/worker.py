@@ -12,6 +12,7 @@ import sys
 from multiprocessing.connection import Pipe
 
 from rst_control.simulation.rendering.state import SceneSetup, SceneState
+from rst_control.simulation.rendering.window import window_obstacle
 
 START_LIMIT = 60.0  # [s] for the process to come up
 PICTURE_LIMIT = 30.0  # [s] for one picture
@@ -28,14 +29,12 @@ class SceneWorker:
     priority.
 
     Raises:
-        SceneLostError: There is no screen for the window.
+        SceneLostError: The window cannot open; says why.
     """
 
     def __init__(self, setup: SceneSetup) -> None:
-        if setup.window and not os.environ.get("DISPLAY"):
-            raise SceneLostError(
-                "no screen for the window: DISPLAY is not set; start with gui:=false"
-            )
+        if setup.window and (obstacle := window_obstacle()):
+            raise SceneLostError(obstacle)
         self._pipe, theirs = Pipe()
         self._process = subprocess.Popen(
             [sys.executable, "-m", "rst_control.simulation.rendering.server", str(theirs.fileno())],
