@@ -2,6 +2,7 @@
 """The start of a node: a signal ends it at once, and a missing clock is named."""
 
 import signal
+import threading
 from contextlib import suppress
 
 import pytest
@@ -25,7 +26,7 @@ def clock(monkeypatch):
 
 @pytest.fixture(autouse=True)
 def handlers():
-    """Those of rospy are set by the real rospy; afterwards all are as before."""
+    """Afterwards all are as before."""
     before = {number: signal.getsignal(number) for number in NUMBERS}
     yield
     for number, handler in before.items():
@@ -48,14 +49,22 @@ def test_code_that_swallows_the_exit_does_not_start_the_node(clock, number):
 
 
 @pytest.mark.parametrize("number", NUMBERS)
-def test_a_node_that_has_started_is_shut_down_and_not_left_in_the_middle(
-    clock, monkeypatch, number
-):
-    reasons = []
-    monkeypatch.setattr(rospy.core, "signal_shutdown", reasons.append)
+def test_a_node_that_has_started_is_shut_down_beside_what_it_does(clock, monkeypatch, number):
+    lock, reasons, is_over = threading.Lock(), [], threading.Event()
+
+    def shut_down(reason):
+        with lock:
+            reasons.append(reason)
+        is_over.set()
+
+    monkeypatch.setattr(rospy.core, "signal_shutdown", shut_down)
     with starting("node"):
         pass
-    signal.raise_signal(number)
+    with lock:  # what the shutdown needs, too
+        signal.raise_signal(number)
+        signal.raise_signal(number)  # roslaunch and `respawn` both send it
+        assert reasons == []
+    assert is_over.wait(30.0)
     assert reasons == [f"signal-{number:d}"]
 
 

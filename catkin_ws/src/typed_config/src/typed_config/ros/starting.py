@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import atexit
+import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,6 +16,8 @@ from typing import NoReturn
 
 import rospy
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+END_LIMIT = 10.0  # [s] at the exit for what the shutdown has still to do
 CLOCK_PERIOD = 0.05  # [s] between two looks for the clock
 CLOCK_DUE = 1.0  # [s] after which a missing one is named
 CLOCK_AGAIN = 10.0  # [s] after which it is named again
@@ -22,10 +27,8 @@ CLOCK_AGAIN = 10.0  # [s] after which it is named again
 def starting(name: str, needs_clock: bool = True) -> Iterator[None]:
     """Begin a node of a name; what is done within is its start.
 
-    SIGINT and SIGTERM end a node at once while it starts. rospy's own handlers take the node off
-    the master within the code that they interrupt. They wait for ever where that code speaks to the
-    master: both need the same lock. So they come with the end of the start; before it, rospy takes
-    the node off the master at the exit.
+    SIGINT and SIGTERM end a node at once while it starts, and rospy takes it off the master at the
+    exit. Afterwards they shut it down from a thread of its own.
 
     Args:
         name: Of the node.
@@ -38,16 +41,43 @@ def starting(name: str, needs_clock: bool = True) -> Iterator[None]:
         signal.signal(number, signal.SIG_IGN)  # roslaunch and `respawn` both send it
         sys.exit(128 + number)
 
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in SIGNALS:
         signal.signal(number, end)
     rospy.init_node(name, disable_signals=True)
     if needs_clock:
         wait_for_clock()
     yield
-    rospy.core.register_signals()
-    rospy.core._signalChain.clear()  # those before them, which they would call, too
+    _shut_down_on_signals()
     if received:  # the interrupted code went on, as a destructor or a bare `except` does
         sys.exit(128 + received[0])
+
+
+def _shut_down_on_signals() -> None:
+    """Let SIGINT and SIGTERM shut the node down, beside the code that they interrupt.
+
+    rospy's own handlers do it within that code. They wait for ever where it holds a lock that the
+    shutdown needs, as that of the master, or where a thread that they join needs it.
+    """
+    reading, writing = os.pipe()
+    is_asked, is_over = threading.Event(), threading.Event()
+
+    def ask(number: int, _: FrameType | None) -> None:
+        os.write(writing, bytes([number]))
+
+    def shut_down() -> None:
+        number = os.read(reading, 1)[0]
+        is_asked.set()
+        rospy.core.signal_shutdown(f"signal-{number}")
+        is_over.set()
+
+    def finish() -> None:
+        if is_asked.is_set():
+            is_over.wait(END_LIMIT)
+
+    threading.Thread(target=shut_down, name="ending", daemon=True).start()
+    atexit.register(finish)
+    for number in SIGNALS:
+        signal.signal(number, ask)
 
 
 def wait_for_clock() -> None:
