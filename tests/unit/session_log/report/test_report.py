@@ -1,22 +1,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The report as a reader gets it: sections, figures, nothing from outside the page."""
 
+import base64
+import io
 import re
+import shutil
+import subprocess
 from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
+import soundfile
 from PIL import Image
 
 from session_log.errors import OutputFailed
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
+from session_log.report.notes import Note, add_note
 from session_log.report.one_session import write_report
 from session_log.report.tables.text_table import length
 from support.story import Story, write_session
 
 FIGURES = {"timeline", "latency", "rcm_error", "tension", "scene", "joints", "loop_timing"}
 FIGURES |= {"accuracy", "confusion"}
+BROWSER = shutil.which("chromium-headless-shell")
 SECTIONS = [
     "Timeline",
     "Commands",
@@ -43,7 +50,8 @@ class Page(HTMLParser):
         super().__init__()
         self.headings, self.sources, self.rows, self._tag = [], [], [], ""
         self.feed(text)
-        self.words = re.sub(r"<style>.*?</style>|<[^>]*>", " ", text, flags=re.DOTALL)
+        unseen = r"<style>.*?</style>|<script.*?</script>|<[^>]*>"
+        self.words = re.sub(unseen, " ", text, flags=re.DOTALL)
 
     def handle_starttag(self, tag, attributes):
         self._tag = tag
@@ -82,7 +90,7 @@ def test_the_page_needs_nothing_outside_itself(report):
     _, page = report
     assert len(page.sources) == 2 * len(FIGURES)
     assert all(source.startswith("data:image/png;base64,") for source in page.sources)
-    assert "http" not in page.words and "<script" not in report[0].page.read_text(encoding="utf-8")
+    assert "http" not in page.words
 
 
 def test_latency_stands_beside_the_papers_table(report):
@@ -166,7 +174,8 @@ def test_what_was_recorded_is_text_never_markup(tmp_path, report_config, monkeyp
     write_session(tmp_path / "s.mcap", duration=3.0, rate=50)
     result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
     text = result.page.read_text(encoding="utf-8")
-    assert "<script>" not in text and "&lt;script&gt;alert(1)" in text and "<b>no" not in text
+    assert "<script>alert" not in text and "&lt;script&gt;alert(1)" in text and "<b>no" not in text
+    assert text.count("<script") == text.count("</script") == 2, "that of the page and its values"
 
 
 def test_a_session_without_anything_still_gives_a_page_that_says_so(tmp_path, report_config):
@@ -216,3 +225,40 @@ def test_one_lost_message_of_thousands_is_a_note_and_many_are_a_warning(
     assert words in text
     warning = re.search(r'<p class="warn">(.*?)</p>', text)
     assert (warning is not None and words in warning[1]) == is_warned
+
+
+def test_an_utterance_can_be_heard_and_that_can_be_switched_off(report, tmp_path, report_config):
+    result, page = report
+    text = result.page.read_text(encoding="utf-8")
+    sounds = re.findall(r'class="hear".*?data-sound="data:audio/mpeg;base64,([^"]*)"', text)
+    spoken = [row for row in page.rows if len(row) == 8 and row[1] != "by\u00a0hand"]
+    assert len(sounds) == len(spoken)
+    samples, rate = soundfile.read(io.BytesIO(base64.b64decode(sounds[0])))
+    assert rate == 16000 and 0.5 < len(samples) / rate < 3.0 and samples.std() > 0.05
+    write_session(tmp_path / "s.mcap", duration=6.0, rate=50)
+    config = replace(report_config, utterance_sound=False)
+    without = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, config).page
+    assert "data:audio" not in without.read_text(encoding="utf-8")
+
+
+def test_notes_stand_in_the_report_and_those_of_a_moment_on_its_time_axis(tmp_path, report_config):
+    path = tmp_path / "s.mcap"
+    write_session(path, duration=6.0, rate=50)
+    add_note(path, Note("the light was\n<b>off</b>"))
+    add_note(path, Note("a cough", 2.5))
+    text = write_report(SessionReader(path), tmp_path, report_config).page.read_text("utf-8")
+    rows = Page(text).rows
+    assert ["–", "the light was <b>off</b>"] in rows and ["2.5\u00a0s", "a cough"] in rows
+    assert '[2.5,"a cough","#1f2933"]' in text and "<b>off" not in text
+
+
+@pytest.mark.skipif(not BROWSER, reason="no Chromium: docker/apt-packages-dev.txt")
+@pytest.mark.parametrize(("width", "are_open"), [(1400, True), (390, False)])
+def test_a_browser_draws_the_time_axis_and_folds_the_page_on_a_phone(report, width, are_open):
+    command = [BROWSER, "--no-sandbox", f"--window-size={width},900", "--dump-dom"]
+    dom = subprocess.run(
+        [*command, report[0].page.as_uri()], capture_output=True, text=True, timeout=60, check=True
+    ).stdout
+    assert re.search(r'<div class="zoom">.*?<canvas [^>]*height: \d+px', dom, re.DOTALL)
+    parts = re.findall(r'<details class="part"( open="")?>', dom)
+    assert len(parts) == len(SECTIONS) and parts[0] and bool(parts[1]) == are_open

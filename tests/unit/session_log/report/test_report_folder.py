@@ -14,6 +14,7 @@ from session_log.mcap_file.session_folder import recordings
 from session_log.mcap_file.writer import SessionWriter
 from session_log.report import many_sessions, one_session
 from session_log.report.many_sessions import NothingReadable, folder
+from session_log.report.notes import Note, add_note
 from session_log.report.pool.parallel import EngineMissing, EngineUnreachable, run_parallel
 from support.story import write_session
 from tests.unit.session_log.report.test_report import Page
@@ -210,3 +211,15 @@ def test_two_processes_and_a_cluster_find_what_one_process_finds(sessions, tmp_p
     ) as cluster:
         assert make(cluster=cluster.scheduler_address).sessions == 3
     assert texts[0] == texts[1] == texts[2]
+
+
+def test_a_session_is_found_by_what_was_heard_asked_refused_and_noted(sessions, report_config):
+    add_note(sessions / "day 0" / "session.mcap", Note("Wrong trocar"))
+    out = sessions.parent / "out"
+    text = folder([sessions], out, report_config, with_pages=False).page.read_text("utf-8")
+    words = dict(re.findall(r'data-words="([^"]*)".*?<span>(.*?)</span>', text))
+    (noted,) = [heard for heard, name in words.items() if name == "day 0"]
+    for phrase in ("could you pass me the clamp", "tense refused tissue is held", "Wrong trocar"):
+        assert phrase in noted
+    assert sum("Wrong trocar" in heard for heard in words) == 1
+    assert '<input type="search"' in text

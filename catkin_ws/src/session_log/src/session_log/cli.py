@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -19,6 +20,7 @@ from session_log.mcap_file.summary import RecordingSummary, read_summary
 from session_log.recording.recorder import SHARED
 from session_log.replay.command import add_replay_options
 from session_log.report.command import add_options
+from session_log.report.notes import Note, add_note
 from typed_config import ConfigError, load_config, load_yaml, package_folder, package_version
 
 CONFIG = package_folder("session_log") / "config" / "report.yaml"
@@ -81,6 +83,12 @@ def _export(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _note(arguments: argparse.Namespace) -> int:
+    note = Note(" ".join(arguments.words), arguments.at)
+    print(add_note(SessionReader(arguments.session).path, note))
+    return 0
+
+
 def _replay(arguments: argparse.Namespace) -> int:
     from session_log.replay.command import run
 
@@ -95,6 +103,13 @@ def _report(arguments: argparse.Namespace) -> int:
 
 def _config(path: Path) -> ReportConfig:
     return load_config(ReportConfig, load_yaml(path), path.name)
+
+
+def _moment(words: str) -> float:
+    value = float(words)
+    if not 0.0 <= value < math.inf:
+        raise ValueError(value)
+    return value
 
 
 def _is_written(topic: str, rows: dict[Path, int]) -> bool:
@@ -178,6 +193,9 @@ def _parser() -> argparse.ArgumentParser:
     export.add_argument("--out", type=Path, help="folder; default: export beside the recording")
     export.add_argument("--format", choices=("csv", "parquet", "both"), default="csv")
     export.add_argument("--topic", action="append", help="a topic to write, instead of the usual")
+    note = _command(commands, "note", _note, "write a note on a recording, for its report")
+    note.add_argument("words", nargs="+", help="what to note")
+    note.add_argument("--at", type=_moment, metavar="S", help="of a moment of it, in seconds")
     words = "one HTML page and its figures as PNG, of one session or over many"
     report = commands.add_parser("report", help=words, description=words)
     report.set_defaults(run=_report)

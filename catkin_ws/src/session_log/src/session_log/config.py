@@ -114,6 +114,7 @@ class ReportConfig:
     sample_period: float = number(0.001, 10.0, "s")
     late_factor: float = number(1.0, 100.0, "")
     pictures: int = integer(0, 64)
+    utterance_sound: bool = flag()
     paper: PaperConfig
     resolution: int = integer(50, 600, "dpi")
     vector: bool = flag()

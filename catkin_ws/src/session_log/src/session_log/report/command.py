@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,6 +40,8 @@ def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
     Raises:
         SessionLogError: Something named is not there or not readable, or --out is not writable.
     """
+    if arguments.no_sound:
+        config = replace(config, utterance_sound=False)
     if arguments.jobs < 1:
         raise WrongNumber("--jobs", arguments.jobs, "1 or more")
     named: list[Path] = arguments.sessions
@@ -94,6 +97,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--latex", action="store_true", help="also the tables, with booktabs")
     parser.add_argument(
         "--no-pages", action="store_true", help="of a folder: no page for each session of it"
+    )
+    parser.add_argument(
+        "--no-sound", action="store_true", help="keep the sound of the utterances off the pages"
     )
     parser.add_argument(
         "--jobs", type=int, default=1, metavar="N", help="of a folder: processes (needs dask)"

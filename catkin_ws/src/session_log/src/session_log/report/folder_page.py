@@ -21,6 +21,7 @@ SESSIONS_NOTE = (
     "Margin: smallest to a joint limit. Late: share of late cycles of the fast topics. Coloured: "
     "recordings that were not closed, are damaged or lack messages."
 )
+SEARCH = "words heard, commands, refusals, notes, dates"
 
 
 def folder_page(pool: Pool, images: Mapping[str, Image], folder: Path) -> str:
@@ -36,13 +37,14 @@ def folder_page(pool: Pool, images: Mapping[str, Image], folder: Path) -> str:
 
 
 def _sections(pool: Pool, images: Mapping[str, Image], folder: Path) -> Iterator[Section]:
+    table = sessions_table(pool, folder)
+    yield Section("Sessions", SESSIONS_NOTE, table=table, search=SEARCH)
     for figure in POOL_FIGURES:
         if figure.name != "confusion" or figure.name in images:  # else the accuracy's says why
             yield figure_section(figure, images, pool)
     yield Section("Motion", table=pool_tables.motion_table(pool))
     refused = pool_tables.refusals_table(pool)
     yield table_section("What was refused, and why", refused, "Nothing was refused.")
-    yield Section("Sessions", SESSIONS_NOTE, table=sessions_table(pool, folder))
     if pool.unread:
         yield Section("Not readable", table=unread_table(pool))
 

@@ -12,6 +12,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.session_folder import session_name
 from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, SessionMaterial
 from session_log.report.figures.drawing import draw
+from session_log.report.notes import Note, read_notes
 from session_log.report.pool import cache
 from session_log.report.pool.pool import Pool
 from session_log.report.session.analysis import command_rows
@@ -40,6 +41,7 @@ class _Session:
     material: SessionMaterial
     summary: SessionSummary
     pool: Pool  # of this session alone
+    notes: tuple[Note, ...]
 
 
 def write_report(
@@ -80,7 +82,7 @@ def reduce_session(
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        key = cache.key_of(path, config)
+        key = cache.key_of(path, config, read_notes(path))
         known = cache.load(folder, key)
         if known is not None and (not with_page or (folder / PAGE_NAME).exists()):
             return known
@@ -99,14 +101,17 @@ def _read(reader: SessionReader, config: ReportConfig) -> _Session:
     summary = summarise(session_name(reader.path), data, rows, rcm, config)
     pool = Pool(config)
     pool.add(reader.path, None, summary)
-    return _Session(SessionMaterial(data, rows, config, rcm, summary.trials), summary, pool)
+    material = SessionMaterial(data, rows, config, rcm, summary.trials)
+    return _Session(material, summary, pool, read_notes(reader.path))
 
 
 def _write(session: _Session, folder: Path, config: ReportConfig, latex: bool) -> Report:
     images, written = draw(SESSION_FIGURES, session.material, folder, config)
     pooled, more = draw(POOL_FIGURES, session.pool, folder, config)
     target = folder / PAGE_NAME
-    text = session_page(session.material, session.summary, session.pool, images | pooled)
+    text = session_page(
+        session.material, session.summary, session.pool, images | pooled, session.notes
+    )
     target.write_text(text, encoding="utf-8")
     tex = write_latex(session.pool, folder) if latex else []
     return Report(target, written + more, tex)

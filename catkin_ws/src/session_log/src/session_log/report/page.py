@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sets a report as one HTML page that needs nothing outside itself: templates/report.html."""
+"""Sets a report as one HTML page that needs nothing outside itself: templates/report.html.
+
+Without its script the page is whole; with it parts fold, utterances sound and the time axis zooms.
+"""
 
 from __future__ import annotations
 
@@ -34,6 +37,9 @@ class Section:
     table: TextTable | None = None
     source: str = ""  # of what the table holds
     details: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # open on a click
+    zoom: Mapping[str, object] = field(default_factory=dict)  # a time axis that zooms: zoom.py
+    is_folded: bool = False  # until a click
+    search: str = ""  # what its table can be searched for; empty: it cannot
 
 
 def table_section(title: str, table: TextTable, nothing: str) -> Section:
@@ -72,8 +78,9 @@ def _template() -> jinja2.Template:
         keep_trailing_newline=True,
     )
     environment.filters["inline"] = _inline
+    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
     return environment.get_template("report.html")
 
 
-def _inline(png: bytes) -> str:
-    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+def _inline(data: bytes, kind: str = "image/png") -> str:
+    return f"data:{kind};base64," + base64.b64encode(data).decode("ascii")

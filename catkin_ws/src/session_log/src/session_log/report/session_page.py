@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
 from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, ReportFigure, SessionMaterial
+from session_log.report.notes import Note
 from session_log.report.page import Image, Section, page, table_section
 from session_log.report.pool.pool import Pool
 from session_log.report.sections import figure_section, large_facts
@@ -17,6 +19,7 @@ from session_log.report.session.stops import stops, stops_table
 from session_log.report.session.summary import SessionSummary
 from session_log.report.tables import session_tables
 from session_log.report.tables.text_table import size_words
+from session_log.report.zoom import zoom_data
 
 LOSS_SHARE = 1e-3  # of a topic's messages: less is a note, not a warning
 COMMANDS_NOTE = "Decision and action: time after the end of speech."
@@ -35,7 +38,11 @@ _FIGURES = {figure.name: figure for figure in _ALL_FIGURES}
 
 
 def session_page(
-    material: SessionMaterial, summary: SessionSummary, pool: Pool, images: Mapping[str, Image]
+    material: SessionMaterial,
+    summary: SessionSummary,
+    pool: Pool,
+    images: Mapping[str, Image],
+    notes: Sequence[Note],
 ) -> str:
     """Set the page.
 
@@ -44,21 +51,25 @@ def session_page(
         summary: Of the session.
         pool: Of this session alone.
         images: The figures that could be drawn.
+        notes: Of people.
     """
     return page(
         f"Session {summary.name}",
         _subtitle(material.data.recording),
         " ".join(_warnings(material)),
         large_facts(pool, {"spoken commands": sum(given.is_spoken for given in summary.given)}),
-        _sections(material, pool, images),
+        _sections(material, pool, images, notes),
     )
 
 
 def _sections(
-    material: SessionMaterial, pool: Pool, images: Mapping[str, Image]
+    material: SessionMaterial, pool: Pool, images: Mapping[str, Image], notes: Sequence[Note]
 ) -> Iterator[Section]:
     data = material.data
-    yield figure_section(_FIGURES["timeline"], images, pool)
+    timeline = figure_section(_FIGURES["timeline"], images, pool)
+    yield replace(timeline, zoom=zoom_data(material, notes)) if timeline.image else timeline
+    if notes:
+        yield Section("Notes", table=session_tables.notes_table(notes))
     yield Section("Commands", COMMANDS_NOTE, table=session_tables.commands_table(material))
     found = stops_table(stops(data.events, data.states))
     yield table_section("What stopped the robot, and why", found, "Nothing stopped the robot.")
@@ -68,13 +79,13 @@ def _sections(
         if name != "confusion" or name in images:  # else the accuracy's place says why
             yield figure_section(_FIGURES[name], images, pool)
     health = session_tables.health_table(material)
-    yield table_section("Health", health, "The recording holds no diagnostics.")
+    health_part = table_section("Health", health, "The recording holds no diagnostics.")
+    yield replace(health_part, is_folded=True)
     few = " ".join(_losses(data.recording)[1])
-    yield Section("Recording", few, table=session_tables.topics_table(material))
+    yield Section("Recording", few, table=session_tables.topics_table(material), is_folded=True)
     metadata = dict(sorted(dict(data.recording.condition.metadata).items()))  # the latest of each
-    yield Section(
-        "Origin", "" if metadata else "The recording holds no metadata.", details=metadata
-    )
+    nothing = "" if metadata else "The recording holds no metadata."
+    yield Section("Origin", nothing, details=metadata, is_folded=True)
 
 
 def _subtitle(recording: RecordingSummary) -> str:

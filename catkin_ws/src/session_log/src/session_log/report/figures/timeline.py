@@ -136,7 +136,7 @@ def _draw_speech(ax: Axes, material: SessionMaterial, row: TimelineRow) -> None:
         level = (sound["level"].clip(QUIETEST, LOUDEST) - QUIETEST) / (LOUDEST - QUIETEST)
         time, level = thin(sound["time"][mine], level[mine])
         ax.fill_between(time, -0.1, -0.1 + 0.8 * level, color=SOUND, lw=0)
-    labels = [label for label in _labels(material) if row.start <= label.time < row.end]
+    labels = [label for label in timeline_labels(material) if row.start <= label.time < row.end]
     for color, is_command in ((GREEN, True), (QUIET, False)):
         speech = [
             Span(h.speech_start, max(h.speech_end, h.speech_start + 0.05), "")
@@ -187,7 +187,7 @@ def _draw_label(ax: Axes, label: TimelineLabel, left: float, y: float) -> None:
     )
 
 
-def _labels(material: SessionMaterial) -> list[TimelineLabel]:
+def timeline_labels(material: SessionMaterial) -> list[TimelineLabel]:
     """Every command, every utterance that was none, every phrase taken wrongly; by time."""
     labels = [
         TimelineLabel(row.time, row.command, RED if row.outcome == "refused" else INK, "normal")

@@ -5,19 +5,21 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
 
 from session_log.config import ReportConfig
+from session_log.report.notes import Note
 from session_log.report.session.summary import SessionSummary, from_json
 
 FILE_NAME = "report_summary.json"
-VERSION = 1  # of what a summary holds and of how it is computed; raise it when either changes
+VERSION = 2  # of what a summary holds and of how it is computed; raise it when either changes
 
 
-def key_of(recording: Path, config: ReportConfig) -> dict[str, object]:
-    """What a summary depends on: the file, the settings, and the code's version.
+def key_of(recording: Path, config: ReportConfig, notes: Sequence[Note] = ()) -> dict[str, object]:
+    """What a summary and its page depend on: file, notes, settings, and the code's version.
 
     Raises:
         OSError: The recording cannot be looked at.
@@ -30,6 +32,7 @@ def key_of(recording: Path, config: ReportConfig) -> dict[str, object]:
         "size": state.st_size,
         "modified": state.st_mtime_ns,
         "settings": sha256(settings).hexdigest()[:16],
+        "notes": sha256(repr(notes).encode()).hexdigest()[:16],
     }
 
 

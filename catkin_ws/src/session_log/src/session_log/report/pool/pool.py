@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
@@ -39,6 +40,7 @@ class PooledSession:
     margin: float  # [rad] to the nearest joint limit
     late: int  # late cycles of the fast topics
     cycles: int
+    words: str  # all that was heard, asked for and answered
 
 
 @dataclass(frozen=True)
@@ -164,7 +166,13 @@ def _member(path: Path, page: Path | None, summary: SessionSummary) -> PooledSes
         margin=summary.margin,
         late=sum(loop.late for loop in summary.loops),
         cycles=sum(loop.cycles for loop in summary.loops),
+        words=" ".join(dict.fromkeys([*summary.transcripts, *_answers(summary)])),
     )
+
+
+def _answers(summary: SessionSummary) -> Iterator[str]:
+    for given in summary.given:
+        yield f"{given.command} {given.outcome} {given.message}"
 
 
 def _largest(values: MomentSummary) -> float:

@@ -31,6 +31,7 @@ from session_log.report.session.session_data import (
     Span,
     Track,
 )
+from session_log.report.session.utterance_sounds import UtteranceSounds
 from session_log.types import Message, MessageSource
 
 MOVING = ("moving", "stopping")
@@ -107,6 +108,7 @@ class _Extractor:
         }
         self._takers: dict[MessageSource, list[Callable[[Message], None]]] = {}
         self._waiting: list[FastTopic | LoopTopic] = []
+        self._sounds = UtteranceSounds() if config.utterance_sound else None
 
     def add(self, message: Message) -> None:
         """Take what matters of one message."""
@@ -124,6 +126,8 @@ class _Extractor:
         end = self._relative(self._end)
         for words in (self._modes, self._states, self._phases):
             words.end(end)
+        if self._sounds is not None:
+            self._data.sounds = self._sounds.finish()
         self._data.health = sorted(self._health.values(), key=lambda h: h.name)
         self._data.loops = [loop for loop in self._loops.values() if loop.length]
 
@@ -164,22 +168,23 @@ class _Extractor:
     def _utterance(self, m: Any) -> None:
         wer = dict(zip(m.phrases, m.wer, strict=False))
         self._data.phrases = tuple(m.phrases) or self._data.phrases
-        self._data.heard.append(
-            RecordedUtterance(
-                speech_start=self._time(m.speech_start),
-                speech_end=self._time(m.speech_end),
-                decision=self._time(m.decision),
-                transcript=m.transcript,
-                command=m.command,
-                reason=m.reason,
-                nearest_command=m.nearest_command,
-                wer=float(wer.get(m.command or m.nearest_command, math.nan)),
-                confidence=float(m.confidence),
-                mode=m.mode,
-                decided_by=m.decided_by,
-                is_partial=bool(m.is_partial),
-            )
+        heard = RecordedUtterance(
+            speech_start=self._time(m.speech_start),
+            speech_end=self._time(m.speech_end),
+            decision=self._time(m.decision),
+            transcript=m.transcript,
+            command=m.command,
+            reason=m.reason,
+            nearest_command=m.nearest_command,
+            wer=float(wer.get(m.command or m.nearest_command, math.nan)),
+            confidence=float(m.confidence),
+            mode=m.mode,
+            decided_by=m.decided_by,
+            is_partial=bool(m.is_partial),
         )
+        self._data.heard.append(heard)
+        if self._sounds is not None:
+            self._sounds.want(heard)
 
     def _intended(self, m: Any) -> None:
         self._data.intended.append(IntendedPhrase(self._now, m.data))
@@ -223,7 +228,10 @@ class _Extractor:
             self._data.joints.extend(time[same], position[same])
 
     def _audio(self, batch: Batch, time: Track) -> None:
-        blocks = [np.asarray(samples, float) for samples in batch.column("samples")]
+        samples = [np.asarray(block, np.int16) for block in batch.column("samples")]
+        if self._sounds is not None and "rate" in batch.names:
+            self._sounds.hear(time, samples, int(batch.column("rate")[0]))
+        blocks = [block.astype(float) for block in samples]
         power = np.array([b @ b / max(len(b), 1) for b in blocks]) / FULL_SCALE**2
         level = 10.0 * np.log10(np.maximum(power, 10.0 ** (QUIETEST / 10.0)))
         has_sound = np.array([len(block) > 0 for block in blocks])

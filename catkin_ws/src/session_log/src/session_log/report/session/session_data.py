@@ -155,3 +155,4 @@ class SessionData:
     intended: list[IntendedPhrase] = field(default_factory=list)
     phrases: tuple[str, ...] = ()  # every command that the recogniser compared with
     trocars: list[RecordedTrocar] = field(default_factory=list)
+    sounds: dict[RecordedUtterance, bytes] = field(default_factory=dict)  # MP3, where asked for

@@ -91,6 +91,7 @@ class SessionSummary:
     margin: float  # [rad] smallest to a joint limit; nan if unknown
     margin_joint: str
     loops: tuple[LoopTimes, ...]
+    transcripts: tuple[str, ...]  # each once
 
 
 def summarise(
@@ -125,6 +126,7 @@ def summarise(
         margin=margins.get(nearest, math.nan),
         margin_joint=nearest,
         loops=_loops(data, config),
+        transcripts=tuple(dict.fromkeys(heard.transcript for heard in data.heard)),
     )
 
 
@@ -146,6 +148,7 @@ def from_json(values: dict[str, Any]) -> SessionSummary:
         **{
             **values,
             "phrases": tuple(values["phrases"]),
+            "transcripts": tuple(values["transcripts"]),
             "trials": tuple(PhraseTrial(**trial) for trial in values["trials"]),
             "given": tuple(GivenCommand(**given) for given in values["given"]),
             "loops": tuple(LoopTimes(**loop) for loop in values["loops"]),

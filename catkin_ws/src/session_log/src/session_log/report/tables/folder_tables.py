@@ -9,6 +9,7 @@ from datetime import datetime
 from pathlib import Path
 from urllib.parse import quote
 
+from session_log.report.notes import read_notes
 from session_log.report.pool.pool import Pool, PooledSession
 from session_log.report.tables.text_table import (
     NONE,
@@ -44,6 +45,7 @@ def sessions_table(pool: Pool, folder: Path) -> TextTable:
         tuple("" if member.is_complete else "warning" for member in members),
         tuple(_link(member.page, folder) for member in members),
         tuple(range(2, len(COLUMNS))),
+        words=tuple(_words(member) for member in members),
     )
 
 
@@ -70,6 +72,10 @@ def _row(member: PooledSession) -> tuple[str, ...]:
         margin,
         f"{member.late / member.cycles * 100:.2g}\u00a0%" if member.cycles else NONE,
     )
+
+
+def _words(member: PooledSession) -> str:
+    return " ".join([member.words, *(note.words for note in read_notes(member.path))])
 
 
 def _link(page: Path | None, folder: Path) -> str:

@@ -88,7 +88,8 @@ def table_text(table: TextTable, caption: str, label: str) -> str:
         "    " + _row(_head(column) for column in table.columns),
         r"    \midrule",
     ]
-    for row, mark, _ in table.lines():
+    for line in table.lines():
+        row, mark = line.cells, line.mark
         if mark == "total":
             lines.append(r"    \midrule")
         lines.append("    " + _row(escape(cell) for cell in row))

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from session_log.report.figures import SessionMaterial
+from session_log.report.notes import Note
 from session_log.report.session.analysis import CommandRow
 from session_log.report.session.session_data import RecordedUtterance
 from session_log.report.tables.text_table import NONE, TextTable, seconds, size_words
@@ -16,11 +18,25 @@ LEVELS = {0: "ok", 1: "warning", 2: "error", 3: "stale"}
 def commands_table(material: SessionMaterial) -> TextTable:
     """List every utterance and every command in order of time."""
     columns = ("time", "heard", "command", "WER", "outcome", "decision", "action", "why")
+    sounds = material.data.sounds
     silent = [h for h in material.data.heard if not h.command]
-    entries = [(row.time, _command_row(row), _mark(row)) for row in material.rows]
-    entries += [(h.decision, _nothing_row(h), "nothing") for h in silent]
+    entries = [(row.time, _command_row(row), _mark(row), row.heard) for row in material.rows]
+    entries += [(h.decision, _nothing_row(h), "nothing", h) for h in silent]
     entries.sort(key=lambda entry: entry[0])
-    return TextTable(columns, [e[1] for e in entries], tuple(e[2] for e in entries))
+    return TextTable(
+        columns,
+        [cells for _, cells, _, _ in entries],
+        tuple(mark for _, _, mark, _ in entries),
+        times=tuple(time for time, _, _, _ in entries),
+        sounds=tuple(sounds.get(heard, b"") if heard else b"" for _, _, _, heard in entries),
+    )
+
+
+def notes_table(notes: Sequence[Note]) -> TextTable:
+    """List the notes in their order."""
+    moments = (NONE if note.time is None else f"{note.time:.1f}\u00a0s" for note in notes)
+    rows = [(moment, note.words) for moment, note in zip(moments, notes, strict=True)]
+    return TextTable(("time", "note"), rows, is_compact=True)
 
 
 def refused_table(material: SessionMaterial) -> TextTable:

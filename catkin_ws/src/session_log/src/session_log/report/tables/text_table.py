@@ -14,6 +14,18 @@ NONE = "–"
 
 
 @dataclass(frozen=True)
+class TableLine:
+    """One row of a table."""
+
+    cells: tuple[str, ...]
+    mark: str
+    link: str
+    time: float | None
+    sound: bytes
+    words: str
+
+
+@dataclass(frozen=True)
 class TextTable:
     """Column titles and rows; `marks` holds a word for rows that stand out."""
 
@@ -23,12 +35,22 @@ class TextTable:
     links: tuple[str, ...] = ()  # address behind the first cell of each row; empty: none
     numbers: tuple[int, ...] = ()  # columns that hold numbers
     is_compact: bool = False  # fits a phone as it is; others become cards there
+    times: tuple[float, ...] = ()  # [s] of each row, on the time axis of the page
+    sounds: tuple[bytes, ...] = ()  # MP3 of each row; empty: none
+    words: tuple[str, ...] = ()  # what each row is found by besides what it shows
     NONE: ClassVar[str] = NONE  # a cell without a value
 
-    def lines(self) -> Iterator[tuple[tuple[str, ...], str, str]]:
-        """Each row with its mark and its link."""
-        nothing = ("",) * len(self.rows)
-        yield from zip(self.rows, self.marks or nothing, self.links or nothing, strict=True)
+    def lines(self) -> Iterator[TableLine]:
+        """Each row with what belongs to it."""
+        for k, cells in enumerate(self.rows):
+            yield TableLine(
+                cells,
+                mark=self.marks[k] if self.marks else "",
+                link=self.links[k] if self.links else "",
+                time=self.times[k] if self.times else None,
+                sound=self.sounds[k] if self.sounds else b"",
+                words=self.words[k] if self.words else "",
+            )
 
 
 def seconds(value: float) -> str:

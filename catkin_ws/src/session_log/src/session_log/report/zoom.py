@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the page's timeline that zooms is drawn from: templates/report.js draws it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from session_log.report.figures import SessionMaterial
+from session_log.report.figures.style import GREEN, INK, QUIET, SKY, STATE_COLORS, thin
+from session_log.report.figures.timeline import LOUDEST, QUIETEST, timeline_labels
+from session_log.report.notes import Note
+from session_log.report.session.session_data import Span, Track
+
+POINTS = 8000  # of a curve
+PHASE = "#cfe3f1"
+VOICE = {"active": SKY, "standby": STATE_COLORS["standby"]}
+
+Drawn = dict[str, object]
+
+
+def zoom_data(material: SessionMaterial, notes: Iterable[Note]) -> Drawn:
+    """Everything on the time axis, in values for JSON.
+
+    Args:
+        material: Of the session.
+        notes: On it; those of a moment are marked.
+    """
+    data = material.data
+    speech = [(u.speech_start, u.speech_end, "", GREEN if u.command else QUIET) for u in data.heard]
+    marks = [(label.time, label.words, label.color) for label in timeline_labels(material)]
+    marks += [(note.time, note.words, INK) for note in notes if note.time is not None]
+    return {
+        "duration": round(max(material.duration, 1.0), 3),
+        "marks": [(round(t, 2), words, color) for t, words, color in sorted(marks)],
+        "speech": _rounded(speech),
+        "bands": [
+            {"name": "voice", "spans": _colored(data.modes, VOICE)},
+            {"name": "robot", "spans": _colored(data.states, STATE_COLORS)},
+            {"name": "phase", "spans": _colored([s for s in data.phases if s.word], {})},
+        ],
+        "curves": [
+            _curve("sound [dBFS]", data.sound["time"], data.sound["level"].clip(QUIETEST, LOUDEST)),
+            _curve("tension [N]", data.controller["time"], data.controller["tension"]),
+        ],
+    }
+
+
+def _colored(spans: Iterable[Span], colors: dict[str, str]) -> list[Sequence[object]]:
+    return _rounded([(s.start, s.end, s.word, colors.get(s.word, PHASE)) for s in spans])
+
+
+def _rounded(spans: Iterable[tuple[float, float, str, str]]) -> list[Sequence[object]]:
+    return [(round(start, 2), round(end, 2), *rest) for start, end, *rest in spans]
+
+
+def _curve(name: str, time: Track, value: Track) -> Drawn:
+    time, value = thin(time, value, POINTS)
+    return {"name": name, "time": time.round(2).tolist(), "value": value.round(2).tolist()}
