@@ -7,6 +7,7 @@ import pytest
 
 from session_log.cli import CONFIG
 from session_log.config import RecorderConfig, ReportConfig
+from session_log.report import many_sessions, one_session
 from support.story import write_session
 from typed_config import load_config, load_yaml
 
@@ -15,6 +16,14 @@ from typed_config import load_config, load_yaml
 def report_config():
     """The settings of report.yaml, with coarse figures: they are drawn many times here."""
     return load_config(ReportConfig, {**load_yaml(CONFIG), "resolution": 60}, "report.yaml")
+
+
+@pytest.fixture
+def without_figures(monkeypatch):
+    """Reports have no figures, which take most of their time."""
+    for module in (one_session, many_sessions):
+        monkeypatch.setattr(module, "POOL_FIGURES", ())
+    monkeypatch.setattr(one_session, "SESSION_FIGURES", ())
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ from PIL import Image
 from session_log.errors import OutputFailed
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
+from session_log.report import one_session
 from session_log.report.notes import Note, add_note
 from session_log.report.one_session import write_report
 from session_log.report.tables.text_table import length
@@ -166,6 +167,7 @@ def test_origin_and_limits_are_named(report):
     assert "model_sha256" in words and "limit of 50\u00a0µm" in words
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_what_was_recorded_is_text_never_markup(tmp_path, report_config, monkeypatch):
     from support import story as synthetic_session
 
@@ -188,6 +190,7 @@ def test_a_session_without_anything_still_gives_a_page_that_says_so(tmp_path, re
     assert "No spoken command led to an action." in page.words
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_a_killed_recording_is_reported_with_a_warning(story, tmp_path, report_config):
     content = story[0].read_bytes()
     (tmp_path / "s.mcap").write_bytes(content[: len(content) * 2 // 3])
@@ -195,7 +198,9 @@ def test_a_killed_recording_is_reported_with_a_warning(story, tmp_path, report_c
     assert "The recorder did not close this file" in result.page.read_text(encoding="utf-8")
 
 
-def test_figures_are_also_written_for_a_paper_when_asked(tmp_path, report_config):
+def test_figures_are_also_written_for_a_paper_when_asked(tmp_path, report_config, monkeypatch):
+    some = tuple(f for f in one_session.SESSION_FIGURES if f.name == "rcm_error")
+    monkeypatch.setattr(one_session, "SESSION_FIGURES", some)
     write_session(tmp_path / "s.mcap", duration=4.0, rate=50)
     config = replace(report_config, vector=True)
     result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, config)
@@ -209,6 +214,7 @@ def test_a_folder_that_cannot_be_made_is_named(story, tmp_path, report_config):
         write_report(SessionReader(story[0]), tmp_path / "file", report_config)
 
 
+@pytest.mark.usefixtures("without_figures")
 @pytest.mark.parametrize(("missed", "is_warned"), [(1, False), (500, True)])
 def test_one_lost_message_of_thousands_is_a_note_and_many_are_a_warning(
     tmp_path, report_config, missed, is_warned

@@ -57,6 +57,7 @@ def test_readable_sessions_are_pooled_and_the_others_named(sessions, tmp_path, r
     assert {path.stem for path in report.figures} == {"accuracy", "confusion", "latency"}
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_every_session_has_a_page_that_its_row_leads_to(sessions, report_config):
     shutil.rmtree(sessions / "day 1")
     report = folder([sessions], sessions, report_config, beside=True)
@@ -68,6 +69,7 @@ def test_every_session_has_a_page_that_its_row_leads_to(sessions, report_config)
     assert not (sessions / "odd" / "report.html").exists()
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_pages_below_the_output_leave_the_recordings_alone(sessions, tmp_path, report_config):
     before = sorted(sessions.rglob("*"))
     report = folder([sessions / "killed"], tmp_path / "out", report_config)
@@ -76,6 +78,7 @@ def test_pages_below_the_output_leave_the_recordings_alone(sessions, tmp_path, r
     assert link.startswith("sessions/killed_") and (tmp_path / "out" / link).is_file()
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_a_session_is_read_again_only_when_it_changed(
     sessions, tmp_path, report_config, monkeypatch
 ):
@@ -99,6 +102,7 @@ def test_a_session_is_read_again_only_when_it_changed(
     assert sorted(opened) == ["day 1", "odd"]
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_other_settings_or_a_damaged_summary_are_no_reason_to_trust_it(
     sessions, tmp_path, report_config
 ):
@@ -117,6 +121,7 @@ def test_other_settings_or_a_damaged_summary_are_no_reason_to_trust_it(
     assert folder([sessions], out, strict, with_pages=False).sessions == 3
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_one_broken_session_does_not_end_the_others(sessions, tmp_path, report_config, monkeypatch):
     summarise = one_session.summarise
 
