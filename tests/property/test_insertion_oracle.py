@@ -15,7 +15,8 @@ from rst_control.planning.plan import PhaseKind
 from rst_control.types import Rejected
 from tests.unit.rst_control.support.situations import request
 
-STARTS = 100
+STARTS = 100  # whose insertion is planned
+JUDGED = 3  # of so many plans one is looked at in full; the bench looks at all of its own
 LOOKS = 25  # places of each phase
 RATE = 1000.0  # [Hz] of the looks at the way through the trocar; the bench takes 10 kHz
 RCM_WORST = 2e-6  # [m], of which 1 um is PyBullet's single precision
@@ -44,13 +45,11 @@ def test_insertion_from_anywhere_outside_is_planned_or_refused_with_a_reason(dec
     assert all("blocked" in decision.words for decision in refused)
 
 
-def test_every_plan_keeps_trocar_surface_joint_limits_and_their_derivatives(judge, decisions):
-    judged = 0
-    for q, decision in decisions:
-        if not isinstance(decision, Rejected):
-            assert judge.objection(q, decision.plan.phases, LOOKS) == ""
-            judged += 1
-    assert judged > 0.9 * STARTS
+def test_plans_keep_trocar_surface_joint_limits_and_their_derivatives(judge, decisions):
+    plans = [(q, d.plan) for q, d in decisions if not isinstance(d, Rejected)]
+    assert len(plans) > 0.9 * STARTS
+    for q, plan in plans[::JUDGED]:
+        assert judge.objection(q, plan.phases, LOOKS) == ""
 
 
 def test_approaches_differ_but_all_lead_through_the_same_trocar(planner, judge, decisions):
@@ -65,7 +64,7 @@ def test_approaches_differ_but_all_lead_through_the_same_trocar(planner, judge, 
 
 def test_withdrawals_from_anywhere_inside_keep_them_as_well(planner, judge, verify, home):
     q, judged = home, 0
-    for pose in random_poses(planner.config, 60, seed=22):
+    for pose in random_poses(planner.config, 30, seed=22):
         try:
             q = planner.leg(q, pose).end
         except Infeasible:

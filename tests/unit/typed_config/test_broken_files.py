@@ -14,6 +14,12 @@ from typed_config import ConfigError, load_yaml
 FILES = sorted(kinds())
 files = pytest.mark.parametrize("path", FILES, ids=[path.name for path in FILES])
 ENTRY = re.compile(r"^  - \{")
+# One reader reads all files: what it refuses before it looks at keys is tried on these.
+SHAPES = ("audio.yaml", "controller.yaml", "gen3_openrst.yaml", "session.yaml")
+ON_EACH = {
+    *("empty", "a comment only", "null", "a list", "words", "a number"),
+    *("two documents", "one alias", "os.system", "base 60"),
+}
 
 
 def short(path):
@@ -77,6 +83,8 @@ def damages(text, trace):
 def test_a_damaged_file_is_refused_by_its_name_and_runs_nothing(path, tmp_path):
     trace, failures, cases = tmp_path / "ran", [], 0
     for name, data in damages(short(path), trace):
+        if path.name not in SHAPES and name not in ON_EACH:
+            continue
         cases += 1
         try:
             load(tmp_path, path, data)
@@ -88,7 +96,7 @@ def test_a_damaged_file_is_refused_by_its_name_and_runs_nothing(path, tmp_path):
         else:
             failures.append(f"{name} is accepted")
     assert not failures, "\n".join(failures)
-    assert cases >= 29 and not trace.exists()
+    assert cases == (29 if path.name in SHAPES else len(ON_EACH)) and not trace.exists()
 
 
 @files

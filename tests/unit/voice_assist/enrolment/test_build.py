@@ -64,7 +64,7 @@ def config() -> EnrolmentConfig:
     quick = dataclasses.replace(
         whole.adapt, copies=1, broken_off=1, others=15, steps=4, batch=6, rate=1e-4
     )
-    check = dataclasses.replace(whole.self_check, folds=2, others=12)
+    check = dataclasses.replace(whole.self_check, folds=2, others=4)
     return dataclasses.replace(whole, talk=8.0, adapt=quick, self_check=check)
 
 
