@@ -30,6 +30,7 @@ for package in (rst_control, voice_assist):  # pytest's paths hide the generated
     package.__path__ = extend_path(package.__path__, package.__name__)
 node = import_module("voice_assist.ros.voice_node")
 diagnostics = import_module("voice_assist.ros.diagnostics")
+controller_state = import_module("voice_assist.ros.controller_state")
 
 BEATS = 5  # heartbeats that show that they go on
 CONFIG = load_voice_config()
@@ -109,7 +110,6 @@ class Room:
             "Publishers": lambda: self,
             "CommandClient": lambda *_: caller,
             "RobotSpeechTopic": lambda _: SimpleNamespace(take=list),
-            "follow_controller": lambda *_: None,
             "VoiceDiagnostics": self.diagnostics,
             "make_recognizer": lambda _: self.recognizer,
             "make_spotters": lambda _: (self.spotter, "0"),
@@ -118,6 +118,7 @@ class Room:
         }
         for name, value in replaced.items():
             monkeypatch.setattr(node, name, value)
+        monkeypatch.setattr(controller_state, "rospy", SimpleNamespace(Subscriber=quiet))
         self.node = node.VoiceNode(load_voice_config())
         self._thread = threading.Thread(target=self._run)
         self._thread.start()

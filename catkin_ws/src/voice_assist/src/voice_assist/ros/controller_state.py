@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The controller's state, as it comes: whether the robot moves, and its mode."""
+"""What the voice node knows of the robot: whether it moves, and its mode."""
 
 from __future__ import annotations
 
@@ -8,18 +8,56 @@ from collections.abc import Callable
 import rospy
 
 from rst_control.msg import ControllerState
+from voice_assist.config.moving import MovingConfig
 from voice_assist.pipeline.robot_mode import RobotMode
 from voice_assist.pipeline.robot_motion import RobotMotion
+from voice_assist.types import Mode
 
 TOPIC = "rst_control/state"
 
 
-def follow_controller(motion: RobotMotion, mode: RobotMode, clock: Callable[[], float]) -> None:
-    """Report each state to the rules, by a steady clock [s]."""
+class ControllerFollower:
+    """Both rules, fed with the controller's state and with each command that is passed on.
 
-    def take(message: ControllerState) -> None:
-        now = clock()
-        motion.report(message.state, message.assistance_enabled, now)
-        mode.report(message.assistance_enabled, now)
+    Args:
+        config: Settings of both rules.
+        clock: A steady clock [s].
+    """
 
-    rospy.Subscriber(TOPIC, ControllerState, take, queue_size=1)
+    def __init__(self, config: MovingConfig, clock: Callable[[], float]) -> None:
+        self._motion, self._mode, self._clock = RobotMotion(config), RobotMode(config), clock
+        rospy.Subscriber(TOPIC, ControllerState, self._take, queue_size=1)
+
+    def _take(self, message: ControllerState) -> None:
+        now = self._clock()
+        self._motion.report(message.state, message.assistance_enabled, now)
+        self._mode.report(message.assistance_enabled, now)
+
+    def is_moving(self) -> bool:
+        """Whether the robot moves now, or may."""
+        return self._motion.is_moving(self._clock())
+
+    def mode(self) -> Mode | None:
+        """Its mode; None: it is unknown, or the voice may be about to change it."""
+        return self._mode(self._clock())
+
+    def arm(self, is_armed: bool) -> None:
+        """Take whether motion commands count by voice."""
+        self._motion.arm(is_armed)
+
+    def send(self, is_motion: bool) -> None:
+        """A command is about to be passed on."""
+        if is_motion:
+            self._motion.send()
+        self._mode.send()
+
+    def answer(self, is_motion: bool) -> None:
+        """The controller answered it, or failed to."""
+        if is_motion:
+            self._motion.answer(self._clock())
+        self._mode.answer(self._clock())
+
+    def drop(self) -> None:
+        """Commands that wait to be passed on never will be."""
+        self._motion.drop(self._clock())
+        self._mode.drop(self._clock())

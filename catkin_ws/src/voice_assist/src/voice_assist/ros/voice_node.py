@@ -29,11 +29,9 @@ from voice_assist.errors import VoiceError
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Event
-from voice_assist.pipeline.robot_mode import RobotMode
-from voice_assist.pipeline.robot_motion import RobotMotion
 from voice_assist.profile.active import facts_of
 from voice_assist.ros.command_client import CommandClient
-from voice_assist.ros.controller_state import follow_controller
+from voice_assist.ros.controller_state import ControllerFollower
 from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.microphone_service import MicrophoneService
 from voice_assist.ros.node_settings import is_restart, node_settings
@@ -119,10 +117,7 @@ class VoiceNode:
         self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, observer)
         self._client = CommandClient(config.commands.answer_within, self._answers.put)
         self._robot_speech = RobotSpeechTopic(_now)
-        self._motion = RobotMotion(config.moving)
-        self._was_moving = False
-        self._robot_mode = RobotMode(config.moving)
-        follow_controller(self._motion, self._robot_mode, _steady)
+        self._robot, self._was_moving = ControllerFollower(config.moving, _steady), False
         self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
 
     def run(self) -> None:
@@ -190,7 +185,7 @@ class VoiceNode:
 
     def _with_motion(self, frame: Frame) -> Frame:
         """The frame with whether the robot moves; each change is noted for a replay."""
-        is_moving = self._motion.is_moving(_steady())
+        is_moving = self._robot.is_moving()
         if is_moving != self._was_moving:
             self._was_moving = is_moving
             change = SideInput(SideInputKind.MOVING, frame.first_sample, is_moving=is_moving)
@@ -240,44 +235,36 @@ class VoiceNode:
         if isinstance(action, Halt):
             self._stop()
         elif isinstance(action, Call):
-            if action.command not in self._repeatable:
-                self._motion.send()
-            self._robot_mode.send()
-            self._client.call(action.command, action.command in self._repeatable)
+            is_repeatable = action.command in self._repeatable
+            self._robot.send(is_motion=not is_repeatable)
+            self._client.call(action.command, is_repeatable)
         elif isinstance(action, Ask):
             self._publish.reply(spoken_reply(f"{action.command}?", self._config.commands.phrases))
         elif isinstance(action, SetMode):
-            self._motion.arm(action.mode is Mode.ACTIVE)
+            self._robot.arm(action.mode is Mode.ACTIVE)
             self._publish.mode(action.mode, action.reason, _now())
 
     def _stop(self) -> None:
-        self._publish.stop()
         self._stopped = _now()
-        self._forget_commands()
+        self._hold()
 
     def _hold(self) -> None:
-        """Stop because hearing failed; a stop that is spotted later is sent, too."""
+        """Stop; where hearing failed, a stop that is spotted later is sent, too."""
         self._publish.stop()
-        self._forget_commands()
-
-    def _forget_commands(self) -> None:
         self._client.forget()
-        self._motion.drop(_steady())
-        self._robot_mode.drop(_steady())
+        self._robot.drop()
 
     def _take_reports(self) -> None:
         for spoke in self._robot_speech.take():
             self._pipeline.robot_spoke(spoke)
         while not self._answers.empty():
             self._take_answer(self._answers.get())
-        if (mode := self._robot_mode(_steady())) is not None:
+        if (mode := self._robot.mode()) is not None:
             for action in self._pipeline.follow(mode):
                 self._do(action)
 
     def _take_answer(self, answered: Answered) -> None:
-        if answered.command not in self._repeatable:
-            self._motion.answer(_steady())
-        self._robot_mode.answer(_steady())
+        self._robot.answer(is_motion=answered.command not in self._repeatable)
         if reply := spoken_reply(answered.message, self._config.commands.phrases):
             self._publish.reply(reply)
         if answered.is_accepted:
