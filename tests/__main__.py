@@ -32,10 +32,12 @@ def main(arguments: Sequence[str]) -> int:
     """Run them; 0 when all passed."""
     RESULTS.mkdir(parents=True, exist_ok=True)
     if arguments == ["--fast"]:
+        _compile_kernels()
         fast = subprocess.call(_command("fast", (*WITHOUT, *WITH_NODES), CORES, "-m", "not slow"))
         return _conclude(["fast"], [fast])
     if arguments:
         return subprocess.call(_pytest(*_places(arguments), *arguments))
+    _compile_kernels()
     print("Tests with nodes first; the others run beside them and are shown last.", flush=True)
     log = RESULTS / "others.log"
     with log.open("wb") as file:
@@ -86,6 +88,12 @@ _KEYS = ("tests", "failures", "errors", "skipped")
 
 def _tree(file: Path) -> ElementTree.Element:
     return ElementTree.parse(file).getroot() if file.is_file() else ElementTree.Element("none")
+
+
+def _compile_kernels() -> None:
+    """Once for all: what starts while they are compiled would compile them for itself."""
+    script = ROOT / "examples" / "move_simulated_robot.py"
+    subprocess.call([sys.executable, script], stdout=subprocess.DEVNULL)
 
 
 def _pytest(*words: str) -> list[str]:
