@@ -167,7 +167,6 @@ def test_origin_and_limits_are_named(report):
     assert "model_sha256" in words and "limit of 50\u00a0µm" in words
 
 
-@pytest.mark.usefixtures("without_figures")
 def test_what_was_recorded_is_text_never_markup(tmp_path, report_config, monkeypatch):
     from support import story as synthetic_session
 
