@@ -46,10 +46,10 @@ def main() -> None:
         for frame in Framer().push(sound, 0.0):
             pipeline(frame)
         found[kind] = (time.process_time() - begin) / SECONDS
-    print(json.dumps({**found, "rss": _resident()}))
+    print(json.dumps({**found, "rss": resident()}))
 
 
-def _resident() -> int:
+def resident() -> int:
     """Most memory of this process that was resident [bytes]."""
     for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
         if line.startswith("VmHWM:"):

@@ -3,7 +3,8 @@
 
 In the environment: THIN=1 takes all clips (3: one in three in noise), JOBS the processes. The long
 parts (trials, stop, armed, near, foreign, ask, unarmed, nothing) go on where they were interrupted:
-see bench/common/resumable.py for MINUTES, SHARE, RESULTS and FORCE, hearing/pieces.py for MODEL,
+see bench/common/resumable.py for MINUTES, SHARE, RESULTS and FORCE, hearing/pieces.py and sizes.py
+for MODEL,
 and the parts themselves for HOURS and SOAK.
 """
 
@@ -22,6 +23,7 @@ from bench.voice import (
     near_misses,
     overlap,
     overlap_network,
+    sizes,
     stop,
     trials,
     unarmed,
@@ -37,6 +39,7 @@ PARTS: dict[str, Callable[[], list[Figure]]] = {
     "foreign": foreign.measure,
     "ask": ask.measure,
     "overlap_network": overlap_network.measure,
+    "sizes": sizes.measure,
     "armed": armed.measure,
     "calibration": calibration.measure,
     "idle": idle.measure,

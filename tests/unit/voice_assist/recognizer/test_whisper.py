@@ -13,7 +13,7 @@ from voice_assist.errors import ModelError
 from voice_assist.recognizer.ctranslate2 import convert
 from voice_assist.recognizer.token_tree import TokenTree, likelihoods
 from voice_assist.recognizer.whisper import OpenAIRecognizer, load_recognizer, once
-from voice_assist.types import RATE
+from voice_assist.types import RATE, Hypothesis
 
 DIMS = ModelDimensions(80, 600, 64, 1, 2, 51864, 64, 64, 1, 2)
 PHRASES = ("stop", "pull more", "pull less")
@@ -103,6 +103,13 @@ def _counted(call, calls):
         return call(x)
 
     return counted
+
+
+def test_a_text_of_odd_letters_is_weighed_though_it_fills_the_context(recognizer):
+    heard = sound(3)
+    odd = "\ufffd" * 200  # three tokens each
+    recognizer._listen(heard).text = Hypothesis(odd, -1.0, 0.0)
+    assert all(np.isfinite(score) for score in recognizer.score(heard, PHRASES).values())
 
 
 def test_a_hopeless_text_ends_and_its_whole_is_still_weighed(recognizer):

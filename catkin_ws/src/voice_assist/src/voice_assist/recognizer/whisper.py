@@ -127,7 +127,7 @@ class OpenAIRecognizer:
         texts |= {text: [text] for text in ("", free) if _plain(text) not in phrases}
         tokenizer = self._task.tokenizer
         written = {text for some in texts.values() for text in some}
-        lines = {t: tokenizer.encode(f" {t}", disallowed_special=()) if t else [] for t in written}
+        lines = {t: self._tokens(t) for t in written}
         prompt = tokenizer.sot_sequence_including_notimestamps
         sound, decoder = heard.states, self.model.decoder
         with torch.inference_mode():
@@ -152,6 +152,12 @@ class OpenAIRecognizer:
             mel = log_mel(sound, self.model.dims.n_mels).to(self.dtype)
             self._newest = _Listened(samples, encode_short(self.model.encoder, mel))
         return self._newest
+
+    def _tokens(self, text: str) -> list[int]:
+        """Of a text as it stands behind the prompt; odd letters can take more than were written."""
+        most = min(self._task.sample_len, self._task.n_ctx - self._task.sample_begin - 1)
+        encode = self._task.tokenizer.encode
+        return encode(f" {text}", disallowed_special=())[:most] if text else []
 
     def _write(self, heard: _Listened, is_hopeless: IsHopeless) -> Hypothesis:
         was_cut = False
