@@ -16,7 +16,7 @@ from support.launched_system import end_group, free_port
 from support.theatre_sound import RATE, speak
 
 ROOT = Path(__file__).resolve().parents[2]
-FOLDERS = ("catkin_ws", "docker", "launch", "urdf")
+FOLDERS = ("catkin_ws", "docker")
 BUILT = ("build", "devel", "install", "__pycache__", ".catkin_workspace")
 BROKEN = "raise ImportError('this em lies under ~/.local')\n"
 PATIENCE = 240.0  # [s] for the system to come up and take a command on a loaded machine
