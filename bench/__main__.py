@@ -24,6 +24,7 @@ SETS = {  # name for people, also of the file of results: the module that measur
     "kinova": "bench.kinova.suite",
     "site": "bench.site.suite",
     "system": "bench.system",
+    "display": "bench.display",
 }
 
 

@@ -109,20 +109,38 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        wav = _talk(folder / "talk.wav", seconds + LEAD)
         with System(folder / "launch.log", {}) as system:
             rospy.init_node("bench", anonymous=True, disable_signals=True)
             observer = Observer()
-            system.launch(
-                ROOT / "launch" / "system.launch",
-                sessions=folder,
-                session="bench",
-                source="wav",
-                wav=wav,
-            )
-            _wait_until_ready(system, observer)
+            start_talking_system(system, observer, folder, seconds + LEAD)
             time.sleep(SETTLE)
             return _observe(system, observer, seconds)
+
+
+def start_talking_system(
+    system: System, observer: Observer, folder: Path, seconds: float, **arguments: str | bool
+) -> None:
+    """Launch the simulated system where people talk without a pause; returns when it is ready.
+
+    Args:
+        system: Its master.
+        observer: Of what it says.
+        folder: For the sound and the session.
+        seconds: Of talk [s].
+        arguments: Further launch arguments.
+
+    Raises:
+        RuntimeError: It did not start.
+    """
+    system.launch(
+        ROOT / "launch" / "system.launch",
+        sessions=folder,
+        session="bench",
+        source="wav",
+        wav=_talk(folder / "talk.wav", seconds),
+        **arguments,
+    )
+    _wait_until_ready(system, observer)
 
 
 def _observe(system: System, observer: Observer, seconds: float) -> list[Figure]:

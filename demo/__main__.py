@@ -19,6 +19,7 @@ from rich.table import Table
 
 from demo.check import StepVerdict, verdicts, worst_rcm_error
 from demo.film import Camera, take_picture, write_film
+from demo.page import PagePicture
 from demo.script import Script, load_script
 from demo.sound import render
 from demo.timeline import Timeline
@@ -96,7 +97,7 @@ def _session(
         microphone = None if options.microphone or options.wav else _virtual(stack, console)
         lead = 0.0 if microphone else WAV_LEAD
         wav = _record_script(script, folder / "script.wav", lead)
-        source: dict[str, str | Path]
+        source: dict[str, str | bool | Path]
         if options.microphone:
             source = {"source": "microphone"}
         elif microphone:
@@ -104,6 +105,7 @@ def _session(
         else:
             source = {"source": "wav", "wav": wav}
         console.print(f"Starting the system (log: {folder / 'launch.log'})")
+        source |= {"display": True, "display_port": "0"}  # any that is free
         environment = microphone.environment if microphone else {}
         system = stack.enter_context(System(folder / "launch.log", environment))
         rospy.init_node("demo", anonymous=True, disable_signals=True)
@@ -114,6 +116,8 @@ def _session(
             system.launch_session(folder, gui=options.gui, **source)
         timeline = stack.enter_context(Timeline(console))
         _wait_until_ready(system, timeline)
+        page = PagePicture(folder / "page.png", timeline.say)
+        stack.callback(page.close)
         if options.microphone:
             return _listen(system, timeline)
         with timeline.first_sound(SOUND_TIME, is_file=microphone is None) as first_sound:
@@ -124,7 +128,7 @@ def _session(
             timeline.start_clock(first_sound() + lead)
         if options.film:
             stack.callback(Camera(timeline.warn).close)
-        _follow(script, system, timeline)
+        _follow(script, system, timeline, page)
         worst = worst_rcm_error(timeline.observed)
         timeline.say(f"largest RCM error while moving: {worst * 1e6:.2g} um, from joint states")
         return verdicts(script, timeline.observed)
@@ -152,8 +156,8 @@ def _wait_until_ready(system: System, timeline: Timeline) -> None:
     system.wait_for(parts, lambda part: timeline.say(f"{part} ready", "green"))
 
 
-def _follow(script: Script, system: System, timeline: Timeline) -> None:
-    """Announce each step as it is spoken and take a picture at its end."""
+def _follow(script: Script, system: System, timeline: Timeline, page: PagePicture) -> None:
+    """Announce each step as it is spoken; take a picture at its end, and one of the page."""
     take_picture(timeline.warn)
     for i, step in enumerate(script.steps):
         _wait_until(step.at, system, timeline)
@@ -162,6 +166,7 @@ def _follow(script: Script, system: System, timeline: Timeline) -> None:
         timeline.say(f'{who} says "{step.say}"', "bold white")
         end = script.end_of(i)
         if step.effect in ("tense", "more", "less", "stopped", "released"):
+            page.take()
             _wait_until(end - 1.0, system, timeline)
             take_picture(timeline.warn)
         _wait_until(end, system, timeline)

@@ -73,13 +73,13 @@ class System:
         ]
         self._spawn(["roslaunch", "--wait", str(file), *words])
 
-    def launch_session(self, folder: Path, gui: bool = False, **source: str | Path) -> None:
+    def launch_session(self, folder: Path, gui: bool = False, **source: str | bool | Path) -> None:
         """Start the whole system on a simulated robot that is recorded into a folder.
 
         Args:
             folder: Of this session.
             gui: Open the simulator's window.
-            source: Launch arguments that say where the sound comes from.
+            source: Further launch arguments, such as where the sound comes from.
         """
         self.launch(
             ROOT / "launch" / "system.launch",
@@ -91,13 +91,13 @@ class System:
             **source,
         )
 
-    def launch_kinova(self, folder: Path, gui: bool = False, **source: str | Path) -> None:
+    def launch_kinova(self, folder: Path, gui: bool = False, **source: str | bool | Path) -> None:
         """The same on the strict stand-in of Kinova's and OpenRST's drivers, through the bridge.
 
         Args:
             folder: Of this session.
             gui: Open the simulator's window.
-            source: Launch arguments that say where the sound comes from.
+            source: Further launch arguments, such as where the sound comes from.
         """
         trocar = yaml.safe_load((CONFIG / "scene.yaml").read_text(encoding="utf-8"))["trocar"]
         self.launch(

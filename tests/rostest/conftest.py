@@ -19,6 +19,7 @@ from tests.support.ros_host import Host
 
 HERE = Path(__file__).parent
 SHOWN = 8000  # characters of what a failed rostest, or the system, said
+SKIPPED = re.compile(r"^skipped: (.+)$", re.MULTILINE)  # said by a script that cannot run here
 RAN = re.compile(r"^Ran (\d+) tests? in", re.MULTILINE)
 
 
@@ -69,6 +70,8 @@ class RosTest(pytest.Item):
         except subprocess.TimeoutExpired as late:
             said = (late.output or b"").decode(errors="replace")
             self.fail(f"{said[-SHOWN:]}\nno end within {self.limit:g} s")
+        if skipped := SKIPPED.search(done.stdout):
+            pytest.skip(skipped[1])
         ran = RAN.search(done.stdout)
         if done.returncode or not (ran and int(ran[1])):
             self.fail(done.stdout[-SHOWN:])

@@ -3,51 +3,19 @@
 """From sound to a robot that stops, or does not: the same sentences at rest and in motion."""
 
 import sys
-import threading
 import unittest
 
-import numpy as np
 import rospy
 import rostest
 
-from support.theatre_sound import speak
 from tests.support.robot_client import RobotClient
-from voice_assist.audio.source import FRAME
-from voice_assist.msg import AudioChunk, Mode, Utterance
-from voice_assist.types import FULL_SCALE, RATE
+from tests.support.spoken_topic import Microphone
+from voice_assist.msg import Mode, Utterance
 
 WITH_STOP = ("he said stop and went on", "we should stop here for now")
 WITHOUT = ("he said pull more and went on", "the nurse told us to wait here")
 READY = 120.0  # [s] allowed for the voice node to listen
 HEARD = 15.0  # [s] allowed for a decision after the end of a sentence
-
-
-class Microphone:
-    """A quiet room on the audio topic, in real time, in which sentences are said."""
-
-    def __init__(self):
-        self.topic = rospy.Publisher("audio_in", AudioChunk, queue_size=100)
-        self.waiting, self.lock, self.sent = np.zeros(0, np.int16), threading.Lock(), 0
-        self.noise = np.random.default_rng(0)
-        self.timer = rospy.Timer(rospy.Duration(FRAME / RATE), self.send)
-
-    def say(self, words):
-        """Say them; returns when the last of it was sent."""
-        sound = np.round(speak(words, "en-us", 150) * FULL_SCALE).astype(np.int16)
-        with self.lock:
-            self.waiting = np.concatenate([self.waiting, sound])
-        while len(self.waiting):
-            rospy.sleep(0.02)
-
-    def send(self, _):
-        with self.lock:
-            said, self.waiting = self.waiting[:FRAME], self.waiting[FRAME:]
-        block = np.round(3.0 * self.noise.standard_normal(FRAME)).astype(np.int16)
-        block[: len(said)] += said
-        chunk = AudioChunk(rate=RATE, first_sample=self.sent, samples=block.tolist())
-        chunk.header.stamp = rospy.Time.now()
-        self.topic.publish(chunk)
-        self.sent += FRAME
 
 
 class StopInASentence(unittest.TestCase):

@@ -32,7 +32,7 @@ def rig():
 
 def shapes(rig, view=None):
     make = ControllerShapes(load_robot(), rig.config)
-    found = make(view or rig.view, np.array(rig.config.scene.trocar))
+    found = make(view or rig.view, rig.config.scene)
     assert len({shape.name for shape in found}) == len(found)
     return {shape.name: shape for shape in found}
 

@@ -14,6 +14,7 @@ from tests.unit.voice_assist.support.fake_speech import (
 from voice_assist.config import load_voice_config
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.side_inputs import ignore
 from voice_assist.types import (
     RATE,
     Call,
@@ -40,11 +41,11 @@ class StreamClock:
         return self.now
 
 
-def make(mode=Mode.ACTIVE, recognizer=None, detector=None, **changes):
+def make(mode=Mode.ACTIVE, recognizer=None, detector=None, observer=ignore, **changes):
     clock = StreamClock()
     config = load_voice_config(**changes)
     hearer, detector = recognizer or FakeRecognizer(), detector or make_detector()
-    pipeline = Pipeline(config, hearer, detector, clock)
+    pipeline = Pipeline(config, hearer, detector, clock, observer=observer)
     pipeline.set_mode(mode, "test")
     return pipeline, clock
 

@@ -6,6 +6,7 @@ import pytest
 from tests.unit.voice_assist.pipeline.test_pipeline import commands, decisions, make, run
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
 from voice_assist.config import load_voice_config
+from voice_assist.side_inputs import SideInputKind
 from voice_assist.types import Ask, Call, Mode, RejectionReason
 
 CONFIG = load_voice_config().recognizer
@@ -93,3 +94,54 @@ def test_a_doubtful_confidence_is_asked_for_too():
 def test_what_is_no_motion_is_never_asked_for(word):
     events = hear(f"0.3 {word} 0.8 {YES}", {word: NEARLY["pull more"]})
     assert not [action for action in actions(events) if isinstance(action, Ask)]
+
+
+def ask_by_hand(after="0.8"):
+    """A pipeline that has just asked for "pull more", the sound that follows, and what is noted."""
+    noted = []
+    changes = {"recognizer__ask__is_enabled": True, "recognizer__ask__answer": YES}
+    pipeline, clock = make(
+        Mode.ACTIVE, FakeRecognizer(odds=NEARLY), observer=noted.append, **changes
+    )
+    sound = iter(frames(say(f"0.3 pull more {after} 0.5")))
+    while not actions(run(pipeline, clock, [next(sound)])):
+        pass
+    return pipeline, noted, lambda: run(pipeline, clock, sound)
+
+
+def by_hand(noted):
+    return [(n.command, n.is_accepted) for n in noted if n.kind is SideInputKind.BY_HAND]
+
+
+def test_an_answer_by_hand_does_it_once_and_is_noted():
+    pipeline, noted, _ = ask_by_hand()
+    assert pipeline.answer_by_hand("pull more", True) == (Call("pull more"),)
+    assert pipeline.answer_by_hand("pull more", True) is None
+    assert by_hand(noted) == [("pull more", True)]
+
+
+def test_a_no_by_hand_drops_it_for_the_voice_too():
+    pipeline, noted, hear_on = ask_by_hand(f"0.8 {YES}")
+    assert pipeline.answer_by_hand("pull more", False) == ()
+    assert commands(hear_on()) == []
+    assert by_hand(noted) == [("pull more", False)]
+
+
+@pytest.mark.parametrize("command", ["pull less", "tense", "", "nonsense"])
+def test_another_answer_by_hand_than_to_the_question_does_nothing(command):
+    pipeline, noted, _ = ask_by_hand()
+    assert pipeline.answer_by_hand(command, True) is None
+    assert by_hand(noted) == []
+
+
+def test_an_answer_by_hand_that_comes_late_does_nothing():
+    pipeline, noted, hear_on = ask_by_hand("4.0")
+    hear_on()
+    assert pipeline.answer_by_hand("pull more", True) is None
+    assert by_hand(noted) == []
+
+
+def test_after_a_change_of_mode_an_answer_by_hand_does_nothing():
+    pipeline, _, _ = ask_by_hand()
+    pipeline.set_mode(Mode.STANDBY, "test")
+    assert pipeline.answer_by_hand("pull more", True) is None

@@ -21,6 +21,7 @@ class SideInputKind(Enum):
 
     HEARD = "heard"  # every second or so: all before this frame was heard and decided on
     ANSWERED = "answered"  # the controller answered before this frame was heard
+    BY_HAND = "by hand"  # before it, a person answered a question by hand
     ROBOT_MODE = "robot mode"  # before it, the robot was found in another mode than the voice
     SPEAKING = "speaking"  # before it, the robot's own speech began or ended
     MOVING = "moving"  # from it on the robot moves, or rests
@@ -34,6 +35,7 @@ class SideInputKind(Enum):
 
 REPORTED = (  # by others, between two frames
     SideInputKind.ANSWERED,
+    SideInputKind.BY_HAND,
     SideInputKind.ROBOT_MODE,
     SideInputKind.SPEAKING,
 )
@@ -46,7 +48,7 @@ class SideInput:
     kind: SideInputKind
     sample: int  # first sample of the frame
     heard_until: int = 0  # sample up to which the spotter had heard; of SPOTTER_LATE and _FAILED
-    command: str = ""  # of ANSWERED, as are the next two
+    command: str = ""  # of ANSWERED, as are the next two; of BY_HAND, as is the next
     is_accepted: bool = False
     message: str = ""
     is_speaking: bool = False  # of SPEAKING, as is the next

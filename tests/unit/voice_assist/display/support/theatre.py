@@ -72,6 +72,12 @@ class RecordedActs:
     def choose_microphone(self, name):
         return self._take(("microphone", name))
 
+    def answer(self, command, is_yes):
+        return self._take(("answer", command, is_yes))
+
+    def set_grasp_point(self, x, y):
+        return self._take(("grasp", x, y))
+
     def _take(self, what):
         self.asked.append(what)
         return Outcome(True, "done")

@@ -65,14 +65,14 @@ class Verifier:
         try:
             return command.plan(context)
         except Infeasible as error:
-            return Rejected(_reason(error), f'cannot "{command.phrase}": {error}')
+            return Rejected(reason_of(error), f'cannot "{command.phrase}": {error}')
 
 
-def _reason(error: Infeasible) -> Reason:
+def reason_of(error: Infeasible) -> Reason:
     """The limit that is broken; of several ways to grasp, where all break the same one."""
     if isinstance(error, LimitOfCommand):
         return error.reason
     if isinstance(error, NoGrasp):
-        reasons = {_reason(cause) for cause in error.reasons}
+        reasons = {reason_of(cause) for cause in error.reasons}
         return reasons.pop() if len(reasons) == 1 else Reason.NO_GRASP
     return REASONS.get(type(error), Reason.UNREACHABLE)

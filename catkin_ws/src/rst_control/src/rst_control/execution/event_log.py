@@ -21,6 +21,8 @@ EventKind = Literal[
     "cleared",
     "trocar_set",
     "trocar_refused",
+    "grasp_set",
+    "grasp_refused",
 ]
 MAX_EVENTS = 10_000  # [entries] kept where nobody takes them
 

@@ -13,7 +13,7 @@ from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.registration.pivot_calibration import PivotFit, fit_pivot
-from rst_control.registration.trocar import position_words, unrest
+from rst_control.registration.registrar import position_words, unrest
 from rst_control.types import NOT_CONNECTED, Reason, Vector
 
 MOST: Final = 1000  # poses that are kept

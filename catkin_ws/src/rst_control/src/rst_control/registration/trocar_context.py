@@ -11,7 +11,7 @@ import numpy as np
 
 from rst_control.commands.request import Accepted, Request, Situation
 from rst_control.commands.verifier import Verifier
-from rst_control.config import MotionConfig
+from rst_control.config import MotionConfig, SceneConfig
 from rst_control.errors import RstError
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, planning_joints
@@ -63,8 +63,13 @@ class TrocarContext:
         Raises:
             TrocarOutOfReach: No posture takes the shaft there, or a value is not finite.
         """
-        x, y, z = (float(value) for value in trocar)
-        scene = replace(self.config.scene, trocar=(x, y, z))
+        return self._with(replace(self.config.scene, trocar=_point(trocar)))
+
+    def with_grasp_point(self, place: Sequence[float]) -> TrocarContext:
+        """The same context with another grasp point, base frame, [m]. Shape (3,)."""
+        return self._with(replace(self.config.scene, grasp_point=_point(place)))
+
+    def _with(self, scene: SceneConfig) -> TrocarContext:
         return TrocarContext(replace(self.config, scene=scene), self.model)
 
 
@@ -93,6 +98,11 @@ class ActiveTrocarContext:
     def trocar_pose(self, joints: Vector) -> TrocarPose:
         """Where tool and arm are towards trocar and patient for the robot's joints (10,) [rad]."""
         return self.current.planner.patient.trocar_pose(planning_joints(joints)[0])
+
+
+def _point(values: Sequence[float]) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
 
 
 def _require_reach(model: RobotModel, trocar: Sequence[float]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rst_control.config import MotionConfig
+from rst_control.config import MotionConfig, SceneConfig
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.robot_model import RobotModel
@@ -39,21 +39,22 @@ class ControllerShapes:
 
     Args:
         model: The robot.
-        config: Its scene and the limits of tension.
+        config: Its limits of tension.
     """
 
     def __init__(self, model: RobotModel, config: MotionConfig) -> None:
-        self._model, self._scene = model, config.scene
+        self._model = model
         self._tension = config.controller.tension
 
-    def __call__(self, view: ControllerSnapshot, trocar: Vector) -> list[Shape]:
+    def __call__(self, view: ControllerSnapshot, scene: SceneConfig) -> list[Shape]:
         """Shapes of a state, base frame.
 
         Args:
             view: The controller's state.
-            trocar: Base frame, [m]. Shape (3,).
+            scene: The active trocar and grasp point.
         """
-        shapes = [*self._places(), *self._way(view, trocar)]
+        trocar = np.array(scene.trocar)
+        shapes = [*_places(scene), *self._way(view, trocar)]
         if view.measurement is None:
             return [*shapes, *_trocar(trocar, np.array([0.0, 0.0, 1.0]))]
         q, _ = planning_joints(view.measurement.position)
@@ -67,14 +68,6 @@ class ControllerShapes:
         if tension > self._tension.limit:
             return RED
         return AMBER if tension > self._tension.maximum + self._tension.tolerance else GREEN
-
-    def _places(self) -> list[Shape]:
-        scene = self._scene
-        centre, grasp = (np.array([p]) for p in (scene.workspace_centre, scene.grasp_point))
-        return [
-            Shape("workspace", ShapeKind.BALLS, centre, 2.0 * scene.workspace_radius, WORKSPACE),
-            Shape("grasp point", ShapeKind.BALLS, grasp, BALL, GRASP),
-        ]
 
     def _way(self, view: ControllerSnapshot, trocar: Vector) -> list[Shape]:
         def tips_of(path: Path) -> tuple[Points, Points]:
@@ -101,6 +94,14 @@ class ControllerShapes:
                 Shape("tension", ShapeKind.ARROW, ends, ARROW_WIDTH, self.colour_of(tension))
             )
         return shapes
+
+
+def _places(scene: SceneConfig) -> list[Shape]:
+    centre, grasp = (np.array([p]) for p in (scene.workspace_centre, scene.grasp_point))
+    return [
+        Shape("workspace", ShapeKind.BALLS, centre, 2.0 * scene.workspace_radius, WORKSPACE),
+        Shape("grasp point", ShapeKind.BALLS, grasp, BALL, GRASP),
+    ]
 
 
 def tension_words(view: ControllerSnapshot) -> str:

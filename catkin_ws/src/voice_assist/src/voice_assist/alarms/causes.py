@@ -72,7 +72,7 @@ GIVE_UPS: Final = {  # by the code of an event at_rest: a motion that could not 
 }
 ENDED_AS_ASKED: Final = ("terminated", "replaced")  # motions that end without an alarm
 
-REFUSALS: Final = _refusals(  # by the code of an event refused or trocar_refused
+REFUSALS: Final = _refusals(  # by the code of an event refused, trocar_refused or grasp_refused
     {
         "unknown_command": "Say one of the known commands.",
         "wrong_mode": 'Say "hey robot" first.',

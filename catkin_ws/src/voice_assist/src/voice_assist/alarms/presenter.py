@@ -57,7 +57,7 @@ def latch_alarm(reason: str, code: str, is_loaded: bool) -> Alarm:
 def event_alarm(event: ControllerEvent, is_tissue_held: bool) -> Alarm | None:
     """The alarm of an event by itself; None: none, or that of the latch."""
     words = f"{event.command}: {event.message}" if event.command else event.message
-    if event.kind in ("refused", "trocar_refused"):
+    if event.kind in ("refused", "trocar_refused", "grasp_refused"):
         return _refusal(REFUSALS.get(event.reason_code, NO_REASON), words)
     if event.kind == "at_rest":
         advice = GIVE_UPS.get(event.reason_code)

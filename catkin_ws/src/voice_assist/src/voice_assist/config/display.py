@@ -20,6 +20,8 @@ class PictureConfig:
 
     topic: str = text()
     request: str = text(may_be_empty=True)
+    camera_info: str = text()
+    camera_pose: str = text()
     period: float = number(0.1, 60.0, "s")
     share: float = number(0.01, 1.0, "")
 

@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Final, Protocol
 
 STOP = "stop"  # needs no token
 MOST_LETTERS = 200  # of a text that is asked for
@@ -35,37 +36,68 @@ class Acts(Protocol):
         """Hear by another microphone."""
         ...
 
+    def answer(self, command: str, is_yes: bool) -> Outcome:
+        """Answer what the voice node asked: do this command, or drop it."""
+        ...
+
+    def set_grasp_point(self, x: float, y: float) -> Outcome:
+        """Take the tissue at a place of the picture: shares of its width and height."""
+        ...
+
 
 class BadRequestError(ValueError):
     """What was asked for is none of the acts; says what is wrong."""
 
 
-FIELDS: Mapping[str, tuple[str, ...]] = {"microphone": ("name",)}  # of each act, all texts
+@dataclass(frozen=True)
+class _Form:
+    """The fields of one act, and what it does with them."""
+
+    fields: Mapping[str, type]
+    call: Callable[..., Outcome]  # with the system, and the fields in their order
+
+
+FORMS: Final[Mapping[str, _Form]] = {
+    "microphone": _Form({"name": str}, lambda acts, name: acts.choose_microphone(name)),
+    "answer": _Form(
+        {"command": str, "yes": bool}, lambda acts, command, yes: acts.answer(command, yes)
+    ),
+    "grasp": _Form({"x": float, "y": float}, lambda acts, x, y: acts.set_grasp_point(x, y)),
+}
 
 
 def read_act(name: str, body: bytes) -> Callable[[Acts], Outcome]:
     """What a guarded act is to do.
 
     Args:
-        name: Of the act, a key of `FIELDS`.
+        name: Of the act, a key of `FORMS`.
         body: JSON with its fields, no more and no less.
 
     Raises:
         BadRequestError: It is not.
     """
-    given = _fields(name, body)
-    return lambda acts: acts.choose_microphone(given["name"])
-
-
-def _fields(name: str, body: bytes) -> dict[str, str]:
-    wanted = FIELDS[name]
+    form = FORMS[name]
     try:
         given = json.loads(body)
     except (ValueError, RecursionError):
         raise BadRequestError("the body is not JSON") from None
-    if not isinstance(given, dict) or set(given) != set(wanted):
-        raise BadRequestError(f"{name} takes {', '.join(wanted)}, and nothing else")
-    return {key: _text(key, given[key]) for key in wanted}
+    if not isinstance(given, dict) or set(given) != set(form.fields):
+        raise BadRequestError(f"{name} takes {', '.join(form.fields)}, and nothing else")
+    values = [_read(key, kind, given[key]) for key, kind in form.fields.items()]
+    return lambda acts: form.call(acts, *values)
+
+
+def _read(key: str, kind: type, value: Any) -> Any:
+    if kind is str:
+        return _text(key, value)
+    if kind is bool:
+        if isinstance(value, bool):
+            return value
+        raise BadRequestError(f"{key} is true or false")
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if is_number and math.isfinite(value) and 0.0 <= value < 1.0:
+        return float(value)
+    raise BadRequestError(f"{key} is a share of the picture, from 0 up to below 1")
 
 
 def _text(key: str, value: object) -> str:

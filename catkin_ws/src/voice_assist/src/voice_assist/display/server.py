@@ -14,7 +14,7 @@ from aiohttp import web
 
 from voice_assist.config.display import DisplayConfig
 from voice_assist.display.access_token import AccessToken
-from voice_assist.display.acts import FIELDS, STOP, Acts, BadRequestError, Outcome, read_act
+from voice_assist.display.acts import FORMS, STOP, Acts, BadRequestError, Outcome, read_act
 from voice_assist.display.connections import Connection, Connections
 from voice_assist.display.encoding import event
 from voice_assist.display.http_rules import HostRules, answer, strict
@@ -163,7 +163,7 @@ class DisplayServer:
             request.transport.abort()
 
     async def _act(self, name: str, request: web.BaseRequest) -> Answer:
-        if name != STOP and name not in FIELDS:
+        if name != STOP and name not in FORMS:
             return answer(404, f"there is no act {name[:40]!a}")
         if request.method != "POST":
             return _refuse_method("POST")

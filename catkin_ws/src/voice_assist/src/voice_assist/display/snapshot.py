@@ -49,6 +49,14 @@ class UtterancePart:
 
 
 @dataclass(frozen=True)
+class QuestionPart:
+    """A motion that is asked for, since it was nearly sure."""
+
+    command: str
+    remaining: float  # [s] in which it can be answered
+
+
+@dataclass(frozen=True)
 class HearingPart:
     """What the voice node hears."""
 
@@ -58,6 +66,7 @@ class HearingPart:
     microphone: str  # by name; empty: unknown
     trouble: str  # why a spoken stop may not be heard; empty: nothing
     utterance: UtterancePart | None
+    question: QuestionPart | None = None
     age: float = 0.0  # [s] of the sound
 
 

@@ -14,6 +14,7 @@ from voice_assist.display.snapshot import (
     HearingPart,
     Picture,
     PicturePart,
+    QuestionPart,
     RecordingPart,
     RobotPart,
     Snapshot,
@@ -64,6 +65,7 @@ class Theatre:
         self._heard_voice = False
         self._partial: _News[str] | None = None
         self._utterance: _News[UtterancePart] | None = None
+        self._question: _News[str] | None = None
         self._mode = self._microphone = self._trouble = ""
         self._alarm: AlarmPart | None = None
         self._recording: _News[str] | None = None
@@ -73,6 +75,7 @@ class Theatre:
         self._picture_period = 0.0
         self._invalid_reason = ""
         self.limits = Limits()
+        self.answer_within = 0.0  # [s] after a question in which it can be answered
         self.rules: Sequence[WordRule] = ()
 
     # --- what comes in
@@ -98,11 +101,21 @@ class Theatre:
         """Text as it is heard."""
         self._partial = _News(text, self._clock())
 
-    def see_utterance(self, utterance: UtterancePart) -> None:
-        """A decision of the recogniser ends the text that led to it."""
+    def see_utterance(self, utterance: UtterancePart, asks_for: str = "") -> None:
+        """A decision of the recogniser ends the text that led to it, and a question before it.
+
+        Args:
+            utterance: What was decided.
+            asks_for: Command that is asked for, since it was nearly sure; empty: none.
+        """
         with self._lock:
+            self._question = _News(asks_for, self._clock()) if asks_for else None
             self._utterance = _News(utterance, self._clock())
             self._partial = None
+
+    def end_question(self) -> None:
+        """The question was answered."""
+        self._question = None
 
     def see_mode(self, mode: str) -> None:
         """Standby or active."""
@@ -200,8 +213,14 @@ class Theatre:
             microphone=self._microphone,
             trouble=self._trouble,
             utterance=None if said is None else replace(said.value, age=said.age(now)),
+            question=self._question_part(now),
             age=float("inf") if sound is None else sound.age(now),
         )
+
+    def _question_part(self, now: float) -> QuestionPart | None:
+        asked = self._question
+        remaining = 0.0 if asked is None else self.answer_within - asked.age(now)
+        return None if asked is None or remaining <= 0.0 else QuestionPart(asked.value, remaining)
 
     def _recording_part(self, now: float) -> RecordingPart | None:
         if self._recording is None:

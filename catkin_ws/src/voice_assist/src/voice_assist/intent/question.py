@@ -27,6 +27,10 @@ class Question:
         """Ask for a command."""
         self._command, self._until = command, time + self._config.answer_within
 
+    def is_about(self, command: str, time: float) -> bool:
+        """Whether a command is asked for at a time."""
+        return command == self._command and self.is_open(time)
+
     def confirmed(self, transcript: str, speech_start: float) -> str:
         """The command that is asked for, if this confirms it; empty: it does not.
 

@@ -92,6 +92,7 @@ class Pipeline:
         """
         self._config, self._clock, self._observer = config, clock, observer
         self._next_sample = 0  # index of the sample that follows all those taken
+        self._heard_until = float("-inf")  # [s] stamp of that sample
         self._recognizer = recognizer
         self._gap_watch = GapWatch()
         self._denoiser = Denoiser(config.audio.denoise)
@@ -139,6 +140,7 @@ class Pipeline:
     def _check_stream(self, frame: Frame) -> tuple[Event, ...]:
         """Note progress, and begin anew after a gap in the stream."""
         self._next_sample = frame.first_sample + len(frame.samples)
+        self._heard_until = frame.stamp + frame.duration
         if frame.first_sample // _PROGRESS != self._next_sample // _PROGRESS:
             self._observer(SideInput(SideInputKind.HEARD, frame.first_sample))
         lost = self._gap_watch(frame)
@@ -292,6 +294,20 @@ class Pipeline:
         outcome = step(self._dialogue_state, answered)
         self._dialogue_state = outcome.state
         return outcome.actions
+
+    def answer_by_hand(self, command: str, is_yes: bool) -> tuple[Action, ...] | None:
+        """Take a person's answer to a question; gives what to do, None: it is not asked."""
+        if not self._question.is_about(command, self._heard_until):
+            return None
+        self._observer(
+            SideInput(SideInputKind.BY_HAND, self._next_sample, 0, command, is_accepted=is_yes)
+        )
+        self._question.close()
+        if not is_yes:
+            return ()
+        outcome = step(self._dialogue_state, CommandRecognized(self._config.commands.get(command)))
+        self._dialogue_state = outcome.state
+        return None if outcome.rejection is not None else outcome.actions
 
     def follow(self, mode: Mode) -> tuple[Action, ...]:
         """Take the robot's mode; gives what to do about it."""

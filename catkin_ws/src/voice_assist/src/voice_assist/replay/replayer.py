@@ -154,6 +154,8 @@ class PipelineReplay:
                 self._pipeline.robot_spoke(RobotSpeechChange(given.is_speaking, given.time))
             case SideInputKind.ROBOT_MODE:
                 self._pipeline.follow(Mode(given.mode))
+            case SideInputKind.BY_HAND:
+                self._pipeline.answer_by_hand(given.command, given.is_accepted)
             case _:
                 self._pipeline.answer(Answered(given.command, given.is_accepted, given.message))
 

@@ -37,6 +37,7 @@ from voice_assist.ros.microphone_service import MicrophoneService
 from voice_assist.ros.node_settings import is_restart, node_settings
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
+from voice_assist.ros.question_service import HandAnswer, QuestionService
 from voice_assist.ros.recognition_watch import RecognitionWatch
 from voice_assist.ros.robot_commands import require_known
 from voice_assist.ros.robot_speech import RobotSpeechTopic
@@ -116,6 +117,7 @@ class VoiceNode:
         observer = self._publish.circumstance
         self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, observer)
         self._client = CommandClient(config.commands.answer_within, self._answers.put)
+        self._questions = QuestionService()
         self._robot_speech = RobotSpeechTopic(_now)
         self._robot, self._was_moving = ControllerFollower(config.moving, _steady), False
         self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
@@ -259,6 +261,8 @@ class VoiceNode:
             self._pipeline.robot_spoke(spoke)
         while not self._answers.empty():
             self._take_answer(self._answers.get())
+        for given in self._questions.take():
+            self._take_answer_by_hand(given)
         if (mode := self._robot.mode()) is not None:
             for action in self._pipeline.follow(mode):
                 self._do(action)
@@ -273,6 +277,14 @@ class VoiceNode:
             rospy.logwarn("%s refused: %s", answered.command, answered.message)
         for action in self._pipeline.answer(answered):
             self._do(action)
+
+    def _take_answer_by_hand(self, given: HandAnswer) -> None:
+        actions = self._pipeline.answer_by_hand(given.command, given.is_yes)
+        if actions is not None:
+            rospy.loginfo("%s? %s, by hand", given.command, "yes" if given.is_yes else "no")
+        for action in actions or ():
+            self._do(action)
+        given.stood.set_result(actions is not None)
 
     def _say(self, decision: UtteranceDecision) -> None:
         outcome, text = decision.outcome, decision.hypothesis.text

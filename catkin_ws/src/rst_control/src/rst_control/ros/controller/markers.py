@@ -46,5 +46,5 @@ class ControllerMarkers:
         view, now = self._look(), time.monotonic()
         if view.is_moving or view.serial != self._serial or now - self._sent >= REST_PERIOD:
             self._sent, self._serial = now, view.serial
-            shapes = self._make(view, self._context.current.trocar)
+            shapes = self._make(view, self._context.current.config.scene)
             self._topic.publish(shapes, self._clock.stamp(view.stamp))

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import genpy
 import rospy
 from geometry_msgs.msg import PointStamped
@@ -96,12 +98,12 @@ def result_message(outcome: Outcome) -> AssistResult:
     )
 
 
-def trocar_message(trocar: Vector) -> PointStamped:
-    """The remote centre of motion [m], frame base_link. Shape (3,)."""
+def base_point(place: Sequence[float] | Vector) -> PointStamped:
+    """A place [m], frame base_link. Shape (3,)."""
     message = PointStamped()
     message.header.frame_id = BASE
     message.header.stamp = rospy.Time.now()
-    message.point.x, message.point.y, message.point.z = trocar.tolist()
+    message.point.x, message.point.y, message.point.z = map(float, place)
     return message
 
 

@@ -22,7 +22,7 @@ from rst_control.errors import RstError
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.robot_model import RobotModel, parse_robot
 from rst_control.msg import ControllerState, Event
-from rst_control.registration.trocar import position_words
+from rst_control.registration.registrar import position_words
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.exposure_warning import warn_of_listeners
 from rst_control.ros.common.known_publishers import KnownPublishers
@@ -33,6 +33,7 @@ from rst_control.ros.controller.command_service import CommandService
 from rst_control.ros.controller.control_loop import ControlLoop
 from rst_control.ros.controller.diagnostics import Diagnostics
 from rst_control.ros.controller.first_motion import ConfirmedFirst
+from rst_control.ros.controller.grasp_point_service import GraspPointService
 from rst_control.ros.controller.homing_service import HomingService
 from rst_control.ros.controller.liveness_watch import LivenessWatch
 from rst_control.ros.controller.markers import ControllerMarkers
@@ -95,6 +96,7 @@ class ControllerNode:
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
         limiter = CallLimiter(_in_any_namespace(settings.callers), time.monotonic)
         self._trocar = TrocarService(self._context, self._executor, limiter)
+        self._grasp_point = GraspPointService(self._context, self._executor, limiter)
         self._markers = ControllerMarkers(config, self._context, self._look, self._clock)
         self._diagnostics = Diagnostics()
         self._actions = AssistServer(self._commands, self._executor, limiter)
@@ -131,6 +133,7 @@ class ControllerNode:
         self._stack.enter_context(self._loop)
         self._service.start()
         self._trocar.start()
+        self._grasp_point.start()
         return self
 
     def __exit__(self, *_: object) -> None:

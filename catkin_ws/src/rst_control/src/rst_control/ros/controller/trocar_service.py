@@ -5,9 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import TimeoutError as NoReply
 
-import genpy
 import rospy
 from geometry_msgs.msg import Point, PointStamped
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
@@ -19,7 +17,8 @@ from rst_control.registration.pivot_calibration import PivotFit, PivotIllPosed
 from rst_control.registration.shaft_poses import ShaftPoses, fit_words
 from rst_control.registration.trocar import TrocarRegistrar
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.ros.controller.messages import caller_of, code_of, trocar_message
+from rst_control.ros.controller.admission import Admission, answer_of
+from rst_control.ros.controller.messages import base_point, caller_of, code_of
 from rst_control.srv import (
     FitTrocar,
     FitTrocarRequest,
@@ -29,9 +28,6 @@ from rst_control.srv import (
     SetTrocarResponse,
 )
 from rst_control.types import Reason
-
-REPLY_TIME = 2.0  # [s] for the control loop to take up the question
-UNANSWERED = "the control loop does not answer; the trocar stays as it is"
 
 
 class TrocarService:
@@ -46,7 +42,8 @@ class TrocarService:
     def __init__(
         self, present: ActiveTrocarContext, executor: Executor, limiter: CallLimiter
     ) -> None:
-        self._present, self._executor, self._limiter = present, executor, limiter
+        self._present, self._executor = present, executor
+        self._admit = Admission(limiter)
         self._registrar = TrocarRegistrar(present, executor)
         config = present.current.config
         self._poses = ShaftPoses(present.current.model, config.rcm, config.controller.watchdogs)
@@ -64,15 +61,15 @@ class TrocarService:
         ]
 
     def _publish(self) -> None:
-        self._topic.publish(trocar_message(self._present.current.trocar))
+        self._topic.publish(base_point(self._present.current.trocar))
 
     def _on_set(self, request: SetTrocarRequest) -> SetTrocarResponse:
         p = request.position
-        reply = self._turn_away(request) or self._set((p.x, p.y, p.z), caller_of(request))
+        reply = self._admit.refusal(request) or self._set((p.x, p.y, p.z), caller_of(request))
         return SetTrocarResponse(reply.accepted, reply.message, code_of(reply.reason))
 
     def _on_fit(self, request: FitTrocarRequest) -> FitTrocarResponse:
-        if refusal := self._turn_away(request):
+        if refusal := self._admit.refusal(request):
             return _no_fit(refusal)
         try:
             fit = self._poses.fit()
@@ -94,13 +91,7 @@ class TrocarService:
         return Reply(True, f"{words}; set: {reply.message}")
 
     def _set(self, trocar: Sequence[float], caller: str) -> Reply:
-        answer = self._registrar.ask(trocar, caller)
-        try:
-            reply = answer.result(REPLY_TIME)
-        except NoReply:
-            if answer.cancel():
-                return Reply(False, UNANSWERED, Reason.NO_ANSWER)
-            reply = answer.result(REPLY_TIME)  # it is being answered at this moment
+        reply = answer_of(self._registrar.ask(trocar, caller))
         if reply.accepted:
             self._publish()
         return reply
@@ -108,18 +99,9 @@ class TrocarService:
     def _record(self) -> Reply:
         return self._poses.record(self._executor.snapshot, time.monotonic())
 
-    def _turn_away(self, request: genpy.Message) -> Reply | None:
-        """Refuse a call of somebody who may not call, or calls too often; None: take it."""
-        admission = self._limiter.admit(caller_of(request))
-        refusal = admission.refusal
-        if refusal is not None and admission.is_news:
-            rospy.logwarn("refused: %s", refusal.words)
-        time.sleep(admission.pause)
-        return Reply.refused(refusal) if refusal is not None else None
-
     def _on(self, act: Callable[[], Reply]) -> Callable[[TriggerRequest], TriggerResponse]:
         def answer(request: TriggerRequest) -> TriggerResponse:
-            reply = self._turn_away(request) or act()
+            reply = self._admit.refusal(request) or act()
             return TriggerResponse(reply.accepted, reply.message)
 
         return answer

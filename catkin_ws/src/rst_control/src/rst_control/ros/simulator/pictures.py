@@ -9,17 +9,22 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import rospy
-from sensor_msgs.msg import CompressedImage
+from geometry_msgs.msg import PoseStamped
+from scipy.spatial.transform import Rotation
+from sensor_msgs.msg import CameraInfo, CompressedImage
 from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.config import SimulationConfig
+from rst_control.simulation.camera_geometry import camera_matrix, camera_pose
 from rst_control.simulation.rendering.state import SceneSetup, SceneState
 from rst_control.simulation.rendering.worker import SceneLostError, SceneWorker
 from rst_control.types import BASE
 
 log = logging.getLogger("rosout.rst_control.pictures")
 
+ENDOSCOPE = "endoscope"  # frame of its optics
 WINDOW_PERIOD = 0.1  # [s] between two states of the window
 
 
@@ -44,6 +49,12 @@ class SimulatorPictures:
         self._topic = rospy.Publisher(
             "robot/scene/compressed", CompressedImage, queue_size=2, latch=True
         )
+        self._endoscope = [
+            rospy.Publisher("robot/scene/camera_info", CameraInfo, queue_size=1, latch=True),
+            rospy.Publisher("robot/scene/camera_pose", PoseStamped, queue_size=1, latch=True),
+        ]
+        for topic, message in zip(self._endoscope, endoscope_messages(config), strict=True):
+            topic.publish(message)
         self._window: SceneWorker | None = None
         if config.simulator.gui:
             window = self._window = self._start(window=True)
@@ -91,3 +102,21 @@ class SimulatorPictures:
                     log.warning("%s", error)
                     return
             threading.Event().wait(WINDOW_PERIOD)
+
+
+def endoscope_messages(config: SimulationConfig) -> tuple[CameraInfo, PoseStamped]:
+    """The endoscope's optics in pixels of the whole picture, its region there, and its place."""
+    overview, endoscope = config.simulator.overview, config.simulator.endoscope
+    left, (width, height) = overview.size[0], endoscope.size
+    info = CameraInfo(width=left + width, height=height, distortion_model="plumb_bob")
+    info.header.frame_id = ENDOSCOPE
+    K = camera_matrix(endoscope, left)
+    info.D, info.K, info.R = [0.0] * 5, K.ravel().tolist(), np.eye(3).ravel().tolist()
+    info.P = np.hstack([K, np.zeros((3, 1))]).ravel().tolist()
+    info.roi.x_offset, info.roi.width, info.roi.height = left, width, height
+    T, pose = camera_pose(endoscope), PoseStamped()
+    pose.header.frame_id = BASE
+    p, q = pose.pose.position, pose.pose.orientation
+    p.x, p.y, p.z = T[:3, 3].tolist()
+    q.x, q.y, q.z, q.w = Rotation.from_matrix(T[:3, :3]).as_quat().tolist()
+    return info, pose

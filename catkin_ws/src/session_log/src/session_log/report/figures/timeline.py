@@ -39,6 +39,8 @@ MARKS = {  # of the controller's diary: shape, colour, words
     "stop_received": ("s", INK, "stop received"),
     "trocar_set": ("P", PURPLE, "trocar set"),
     "trocar_refused": ("v", PURPLE, "trocar refused"),
+    "grasp_set": ("P", PURPLE, "grasp point set"),
+    "grasp_refused": ("v", PURPLE, "grasp point refused"),
 }
 
 
@@ -86,7 +88,7 @@ class TimelineFigure(SessionFigure):
         return (
             f"{len(heard)} utterances, {matched} taken for a command, {len(heard) - matched} not; "
             f"refused by the controller: {refused}. Bars: speech; labels stand at the decision. "
-            "Grey: sound level." + _trocar_words(material)
+            "Grey: sound level." + _setting_words(material)
         )
 
     def draw(self, material: SessionMaterial, layout: Layout) -> Figure:
@@ -107,8 +109,13 @@ class TimelineFigure(SessionFigure):
         return figure
 
 
-def _trocar_words(material: SessionMaterial) -> str:
-    kinds = {"trocar_set": "Trocar set", "trocar_refused": "Trocar refused"}
+def _setting_words(material: SessionMaterial) -> str:
+    kinds = {
+        "trocar_set": "Trocar set",
+        "trocar_refused": "Trocar refused",
+        "grasp_set": "Grasp point set",
+        "grasp_refused": "Grasp point refused",
+    }
     changes = [event for event in material.data.events if event.kind in kinds]
     words = (
         f" {kinds[e.kind]} at {e.time:.1f} s" + (f" ({e.message})." if e.message else ".")

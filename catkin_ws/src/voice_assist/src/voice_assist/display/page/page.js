@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Draws the newest snapshot ten times a second, and marks what is old; sends the two acts.
+// Draws the newest snapshot ten times a second, and marks what is old; sends the acts.
 "use strict";
 
 const RETRY = 1000; // [ms] before a connection that was refused is tried again
 const SILENT = 3000; // [ms] without an event after which the connection is made anew
 const ACT_WITHIN = 4000; // [ms] for an act to be answered
+const PICKED_FOR = 6000; // [ms] that a click into the picture stays marked
 const QUIET = -60, LOUD = -3; // [dB] ends of the level bar, and what clips
 const SHAPES = { standby: "circle", active: "disc", moving: "arrow", stopping: "bars", halted: "square", faulted: "warning" };
 const NAMES = { standby: "Standby", active: "Ready", moving: "Moving", stopping: "Stopping", halted: "Halted", faulted: "Fault" };
@@ -108,6 +109,16 @@ function drawHearing(since, limit) {
   say("level-words", hearing.trouble || (hearing.level > LOUD ? "Too loud: it clips" : `Voice ${hearing.mode || "unknown"}`));
   say("partial", hearing.partial ? `hearing “${hearing.partial}” ?` : "");
   drawUtterance(hearing.utterance);
+  drawQuestion(hearing.question);
+}
+
+function drawQuestion(question) {
+  show("question", Boolean(question));
+  show("partial", !question);
+  if (!question) return;
+  byId("question").dataset.command = question.command;
+  say("question-words", `${question.command}? Yes within ${Math.ceil(question.remaining)} s`);
+  tell("question", `${question.command}? Say or press yes`);
 }
 
 function drawUtterance(said) {
@@ -151,6 +162,7 @@ function drawTissue(since, limit) {
 
 function drawPicture(since) {
   const picture = news.picture;
+  show("pick", Boolean(picture));
   if (!picture) { say("picture-words", "No picture of the scene"); return; }
   const image = byId("picture");
   if (image.dataset.number !== String(picture.number) && !image.dataset.loading) {
@@ -163,6 +175,7 @@ function drawPicture(since) {
   }
   const age = picture.age + since;
   const isOld = age > 2 * picture.period + news.old_after;
+  byId("pick").disabled = isOld;
   say("picture-words", `${isOld ? "OLD picture" : "Picture"}, ${age.toFixed(1)} s ago`);
 }
 
@@ -260,7 +273,8 @@ function stopWords(isDone, text) {
   byId("stop-words").classList.toggle("is-bad", !isDone);
 }
 
-function actWords(_, text) {
+function actWords(isDone, text) {
+  if (!isDone) byId("more").open = true;
   say("act-words", text);
 }
 
@@ -288,6 +302,41 @@ byId("choose").addEventListener("click", () => {
   if (name && !needToken()) act("microphone", { name }, actWords);
 });
 byId("theme").addEventListener("change", (event) => theme(event.target.value));
+
+for (const answer of ["yes", "no"]) {
+  byId(answer).addEventListener("click", () => {
+    const command = byId("question").dataset.command;
+    if (!needToken()) act("answer", { command, yes: answer === "yes" }, actWords);
+  });
+}
+
+// One press arms one click into the picture, so that nothing is chosen by chance.
+function arm(isArmed) {
+  byId("pick").setAttribute("aria-pressed", String(isArmed));
+  byId("picture-frame").classList.toggle("is-armed", isArmed);
+}
+byId("pick").addEventListener("click", () => {
+  const isArmed = byId("pick").getAttribute("aria-pressed") !== "true";
+  if (isArmed && needToken()) return;
+  arm(isArmed);
+  say("pick-words", isArmed ? "Click the tissue in the endoscope's picture" : "");
+});
+function markPick(event) {
+  const frame = byId("picture-frame").getBoundingClientRect(), picked = byId("picked");
+  picked.style.left = `${event.clientX - frame.left}px`;
+  picked.style.top = `${event.clientY - frame.top}px`;
+  picked.hidden = false;
+  setTimeout(() => { picked.hidden = true; }, PICKED_FOR);
+}
+byId("picture").addEventListener("click", (event) => {
+  if (byId("pick").getAttribute("aria-pressed") !== "true") return;
+  arm(false);
+  const box = byId("picture").getBoundingClientRect();
+  const x = (event.clientX - box.left) / box.width, y = (event.clientY - box.top) / box.height;
+  markPick(event);
+  say("pick-words", "Asking the controller");
+  act("grasp", { x, y }, (isDone, text) => say("pick-words", isDone ? `Set: ${text}` : `Not set: ${text}`));
+});
 
 function theme(name) {
   localStorage.setItem("theme", name);

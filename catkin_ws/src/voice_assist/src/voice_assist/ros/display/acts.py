@@ -6,22 +6,34 @@ from __future__ import annotations
 from typing import Any
 
 import rospy
+from geometry_msgs.msg import Point
 from std_msgs.msg import Empty
 
-from rst_control.srv import Command
+from rst_control.srv import Command, SetGraspPoint
 from voice_assist.display.acts import Outcome
+from voice_assist.display.picking import NotOnTissueError
+from voice_assist.display.theatre import Theatre
 from voice_assist.ros.command_client import SERVICE
+from voice_assist.ros.display.endoscope import Endoscope
 from voice_assist.ros.microphone_service import SERVICE as MICROPHONE
-from voice_assist.srv import SetMicrophone
+from voice_assist.ros.question_service import SERVICE as ANSWER
+from voice_assist.srv import AnswerQuestion, SetMicrophone
 
+GRASP_POINT = "rst_control/set_grasp_point"
 STOP_TOPIC = "rst_control/stop"
 WITHIN = 2.5  # [s] for a service to answer; the page waits longer
 
 
 class RosActs:
-    """Acts on the system under this node's name, by which the controller tells callers apart."""
+    """Acts on the system under this node's name, by which the controller tells callers apart.
 
-    def __init__(self) -> None:
+    Args:
+        theatre: Learns what was answered.
+        endoscope: Turns a click into a point.
+    """
+
+    def __init__(self, theatre: Theatre, endoscope: Endoscope) -> None:
+        self._theatre, self._endoscope = theatre, endoscope
         self._stop = rospy.Publisher(STOP_TOPIC, Empty, queue_size=10)
 
     def send_stop(self) -> None:
@@ -41,6 +53,25 @@ class RosActs:
         if reply is None:
             return Outcome(False, "no voice node listens to a microphone")
         return Outcome(bool(reply.success), reply.message or f"the microphone is {name!r} now")
+
+    def answer(self, command: str, is_yes: bool) -> Outcome:
+        """Answer what the voice node asked."""
+        reply = _call(ANSWER, AnswerQuestion, command, is_yes)
+        if reply is None:
+            return Outcome(False, "the voice node does not answer")
+        self._theatre.end_question()
+        return Outcome(bool(reply.success), reply.message)
+
+    def set_grasp_point(self, x: float, y: float) -> Outcome:
+        """Take the tissue where a click meets it, if the controller finds that it can."""
+        try:
+            point = self._endoscope.point(x, y)
+        except NotOnTissueError as error:
+            return Outcome(False, str(error))
+        reply = _call(GRASP_POINT, SetGraspPoint, Point(*point))
+        if reply is None:
+            return Outcome(False, "the controller does not answer")
+        return Outcome(bool(reply.accepted), reply.message)
 
 
 def _call(name: str, kind: type, *words: Any) -> Any:

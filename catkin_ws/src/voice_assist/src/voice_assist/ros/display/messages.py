@@ -20,7 +20,7 @@ from voice_assist.display.snapshot import AlarmPart, RobotPart, TissuePart, Utte
 from voice_assist.display.words import WordRule
 from voice_assist.msg import Alarm, AudioChunk, Utterance
 from voice_assist.ros.messages import pcm
-from voice_assist.types import FULL_SCALE
+from voice_assist.types import FULL_SCALE, RejectionReason
 
 ANY_STATE = frozenset(state.value for state in State)
 _HELD = {TissueNeeded.HELD: True, TissueNeeded.NONE: False, TissueNeeded.ANY: None}
@@ -52,6 +52,12 @@ def robot_parts(message: ControllerState) -> tuple[RobotPart, TissuePart]:
 def utterance_part(message: Utterance) -> UtterancePart:
     """A decision of the recogniser."""
     return UtterancePart(message.transcript, message.command, message.reason, message.decided_by)
+
+
+def asked_command(message: Utterance) -> str:
+    """The command that a decision asks for; empty: none."""
+    is_question = message.reason_code == RejectionReason.NEARLY_SURE.value
+    return str(message.nearest_command) if is_question else ""
 
 
 def alarm_part(message: Alarm) -> AlarmPart:

@@ -25,6 +25,7 @@ from voice_assist.display.theatre import Limits, Theatre
 from voice_assist.msg import Alarm, AudioChunk, Mode, Utterance
 from voice_assist.ros.display import messages
 from voice_assist.ros.display.acts import RosActs
+from voice_assist.ros.display.endoscope import Endoscope
 from voice_assist.ros.display.pictures import Pictures
 
 NICE = 10  # the page gives way to all that hears and moves
@@ -61,8 +62,10 @@ class DisplayNode:
         if not _is_connected(self._alarm):
             self._theatre.see_alarm(None)
         self._theatre.limits = Limits(
-            tension=_setting("controller/tension/limit"), rcm=_setting("rcm/measured_tolerance")
+            tension=_setting(f"{SETTINGS}/controller/tension/limit"),
+            rcm=_setting(f"{SETTINGS}/rcm/measured_tolerance"),
         )
+        self._theatre.answer_within = _setting(f"{VOICE}/recognizer/ask/answer_within") or 0.0
         if not self._theatre.rules:
             self._theatre.rules = messages.word_rules(_commands())
 
@@ -79,7 +82,8 @@ class DisplayNode:
         self._theatre.see_partial(message.data)
 
     def _on_utterance(self, message: Utterance) -> None:
-        self._theatre.see_utterance(messages.utterance_part(message))
+        asked = messages.asked_command(message)
+        self._theatre.see_utterance(messages.utterance_part(message), asked)
 
     def _on_mode(self, message: Mode) -> None:
         self._theatre.see_mode(message.mode)
@@ -116,7 +120,7 @@ def _is_connected(topic: rospy.Subscriber) -> bool:
 
 
 def _setting(name: str) -> float | None:
-    value = rospy.get_param(f"{SETTINGS}/{name}", None)
+    value = rospy.get_param(name, None)
     return float(value) if isinstance(value, int | float) else None
 
 
@@ -139,7 +143,7 @@ async def serve(config: DisplayConfig) -> None:
     """
     theatre = Theatre(config.old_after, time.monotonic, time.time)
     token = AccessToken(time.monotonic)
-    node, acts = DisplayNode(theatre), RosActs()
+    node, acts = DisplayNode(theatre), RosActs(theatre, Endoscope(config.picture))
     async with DisplayServer(config, theatre, acts, token, rospy.logerr) as server:
         pictures = Pictures(config.picture, theatre, lambda: len(server.viewers) > 0)
         # printed, not logged: what is logged is recorded

@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The operator's page in a headless browser, beside robot, controller, voice node and alarms."""
+
+import asyncio
+import os
+import re
+import signal
+import sys
+import unittest
+from pathlib import Path
+from xmlrpc.client import ServerProxy
+
+import rosnode
+import rospy
+import rostest
+from geometry_msgs.msg import Point, PointStamped
+
+from rst_control.config import load_simulation_config
+from rst_control.ros.simulator.pictures import endoscope_messages
+from rst_control.srv import SetGraspPoint
+from rst_control.tissue.sheet import rest_points
+from support.browser import MISSING, Browser, find_browser
+from support.waiting import wait_until
+from tests.support.robot_client import RobotClient
+from tests.support.spoken_topic import Microphone
+from voice_assist.msg import Utterance
+from voice_assist.ros.display.endoscope import camera_of
+
+SCREENS = ((1920, 1080), (390, 844))  # [pixels]: in the theatre, and a telephone
+TOO_WIDE = "document.documentElement.scrollWidth > innerWidth"
+CUT_OFF = """[...document.querySelectorAll('h1, p, span, strong, button')].filter((e) =>
+    e.offsetParent && getComputedStyle(e).display !== 'inline' && e.scrollWidth > e.clientWidth + 1
+).map((e) => e.id || e.textContent)"""
+BACKGROUND = "getComputedStyle(document.body).backgroundColor"
+
+
+class PageInBrowser(unittest.TestCase):
+    """One browser looks on while the session runs."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.robot, cls.microphone, cls.heard = RobotClient(), Microphone(), []
+        rospy.Subscriber("voice_assist/utterance", Utterance, cls.heard.append)
+        wait_until(lambda: rospy.has_param("display/page"))
+        cls.loop = asyncio.Runner()
+        cls.browser = cls.loop.run(Browser().__aenter__())
+        cls.loop.run(cls.browser.open(rospy.get_param("display/page"), *SCREENS[0]))
+        cls.wait("document.getElementById('state').textContent !== 'No news'")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.loop.run(cls.browser.__aexit__())
+        cls.loop.close()
+        cls.microphone.timer.shutdown()
+        cls.robot.leave()
+
+    @classmethod
+    def ask(cls, script):
+        return cls.loop.run(cls.browser.evaluate(script))
+
+    @classmethod
+    def wait(cls, script):
+        return cls.loop.run(cls.browser.until(script))
+
+    def text(self, name):
+        return self.ask(f"document.getElementById('{name}').textContent")
+
+    def wait_for_text(self, name, text):
+        self.wait(f"document.getElementById('{name}').textContent.includes({text!r})")
+
+    def test_1_a_spoken_word_is_shown_with_what_it_does(self):
+        while not self.heard:  # the voice node starts up
+            self.microphone.say("good morning")
+            rospy.sleep(1.0)
+        self.wait_for_text("utterance-why", "not taken")
+        self.microphone.say("hey robot")
+        self.wait_for_text("utterance-words", "hey robot")
+        self.wait_for_text("utterance-why", "taken from")
+        self.wait_for_text("state", "Ready")
+        self.wait_for_text("words", "tense")
+        self.assertEqual(self.ask("document.getElementById('level').ariaValueMax"), "0")
+
+    def test_2_states_of_a_motion_and_the_stop_button(self):
+        self.robot.start_fresh()
+        self.robot.say("tense")
+        self.wait_for_text("state", "Moving")
+        self.wait("document.title.startsWith('Moving')")
+        self.ask("document.getElementById('stop').click()")
+        self.robot.wait_for_state("halted")
+        self.wait_for_text("state", "Halted")
+        self.wait_for_text("why", "/display")
+        self.wait_for_text("alert", "hey robot")  # its next step, to screen readers
+        self.assertEqual(self.ask("document.getElementById('robot').dataset.state"), "halted")
+        self.assertTrue(self.ask("!document.getElementById('alarm').hidden"))
+        self.wait("document.getElementById('picture').naturalWidth > 100")
+
+    def test_3_a_click_into_the_picture_sets_the_grasp_point(self):
+        grasp_points = []
+        rospy.Subscriber(
+            "rst_control/grasp_point", PointStamped, lambda m: grasp_points.append(m.point)
+        )
+        self.robot.start_fresh()
+        self.wait("!document.getElementById('pick').disabled")
+        self.ask("document.getElementById('pick').click()")
+        self.wait_for_text("act-words", "Enter the token first")
+        self.enter_token()
+        point, (x, y) = node_beside_the_grasp_point()
+        self.ask("document.getElementById('pick').click()")
+        self.click_picture(x, y)
+        self.wait_for_text("pick-words", "Set: grasp point")
+        self.robot.wait(lambda: len(grasp_points) > 1)
+        found = grasp_points[-1]
+        for wanted, is_there in zip(point, (found.x, found.y, found.z), strict=True):
+            self.assertAlmostEqual(is_there, wanted, places=6)
+        self.ask("document.getElementById('pick').click()")
+        self.click_picture(0.2, 0.5)  # the overview
+        self.wait_for_text("pick-words", "Not set: that is outside the endoscope")
+        first = grasp_points[0]
+        set_back = rospy.ServiceProxy("rst_control/set_grasp_point", SetGraspPoint)
+        self.assertTrue(set_back(Point(first.x, first.y, first.z)).accepted)
+
+    def enter_token(self):
+        printed = Path(os.environ["ROS_HOME"]).with_name("said.txt").read_text(encoding="utf-8")
+        token = re.findall(r"token: (\w+)", printed)[-1]
+        self.ask(
+            f"document.getElementById('token').value = {token!r},"
+            "document.getElementById('unlock').requestSubmit()"
+        )
+
+    def click_picture(self, x, y):
+        self.ask(
+            "((i, b) => i.dispatchEvent(new MouseEvent('click', {"
+            f"clientX: b.left + {x} * b.width, clientY: b.top + {y} * b.height, bubbles: true"
+            "})))(document.getElementById('picture'),"
+            "document.getElementById('picture').getBoundingClientRect())"
+        )
+
+    def test_4_every_screen_and_theme_shows_all_of_it(self):
+        backgrounds = set()
+        for width, height in SCREENS:
+            for theme in ("light", "dark"):
+                with self.subTest(width=width, theme=theme):
+                    self.loop.run(self.browser.set_screen(width, height, theme))
+                    self.assertFalse(self.ask(TOO_WIDE))
+                    self.assertEqual(self.ask(CUT_OFF), [])
+                    backgrounds.add((theme, self.ask(BACKGROUND)))
+        self.assertEqual(len({colour for _, colour in backgrounds}), 2, backgrounds)
+
+    def test_5_a_killed_node_is_named_and_its_return_too(self):
+        kill("/alarms")
+        self.wait_for_text("alarm-cause", "No alarms are watched")
+        self.wait("document.getElementById('alarm-cause').textContent !== 'No alarms are watched'")
+
+    def test_6_a_lost_connection_is_said_and_comes_back(self):
+        kill("/display")
+        self.wait("!document.getElementById('lost').hidden")
+        self.assertIn("nothing below is as it is now", self.text("lost-words"))
+        self.wait("document.getElementById('lost').hidden")
+        self.wait_for_text("announce", "Connected")
+        self.wait_for_text("state", "Halted")
+
+    def test_7_its_scripts_raised_no_error(self):
+        raised = [one for one in self.browser.errors if "network" not in one]
+        self.assertEqual(raised, [])
+
+
+def node_beside_the_grasp_point():
+    """A node on the upper edge of the sheet, and where it is in the picture, as shares of it."""
+    config = load_simulation_config()
+    x, y, z = config.scene.grasp_point
+    nodes = rest_points(config.scene.tissue)
+    point = nodes[abs(nodes - [x + 0.008, y, z]).sum(axis=1).argmin()]
+    camera = camera_of(*endoscope_messages(config))
+    u, v, w = camera.matrix @ (camera.pose[:3, :3].T @ (point - camera.pose[:3, 3]))
+    return point.tolist(), (u / w / camera.size[0], v / w / camera.size[1])
+
+
+def kill(node):
+    """End a node as a crash does; the launch starts it again."""
+    address = rosnode.get_api_uri(rospy.get_master(), node)
+    os.kill(ServerProxy(address).getPid("/test")[2], signal.SIGKILL)
+
+
+if __name__ == "__main__":
+    if not find_browser():
+        print(f"skipped: {MISSING}")
+        sys.exit()
+    rospy.init_node("page_in_browser")
+    rostest.rosrun("rst_control", "page_in_browser", PageInBrowser, sys.argv)
