@@ -112,7 +112,7 @@ def test_while_moving_it_is_refused(phase):
 def test_what_was_planned_on_another_trocar_is_not_set():
     here = setting()
     trocar = TrocarRegistrar(here.rig.context, here.rig.executor)
-    first = trocar.ask(here.rig.context.current.trocar, "/other")
+    first = trocar.ask(here.rig.context.current.trocar + 1e-4, "/other")
     second = here.registrar.ask(here.node(aside=0.008), "/test")
     here.rig.tick()
     here.rig.tick()

@@ -36,6 +36,9 @@ class GraspPointRegistrar(ContextRegistrar):
     def _place(self, context: TrocarContext) -> Vector:
         return np.array(context.config.scene.grasp_point)
 
+    def _other(self, context: TrocarContext) -> tuple[float, ...]:
+        return context.config.scene.trocar
+
     def _make(self, place: Sequence[float], view: ControllerSnapshot) -> TrocarContext | Cause:
         present = self._present.current
         measured = ready(present, view)  # so that no motion is planned from a robot that moves

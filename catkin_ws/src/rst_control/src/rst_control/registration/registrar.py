@@ -40,6 +40,10 @@ class ContextRegistrar(ABC):
         """What is set: base frame, [m]. Shape (3,)."""
 
     @abstractmethod
+    def _other(self, context: TrocarContext) -> tuple[float, ...]:
+        """The place [m] that is set by another service, and that this one relies on."""
+
+    @abstractmethod
     def _make(self, place: Sequence[float], view: ControllerSnapshot) -> TrocarContext | Cause:
         """The present context with another place (3,) [m], or why there is none."""
 
@@ -55,7 +59,7 @@ class ContextRegistrar(ABC):
             caller: Who asks, for the event log.
         """
         reply: Future[Reply] = Future()
-        base, view = self._present.current, self._executor.snapshot
+        view = self._executor.snapshot
         context = self._make(place, view)
         if isinstance(context, Cause):
             self._executor.events.append(self._refused(view.stamp, context, caller))
@@ -66,7 +70,8 @@ class ContextRegistrar(ABC):
         def apply(now: ControllerSnapshot) -> Event | None:
             if not reply.set_running_or_notify_cancel():
                 return None  # the caller waits no longer
-            is_overtaken = self._present.current is not base
+            present = self._present.current
+            is_overtaken = self._other(present) != self._other(made)
             answer = OVERTAKEN if is_overtaken else self._decide(made, now)
             if isinstance(answer, Cause):
                 reply.set_result(Reply.refused(answer))
@@ -74,7 +79,7 @@ class ContextRegistrar(ABC):
                 return None
             self._present.current = made
             reply.set_result(Reply(True, answer))
-            was = position_words(self._place(base))
+            was = position_words(self._place(present))
             words = f"{answer}; was {was}; asked by {caller}"
             return Event(now.stamp, self.SET, self.COMMAND, words)
 

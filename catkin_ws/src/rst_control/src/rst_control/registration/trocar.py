@@ -29,6 +29,9 @@ class TrocarRegistrar(ContextRegistrar):
     def _place(self, context: TrocarContext) -> Vector:
         return context.trocar
 
+    def _other(self, context: TrocarContext) -> tuple[float, ...]:
+        return context.config.scene.grasp_point
+
     def _make(self, place: Sequence[float], view: ControllerSnapshot) -> TrocarContext | Cause:
         try:
             return self._present.current.with_trocar(place)
