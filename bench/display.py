@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import rosgraph
 import rosnode
 import rospy
 from aiohttp import ClientSession, ClientTimeout
@@ -138,7 +139,7 @@ def _times() -> tuple[float, float]:
 
 
 def _pid(node: str) -> int:
-    address = rosnode.get_api_uri(rospy.get_master(), node)
+    address = rosnode.get_api_uri(rosgraph.Master("/bench"), node)
     (_, _, pid) = rosnode.ServerProxy(address).getPid("/bench")
     return int(pid)
 

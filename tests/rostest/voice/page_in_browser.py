@@ -11,6 +11,7 @@ import unittest
 from pathlib import Path
 from xmlrpc.client import ServerProxy
 
+import rosgraph
 import rosnode
 import rospy
 import rostest
@@ -178,7 +179,7 @@ def node_beside_the_grasp_point():
 
 def kill(node):
     """End a node as a crash does; the launch starts it again."""
-    address = rosnode.get_api_uri(rospy.get_master(), node)
+    address = rosnode.get_api_uri(rosgraph.Master("/test"), node)
     os.kill(ServerProxy(address).getPid("/test")[2], signal.SIGKILL)
 
 

@@ -296,6 +296,7 @@ byId("unlock").addEventListener("submit", (event) => {
   sessionStorage.setItem("token", token);
   byId("token").value = "";
   say("act-words", token ? "The token is kept until this page is closed" : "");
+  if (token) byId("more").open = false; // it covers what lies above
 });
 byId("choose").addEventListener("click", () => {
   const name = byId("microphone-name").value.trim();
