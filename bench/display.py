@@ -40,7 +40,6 @@ class Stage:
 
     viewers: int
     page: float  # [%] of a core, of the page's node
-    painter: float  # [%] of a core, of the process that draws the pictures
     first: Loop
     last: Loop
 
@@ -75,13 +74,11 @@ def _figures(stages: Sequence[Stage]) -> list[Figure]:
         mine = [stage for stage in stages if stage.viewers == viewers]
         words = f"{viewers or 'no'} viewer{'s' * (viewers != 1)}"
         page = sum(stage.page for stage in mine) / len(mine)
-        painter = sum(stage.painter for stage in mine) / len(mine)
         ticks = sum(stage.last.ticks - stage.first.ticks for stage in mine)
         late = 100.0 * sum(stage.last.late - stage.first.late for stage in mine) / max(1, ticks)
         limit = CORE_LIMIT if viewers == 1 else None
         figures += [
             Figure(f"page's node, {words}", page, "% of a core", limit),
-            Figure(f"simulator's painter, {words}", painter, "% of a core"),
             Figure(f"500 Hz loop: late ticks, {words}", late, "%", note=f"({ticks} ticks)"),
         ]
     return figures
@@ -91,17 +88,15 @@ async def _watch(page: str, viewers: int, seconds: float, observer: Observer) ->
     looking = [asyncio.create_task(_view(page)) for _ in range(viewers)]
     working = asyncio.create_task(asyncio.to_thread(_command, seconds, observer))
     await asyncio.sleep(1.0)  # all are connected
-    first, page_time, painter_time, began = observer.totals(), *_times(), time.monotonic()
+    node = _pid("/display")
+    first, worked, began = observer.totals(), _processor_time(node), time.monotonic()
     await working
     last, took = observer.totals(), time.monotonic() - began
-    shares = [
-        100.0 * (now - then) / took
-        for now, then in zip(_times(), (page_time, painter_time), strict=True)
-    ]
+    share = 100.0 * (_processor_time(node) - worked) / took
     for viewer in looking:
         viewer.cancel()
     await asyncio.gather(*looking, return_exceptions=True)
-    return Stage(viewers, *shares, first, last)
+    return Stage(viewers, share, first, last)
 
 
 async def _view(page: str) -> None:
@@ -132,25 +127,10 @@ def _command(seconds: float, observer: Observer) -> None:
         time.sleep(0.5)
 
 
-def _times() -> tuple[float, float]:
-    """Processor time of the page's node and of the painter so far [s]."""
-    painters = [pid for pid in _children(_pid("/robot")) if "rendering" in _command_line(pid)]
-    return _processor_time(_pid("/display")), sum(map(_processor_time, painters))
-
-
 def _pid(node: str) -> int:
     address = rosnode.get_api_uri(rosgraph.Master("/bench"), node)
     (_, _, pid) = rosnode.ServerProxy(address).getPid("/bench")
     return int(pid)
-
-
-def _children(pid: int) -> list[int]:
-    tasks = Path(f"/proc/{pid}/task").glob("*/children")
-    return [int(word) for task in tasks for word in task.read_text().split()]
-
-
-def _command_line(pid: int) -> str:
-    return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode()
 
 
 def _processor_time(pid: int) -> float:

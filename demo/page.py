@@ -16,6 +16,7 @@ ADDRESS = "/display/page"  # parameter
 SHOWS_THE_SESSION = (
     "document.getElementById('state').textContent !== 'No news'"
     " && document.getElementById('picture').naturalWidth > 0"
+    " && !document.getElementById('picture-words').textContent.startsWith('OLD')"
 )
 
 

@@ -29,7 +29,9 @@ from voice_assist.msg import Utterance
 from voice_assist.ros.display.endoscope import camera_of
 
 SCREENS = ((1920, 1080), (390, 844))  # [pixels]: in the theatre, and a telephone
-TOO_WIDE = "document.documentElement.scrollWidth > innerWidth"
+TOO_WIDE = """document.documentElement.scrollWidth <= innerWidth ? [] :
+    [...document.querySelectorAll('*')].filter((e) =>
+        e.getBoundingClientRect().right > innerWidth + 1).map((e) => e.id || e.tagName)"""
 CUT_OFF = """[...document.querySelectorAll('h1, p, span, strong, button')].filter((e) =>
     e.offsetParent && getComputedStyle(e).display !== 'inline' && e.scrollWidth > e.clientWidth + 1
 ).map((e) => e.id || e.textContent)"""
@@ -143,7 +145,7 @@ class PageInBrowser(unittest.TestCase):
             for theme in ("light", "dark"):
                 with self.subTest(width=width, theme=theme):
                     self.loop.run(self.browser.set_screen(width, height, theme))
-                    self.assertFalse(self.ask(TOO_WIDE))
+                    self.assertEqual(self.ask(TOO_WIDE), [])
                     self.assertEqual(self.ask(CUT_OFF), [])
                     backgrounds.add((theme, self.ask(BACKGROUND)))
         self.assertEqual(len({colour for _, colour in backgrounds}), 2, backgrounds)
@@ -151,15 +153,14 @@ class PageInBrowser(unittest.TestCase):
     def test_5_a_killed_node_is_named_and_its_return_too(self):
         kill("/alarms")
         self.wait_for_text("alarm-cause", "No alarms are watched")
-        self.wait("document.getElementById('alarm-cause').textContent !== 'No alarms are watched'")
+        self.wait("document.getElementById('alarm').hidden")
 
     def test_6_a_lost_connection_is_said_and_comes_back(self):
         kill("/display")
         self.wait("!document.getElementById('lost').hidden")
         self.assertIn("nothing below is as it is now", self.text("lost-words"))
         self.wait("document.getElementById('lost').hidden")
-        self.wait_for_text("announce", "Connected")
-        self.wait_for_text("state", "Halted")
+        self.wait_for_text("state", "Ready")
 
     def test_7_its_scripts_raised_no_error(self):
         raised = [one for one in self.browser.errors if "network" not in one]

@@ -30,6 +30,7 @@ from voice_assist.config import CommandsConfig, VoiceConfig
 from voice_assist.config.alarms import AlarmsConfig
 from voice_assist.config.display import DisplayConfig
 from voice_assist.config.enrolment import EnrolmentConfig
+from voice_assist.config.pedal import PedalConfig
 
 ROOT = Path(__file__).resolve().parents[3]
 SOURCE = ROOT / "catkin_ws" / "src"
@@ -44,6 +45,7 @@ WHOLE = {  # files that one call loads, as their program does at its start
     FOLDERS["rst_control"] / "torque_tension.yaml": TorqueTensionConfig,
     FOLDERS["voice_assist"] / "alarms.yaml": AlarmsConfig,
     FOLDERS["voice_assist"] / "display.yaml": DisplayConfig,
+    FOLDERS["voice_assist"] / "pedal.yaml": PedalConfig,
     FOLDERS["voice_assist"] / "enrolment.yaml": EnrolmentConfig,
     FOLDERS["voice_assist"] / "commands_de.yaml": CommandsConfig,
     FOLDERS["voice_assist"] / "commands_es.yaml": CommandsConfig,

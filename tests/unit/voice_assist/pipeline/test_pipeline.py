@@ -11,10 +11,11 @@ from tests.unit.voice_assist.support.fake_speech import (
     say,
     silence,
 )
+from voice_assist.audio.talk_gate import TalkChange
 from voice_assist.config import load_voice_config
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.side_inputs import ignore
+from voice_assist.side_inputs import SideInputKind, ignore
 from voice_assist.types import (
     RATE,
     Call,
@@ -25,6 +26,7 @@ from voice_assist.types import (
     Mode,
     NoMatch,
     Partial,
+    RejectionReason,
     SetMode,
     UtteranceDecision,
     never_hopeless,
@@ -414,3 +416,22 @@ def test_no_first_consonant_is_lost():
     quiet = np.flatnonzero(np.abs(heard[-1]) > 0.01)[0] / RATE
     assert quiet > 0.2, "the pre-roll reaches back before the first loud sample"
     assert len(sound)
+
+
+@pytest.mark.parametrize("word", ["tense", "pull more", "release", "hey robot", "terminate"])
+def test_while_the_talk_gate_is_closed_a_command_is_refused_and_a_stop_counts(word):
+    noted = []
+    pipeline, clock = make(observer=noted.append)
+    pipeline.talk_changed(TalkChange(False, 0.0))
+    events = run(pipeline, clock, frames(say(f"0.3 {word} 1.0 stop 1.0")))
+    assert commands(events) == ["stop"]
+    first = decisions(events)[0]
+    assert first.rejection.reason is RejectionReason.TALK_GATE
+    assert [n.is_open for n in noted if n.kind is SideInputKind.TALK] == [False]
+
+
+def test_with_an_open_talk_gate_a_command_counts():
+    pipeline, clock = make()
+    pipeline.talk_changed(TalkChange(False, 0.0))
+    pipeline.talk_changed(TalkChange(True, 1.0))
+    assert commands(run(pipeline, clock, frames(say("0.3 pull more 1.0")))) == ["pull more"]

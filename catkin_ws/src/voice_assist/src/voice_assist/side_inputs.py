@@ -24,6 +24,7 @@ class SideInputKind(Enum):
     BY_HAND = "by hand"  # before it, a person answered a question by hand
     ROBOT_MODE = "robot mode"  # before it, the robot was found in another mode than the voice
     SPEAKING = "speaking"  # before it, the robot's own speech began or ended
+    TALK = "talk"  # before it, a pedal let voice count, or not
     MOVING = "moving"  # from it on the robot moves, or rests
     BEHIND = "behind"  # it was heard too late for a look before the end of the utterance
     UNHEARD = "unheard"  # the recogniser's queue was full: only the spotter heard it
@@ -38,6 +39,7 @@ REPORTED = (  # by others, between two frames
     SideInputKind.BY_HAND,
     SideInputKind.ROBOT_MODE,
     SideInputKind.SPEAKING,
+    SideInputKind.TALK,
 )
 
 
@@ -51,8 +53,9 @@ class SideInput:
     command: str = ""  # of ANSWERED, as are the next two; of BY_HAND, as is the next
     is_accepted: bool = False
     message: str = ""
-    is_speaking: bool = False  # of SPEAKING, as is the next
+    is_speaking: bool = False  # of SPEAKING, as is the next, which is also of TALK
     time: float = 0.0  # [s] clock time at which it was reported
+    is_open: bool = False  # of TALK
     is_moving: bool = False  # of MOVING
     mode: str = ""  # of ROBOT_MODE
 

@@ -131,6 +131,7 @@ class RejectionReason(Enum):
     DAMAGED_SOUND = "damaged_sound"
     TONE = "tone"
     ROBOT_SPEAKING = "robot_speaking"
+    TALK_GATE = "talk_gate"
     SAME_BREATH = "same_breath"
     SECOND_VOICE = "second_voice"
     WRONG_MODE = "wrong_mode"

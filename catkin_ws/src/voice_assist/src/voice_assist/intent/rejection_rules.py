@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from voice_assist.audio.corruption import find_corruption
 from voice_assist.audio.pitch import pitch_variation
 from voice_assist.audio.robot_speech import RobotSpeech
+from voice_assist.audio.talk_gate import TalkGate
 from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandConfig
 from voice_assist.intent.early_decision import too_unsure
@@ -21,15 +22,23 @@ if TYPE_CHECKING:
 class RejectionRules:
     """Applied to each command that the words and the scores agree on, in this order."""
 
-    def __init__(self, config: VoiceConfig, robot_speech: RobotSpeech, gate: Gate | None) -> None:
+    def __init__(
+        self,
+        config: VoiceConfig,
+        robot_speech: RobotSpeech,
+        talk_gate: TalkGate,
+        gate: Gate | None,
+    ) -> None:
         """Join them.
 
         Args:
             config: Of all stages.
             robot_speech: When the robot itself speaks.
+            talk_gate: Whether voice counted, as a pedal says.
             gate: Refuses motions in other voices; None: any voice may move the robot.
         """
         self._config, self._robot_speech, self._gate = config.recognizer, robot_speech, gate
+        self._talk_gate = talk_gate
 
     def __call__(
         self,
@@ -46,6 +55,10 @@ class RejectionRules:
             sound: That it was recognised in, shape (n,).
             partial: The utterance that it was said in.
         """
+        said = partial.utterance.speech_start, partial.utterance.speech_end
+        if not self._talk_gate.was_open(*said):
+            words = "voice does not count now, as the talk pedal stands"
+            return Rejection(RejectionReason.TALK_GATE, words)
         wakes = command.mode_after == "active"
         if (command.is_motion or wakes) and self._robot_speech.is_in(
             partial.utterance.speech_start

@@ -12,6 +12,7 @@ import numpy as np
 from voice_assist.audio.denoise import Denoiser
 from voice_assist.audio.robot_speech import RobotSpeech, RobotSpeechChange
 from voice_assist.audio.source import GapWatch
+from voice_assist.audio.talk_gate import TalkChange, TalkGate
 from voice_assist.config import VoiceConfig
 from voice_assist.intent.dialogue import (
     AT_START,
@@ -104,7 +105,8 @@ class Pipeline:
         mapper, early = Mapper(config.commands), config.recognizer.early
         self._decoder = PartialDecoder(recognizer, early, clock, observer, mapper.cannot_become)
         self._robot_speech = RobotSpeech(config.audio.robot_speech)
-        rejection_rules = RejectionRules(config, self._robot_speech, gate)
+        self._talk_gate = TalkGate()
+        rejection_rules = RejectionRules(config, self._robot_speech, self._talk_gate, gate)
         rules = self._stop_fusion, rejection_rules, stop_in_sound
         self._decider = Decider(config, mapper, self._decoder, *rules)
         self._dialogue_state = AT_START
@@ -324,6 +326,12 @@ class Pipeline:
         self._observer(replace(spoken, is_speaking=change.is_speaking))
         self._robot_speech.update(change)
 
+    def talk_changed(self, change: TalkChange) -> None:
+        """Take that a pedal lets voice count from now on, or not; a stop always counts."""
+        noted = SideInput(SideInputKind.TALK, self._next_sample, time=change.time)
+        self._observer(replace(noted, is_open=change.is_open))
+        self._talk_gate.update(change)
+
     def warm_up(self, samples: Samples) -> None:
         """Let the recogniser do once what it does only once, on any sound, shape (n,)."""
         self._recognizer.transcribe(samples)
@@ -340,6 +348,7 @@ class Pipeline:
         self._segmenter.reset()
         self._stop_fusion.reset()
         self._robot_speech.reset()
+        self._talk_gate.reset()
         self._decider.reset()
         self._question.close()
         self._start_utterance()

@@ -19,6 +19,7 @@ from typed_config import ConfigError, load_yaml, with_present_keys
 from voice_assist.assembly import limit_torch, make_pipeline, make_spotters
 from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.audio.source import FRAME
+from voice_assist.audio.talk_gate import TalkChange
 from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, voice_config
 from voice_assist.config.profile import NOBODY
 from voice_assist.errors import VoiceError
@@ -152,6 +153,8 @@ class PipelineReplay:
         match given.kind:
             case SideInputKind.SPEAKING:
                 self._pipeline.robot_spoke(RobotSpeechChange(given.is_speaking, given.time))
+            case SideInputKind.TALK:
+                self._pipeline.talk_changed(TalkChange(given.is_open, given.time))
             case SideInputKind.ROBOT_MODE:
                 self._pipeline.follow(Mode(given.mode))
             case SideInputKind.BY_HAND:

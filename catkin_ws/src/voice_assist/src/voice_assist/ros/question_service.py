@@ -31,6 +31,10 @@ class QuestionService:
 
     def __init__(self) -> None:
         self._given: Queue[HandAnswer] = Queue()
+        self._service: rospy.Service | None = None
+
+    def start(self) -> None:
+        """Begin to serve."""
         self._service = rospy.Service(SERVICE, AnswerQuestion, self._serve)
 
     def take(self) -> Iterator[HandAnswer]:

@@ -5,7 +5,10 @@ from __future__ import annotations
 
 from rst_control.commands.table import COMMANDS
 from voice_assist.config import CommandsConfig
+from voice_assist.config.pedal import PedalConfig
 from voice_assist.errors import CommandsError
+
+_KNOWN = [spec.phrase for spec in COMMANDS.values() if not spec.is_by_hand_only]
 
 
 def require_known(config: CommandsConfig) -> None:
@@ -14,8 +17,19 @@ def require_known(config: CommandsConfig) -> None:
     Raises:
         CommandsError: Names the phrase's entry and what may be called.
     """
-    known = [spec.phrase for spec in COMMANDS.values() if not spec.is_by_hand_only]
     for index, command in enumerate(config.commands):
-        if command.command and command.command not in known:
+        if command.command and command.command not in _KNOWN:
             key = f"commands.commands[{index}].command"
-            raise CommandsError(key, command.command, f'"" or one of {", ".join(known)}')
+            raise CommandsError(key, command.command, f'"" or one of {", ".join(_KNOWN)}')
+
+
+def require_pedal_commands(config: PedalConfig) -> None:
+    """Refuse pedals that send what the robot does not take.
+
+    Raises:
+        CommandsError: Names the binding and what may be sent.
+    """
+    for index, binding in enumerate(config.bindings):
+        if binding.command and binding.command not in _KNOWN:
+            key = f"pedal.bindings[{index}].command"
+            raise CommandsError(key, binding.command, f"one of {', '.join(_KNOWN)}")

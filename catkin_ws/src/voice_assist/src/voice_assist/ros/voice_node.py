@@ -41,6 +41,7 @@ from voice_assist.ros.question_service import HandAnswer, QuestionService
 from voice_assist.ros.recognition_watch import RecognitionWatch
 from voice_assist.ros.robot_commands import require_known
 from voice_assist.ros.robot_speech import RobotSpeechTopic
+from voice_assist.ros.talk_topic import TalkTopic
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.side_inputs import SideInput, SideInputKind
 from voice_assist.spotter.spotter import Spotted, Spotting
@@ -118,7 +119,7 @@ class VoiceNode:
         self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, observer)
         self._client = CommandClient(config.commands.answer_within, self._answers.put)
         self._questions = QuestionService()
-        self._robot_speech = RobotSpeechTopic(_now)
+        self._robot_speech, self._talk = RobotSpeechTopic(_now), TalkTopic(_now)
         self._robot, self._was_moving = ControllerFollower(config.moving, _steady), False
         self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
 
@@ -127,6 +128,7 @@ class VoiceNode:
         state = self._pipeline.state
         self._publish.mode(state.mode, state.reason, _now())
         rospy.on_shutdown(self._over.set)
+        self._questions.start()
         if self._spotter is not None:
             self._spotter.start()
         for target in (self._listen, self._hear, self._beat):
@@ -259,6 +261,8 @@ class VoiceNode:
     def _take_reports(self) -> None:
         for spoke in self._robot_speech.take():
             self._pipeline.robot_spoke(spoke)
+        for change in self._talk.take():
+            self._pipeline.talk_changed(change)
         while not self._answers.empty():
             self._take_answer(self._answers.get())
         for given in self._questions.take():

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Linux input devices (evdev): found by name, read without a library, for one reader."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import struct
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+NAMES: Final = Path("/sys/class/input")
+DEVICES: Final = Path("/dev/input")
+EVENT: Final = struct.Struct("llHHi")  # input_event: time, type, code, value
+EV_KEY, EV_ABS = 1, 3
+EVIOCGRAB: Final = 0x40044590  # a pedal is a keyboard: elsewhere it would type
+REPEATED: Final = 2  # value of a key that is held
+
+
+class DeviceMissingError(OSError):
+    """No device has the name, or several have; names those that there are."""
+
+
+def devices(names: Path = NAMES) -> dict[str, str]:
+    """Name of each input device, by its event's name, such as event3."""
+    found = {}
+    for file in sorted(names.glob("event*/device/name")):
+        with suppress(OSError, UnicodeDecodeError):
+            found[file.parent.parent.name] = file.read_text(encoding="utf-8").strip()
+    return found
+
+
+def find(name: str, names: Path = NAMES) -> str:
+    """The event's name of the one device of that name, or of which it is a part.
+
+    Raises:
+        DeviceMissingError: There is none, or more than one.
+    """
+    there = devices(names)
+    exact = [event for event, its in there.items() if its == name]
+    matching = exact or [event for event, its in there.items() if name in its]
+    if len(matching) != 1:
+        count = "no device" if not matching else f"{len(matching)} devices"
+        listed = ", ".join(sorted(set(there.values()))) or "none"
+        raise DeviceMissingError(f"{count} with {name!r} in the name; there are: {listed}")
+    return matching[0]
+
+
+class EvdevReader:
+    """One open device, as a context.
+
+    Args:
+        path: Of the device.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._file = -1
+
+    def __enter__(self) -> EvdevReader:
+        """Open it.
+
+        Raises:
+            OSError: It cannot be opened.
+        """
+        self._file = os.open(self._path, os.O_RDONLY | os.O_CLOEXEC)
+        with suppress(OSError):  # another reader has it, or it is no device but a pipe of a test
+            fcntl.ioctl(self._file, EVIOCGRAB, 1)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        os.close(self._file)
+
+    def __iter__(self) -> Iterator[Mapping[str, float]]:
+        """News of inputs, until the device is gone.
+
+        Raises:
+            OSError: It is gone; says why.
+        """
+        rest = b""
+        while data := os.read(self._file, 64 * EVENT.size):
+            rest += data
+            whole = len(rest) // EVENT.size * EVENT.size
+            for _, _, kind, code, value in EVENT.iter_unpack(rest[:whole]):
+                if kind == EV_KEY and value != REPEATED:
+                    yield {f"button {code}": float(value)}
+                elif kind == EV_ABS:
+                    yield {f"axis {code}": float(value)}
+            rest = rest[whole:]
+        raise DeviceMissingError("the device ends")

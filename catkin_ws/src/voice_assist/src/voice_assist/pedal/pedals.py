@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What pressed and released inputs come to; one person's foot, one device."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from voice_assist.config.pedal import BindingConfig, PedalConfig
+
+STOP = "stop"
+
+
+@dataclass(frozen=True)
+class Send:
+    """Send a command; a stop goes by the stop topic first."""
+
+    command: str
+    input: str
+
+
+@dataclass(frozen=True)
+class Brake:
+    """The dead-man is not pressed: stop the robot."""
+
+    why: str
+
+
+PedalAction = Send | Brake
+
+
+class Pedals:
+    """Follows one device.
+
+    Args:
+        config: What each input does.
+    """
+
+    def __init__(self, config: PedalConfig) -> None:
+        self._bindings: Mapping[str, BindingConfig] = {b.input: b for b in config.bindings}
+        self._pressed: dict[str, bool] = {}
+        self._named: set[str] = set()
+        self._gate = next((b for b in config.bindings if b.does in ("talk", "mute")), None)
+        self._dead_man = next((b for b in config.bindings if b.does == "dead_man"), None)
+        self.is_there = False
+        self.remarks: list[str] = []  # what is wrong with the device's news, each once
+
+    def found(self) -> None:
+        """The device is there; what is pressed already counts once it was released."""
+        self.is_there = True
+        self._pressed.clear()
+
+    def lost(self, why: str) -> tuple[PedalAction, ...]:
+        """The device is gone: nothing is pressed any more."""
+        was_held = self.is_held
+        self.is_there = False
+        self._pressed.clear()
+        return (Brake(f"the dead-man's device is lost: {why}"),) if was_held else ()
+
+    def take(self, values: Mapping[str, float]) -> tuple[PedalAction, ...]:
+        """News of some inputs, by name, such as "button 2".
+
+        Args:
+            values: As the device gives them; of a button 0 or 1.
+        """
+        actions: list[PedalAction] = []
+        for name, value in values.items():
+            binding = self._bindings.get(name)
+            if binding is None:
+                if value and name.startswith("button"):
+                    self._remark(name, f"{name} does nothing: pedal.yaml names it not")
+                continue
+            if not math.isfinite(value):
+                self._remark(name, f"{name} gives {value}, no number: it counts as released")
+            actions += self._change(binding, _is_pressed(binding, value))
+        return tuple(actions)
+
+    def check(self, present: Mapping[str, float]) -> None:
+        """Name the inputs of the settings that a device does not have."""
+        for name in self._bindings:
+            if name not in present:
+                self._remark(name, f"the device has no {name}, which pedal.yaml names")
+
+    def _change(self, binding: BindingConfig, is_pressed: bool) -> tuple[PedalAction, ...]:
+        was_pressed = self._pressed.get(binding.input)
+        if was_pressed is None and is_pressed:
+            return ()  # pressed from the start: a foot that rests there, or a stuck switch
+        self._pressed[binding.input] = is_pressed
+        if is_pressed and not was_pressed and binding.does == "command":
+            return (Send(binding.command, binding.input),)
+        if was_pressed and not is_pressed and binding.does == "dead_man":
+            return (Brake(f"the dead-man ({binding.input}) is released"),)
+        return ()
+
+    def _remark(self, name: str, words: str) -> None:
+        if name not in self._named:
+            self._named.add(name)
+            self.remarks.append(words)
+
+    @property
+    def has_gate(self) -> bool:
+        """A pedal decides whether voice counts."""
+        return self._gate is not None
+
+    @property
+    def may_talk(self) -> bool:
+        """Voice counts; with a device that is lost it does not, but for "stop"."""
+        if self._gate is None:
+            return True
+        is_pressed = self._pressed.get(self._gate.input, False)
+        return self.is_there and is_pressed is (self._gate.does == "talk")
+
+    @property
+    def has_dead_man(self) -> bool:
+        """The robot may move only while a pedal is pressed."""
+        return self._dead_man is not None
+
+    @property
+    def is_held(self) -> bool:
+        """The dead-man is pressed."""
+        return self._dead_man is not None and self._pressed.get(self._dead_man.input, False)
+
+
+def _is_pressed(binding: BindingConfig, value: float) -> bool:
+    if not math.isfinite(value):
+        return False
+    if binding.input.startswith("button"):
+        return bool(value)
+    return value >= binding.above if binding.above > 0.0 else value <= binding.above

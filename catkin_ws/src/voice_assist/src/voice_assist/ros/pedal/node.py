@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The pedal node: commands, talk gate and dead-man, from sensor_msgs/Joy or from a USB device.
+
+Its stop is a supplementary stop as any other: it goes by this process and by the network.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import threading
+import time
+from collections.abc import Mapping
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from sensor_msgs.msg import Joy
+from std_msgs.msg import Bool, Empty
+
+from rst_control.msg import ControllerState
+from typed_config import ConfigError
+from typed_config.ros.starting import starting
+from voice_assist.config.pedal import PedalConfig, pedal_config
+from voice_assist.intent.dialogue import Answered
+from voice_assist.pedal.evdev import DEVICES, EvdevReader, devices, find
+from voice_assist.pedal.pedals import STOP, PedalAction, Pedals, Send
+from voice_assist.ros.command_client import CommandClient
+from voice_assist.ros.robot_commands import require_pedal_commands
+
+TALK = "voice_assist/talk"  # std_msgs/Bool, again and again while a pedal is the gate
+PERIOD = 0.05  # [s] between looks at gate, dead-man and silence
+DIAGNOSTICS_EVERY = 20  # looks
+ANSWER_WITHIN = 1.0  # [s] for the controller
+STOP_AGAIN = 0.2  # [s] between stops while the robot moves without the dead-man
+
+
+class PedalNode:
+    """Joins the device and the robot's controller.
+
+    Args:
+        config: Device, and what each input does.
+    """
+
+    def __init__(self, config: PedalConfig) -> None:
+        self._config, self._pedals, self._lock = config, Pedals(config), threading.Lock()
+        self._trouble = "not found yet"
+        self._last_news = self._last_stop = float("-inf")  # [s] steady clock
+        self._state = ""
+        self._stop = rospy.Publisher("rst_control/stop", Empty, queue_size=10)
+        self._talk = rospy.Publisher(TALK, Bool, queue_size=1)
+        self._diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=2)
+        self._client = CommandClient(ANSWER_WITHIN, _log_answer)
+        self._joy: rospy.Subscriber | None = None
+        if self._pedals.has_dead_man:
+            rospy.Subscriber("rst_control/state", ControllerState, self._on_state, queue_size=1)
+
+    def run(self) -> None:
+        """Follow the device until ROS shuts down."""
+        if self._config.source == "joy":
+            self._joy = rospy.Subscriber(self._config.topic, Joy, self._on_joy, queue_size=50)
+        else:
+            threading.Thread(target=self._read, name="pedal", daemon=True).start()
+        rospy.on_shutdown(self._leave)
+        looks = 0
+        while not rospy.is_shutdown():
+            self._look()
+            if looks % DIAGNOSTICS_EVERY == 0:
+                self._publish_diagnostics()
+            looks += 1
+            time.sleep(PERIOD)
+
+    def _leave(self) -> None:
+        with self._lock:
+            self._carry_out(self._pedals.lost("the pedal node ends"))
+
+    # --- what comes in
+
+    def _on_joy(self, message: Joy) -> None:
+        values = {f"button {i}": float(value) for i, value in enumerate(message.buttons)}
+        values |= {f"axis {i}": float(value) for i, value in enumerate(message.axes)}
+        with self._lock:
+            self._last_news = time.monotonic()
+            if not self._pedals.is_there:
+                self._found(f"joy on {self._config.topic}")
+                self._pedals.check(values)
+            self._take(values)
+
+    def _read(self) -> None:
+        """Thread of a USB device: read it, look for it again when it is gone."""
+        while not rospy.is_shutdown():
+            try:
+                with EvdevReader(DEVICES / find(self._config.device)) as reader:
+                    with self._lock:
+                        self._found(self._config.device)
+                    for values in reader:
+                        with self._lock:
+                            self._take(values)
+            except OSError as error:
+                with self._lock:
+                    self._lost(str(error))
+            rospy.rostime.wallsleep(self._config.look_again)
+
+    def _on_state(self, message: ControllerState) -> None:
+        self._state = message.state
+
+    # --- what follows from it; under the lock
+
+    def _found(self, name: str) -> None:
+        self._pedals.found()
+        self._trouble = ""
+        rospy.loginfo("pedal: %s", name)
+
+    def _lost(self, why: str) -> None:
+        if why != self._trouble:
+            rospy.logwarn("pedal: %s", why)
+        self._trouble = why
+        self._carry_out(self._pedals.lost(why))
+
+    def _take(self, values: Mapping[str, float]) -> None:
+        self._carry_out(self._pedals.take(values))
+        while self._pedals.remarks:
+            rospy.logwarn("pedal: %s", self._pedals.remarks.pop(0))
+
+    def _carry_out(self, actions: tuple[PedalAction, ...]) -> None:
+        for action in actions:
+            if isinstance(action, Send):
+                rospy.loginfo("pedal: %s, by %s", action.command, action.input)
+                if action.command == STOP:
+                    self._publish_stop()
+                self._client.call(action.command, may_repeat=action.command == STOP)
+            else:
+                rospy.logwarn("pedal: %s; the robot is stopped", action.why)
+                self._publish_stop()
+
+    def _publish_stop(self) -> None:
+        self._last_stop = time.monotonic()
+        self._client.forget()
+        self._stop.publish(Empty())
+
+    def _look(self) -> None:
+        with self._lock:
+            if why := self._silence():
+                self._lost(why)
+            if self._pedals.has_gate:
+                self._talk.publish(Bool(self._pedals.may_talk))
+            is_unheld = self._pedals.has_dead_man and not self._pedals.is_held
+            is_due = time.monotonic() - self._last_stop > STOP_AGAIN
+            if is_unheld and self._state == "moving" and is_due:
+                rospy.logwarn("pedal: the robot moves, and the dead-man is not pressed")
+                self._publish_stop()
+
+    def _silence(self) -> str:
+        """Why a joy that was there is gone; empty: it is there, or it never was."""
+        if self._joy is None or not self._pedals.is_there:
+            return ""
+        if self._joy.get_num_connections() == 0:
+            return f"nobody publishes {self._config.topic} any more"
+        age, allowed = time.monotonic() - self._last_news, self._config.silent_after
+        return f"{self._config.topic} silent for {age:.1f} s" if 0.0 < allowed < age else ""
+
+    def _publish_diagnostics(self) -> None:
+        with self._lock:
+            level = DiagnosticStatus.ERROR if self._trouble else DiagnosticStatus.OK
+            status = DiagnosticStatus(level, f"{rospy.get_name()[1:]}: pedal", "", "", [])
+            status.message = self._trouble or "there"
+            status.hardware_id = self._config.device or self._config.topic
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = rospy.Time.now()
+        self._diagnostics.publish(message)
+
+
+def _log_answer(answered: Answered) -> None:
+    log = rospy.loginfo if answered.is_accepted else rospy.logwarn
+    log("pedal: %s: %s", answered.command, answered.message)
+
+
+def main() -> None:
+    """Run the pedal node, or list the devices."""
+    parser = argparse.ArgumentParser(prog="rosrun voice_assist pedal", description=__doc__)
+    parser.add_argument("--list", action="store_true", help="show the names of all input devices")
+    if parser.parse_args(rospy.myargv()[1:]).list:
+        print("\n".join(sorted(set(devices().values()))) or "there is no input device")
+        return
+    with starting("pedal", needs_clock=False):
+        try:
+            given = {key: rospy.get_param(f"~{key}", None) for key in _KEYS}
+            config = pedal_config({k: v for k, v in given.items() if v is not None})
+            require_pedal_commands(config)
+        except ConfigError as error:
+            rospy.logfatal("%s", error)
+            sys.exit(2)
+    PedalNode(config).run()
+
+
+_KEYS = tuple(PedalConfig.__dataclass_fields__)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The topic by which a pedal says whether voice counts; its silence closes the gate."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from threading import Lock
+
+import rospy
+from std_msgs.msg import Bool
+
+from voice_assist.audio.talk_gate import TalkChange
+
+SILENT_AFTER = 1.0  # [s] without a message, once there was one, after which voice does not count
+KEPT = 20  # changes between two takes
+
+
+class TalkTopic:
+    """Changes of the gate that were received and not yet taken."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        """Subscribe; `clock` stamps each change [s]."""
+        self._clock, self._lock = clock, Lock()
+        self._changes: deque[TalkChange] = deque(maxlen=KEPT)
+        self._is_open: bool | None = None  # None: no pedal was ever heard of
+        self._heard = float("-inf")  # [s]
+        rospy.Subscriber("voice_assist/talk", Bool, self._hear)
+
+    def take(self) -> list[TalkChange]:
+        """Changes since the last call, oldest first."""
+        with self._lock:
+            if self._is_open and self._clock() - self._heard > SILENT_AFTER:
+                self._note(False)
+            changes = list(self._changes)
+            self._changes.clear()
+        return changes
+
+    def _hear(self, message: Bool) -> None:
+        with self._lock:
+            self._heard = self._clock()
+            self._note(bool(message.data))
+
+    def _note(self, is_open: bool) -> None:
+        if is_open is not self._is_open:
+            self._is_open = is_open
+            self._changes.append(TalkChange(is_open, self._clock()))

@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The pedal node with a joy on a topic; this plays the controller."""
+
+import sys
+import unittest
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from sensor_msgs.msg import Joy
+from std_msgs.msg import Bool, Empty
+
+from rst_control.msg import ControllerState
+from rst_control.srv import Command, CommandResponse
+from support.waiting import wait_until
+
+REST, HELD = -1.0, 1.0  # of the dead-man's axis
+
+
+class Pedal(unittest.TestCase):
+    """The tests run in the order of their names."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.stops, cls.commands, cls.gate, cls.health = [], [], [], []
+        rospy.Subscriber("rst_control/stop", Empty, cls.note_stop)
+        rospy.Subscriber("voice_assist/talk", Bool, lambda m: cls.gate.append(m.data))
+        rospy.Subscriber("/diagnostics", DiagnosticArray, cls.note_health)
+        rospy.Service("rst_control/command", Command, cls.take)
+        cls.states = rospy.Publisher("rst_control/state", ControllerState, queue_size=1)
+        cls.joy = rospy.Publisher("joy", Joy, queue_size=10)
+        wait_until(lambda: cls.joy.get_num_connections() and cls.states.get_num_connections())
+
+    @classmethod
+    def note_stop(cls, message):
+        if message._connection_header["callerid"] == "/pedal":
+            cls.stops.append(message)
+
+    @classmethod
+    def note_health(cls, message):
+        cls.health += [s.message for s in message.status if s.name.endswith(": pedal")]
+
+    @classmethod
+    def take(cls, request):
+        cls.commands.append((request.command, request._connection_header["callerid"]))
+        return CommandResponse(True, "", "")
+
+    def step(self, *pressed, dead_man=REST):
+        buttons = [int(i in pressed) for i in range(4)]
+        self.joy.publish(Joy(buttons=buttons, axes=[dead_man]))
+
+    def test_1_a_press_from_the_start_does_nothing_and_a_later_one_commands(self):
+        self.step(1)
+        self.step()
+        self.step(1)
+        wait_until(lambda: self.commands)
+        self.step()
+        self.step(0)
+        wait_until(lambda: len(self.commands) == 2 and self.stops)
+        self.assertEqual(self.commands, [("pull more", "/pedal"), ("stop", "/pedal")])
+
+    def test_2_the_gate_follows_its_pedal(self):
+        for pressed, is_open in (((2,), True), ((), False)):
+            self.step(*pressed)
+            self.gate.clear()
+            wait_until(lambda is_open=is_open: self.gate[-1:] == [is_open])
+
+    def test_3_a_released_dead_man_brakes(self):
+        self.step(dead_man=HELD)
+        self.stops.clear()
+        self.states.publish(ControllerState(state="moving"))
+        self.step(3, dead_man=HELD)  # a button that nothing is bound to
+        self.step(dead_man=REST)
+        wait_until(lambda: self.stops)
+
+    def test_4_a_robot_that_moves_without_it_is_braked_again_and_again(self):
+        self.states.publish(ControllerState(state="moving"))
+        self.stops.clear()
+        wait_until(lambda: len(self.stops) > 1)
+        self.states.publish(ControllerState(state="halted"))
+
+    def test_5_a_joy_that_vanishes_is_named_brakes_and_closes_the_gate(self):
+        self.step(2, dead_man=REST)
+        self.step(2, dead_man=HELD)
+        wait_until(lambda: self.gate[-1:] == [True])
+        self.stops.clear()
+        self.joy.unregister()
+        wait_until(lambda: self.stops)
+        wait_until(lambda: self.gate[-1:] == [False])
+        wait_until(lambda: any("nobody publishes" in words for words in self.health))
+
+
+if __name__ == "__main__":
+    rospy.init_node("pedal_test")
+    rostest.rosrun("rst_control", "pedal_test", Pedal, sys.argv)

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Push-to-talk: speech counts only if voice counted over all of it."""
+
+import pytest
+
+from voice_assist.audio.talk_gate import EARLY_RELEASE, LATE_PRESS, TalkChange, TalkGate
+
+
+def gate(*changes):
+    made = TalkGate()
+    for is_open, time in changes:
+        made.update(TalkChange(is_open, time))
+    return made
+
+
+def test_without_news_of_a_gate_voice_counts():
+    assert gate().was_open(1.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "counts"),
+    [
+        ([(False, 0.0)], False),
+        ([(True, 0.0)], True),
+        ([(False, 0.0), (True, 9.9)], True),  # pressed, then said
+        ([(False, 0.0), (True, 10.0 + 0.9 * LATE_PRESS)], True),
+        ([(False, 0.0), (True, 10.0 + 1.1 * LATE_PRESS)], False),  # said, then pressed
+        ([(False, 0.0), (True, 9.0), (False, 9.9)], False),  # released, then said
+        ([(False, 0.0), (True, 9.0), (False, 12.0 - 0.9 * EARLY_RELEASE)], True),
+        ([(False, 0.0), (True, 9.0), (False, 12.0 - 1.1 * EARLY_RELEASE)], False),
+        ([(False, 0.0), (True, 9.0), (False, 11.0), (True, 11.1)], False),  # let go in between
+        ([(False, 0.0), (True, 12.5)], False),
+    ],
+)
+def test_speech_from_10_to_12_s_counts_if_it_was_open_over_all_of_it(changes, counts):
+    assert gate(*changes).was_open(10.0, 12.0) is counts
+
+
+def test_a_short_word_in_a_short_press_counts():
+    assert gate((False, 0.0), (True, 10.1), (False, 10.35)).was_open(10.0, 10.4)
+
+
+def test_after_a_reset_it_stands_as_it_stood():
+    made = gate((False, 0.0), (True, 5.0))
+    made.reset()
+    assert made.was_open(10.0, 11.0)
