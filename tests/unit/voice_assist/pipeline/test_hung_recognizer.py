@@ -110,6 +110,8 @@ class Room:
             "Publishers": lambda: self,
             "CommandClient": lambda *_: caller,
             "RobotSpeechTopic": lambda _: SimpleNamespace(take=list),
+            "TalkTopic": lambda _: SimpleNamespace(take=list),
+            "QuestionService": lambda: SimpleNamespace(start=quiet, take=list),
             "VoiceDiagnostics": self.diagnostics,
             "make_recognizer": lambda _: self.recognizer,
             "make_spotters": lambda _: (self.spotter, "0"),
