@@ -102,8 +102,8 @@ else
 	@$(RUN) python -m voice_assist.training.spotter.train_overlap --steps 4000
 endif
 
-paper: .setup/dev ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; goes on where it was interrupted
-	@$(RUN) python -m paper $(if $(REPETITIONS),--repetitions '$(REPETITIONS)') $(if $(VOICES),--voices '$(VOICES)') \
+paper: .setup/dev ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; [INPUT=voice,pedal] compares; goes on where it was interrupted
+	@$(RUN) python -m paper $(if $(INPUT),--input '$(INPUT)') $(if $(REPETITIONS),--repetitions '$(REPETITIONS)') $(if $(VOICES),--voices '$(VOICES)') \
 	    $(if $(OUT),--out "$$OUT")
 
 report: setup ## SESSION=sessions/<time> or a folder of sessions: make the report [OUT=dir] [LATEX=1] [JOBS=n]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`make paper`: the paper's experiment in synthetic voices.
+"""`make paper`: the paper's experiment in synthetic voices, and the same by a pedal.
 
 Each session is a process of its own, since one process can join only one ROS master.
 """
@@ -24,10 +24,11 @@ from paper.config import (
     load_experiment,
 )
 from paper.folders import finish, is_finished, set_aside, settings_of
-from paper.judging.outcomes import PhraseOutcome, judge, kept
+from paper.judging.comparison import comparison
+from paper.judging.outcomes import PhraseOutcome, judge, keep, kept
 from paper.judging.results import VoiceResult, figures
 from paper.judging.trials import read
-from paper.play import session
+from paper.play import pedal_session, session
 from paper.play.speaker import installed_voices
 from session_log.cli import CONFIG as REPORT
 from session_log.config import ReportConfig
@@ -37,6 +38,7 @@ from support.interrupt import end_as_by_ctrl_c
 from typed_config import ConfigError, load_config, load_yaml
 
 VOICES = "4"
+VOICE, PEDAL = "voice", "pedal"  # inputs
 INTERRUPTED = 130  # exit status of a session that Ctrl-C ended
 END_TIME = 60.0  # [s] for a session to end after Ctrl-C
 RESULT = "paper.json"
@@ -55,8 +57,14 @@ def main(words: Sequence[str] | None = None) -> int:
         console.print(f"[red]{error}[/red]", highlight=False)
         return 2
     if options.session:
+        if PEDAL in options.input:
+            return _press(config, repetitions, out, console)
         return _play(voices[0], config, repetitions, out, console)
-    status = _play_all(voices, config, repetitions, out, console)
+    status = 0
+    if VOICE in options.input:
+        status = _play_all(voices, config, repetitions, out, console)
+    if PEDAL in options.input and status != INTERRUPTED:
+        status = _press_all(config, repetitions, out, console) or status
     is_full = repetitions >= config.repetitions and len(voices) >= int(VOICES)
     _conclude(voices, out, is_full and status == 0, console)
     return status
@@ -66,6 +74,9 @@ def _parse(words: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="make paper", description=__doc__)
     parser.add_argument("--repetitions", type=_count, help="of each command and voice")
     parser.add_argument("--voices", default=VOICES, help="how many, or names with commas between")
+    parser.add_argument(
+        "--input", type=_inputs, default=(VOICE,), help="voice, pedal, or both with a comma between"
+    )
     parser.add_argument("--out", type=Path, help="folder of all sessions (sessions/paper_<n>)")
     parser.add_argument("--session", action="store_true", help=argparse.SUPPRESS)  # in here
     return parser.parse_args(words)
@@ -75,6 +86,39 @@ def _count(word: str) -> int:
     if not (word.isdigit() and int(word) > 0):
         raise argparse.ArgumentTypeError(f"{word!r} is no whole number above 0")
     return int(word)
+
+
+def _inputs(word: str) -> tuple[str, ...]:
+    found = tuple(word.split(","))
+    if not found or not set(found) <= {VOICE, PEDAL}:
+        raise argparse.ArgumentTypeError(f"{word!r}: allowed are voice, pedal and voice,pedal")
+    return found
+
+
+def _press_all(config: ExperimentConfig, repetitions: int, out: Path, console: Console) -> int:
+    """Press the pedal's session, unless it is there."""
+    console.rule("pedal")
+    if is_finished(out / PEDAL, settings_of(config, None, repetitions)):
+        console.print("  finished before, kept")
+        return 0
+    if aside := set_aside(out / PEDAL):
+        console.print(f"  begun before and not finished, or otherwise; now in {aside}")
+    return _child("1", repetitions, out, PEDAL)
+
+
+def _press(config: ExperimentConfig, repetitions: int, out: Path, console: Console) -> int:
+    """Press one session."""
+    folder = out / PEDAL
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        keep(folder, pedal_session.run(config, repetitions, folder, console))
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except (OSError, RuntimeError, rospy.ROSException) as error:
+        console.print(f"The session could not be played: {error}", style="red", markup=False)
+        return 1
+    finish(folder, settings_of(config, None, repetitions))
+    return 0
 
 
 def _play_all(
@@ -94,7 +138,7 @@ def _play_all(
             continue
         if aside := set_aside(out / voice.name):
             console.print(f"  begun before and not finished, or otherwise; now in {aside}")
-        code = _child(voice, repetitions, out)
+        code = _child(voice.name, repetitions, out, VOICE)
         if code == INTERRUPTED:
             console.print("Interrupted: the same command goes on with this voice.")
             return code
@@ -102,8 +146,8 @@ def _play_all(
     return status
 
 
-def _child(voice: PaperVoiceConfig, repetitions: int, out: Path) -> int:
-    command = [sys.executable, "-m", "paper", "--session", "--voices", voice.name]
+def _child(voices: str, repetitions: int, out: Path, input_: str) -> int:
+    command = [sys.executable, "-m", "paper", "--session", "--voices", voices, "--input", input_]
     command += ["--repetitions", str(repetitions), "--out", str(out)]
     process = subprocess.Popen(command, cwd=ROOT)
     try:
@@ -148,13 +192,15 @@ def _conclude(
     """Show and write what there is."""
     found = [VoiceResult(v, tuple(_outcomes(out / v.name))) for v in voices]
     heard = [result for result in found if result.repetitions]
-    if not heard:
+    pressed = kept(out / PEDAL)
+    if not heard and not pressed:
         console.print("No phrase was played: there is nothing to show.")
         return
     theirs = _report_config().paper
     paper = {entry.command: entry.latency for entry in theirs.latency}
     console.rule()
-    listed = figures(heard, paper, theirs.hardware)
+    listed = figures(heard, paper, theirs.hardware) if heard else []
+    listed += comparison({VOICE: [o for r in heard for o in r.repetitions], PEDAL: pressed})
     show(listed, console)
     for path in [out / RESULT, *([RESULTS / RESULT] if is_full else [])]:
         write(path, listed, machine(), voices=[asdict(result.voice) for result in heard])

@@ -14,11 +14,12 @@ FINISHED = "finished.json"
 ASIDE = "unfinished"  # folder beside that of the experiment
 
 
-def settings_of(config: ExperimentConfig, voice: PaperVoiceConfig, repetitions: int) -> str:
-    """All that decides how the session of a voice goes, as JSON."""
+def settings_of(config: ExperimentConfig, voice: PaperVoiceConfig | None, repetitions: int) -> str:
+    """All that decides how the session of a voice goes, as JSON; None: of the pedal."""
     settings = asdict(config)
     del settings["voices"]
-    return json.dumps({**settings, "repetitions": repetitions, "voice": asdict(voice)}, indent=1)
+    who = asdict(voice) if voice else "pedal"
+    return json.dumps({**settings, "repetitions": repetitions, "voice": who}, indent=1)
 
 
 def is_finished(folder: Path, settings: str) -> bool:

@@ -68,9 +68,14 @@ def judge(folder: Path, report: ReportConfig) -> list[PhraseOutcome]:
         until = min(trial.ended + LATEST, following.began if following else math.inf)
         mine = [r for r in rows if r.heard and trial.began <= r.heard.decision + zero < until]
         found.append(outcome(trial, heard.end - zero if heard else math.nan, mine))
-    text = json.dumps([asdict(o) for o in found], indent=1)
-    (folder / FILE).write_text(text + "\n", encoding="utf-8")
+    keep(folder, found)
     return found
+
+
+def keep(folder: Path, outcomes: Sequence[PhraseOutcome]) -> None:
+    """Keep the outcomes of a session beside its recording."""
+    text = json.dumps([asdict(o) for o in outcomes], indent=1)
+    (folder / FILE).write_text(text + "\n", encoding="utf-8")
 
 
 def kept(folder: Path) -> list[PhraseOutcome]:

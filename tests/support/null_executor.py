@@ -22,6 +22,6 @@ class Nobody:
         """Note an order that would be carried out."""
         self.orders.append(order)
 
-    def note_refusal(self, command: str, cause: Cause, now: float) -> None:
+    def note_refusal(self, command: str, cause: Cause, now: float, caller: str) -> None:
         """Note a refusal."""
         self.refusals.append((command, cause.words))

@@ -41,6 +41,22 @@ def test_unknown_words_are_refused_at_once_and_written_into_the_diary():
     assert entry.kind == "refused" and len(entry.command) == MAX_ECHOED
 
 
+def test_what_is_accepted_or_refused_names_its_caller():
+    rig = Rig().awake()
+    rig.queue.take("nonsense", "/pedal")
+    pending = rig.queue.take("release", "/voice_assist")
+    rig.queue.check(rig.queue.next(0.0))
+    rig.queue.take("terminate", "/display")
+    rig.tick()
+    assert not pending.reply.result(0).accepted
+    named = [(e.kind, e.command, e.caller) for e in rig.executor.events if e.caller != "test"]
+    assert named[-3:] == [
+        ("refused", "nonsense", "/pedal"),
+        ("refused", "release", "/voice_assist"),
+        ("accepted", "terminate", "/display"),
+    ]
+
+
 @pytest.mark.parametrize("amount", [float("nan"), float("inf"), -1.0])
 def test_amounts_that_make_no_sense_are_refused(amount):
     rig = Rig().awake()

@@ -32,6 +32,7 @@ class PendingCommand:
     """What a caller gets: the answer to come, and how the motion ends."""
 
     words: str
+    caller: str  # for the event log
     reply: Future[Reply] = field(default_factory=Future)
     ended: Future[Outcome] = field(default_factory=Future)
 
@@ -91,7 +92,7 @@ class CommandQueue:
             tension: [N], 0: as configured.
             distance: [m], 0: as configured.
         """
-        pending = PendingCommand(words)
+        pending = PendingCommand(words, caller)
         request = read_request(words, tension, distance, self._commands)
         is_by_voice = is_spoken or not is_by_hand
         if isinstance(request, Rejected):
@@ -158,6 +159,7 @@ class CommandQueue:
             serial,
             queued.is_spoken,
             queued.owner,
+            queued.pending.caller,
             reply=queued.pending.reply.set_result,
             stale=(lambda: self._again(queued)) if plan.phases else None,
             ended=queued.pending.ended.set_result,
@@ -165,6 +167,7 @@ class CommandQueue:
         self._executor.post(order)
 
     def _refuse(self, pending: PendingCommand, cause: Cause) -> None:
-        self._executor.note_refusal(shown(pending.words), cause, self._clock())
+        said, now = shown(pending.words), self._clock()
+        self._executor.note_refusal(said, cause, now, pending.caller)
         pending.reply.set_result(Reply.refused(cause))
         pending.ended.set_result(Outcome("refused", cause.words, cause.reason))

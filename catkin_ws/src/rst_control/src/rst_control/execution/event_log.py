@@ -36,6 +36,7 @@ class Event:
     command: str
     message: str
     reason: Reason | None = None  # of what was refused, stopped, halted, given up or cleared
+    caller: str = ""  # node that asked, for what was accepted or refused
 
 
 class EventLog:
@@ -55,20 +56,22 @@ class EventLog:
         """The order in motion was spoken."""
         return self.order is not None and self.order.is_spoken
 
-    def note(self, now: float, kind: EventKind, command: str, why: Cause | str) -> None:
-        """Write what happened at a time [s], with its cause or in words."""
+    def note(
+        self, now: float, kind: EventKind, command: str, why: Cause | str, caller: str = ""
+    ) -> None:
+        """Write what happened at a time [s], with its cause or in words, and who asked for it."""
         words, reason = (why.words, why.reason) if isinstance(why, Cause) else (why, None)
-        self.events.append(Event(now, kind, command, words, reason))
+        self.events.append(Event(now, kind, command, words, reason, caller))
 
-    def note_refusal(self, now: float, command: str, cause: Cause) -> None:
+    def note_refusal(self, now: float, command: str, cause: Cause, caller: str) -> None:
         """Write a refusal, wherever it was decided."""
         self.last_refusal = cause
-        self.note(now, "refused", command, cause)
+        self.note(now, "refused", command, cause, caller)
 
     def accept(self, now: float, order: Order) -> None:
         """Answer that it is done or will be."""
         self.command = order.command.phrase
-        self.note(now, "accepted", self.command, order.plan.words)
+        self.note(now, "accepted", self.command, order.plan.words, order.caller)
         order.reply(Reply(True, order.plan.words))
 
     def refuse(self, now: float, order: Order, cause: Cause, tension: float) -> None:
@@ -80,7 +83,7 @@ class EventLog:
             cause: Why.
             tension: Present [N].
         """
-        self.note_refusal(now, order.command.phrase, cause)
+        self.note_refusal(now, order.command.phrase, cause, order.caller)
         order.reply(Reply.refused(cause))
         order.ended(Outcome("refused", cause.words, cause.reason, tension))
 

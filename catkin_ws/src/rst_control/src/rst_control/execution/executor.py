@@ -102,9 +102,9 @@ class Executor:
         """Note that the voice node is alive."""
         self._heartbeat = now
 
-    def note_refusal(self, command: str, cause: Cause, now: float) -> None:
+    def note_refusal(self, command: str, cause: Cause, now: float, caller: str) -> None:
         """Write a refusal into the event log."""
-        self._event_log.note_refusal(now, command, cause)
+        self._event_log.note_refusal(now, command, cause, caller)
 
     @property
     def events(self) -> deque[Event]:

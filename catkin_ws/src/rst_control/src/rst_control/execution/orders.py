@@ -62,6 +62,7 @@ class Order:
     serial: int  # of the view in which it was verified
     is_spoken: bool = False  # it came from the voice node, whose heartbeat must go on
     owner: str = ""  # node whose loss brakes the motion; empty: it may leave
+    caller: str = ""  # node that asked, for the event log
     reply: Callable[[Reply], None] = field(default=_ignore)
     stale: Callable[[], None] | None = (
         None  # instead of the reply, where the view has changed since

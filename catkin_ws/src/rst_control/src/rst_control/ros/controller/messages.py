@@ -72,6 +72,7 @@ def event_message(event: Event, clock: RosClock) -> EventMessage:
         command=event.command,
         message=event.message,
         reason_code=code_of(event.reason),
+        caller=event.caller,
     )
     message.header.stamp = clock.stamp(event.stamp)
     return message

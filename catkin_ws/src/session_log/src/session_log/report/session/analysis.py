@@ -34,6 +34,7 @@ class CommandRow:
     outcome: str  # accepted, refused, or "no answer"
     message: str  # the controller's words
     action: float | None  # [s] the robot began to do it
+    caller: str = ""  # node that asked; older recordings have none
 
     @property
     def time(self) -> float:
@@ -169,7 +170,7 @@ def _row(
     outcome = "refused" if refused else "accepted"
     message = next((a.message for a in answers if a.message), "")
     action = None if refused else _action(data, config, command, first.time)
-    return CommandRow(command, heard, first.time, outcome, message, action)
+    return CommandRow(command, heard, first.time, outcome, message, action, first.caller)
 
 
 def _action(data: SessionData, config: ReportConfig, command: str, accepted: float) -> float | None:

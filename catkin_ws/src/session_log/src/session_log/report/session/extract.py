@@ -198,7 +198,9 @@ class _Extractor:
 
     def _event(self, m: Any) -> None:
         time, code = self._time(m.header.stamp), getattr(m, "reason_code", "")
-        self._data.events.append(RecordedEvent(time, m.kind, m.command, m.message, code))
+        self._data.events.append(
+            RecordedEvent(time, m.kind, m.command, m.message, code, getattr(m, "caller", ""))
+        )
 
     def _state(self, batch: Batch, time: Track) -> None:
         state, moving = batch.column("state"), np.isin(batch.column("state"), MOVING)

@@ -59,6 +59,7 @@ class RecordedEvent:
     command: str
     message: str
     reason_code: str = ""  # older recordings have none
+    caller: str = ""  # node that asked; older recordings have none
 
 
 @dataclass(frozen=True)

@@ -86,7 +86,8 @@ def health_table(material: SessionMaterial) -> TextTable:
 
 def _command_row(row: CommandRow) -> tuple[str, ...]:
     heard = row.heard
-    spoken = (f"“{heard.transcript}”", _wer(heard)) if heard else ("by\u00a0hand", NONE)
+    by = row.caller.lstrip("/") or "hand"
+    spoken = (f"“{heard.transcript}”", _wer(heard)) if heard else (f"by\u00a0{by}", NONE)
     decision, action = seconds(row.decision_latency), seconds(row.action_latency)
     time = f"{row.time:.1f}\u00a0s"
     return (time, spoken[0], row.command, spoken[1], row.outcome, decision, action, row.message)

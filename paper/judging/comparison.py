@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Inputs beside each other: time to motion, refusals and wrong commands, with intervals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from paper.judging.outcomes import PhraseOutcome
+from paper.play.plan import MOTIONS
+from session_log.report.bounds import at_most
+from support.figures import Figure
+
+Z = 1.96  # of a mean's interval with 95 %
+NOTES = {
+    "voice": "from the end of the word",
+    "pedal": "from the press, by a program: a person's wrong presses are not in it",
+}
+
+
+def comparison(inputs: Mapping[str, Sequence[PhraseOutcome]]) -> list[Figure]:
+    """Figures of each input that was used; none where there are not two.
+
+    Args:
+        inputs: Outcomes by the name of the input.
+    """
+    used = {name: outcomes for name, outcomes in inputs.items() if outcomes}
+    if len(used) < 2 and "pedal" not in used:
+        return []
+    return [figure for name, some in used.items() for figure in _of_input(name, some)]
+
+
+def _of_input(name: str, outcomes: Sequence[PhraseOutcome]) -> list[Figure]:
+    meant = [o for o in outcomes if o.command]
+    times = [o.acted for o in meant if o.command in MOTIONS and math.isfinite(o.acted)]
+    refused = sum(bool(o.refusal) for o in meant)
+    wrong = sum(bool(set(o.taken) - {o.command}) for o in meant)
+    missed = sum(not o.taken for o in meant)
+    found = []
+    if times:
+        mean, half = float(np.mean(times)), Z * float(np.std(times)) / math.sqrt(len(times))
+        note = f"(n={len(times)}, {mean - half:.3f} to {mean + half:.3f} s; {NOTES[name]})"
+        found.append(Figure(f"{name}: time to motion, mean", mean, "s", note=note))
+        p95 = float(np.percentile(times, 95))
+        found.append(Figure(f"{name}: time to motion, p95", p95, "s"))
+    for kind, count in (("refused by the robot", refused), ("wrong", wrong), ("missed", missed)):
+        bound = 100.0 * at_most(count, len(meant))
+        note = f"({count} of {len(meant)}, at most {bound:.1f} % with 95 %)"
+        share = 100.0 * count / len(meant)
+        found.append(Figure(f"{name}: commands {kind}", share, "%", note=note))
+    return found

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Inputs beside each other."""
+
+import math
+
+import pytest
+
+from paper.judging.comparison import comparison
+from paper.judging.outcomes import PhraseOutcome, keep, kept
+
+
+def outcome(command="tense", taken=("tense",), refusal="", acted=0.5):
+    return PhraseOutcome(command, command, taken, refusal, True, True, 0.2, acted)
+
+
+def by_name(**inputs):
+    return {figure.name: figure for figure in comparison(inputs)}
+
+
+def test_times_refusals_wrong_and_missed_commands_of_each_input():
+    voice = [
+        outcome(acted=0.4),
+        outcome(acted=0.6),
+        outcome("stop", ("stop",), acted=0.1),  # no motion of its own
+        outcome("release", (), acted=math.nan),
+        outcome("tense", ("release",), acted=math.nan),
+        outcome("", ("tense",)),  # talk counts elsewhere
+    ]
+    pedal = [outcome(acted=0.05), outcome(refusal="nothing is grasped", acted=math.nan)]
+    found = by_name(voice=voice, pedal=pedal)
+    assert found["voice: time to motion, mean"].value == pytest.approx(0.5)
+    assert "n=2, 0.361 to 0.639 s" in found["voice: time to motion, mean"].note
+    assert found["voice: commands missed"].value == pytest.approx(20.0)
+    assert found["voice: commands wrong"].value == pytest.approx(20.0)
+    assert found["voice: commands refused by the robot"].value == 0.0
+    assert found["pedal: time to motion, mean"].value == pytest.approx(0.05)
+    assert found["pedal: commands refused by the robot"].value == pytest.approx(50.0)
+    assert "wrong presses are not in it" in found["pedal: time to motion, mean"].note
+
+
+def test_voice_alone_is_compared_with_nothing():
+    assert comparison({"voice": [outcome()], "pedal": []}) == []
+    assert by_name(voice=[], pedal=[outcome()]).keys() >= {"pedal: commands wrong"}
+
+
+def test_outcomes_are_kept(tmp_path):
+    keep(tmp_path, [outcome()])
+    assert kept(tmp_path) == [outcome()]
