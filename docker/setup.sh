@@ -204,13 +204,26 @@ install_space() {
     compile_kinematics "$1"
 }
 
+# What an image does not need: package lists, tests and data of others, symbols for debugging.
+trim() {
+    apt-get clean
+    rm -rf /var/lib/apt/lists/*
+    packages=.venv/lib/python3.11/site-packages
+    rm -rf "$packages/pybullet_data" "$packages/torch/test" "$packages/torch/include" "$packages/torch/bin"
+    for package in matplotlib networkx numba numpy scipy sympy; do
+        find "$packages/$package" -type d -name tests -prune -exec rm -rf {} +
+    done
+    find "$packages" -name '*.so' -size +20M -exec strip --strip-debug {} +
+}
+
 machine
 case "${1:-}" in
 check) ;;
+trim) trim ;;
 system) system_packages "${2:-docker/apt-packages.txt}" ;;
 python) python_packages "${2:-requirements.txt}" ;;
 workspace) workspace ;;
 install) install_space "${2:-}" ;;
 elsewhere) found_elsewhere ;;
-*) fail "usage: docker/setup.sh check | system [FILE] | python [FILE] | workspace | install PREFIX | elsewhere" ;;
+*) fail "usage: docker/setup.sh check | trim | system [FILE] | python [FILE] | workspace | install PREFIX | elsewhere" ;;
 esac

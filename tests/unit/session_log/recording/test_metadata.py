@@ -19,6 +19,11 @@ def test_the_commit_and_what_was_changed_since_are_named(tmp_path):
     assert len(facts["commit"]) == 40 and "a" in facts["changed_files"]
 
 
+def test_in_an_image_the_commit_is_the_one_it_was_built_of(tmp_path, monkeypatch):
+    monkeypatch.setenv("VOICE_ASSIST_COMMIT", "abc123")
+    assert metadata.code_facts(tmp_path) == {"commit": "abc123", "changed_files": ""}
+
+
 def test_outside_a_repository_the_commit_is_unknown(tmp_path):
     assert metadata.code_facts(tmp_path)["commit"] == "unknown"
 

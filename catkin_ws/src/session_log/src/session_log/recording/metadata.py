@@ -20,10 +20,13 @@ HASHED_SUFFIX = "_sha256"
 
 
 def code_facts(folder: Path) -> dict[str, str]:
-    """Name the git commit of the working tree that holds `folder`, and whether it was changed."""
+    """Name the git commit of the working tree that holds `folder`, and whether it was changed.
+
+    Where there is none, as in the image, the commit is that of VOICE_ASSIST_COMMIT.
+    """
     commit = _git(folder, "rev-parse", "HEAD")
     if not commit:
-        return {"commit": "unknown", "changed_files": ""}
+        return {"commit": os.environ.get("VOICE_ASSIST_COMMIT") or "unknown", "changed_files": ""}
     changed = _git(folder, "status", "--porcelain")
     return {"commit": commit, "changed_files": changed}
 

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The image's files: what they copy, call and launch is there. No container is started."""
+
+import os
+import subprocess
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+COMPOSE = yaml.safe_load((ROOT / "docker/compose.yaml").read_text(encoding="utf-8"))
+DOCKERFILE = (ROOT / "docker/Dockerfile").read_text(encoding="utf-8")
+SESSIONS = "../sessions:/voice_assist/sessions"
+
+
+@pytest.mark.parametrize("name", COMPOSE["services"])
+def test_each_service_keeps_its_sessions_and_its_command_is_there(name):
+    service = COMPOSE["services"][name]
+    assert SESSIONS in service["volumes"]
+    program, *words = service["command"].split()
+    assert program in ("make", "roslaunch")
+    if program == "roslaunch":
+        package, file, *given = words
+        launch = ROOT / "catkin_ws/src" / package / "launch" / file
+        declared = {arg.get("name") for arg in ET.parse(launch).getroot().findall("arg")}
+        assert {word.partition(":=")[0] for word in given} <= declared
+
+
+def test_the_robots_network_real_time_sound_screen_pedal_and_card_have_a_profile():
+    profiles = {profile for s in COMPOSE["services"].values() for profile in s.get("profiles", [])}
+    assert profiles == {"microphone", "screen", "pedal", "gpu", "robot"}
+    assert COMPOSE["services"]["robot"]["cap_add"] == ["SYS_NICE"]
+    assert COMPOSE["services"]["robot"]["network_mode"] == "host"
+
+
+def test_what_the_image_copies_and_starts_is_there():
+    copied = [line.split()[1:-1] for line in DOCKERFILE.splitlines() if line.startswith("COPY")]
+    assert all((ROOT / name).exists() for names in copied for name in names)
+    assert os.access(ROOT / "docker/entrypoint.sh", os.X_OK)
+
+
+@pytest.mark.parametrize(
+    ("words", "warned"),
+    [
+        (["roslaunch", "voice_assist", "system.launch"], True),
+        (["make", "demo"], True),
+        (["echo", "x"], False),
+    ],
+)
+def test_sessions_that_go_with_the_container_are_named(tmp_path, words, warned):
+    """The entry point, on a folder in the place of the image's."""
+    text = (ROOT / "docker/entrypoint.sh").read_text(encoding="utf-8")
+    (tmp_path / "entry").write_text(
+        text.replace("/voice_assist", str(tmp_path)).replace("exec", "echo")
+    )
+    (tmp_path / ".commit").write_text("abc\n")
+    (tmp_path / "sessions").mkdir()
+    (tmp_path / "catkin_ws/devel").mkdir(parents=True)
+    (tmp_path / "catkin_ws/devel/setup.bash").touch()
+    line = ["/bin/bash", str(tmp_path / "entry"), *words]
+    done = subprocess.run(line, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == words
+    assert ("NOT KEPT" in done.stderr) == warned
