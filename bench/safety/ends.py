@@ -41,8 +41,9 @@ def measure() -> list[Figure]:
         rospy.Subscriber("rst_control/state", ControllerState, lambda m: ages.append(_age(m)))
         ends = [_end_after(SPAN * k / TURNS, Path(name) / f"{k}.log") for k in range(TURNS)]
         logs = "".join(log.read_text() for log in Path(name).glob("[0-9]*.log"))
-        if ESCALATION in logs:
-            print(logs)
+        for k, took in enumerate(ends):
+            if took > ALLOWED:
+                print(f"{took:.1f} s:", (Path(name) / f"{k}.log").read_text())
     seen = f"(of {len(ages)})"
     note = f"(SIGINT within {SPAN:g} s of the start)"
     return [

@@ -21,7 +21,7 @@ SESSIONS_NOTE = (
     "Margin: smallest to a joint limit. Late: share of late cycles of the fast topics. Coloured: "
     "recordings that were not closed, are damaged or lack messages."
 )
-SEARCH = "words heard, commands, refusals, notes, dates"
+SEARCH = "search words, refusals, notes, dates"
 
 
 def folder_page(pool: Pool, images: Mapping[str, Image], folder: Path) -> str:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import io
-from collections import deque
+from bisect import bisect_left
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,8 +17,6 @@ BEFORE, AFTER = 0.3, 0.2  # [s] of sound that is kept around the words
 LONGEST = 20.0  # [s] of one utterance
 KEPT = 60.0  # [s] of sound that waits for a decision about it
 
-_Block = tuple[float, NDArray[np.int16]]  # time of the first sample [s], samples
-
 
 class UtteranceSounds:
     """The sound of each utterance, as MP3.
@@ -29,7 +27,8 @@ class UtteranceSounds:
 
     def __init__(self) -> None:
         self.found: dict[RecordedUtterance, bytes] = {}
-        self._blocks: deque[_Block] = deque()
+        self._times: list[float] = []  # [s] of the first sample of each block
+        self._blocks: list[NDArray[np.int16]] = []
         self._wanted: list[RecordedUtterance] = []
         self._rate = 0
 
@@ -46,11 +45,12 @@ class UtteranceSounds:
             rate: Of the samples [Hz].
         """
         self._rate = rate
-        self._blocks.extend(zip(time.tolist(), samples, strict=True))
-        newest = self._blocks[-1][0] if self._blocks else 0.0
+        self._times += time.tolist()
+        self._blocks += samples
+        newest = self._times[-1] if self._times else 0.0
         self._cut([u for u in self._wanted if u.speech_end + AFTER <= newest])
-        while self._blocks and self._blocks[0][0] < newest - KEPT:
-            self._blocks.popleft()
+        old = bisect_left(self._times, newest - KEPT)
+        del self._times[:old], self._blocks[:old]
 
     def finish(self) -> dict[RecordedUtterance, bytes]:
         """Cut what was still wanted at the end of the recording."""
@@ -61,7 +61,8 @@ class UtteranceSounds:
         for utterance in utterances:
             start = utterance.speech_start - BEFORE
             end = min(utterance.speech_end + AFTER, start + LONGEST)
-            parts = [samples for time, samples in self._blocks if start <= time < end]
+            first, last = (bisect_left(self._times, time) for time in (start, end))
+            parts = self._blocks[first:last]
             if parts and (sound := _compressed(np.concatenate(parts), self._rate)):
                 self.found[utterance] = sound
         self._wanted = [u for u in self._wanted if u not in utterances]
