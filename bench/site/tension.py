@@ -18,7 +18,7 @@ from typing import Final
 
 import numpy as np
 
-from bench.site.held_tissue import AT_LIMIT, HeldTissue, Spring, site
+from bench.site.held_tissue import AT_LIMIT, RATE, HeldTissue, Spring, site
 from bench.site.sensors import KINDS, Sensor, SensorFault, draw, healthy
 from rst_control.config import load_motion_config
 from rst_control.types import State
@@ -111,9 +111,9 @@ def _draw_step(rng: np.random.Generator, stiffness: float) -> Step:
     )
 
 
-def carry_out(situation: TensionSituation) -> TensionPeak:
+def carry_out(situation: TensionSituation, rate: float = RATE) -> TensionPeak:
     """Let the commands follow each other; a latch is cleared, as a person would."""
-    config = site(situation.stiffest, situation.is_bound)
+    config = site(situation.stiffest, situation.is_bound, rate)
     sensor = Sensor(situation.fault)
     with HeldTissue(config, situation.tissue, sensor) as rig:
         rig.run(0.2)

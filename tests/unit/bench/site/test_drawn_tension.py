@@ -17,8 +17,16 @@ LIMIT = site(200.0, False).controller.tension.limit
 
 
 @pytest.mark.parametrize("index", range(20_000, 20_000 + 2 * len(KINDS)))
-def test_no_fault_of_the_sensor_passes_the_limit(index):
-    assert carry_out(draw_situation(index)).peak <= ABOVE * LIMIT
+def test_no_fault_of_the_sensor_passes_the_limit(index, motion_config):
+    rate = motion_config.controller.rate
+    assert carry_out(draw_situation(index), rate).peak <= ABOVE * LIMIT
+
+
+@pytest.mark.parametrize("index", range(30_000, 30_004))
+def test_the_slower_loop_of_the_bench_pulls_as_far_as_the_products(index, motion_config):
+    drawn = replace(draw_situation(index), fault=healthy(np.random.default_rng(index)))
+    full = carry_out(drawn, motion_config.controller.rate)
+    assert carry_out(drawn).peak == pytest.approx(full.peak, abs=0.05)
 
 
 def stuck_at_one_newton():
