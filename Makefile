@@ -12,7 +12,7 @@ RUN := unset PYTHONPATH PYTHONHOME ROS_HOSTNAME ROS_NAMESPACE; . catkin_ws/devel
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
 
-.PHONY: FORCE help setup install demo check fast test bench fuzz evaluate train paper lint report clean
+.PHONY: FORCE help setup install demo preflight check fast test bench fuzz evaluate train paper lint report clean
 
 help: ## list the verbs
 	@echo "Voice interface for surgical robot assistants. Say one of:"
@@ -45,6 +45,10 @@ install: setup ## PREFIX=/opt/voice_assist: an install space that runs without t
 
 demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you, ROBOT=kinova_strict leads it as Kinova's driver is led
 	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out "$$OUT")
+
+preflight: setup ## checks of live Kinova and OpenRST drivers that move nothing; TROCAR="x y z" [SCENE=file LIMITS=file ROBOT=my_gen3]
+	@ip="$${ROS_IP:-127.0.0.1}"; $(RUN) export ROS_IP="$$ip"; python -m rst_control.ros.kinova.live_checks_cli $(if $(TROCAR),--trocar $(TROCAR)) \
+	    $(if $(SCENE),--scene "$$SCENE") $(if $(LIMITS),--limits "$$LIMITS") $(if $(ROBOT),--arm '$(ROBOT)')
 
 check: .setup/dev ## before a change is proposed: lint, and the tests that need no node and little time
 	@$(MAKE) --no-print-directory --keep-going --jobs 2 lint fast

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`rosrun rst_control kinova_checks`: looks at live drivers, moves nothing, prints a table."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rosgraph
+import rospy
+from geometry_msgs.msg import WrenchStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty, Int32MultiArray
+
+from rst_control.config import CONFIG_FOLDER, URDF_FILE, LimitsConfig, RcmConfig, SceneConfig
+from rst_control.errors import RstError
+from rst_control.kinova.config import KinovaConfig, load_kinova_config
+from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
+from rst_control.kinova.live_checks import LiveChecks, Observed, table
+from typed_config import ConfigError, load_config, load_yaml
+
+
+@dataclass
+class _Heard:
+    """What came so far; filled by threads of rospy."""
+
+    arm: list[JointFeedback] = field(default_factory=list)
+    bad_feedback: str = ""
+    clock: float | None = None
+    tool: JointFeedback | None = None
+    tool_state: int | None = None
+    guard_beats: int = 0
+    forces: list[Any] = field(default_factory=list)
+
+
+class _Observer:
+    """Subscribes to all that the drivers report, and publishes nothing."""
+
+    def __init__(self, config: KinovaConfig) -> None:
+        self._heard, self._lock = _Heard(), threading.Lock()
+        arm, tool = config.bridge.arm, config.bridge.tool
+        self._arm = FeedbackReader(arm.joints, (1.0,) * len(arm.joints), config.first_turns)
+        self._tool = FeedbackReader(tool.joints, tool.signs, None)
+        topics = (
+            (f"{arm.namespace}/base_feedback/joint_state", JointState, self._on_arm),
+            (f"{tool.namespace}/joint_states", JointState, self._on_tool),
+            (f"{tool.namespace}/openrst_state", Int32MultiArray, self._on_state),
+            ("robot/tension_sensor", WrenchStamped, self._on_force),
+            ("kinova_guard/alive", Empty, self._on_guard),
+        )
+        for topic, kind, callback in topics:
+            rospy.Subscriber(topic, kind, callback, tcp_nodelay=True)
+
+    def take(self) -> _Heard:
+        """What came since this was last called."""
+        with self._lock:
+            heard, self._heard = self._heard, _Heard()
+        return heard
+
+    def _on_arm(self, message: JointState) -> None:
+        arrived = time.monotonic()
+        with self._lock:
+            self._heard.clock = time.time() - message.header.stamp.to_sec()
+            try:
+                self._heard.arm.append(self._arm.read(message.name, _values(message), arrived))
+            except BadFeedback as error:
+                self._heard.bad_feedback = str(error)
+
+    def _on_tool(self, message: JointState) -> None:
+        with self._lock:
+            try:
+                now = time.monotonic()
+                self._heard.tool = self._tool.read(message.name, _values(message), now)
+            except BadFeedback as error:
+                self._heard.bad_feedback = str(error)
+
+    def _on_state(self, message: Int32MultiArray) -> None:
+        with self._lock:
+            self._heard.tool_state = message.data[0] if message.data else -1
+
+    def _on_force(self, message: WrenchStamped) -> None:
+        force = message.wrench.force
+        with self._lock:
+            self._heard.forces.append(np.array([force.x, force.y, force.z]))
+
+    def _on_guard(self, _: Empty) -> None:
+        with self._lock:
+            self._heard.guard_beats += 1
+
+
+def _values(message: JointState) -> dict[str, Any]:
+    return {name: getattr(message, name) for name in ("position", "velocity", "effort")}
+
+
+def _observed(observer: _Observer, seconds: float) -> Observed:
+    time.sleep(1.0)  # until subscribers are connected
+    observer.take()
+    time.sleep(seconds)
+    heard = observer.take()
+    try:
+        publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+    except (OSError, rosgraph.MasterException):
+        return Observed(seconds, **vars(heard))
+    return Observed(
+        seconds, **vars(heard), publishers=dict(publishers), subscribers=dict(subscribers)
+    )
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Observe, print, and end with 1 where something is not as it has to be."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--trocar", nargs=3, type=float, metavar=("X", "Y", "Z"))
+    parser.add_argument("--limits", type=Path, default=CONFIG_FOLDER / "kinova_limits.yaml")
+    parser.add_argument("--scene", type=Path, default=CONFIG_FOLDER / "scene.yaml")
+    parser.add_argument("--arm", default="my_gen3", help="namespace of Kinova's driver")
+    parser.add_argument("--seconds", type=float, default=3.0)
+    given = parser.parse_args(rospy.myargv(sys.argv)[1:] if argv is None else argv)
+    try:
+        checks, config = _checks(given)
+    except (RstError, ConfigError) as error:
+        sys.exit(str(error))
+    rospy.init_node("kinova_checks", anonymous=True, disable_signals=True)
+    results = checks(_observed(_Observer(config), given.seconds))
+    print(table(results), flush=True)
+    sys.exit(int(any(result.is_met is False for result in results)))
+
+
+def _checks(given: argparse.Namespace) -> tuple[LiveChecks, KinovaConfig]:
+    config = load_kinova_config()
+    arm = replace(config.bridge.arm, namespace=given.arm)
+    believed = replace(config.bridge.believed, arm=("/robot", f"/{given.arm}/*"))
+    config = replace(
+        config,
+        bridge=replace(config.bridge, arm=arm, believed=believed),
+        limits=load_config(LimitsConfig, load_yaml(given.limits), given.limits.name),
+        scene=load_config(SceneConfig, load_yaml(given.scene), given.scene.name),
+    )
+    rcm = load_config(RcmConfig, load_yaml(CONFIG_FOLDER / "rcm.yaml"), "rcm.yaml")
+    trocar = np.array(given.trocar or config.scene.trocar)
+    description = URDF_FILE.read_text(encoding="utf-8")
+    return LiveChecks(config, trocar, description, rcm.measured_tolerance), config
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The table of checks that move nothing, on the stand-in of the drivers and with each fault."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.kinova.rig import KinovaRig, kinova_motion
+from rst_control.config import URDF_FILE
+from rst_control.kinova.feedback import FeedbackReader
+from rst_control.kinova.live_checks import LiveChecks, Observed, table
+
+SECONDS = 1.0
+ARM, TOOL = "/my_gen3/driver", "/openrst_control"
+PUBLISHERS = {
+    "/my_gen3/base_feedback/joint_state": [ARM],
+    "/my_gen3/in/joint_velocity": ["/kinova_bridge", "/kinova_guard"],
+}
+SUBSCRIBERS = {"/my_gen3/in/joint_velocity": [ARM], "/my_gen3/in/stop": [ARM]}
+
+
+def feedback(rig, kinova, steps):
+    """What the stand-in reports within so many milliseconds."""
+    arm = kinova.bridge.arm
+    reader, found = FeedbackReader(arm.joints, (1.0,) * 7, kinova.first_turns), []
+    for count in range(steps):
+        rig.drivers.step()
+        rig.robot.step()
+        told = rig.drivers.arm_feedback() if count % 25 == 0 else None
+        if told is not None:
+            values = {"position": told.position, "velocity": told.velocity, "effort": told.effort}
+            found.append(reader.read(arm.joints, values, rig.now))
+    return found
+
+
+@pytest.fixture(scope="module")
+def rig():
+    with KinovaRig(kinova_motion()) as rig:
+        yield rig
+
+
+@pytest.fixture(scope="module")
+def seen(rig, kinova):
+    return Observed(
+        SECONDS,
+        arm=feedback(rig, kinova, 1000),
+        clock=0.01,
+        tool_state=3,
+        guard_beats=50,
+        forces=[np.full(3, 0.01)] * 100,
+        publishers=PUBLISHERS,
+        subscribers=SUBSCRIBERS,
+    )
+
+
+@pytest.fixture(scope="module")
+def checks(kinova, motion_config):
+    trocar = np.array(motion_config.scene.trocar)
+    return LiveChecks(kinova, trocar, URDF_FILE.read_text(encoding="utf-8"), 1e-3)
+
+
+def failed(results):
+    return {result.name: result.found for result in results if result.is_met is False}
+
+
+def test_drivers_that_are_well_pass_all_checks(checks, seen):
+    results = checks(seen)
+    assert failed(results) == {}
+    assert [result.is_met for result in results] == [True] * len(results)
+
+
+def of_arm(seen, **rows):
+    return replace(seen, arm=[replace(state, **rows) for state in seen.arm])
+
+
+def moved(seen, joint, by):
+    return replace(
+        seen,
+        arm=[replace(s, position=s.position + by * np.eye(7)[joint - 1]) for s in seen.arm],
+    )
+
+
+def with_other(seen, topic, node):
+    topic = f"/my_gen3/{topic}"
+    return replace(seen, publishers={**PUBLISHERS, topic: [*PUBLISHERS.get(topic, []), node]})
+
+
+FAULTS = {
+    "arm reports its joints": [
+        lambda s: replace(s, arm=(), bad_feedback="joint state without joint_3"),
+        lambda s: replace(s, arm=s.arm[::2]),
+    ],
+    "no state is late": [lambda s: replace(s, arm=[*s.arm[:20], *s.arm[24:]])],
+    "states are new ones": [
+        lambda s: replace(s, arm=[replace(s.arm[0], stamp=a.stamp) for a in s.arm])
+    ],
+    "clocks of the hosts agree": [lambda s: replace(s, clock=-3600.0)],
+    "one believed driver reports": [
+        lambda s: with_other(s, "base_feedback/joint_state", "/play_1234"),
+        lambda s: replace(s, publishers={}),
+    ],
+    "driver takes velocities and stops": [lambda s: replace(s, subscribers={})],
+    "nobody else moves the arm": [
+        lambda s: with_other(s, "in/joint_velocity", "/rostopic_1"),
+        lambda s: with_other(
+            s, "gen3_joint_trajectory_controller/follow_joint_trajectory/goal", "/moveit"
+        ),
+    ],
+    "arm rests": [lambda s: of_arm(s, velocity=np.full(7, 0.1))],
+    "joints are within their limits": [lambda s: moved(s, 2, 2.6)],
+    "joints are in the turn of home": [lambda s: moved(s, 7, 6.28)],
+    "torques at rest are gravity's": [
+        lambda s: replace(s, arm=[replace(a, effort=-a.effort) for a in s.arm])
+    ],
+    "shaft is in the trocar": [lambda s: moved(s, 6, 0.01)],
+    "tool holds its position": [
+        lambda s: replace(s, tool_state=None),
+        lambda s: replace(s, tool_state=1),
+        lambda s: replace(s, tool_state=9),
+    ],
+    "tension is measured": [
+        lambda s: replace(s, forces=()),
+        lambda s: replace(s, forces=[np.full(3, np.nan)]),
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "fault"), [(name, fault) for name, faults in FAULTS.items() for fault in faults]
+)
+def test_each_fault_is_named_with_its_next_step(checks, seen, name, fault):
+    results = checks(fault(seen))
+    assert name in failed(results)
+    line = next(line for line in table(results).splitlines() if name in line)
+    assert line.startswith("NO") and "  -> " in line
+
+
+def test_a_reply_that_the_driver_lost_shows(rig, kinova, checks, seen):
+    before = feedback(rig, kinova, 400)
+    rig.drivers.lose_reply(0.3)
+    found = failed(checks(replace(seen, arm=[*before, *feedback(rig, kinova, 600)])))
+    assert set(found) == {"arm reports its joints", "no state is late"}
+
+
+def test_of_silent_drivers_and_a_silent_master_nothing_is_said_to_be_well(checks):
+    results = checks(Observed(SECONDS))
+    assert not any(result.is_met for result in results)
+    assert len(table(results).splitlines()) == len(results)
