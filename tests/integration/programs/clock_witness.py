@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sets the wall clock of running nodes in mid-motion, and writes down what the robot did.
 
-Arguments: the file that says how far the clock is off (`other_clock`), and the file to write.
+Arguments: the files that say how far the clocks of robot and controller are off (`other_clock`),
+and the file to write.
 """
 
 import json
 import sys
 import time
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -15,14 +17,15 @@ from sensor_msgs.msg import JointState
 
 from tests.support.robot_client import RobotClient
 
+WHOSE = {"both": (1.0, 1.0), "robot": (1.0, 0.0), "controller": (0.0, 1.0)}  # shares of a jump
 JUMPS = (0.3, 30.0, -3.0)  # [s] each in a motion, and back again at rest
 MOVING = 5e-3  # [rad/s] of the fastest joint, in whose midst the clock is set
 RESTING = 1e-4  # [rad] in half a second
-WATCHED = 1.5  # [s] after that
+WATCHED = 1.0  # [s] after that, twice as long as the oldest joint states that are believed
 
 
 def main() -> None:
-    clock, results = Path(sys.argv[1]), Path(sys.argv[2])
+    *clocks, results = map(Path, sys.argv[1:])
     rospy.init_node("clock_witness")
     seen = []
     rospy.Subscriber(
@@ -30,18 +33,16 @@ def main() -> None:
     )
     robot = RobotClient()
     found = []
-    for jump in JUMPS:
+    for (whose, shares), jump in product(WHOSE.items(), JUMPS):
         robot.start_fresh()
         robot.say("tense")
         robot.wait(lambda: robot.state.state == "moving" and robot.speed() > MOVING)
-        seen.clear()
-        put_off(clock, jump)
-        time.sleep(WATCHED)
-        found.append({"jump": jump, **after(robot, seen)})
-        seen.clear()
-        put_off(clock, 0.0)
-        time.sleep(WATCHED)
-        found.append({"jump": -jump, **after(robot, seen)})
+        for at in (jump, 0.0):
+            seen.clear()
+            for clock, share in zip(clocks, shares, strict=True):
+                put_off(clock, share * at)
+            time.sleep(WATCHED)
+            found.append({"whose": whose, "jump": at or -jump, **after(robot, seen)})
     robot.start_fresh()
     robot.say_and_finish("tense")
     results.write_text(json.dumps(found), encoding="utf-8")

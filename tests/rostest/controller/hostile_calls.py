@@ -21,7 +21,7 @@ from rst_control.msg import AssistActionGoal
 from support.raw_peer import Flood, Peer, process_of, resident_memory
 from tests.support.robot_client import RobotClient
 
-FLOOD_TIME = 4.0  # [s]
+FLOOD_TIME = 2.0  # [s]
 GROWTH = 60.0  # [MB] that the controller may hold more after a second flood than after the first
 JUNK = ("dance", "tense now", "t\u0435nse", "", "x" * 300)
 MEGA = 10_000_000
@@ -159,7 +159,7 @@ class HostileCalls(unittest.TestCase):
         wrong = rospy.Publisher("rst_control/stop", String, queue_size=1)  # of another type
         self.robot.wait(lambda: all(p.get_num_connections() for p in publishers.values()))
         before = self.robot.joints.position
-        for _ in range(300):
+        for _ in range(150):
             for name, publisher in publishers.items():
                 publisher.publish(kinds[name]())
             wrong.publish("tense")
