@@ -90,6 +90,14 @@ class RobotClient:
         """
         count, halts = self.finished(command), len(self.halts())
         self.say(command)
+        self.finish(command, count, halts, limit)
+
+    def finish(self, command: str, count: int, halts: int, limit: float) -> None:
+        """Wait until it was carried out more often than `count`.
+
+        Raises:
+            Halted: The robot halted on the way, more often than `halts`.
+        """
         self.wait(lambda: self.finished(command) > count or len(self.halts()) > halts, limit)
         if self.finished(command) == count:
             raise Halted(f"{command!r} was not carried out: {self.halts()[-1]}")
