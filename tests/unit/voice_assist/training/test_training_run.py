@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A whole run, very short: without recordings, broken off and continued."""
 
 import shutil
@@ -25,14 +26,16 @@ def cast_installed_voice(text, variants, rng):
     return prompt
 
 
-@pytest.fixture
-def tiny_corpus(tmp_path, monkeypatch):
-    monkeypatch.setattr(corpus, "plan_held_out", lambda seed: plan_held_out(seed, 1)[:12])
-    monkeypatch.setattr(synthesis, "cast_voice", cast_installed_voice)
+@pytest.fixture(scope="module")
+def tiny_corpus(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("corpus")
     amounts = SynthesisAmounts(
         command=14, variant=3, near=5, hard=3, talk=2, span=3, short=2, twin=3
     )
-    return corpus.load_corpus(tmp_path / "absent", tmp_path, 1, amounts, 1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(corpus, "plan_held_out", lambda seed: plan_held_out(seed, 1)[:12])
+        patch.setattr(synthesis, "cast_voice", cast_installed_voice)
+        return corpus.load_corpus(folder / "absent", folder, 1, amounts, 1)
 
 
 def options(tmp_path, steps, *more):

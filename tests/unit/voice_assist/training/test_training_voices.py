@@ -46,7 +46,7 @@ def test_stress_does_not_make_a_difference() -> None:
 
 
 def test_training_says_no_homophone_as_something_else() -> None:
-    prompts = plan_training(texts.TALK, 3, SynthesisAmounts(0, 0, 400, 400, 0, 0, 0))
+    prompts = plan_training(texts.TALK, 3, SynthesisAmounts(0, 0, 150, 150, 0, 0, 0))
     assert {"phonemes", "rhvoice"} <= {prompt.engine for prompt in prompts}
     assert not [p for p in prompts if same_as_command(p.text, p.engine, p.voice)]
 
@@ -61,7 +61,7 @@ def test_training_leaves_whole_engines_and_voices_out() -> None:
 
 def test_twins_are_near_misses_in_voices_that_training_may_hear() -> None:
     assert set(texts.TWINS) <= {*texts.NEAR_MISSES, *texts.HARD}
-    prompts = plan_twins(1, 600)
+    prompts = plan_twins(1, 250)
     assert {prompt.text for prompt in prompts} <= set(texts.TWINS)
     assert not [p for p in prompts if same_as_command(p.text, p.engine, p.voice)]
     held_out = {prompt.voice for prompt in plan_held_out(1)}
