@@ -17,7 +17,7 @@ def garbage():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_moves_nothing_and_a_stop_after_it_is_heard(garbage, kind, monkeypatch):
-    monkeypatch.setattr(suite, "PIECE", 4.0)
+    monkeypatch.setattr(suite, "PIECE", 2.5)
     tally = garbage.tally = suite.SoundTally()
     garbage.hear(kind, 1)
     assert garbage.moved == 0, tally.taken
