@@ -89,7 +89,7 @@ class AlarmNode:
             while not rospy.is_shutdown():
                 self._step(player)
         except Exception as error:
-            if rospy.is_shutdown() and isinstance(error, rospy.ROSException):
+            if rospy.core.is_shutdown_requested() and isinstance(error, rospy.ROSException):
                 return  # the topics were closed meanwhile
             rospy.logfatal("alarms: %r", error, exc_info=True)
             rospy.signal_shutdown(f"alarms: {error!r}")
