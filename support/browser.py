@@ -17,6 +17,8 @@ from typing import Any
 
 from aiohttp import ClientSession, ClientWebSocketResponse, WSMsgType
 
+from support.waiting import PATIENCE
+
 PROGRAMS = ("chromium-headless-shell", "chromium", "google-chrome", "chrome")
 MISSING = "no Chromium: install Debian's chromium-headless-shell (docker/apt-packages-dev.txt)"
 START = 30.0  # [s] for it to come up on a loaded machine
@@ -144,7 +146,7 @@ class Browser:
             raise RuntimeError(str(found["exceptionDetails"]))
         return found["result"].get("value")
 
-    async def until(self, script: str, limit: float = ANSWER) -> Any:
+    async def until(self, script: str, limit: float = PATIENCE) -> Any:
         """Wait for an expression to be true.
 
         Raises:
