@@ -20,3 +20,14 @@ def test_without_file_or_master_it_ends_with_one_line(monkeypatch, tmp_path, sto
         player_node.main()
     reason = "no ROS master at http://127.0.0.1:1" if is_there else "none.mcap: no such file"
     assert reason in str(end.value) and "\n" not in str(end.value)
+
+
+@pytest.mark.parametrize("uri", ["localhost:11311", "http://127.0.0.1:99999", ""])
+def test_a_master_uri_that_is_no_address_is_named(monkeypatch, story, uri):
+    monkeypatch.setattr(sys, "argv", ["play", str(story[0])])
+    monkeypatch.setenv("ROS_MASTER_URI", uri)
+    with pytest.raises(SystemExit) as end:
+        player_node.main()
+    assert (
+        str(end.value) == f"no ROS master at {uri!r}: ROS_MASTER_URI has the form http://HOST:PORT"
+    )

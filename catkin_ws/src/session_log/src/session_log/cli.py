@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -31,12 +32,24 @@ def main(words: Sequence[str] | None = None) -> None:
     arguments = _parser().parse_args(words)
     try:
         code = arguments.run(arguments)
+        sys.stdout.flush()
     except (SessionLogError, ConfigError) as error:
         print(f"session_log: {error}", file=sys.stderr)
         code = 1
+    except KeyboardInterrupt:
+        code = 130
     except BrokenPipeError:
-        code = 1
+        code = _drop_output()
+    except OSError as error:
+        print(f"session_log: {error.filename or 'the output'}: {error.strerror}", file=sys.stderr)
+        code = _drop_output()
     sys.exit(code)
+
+
+def _drop_output() -> int:
+    """Let go what nobody takes, which Python would try to write once more at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return 1
 
 
 def _info(arguments: argparse.Namespace) -> int:

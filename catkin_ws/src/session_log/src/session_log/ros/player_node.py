@@ -107,8 +107,8 @@ class RecordingPlayer:
 class NoMaster(SessionLogError):
     """Nobody answers where the ROS master should be."""
 
-    def __init__(self, uri: str) -> None:
-        super().__init__(f"no ROS master at {uri}: start `roscore` first")
+    def __init__(self, uri: str, remedy: str = "start `roscore` first") -> None:
+        super().__init__(f"no ROS master at {uri}: {remedy}")
 
 
 class LiveSystem(SessionLogError):
@@ -131,6 +131,21 @@ def _publisher(source: MessageSource, name: str) -> rospy.Publisher:
     kind = type("Recorded", (RawMessage,), facts)
     latch = source.is_latched or source.topic in (URDF_TOPIC, "/tf_static")
     return rospy.Publisher(name, kind, queue_size=1000, latch=latch)
+
+
+def check_master() -> None:
+    """Ask for the master, for which rospy would wait without a word.
+
+    Raises:
+        NoMaster: There is none, or the variable names no address.
+    """
+    uri = rosgraph.get_master_uri()
+    try:
+        is_there = rosgraph.is_master_online()
+    except ValueError as error:  # of an address that is none
+        raise NoMaster(f"{uri!r}", "ROS_MASTER_URI has the form http://HOST:PORT") from error
+    if not is_there:
+        raise NoMaster(uri)
 
 
 def live_nodes(topics: Collection[str]) -> list[str]:
@@ -159,8 +174,7 @@ def main() -> None:
         parser.error(f"--rate is {options.rate:g}, allowed: above 0, up to 100")
     try:
         reader = SessionReader(options.session)
-        if not rosgraph.is_master_online():  # rospy would wait for one without a word
-            raise NoMaster(rosgraph.get_master_uri())
+        check_master()
         rospy.init_node("player", anonymous=True)
         prefix = "" if options.recorded_names else PREFIX
         player = RecordingPlayer(reader, options.rate, prefix, live_nodes)

@@ -22,6 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = _parser().parse_args(arguments)
     try:
         options.run(options)
+        sys.stdout.flush()
     except (VoiceError, ConfigError) as error:
         print(f"voice_assist {options.verb}: {error}", file=sys.stderr)
         sys.exit(2)
@@ -29,6 +30,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit(130)
     except BrokenPipeError:  # the reader of our output has gone, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        named = error.filename or "the output"
+        print(f"voice_assist {options.verb}: {named}: {error.strerror}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(2)
 
 
 def settings(options: argparse.Namespace) -> VoiceConfig:
