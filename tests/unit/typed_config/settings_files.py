@@ -28,6 +28,7 @@ from typed_config import load_config
 from typed_config.fields import RULE, Rule
 from voice_assist.config import CommandsConfig, VoiceConfig
 from voice_assist.config.alarms import AlarmsConfig
+from voice_assist.config.devices import DevicesConfig
 from voice_assist.config.display import DisplayConfig
 from voice_assist.config.enrolment import EnrolmentConfig
 from voice_assist.config.pedal import PedalConfig
@@ -46,10 +47,12 @@ WHOLE = {  # files that one call loads, as their program does at its start
     FOLDERS["voice_assist"] / "alarms.yaml": AlarmsConfig,
     FOLDERS["voice_assist"] / "display.yaml": DisplayConfig,
     FOLDERS["voice_assist"] / "pedal.yaml": PedalConfig,
+    FOLDERS["voice_assist"] / "devices.yaml": DevicesConfig,
     FOLDERS["voice_assist"] / "enrolment.yaml": EnrolmentConfig,
     FOLDERS["voice_assist"] / "commands_de.yaml": CommandsConfig,
     FOLDERS["voice_assist"] / "commands_es.yaml": CommandsConfig,
     FOLDERS["voice_assist"] / "endoscope_commands.yaml": CommandsConfig,
+    FOLDERS["voice_assist"] / "theatre_commands.yaml": CommandsConfig,
     FOLDERS["session_log"] / "recorder.yaml": RecorderConfig,
     FOLDERS["session_log"] / "report.yaml": ReportConfig,
     FOLDERS["session_log"] / "replay.yaml": ReplayConfig,

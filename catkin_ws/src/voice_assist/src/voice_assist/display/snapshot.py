@@ -67,6 +67,7 @@ class HearingPart:
     trouble: str  # why a spoken stop may not be heard; empty: nothing
     utterance: UtterancePart | None
     question: QuestionPart | None = None
+    device: str = ""  # what came of the last call to a device; empty: none was made lately
     age: float = 0.0  # [s] of the sound
 
 

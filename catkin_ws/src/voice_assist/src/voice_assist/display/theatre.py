@@ -25,6 +25,7 @@ from voice_assist.display.words import WordRule, words_that_count
 
 QUIET = -100.0  # [dB] of full scale, silence
 PARTIAL_FOR = 3.0  # [s] that text as it is heard is shown without more of it
+DEVICE_FOR = 10.0  # [s] that what came of a call is shown
 T = TypeVar("T")
 
 
@@ -66,6 +67,7 @@ class Theatre:
         self._partial: _News[str] | None = None
         self._utterance: _News[UtterancePart] | None = None
         self._question: _News[str] | None = None
+        self._device: _News[str] | None = None
         self._mode = self._microphone = self._trouble = ""
         self._alarm: AlarmPart | None = None
         self._recording: _News[str] | None = None
@@ -112,6 +114,10 @@ class Theatre:
             self._question = _News(asks_for, self._clock()) if asks_for else None
             self._utterance = _News(utterance, self._clock())
             self._partial = None
+
+    def see_device(self, words: str) -> None:
+        """What came of a call to a device."""
+        self._device = _News(words, self._clock())
 
     def end_question(self) -> None:
         """The question was answered."""
@@ -214,6 +220,7 @@ class Theatre:
             trouble=self._trouble,
             utterance=None if said is None else replace(said.value, age=said.age(now)),
             question=self._question_part(now),
+            device=self._device_words(now),
             age=float("inf") if sound is None else sound.age(now),
         )
 
@@ -221,6 +228,10 @@ class Theatre:
         asked = self._question
         remaining = 0.0 if asked is None else self.answer_within - asked.age(now)
         return None if asked is None or remaining <= 0.0 else QuestionPart(asked.value, remaining)
+
+    def _device_words(self, now: float) -> str:
+        device = self._device
+        return device.value if device is not None and device.age(now) < DEVICE_FOR else ""
 
     def _recording_part(self, now: float) -> RecordingPart | None:
         if self._recording is None:

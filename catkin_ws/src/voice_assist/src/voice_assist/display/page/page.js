@@ -108,7 +108,7 @@ function drawHearing(since, limit) {
   say("level-number", `${hearing.level.toFixed(0)} dB`);
   say("level-words", hearing.trouble || (hearing.level > LOUD ? "Too loud: it clips" : `Voice ${hearing.mode || "unknown"}`));
   say("partial", hearing.partial ? `hearing “${hearing.partial}” ?` : "");
-  drawUtterance(hearing.utterance);
+  drawUtterance(hearing.utterance, hearing.device);
   drawQuestion(hearing.question);
 }
 
@@ -121,7 +121,7 @@ function drawQuestion(question) {
   tell("question", `${question.command}? Say or press yes`);
 }
 
-function drawUtterance(said) {
+function drawUtterance(said, device) {
   show("utterance", Boolean(said));
   if (!said) { say("utterance-why", "Nothing has been said yet"); return; }
   const isTaken = Boolean(said.command);
@@ -133,7 +133,8 @@ function drawUtterance(said) {
   const ago = said.age < 1.5 ? "now" : said.age < 90 ? `${said.age.toFixed(0)} s ago` : `${(said.age / 60).toFixed(0)} min ago`;
   const by = said.decided_by === "spotter" ? ", by the spotter" : "";
   const why = isTaken ? `taken from “${text}”${by}` : `not taken: ${said.reason}`;
-  say("utterance-why", `${why}, ${ago}`);
+  say("utterance-why", device || `${why}, ${ago}`);
+  if (device) tell("device", device);
   tell("utterance", isTaken ? `Heard ${said.command}` : `Not taken: ${text}. ${said.reason}`);
 }
 

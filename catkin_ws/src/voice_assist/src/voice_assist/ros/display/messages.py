@@ -18,7 +18,7 @@ from voice_assist.audio.source import level_db
 from voice_assist.config import CommandConfig
 from voice_assist.display.snapshot import AlarmPart, RobotPart, TissuePart, UtterancePart
 from voice_assist.display.words import WordRule
-from voice_assist.msg import Alarm, AudioChunk, Utterance
+from voice_assist.msg import Alarm, AudioChunk, DeviceCall, Utterance
 from voice_assist.ros.messages import pcm
 from voice_assist.types import FULL_SCALE, RejectionReason
 
@@ -58,6 +58,12 @@ def asked_command(message: Utterance) -> str:
     """The command that a decision asks for; empty: none."""
     is_question = message.reason_code == RejectionReason.NEARLY_SURE.value
     return str(message.nearest_command) if is_question else ""
+
+
+def device_words(message: DeviceCall) -> str:
+    """What came of a call to a device, such as "light on: done"."""
+    done = "done" if message.is_done else "FAILED"
+    return f"{message.phrase}: {done}{f', {message.message}' if message.message else ''}"
 
 
 def alarm_part(message: Alarm) -> AlarmPart:

@@ -22,7 +22,7 @@ from voice_assist.config.display import DisplayConfig, display_config, load_disp
 from voice_assist.display.access_token import AccessToken
 from voice_assist.display.server import DisplayServer
 from voice_assist.display.theatre import Limits, Theatre
-from voice_assist.msg import Alarm, AudioChunk, Mode, Utterance
+from voice_assist.msg import Alarm, AudioChunk, DeviceCall, Mode, Utterance
 from voice_assist.ros.display import messages
 from voice_assist.ros.display.acts import RosActs
 from voice_assist.ros.display.endoscope import Endoscope
@@ -51,6 +51,7 @@ class DisplayNode:
             follow("voice_assist/audio", AudioChunk, self._on_sound, queue_size=10),
             follow("voice_assist/partial", String, self._on_partial, queue_size=1),
             follow("voice_assist/utterance", Utterance, self._on_utterance, queue_size=10),
+            follow("voice_assist/device", DeviceCall, self._on_device, queue_size=10),
             follow("voice_assist/mode", Mode, self._on_mode, queue_size=1),
             follow("session_log/recording", String, self._on_recording, queue_size=1),
             follow("session_log/file", String, self._on_file, queue_size=1),
@@ -84,6 +85,9 @@ class DisplayNode:
     def _on_utterance(self, message: Utterance) -> None:
         asked = messages.asked_command(message)
         self._theatre.see_utterance(messages.utterance_part(message), asked)
+
+    def _on_device(self, message: DeviceCall) -> None:
+        self._theatre.see_device(messages.device_words(message))
 
     def _on_mode(self, message: Mode) -> None:
         self._theatre.see_mode(message.mode)

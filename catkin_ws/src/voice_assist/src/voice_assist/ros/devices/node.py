@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The devices node: calls the theatre's devices as spoken commands ask, in a process of its own."""
+
+from __future__ import annotations
+
+import sys
+from queue import Empty, Queue
+
+import rospy
+from std_msgs.msg import Empty as EmptyMessage
+from std_msgs.msg import String
+
+from rst_control.msg import Event
+from typed_config import ConfigError, load_config
+from typed_config.ros.starting import starting
+from typed_config.ros.system_names import of_this_system
+from voice_assist.config import CommandsConfig
+from voice_assist.config.devices import (
+    DeviceCallConfig,
+    DevicesConfig,
+    devices_config,
+    require_harmless,
+)
+from voice_assist.devices.calls import CallResult, DeviceCalls
+from voice_assist.errors import CommandsError
+from voice_assist.msg import DeviceCall, Utterance
+from voice_assist.ros.devices.targets import Target, make_target
+from voice_assist.text.spoken_reply import spoken_reply
+
+VOICE = "voice_assist"  # node whose words count, and whose parameters hold the spoken commands
+WAITING = 5  # calls; of more the newest are refused
+IDLE = 0.2  # [s] between looks whether ROS ends
+
+
+class DevicesNode:
+    """Follows the voice node and stops; makes one call after the other.
+
+    Args:
+        config: The allow-list.
+        commands: All that can be said.
+
+    Raises:
+        CommandsError: A type is not there, or arguments do not fit it.
+    """
+
+    def __init__(self, config: DevicesConfig, commands: CommandsConfig) -> None:
+        self._phrases = commands.phrases
+        self._targets: dict[str, Target] = {}
+        for index, call in enumerate(config.calls):
+            try:
+                self._targets[call.phrase] = make_target(call)
+            except CommandsError as error:
+                raise error.under(f"devices.calls[{index}]") from None
+        self._calls = DeviceCalls(config)
+        self._waiting: Queue[DeviceCallConfig] = Queue()
+        self._result = rospy.Publisher("voice_assist/device", DeviceCall, queue_size=20)
+        self._say = rospy.Publisher("voice_assist/say", String, queue_size=20)
+        self._voice = of_this_system(VOICE)
+        rospy.Subscriber("voice_assist/utterance", Utterance, self._on_utterance)
+        rospy.Subscriber("rst_control/stop", EmptyMessage, lambda _: self._on_stop())
+        rospy.Subscriber("rst_control/event", Event, self._on_event)
+
+    def run(self) -> None:
+        """Make calls until ROS shuts down."""
+        while not rospy.is_shutdown():
+            try:
+                call = self._waiting.get(timeout=IDLE)
+            except Empty:
+                continue
+            try:
+                self._report(self._targets[call.phrase].call())
+            except Exception as error:  # top of a call: the person must hear of it
+                self._report(CallResult(call, False, repr(error)))
+
+    def _on_utterance(self, message: Utterance) -> None:
+        if message._connection_header["callerid"] != self._voice:
+            return  # somebody else's words
+        call = self._calls.said(message.command) if message.command else None
+        if call is None:
+            return
+        if self._waiting.qsize() >= WAITING:
+            self._report(CallResult(call, False, f"{WAITING} calls are waiting already"))
+        else:
+            self._waiting.put(call)
+
+    def _on_event(self, message: Event) -> None:
+        if message.kind == "stop_received":
+            self._on_stop()
+
+    def _on_stop(self) -> None:
+        """What was asked for and not done yet is dropped; what was is undone."""
+        undoing = self._calls.stopped()
+        while not self._waiting.empty():
+            self._report(CallResult(self._waiting.get_nowait(), False, "dropped by a stop"))
+        for call in undoing:
+            self._waiting.put(call)
+
+    def _report(self, result: CallResult) -> None:
+        """Say, show and record what came of a call."""
+        done = "done" if result.is_done else "failed"
+        words = f"{result.call.phrase}: {done}{f', {result.words}' if result.words else ''}"
+        (rospy.loginfo if result.is_done else rospy.logwarn)("%s", words)
+        message = DeviceCall(
+            phrase=result.call.phrase,
+            target=result.call.target,
+            is_done=result.is_done,
+            message=result.words,
+        )
+        message.header.stamp = rospy.Time.now()
+        self._result.publish(message)
+        if spoken := spoken_reply(words, self._phrases):
+            self._say.publish(String(spoken))
+
+
+def main() -> None:
+    """Run the devices node."""
+    with starting("devices", needs_clock=False):
+        try:
+            config = devices_config({"calls": rospy.get_param("~calls", [])})
+            given = rospy.get_param(f"{VOICE}/commands", {})
+            commands = load_config(CommandsConfig, given, "commands.yaml")
+            require_harmless(config, commands)
+            node = DevicesNode(config, commands)
+        except ConfigError as error:
+            rospy.logfatal("%s", error)
+            sys.exit(2)
+    node.run()

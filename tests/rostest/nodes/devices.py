@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The devices node with the simulated theatre; this plays the voice node, by its name."""
+
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+from std_msgs.msg import Bool, Empty, Float64
+
+from support.waiting import wait_until
+from voice_assist.msg import DeviceCall, Utterance
+
+THEATRE = Path(__file__).resolve().parents[3] / "examples" / "theatre_devices.py"
+
+
+class Devices(unittest.TestCase):
+    """The tests run in the order of their names."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.light, cls.pressure, cls.recorder, cls.results = [], [], [], []
+        rospy.Subscriber("/theatre/light/state", Bool, lambda m: cls.light.append(m.data))
+        rospy.Subscriber(
+            "/theatre/insufflator/pressure", Float64, lambda m: cls.pressure.append(m.data)
+        )
+        rospy.Subscriber(
+            "/theatre/endoscope/is_recording", Bool, lambda m: cls.recorder.append(m.data)
+        )
+        rospy.Subscriber("voice_assist/device", DeviceCall, cls.results.append)
+        cls.words = rospy.Publisher("voice_assist/utterance", Utterance, queue_size=10)
+        cls.stops = rospy.Publisher("rst_control/stop", Empty, queue_size=1)
+        wait_until(lambda: rospy.has_param("/devices/calls"))
+        wait_until(lambda: len(cls.followers()) > 0, "the devices node")
+        cls.theatre = None
+
+    @classmethod
+    def followers(cls):
+        """Nodes that follow this one's words."""
+        state = rospy.get_master().getSystemState()[2][1]
+        there = next((n for topic, n in state if topic == "/voice_assist/utterance"), [])
+        is_connected = cls.words.get_num_connections() >= len(there)
+        return [node for node in there if node == "/devices" and is_connected]
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.end_theatre()
+
+    @classmethod
+    def end_theatre(cls):
+        if cls.theatre is not None:
+            cls.theatre.terminate()
+            cls.theatre.wait()
+            cls.theatre = None
+
+    def say(self, command, transcript=""):
+        """Report a decision; returns the result of its call."""
+        count = len(self.results)
+        self.words.publish(Utterance(command=command, transcript=transcript or command))
+        wait_until(lambda: len(self.results) > count, f"a result of {command!r}")
+        return self.results[-1]
+
+    def test_1_a_device_that_is_not_there_fails_in_words(self):
+        self.assertFalse(self.say("light on").is_done)
+        self.assertIn("/theatre/light", self.results[-1].message)
+        self.assertIn("nobody listens", self.say("take this down").message)
+
+    def test_2_words_reach_services_and_topics(self):
+        type(self).theatre = subprocess.Popen([sys.executable, str(THEATRE)])
+        rospy.wait_for_service("/theatre/insufflator/lower", 30.0)
+        self.assertTrue(self.say("light on").is_done)
+        self.assertTrue(self.say("take this down").is_done)
+        wait_until(lambda: self.light == [True] and self.recorder == [True])
+
+    def test_3_a_stop_undoes_what_says_so_and_nothing_else(self):
+        self.assertEqual(self.say("higher pressure").message, "13 mmHg")
+        self.stops.publish(Empty())
+        wait_until(lambda: self.pressure == [13.0, 12.0])
+        wait_until(lambda: self.results[-1].phrase == "pressure down")
+        self.assertEqual(self.light, [True])
+
+    def test_4_a_device_that_refuses_is_quoted(self):
+        for _ in range(3):
+            self.say("higher pressure")
+        refused = self.say("higher pressure")
+        self.assertFalse(refused.is_done)
+        self.assertEqual(refused.message, "16 mmHg, allowed 8 to 15")
+
+    def test_5_other_words_and_words_that_were_not_taken_call_nothing(self):
+        count = len(self.results)
+        for command, transcript in (("tense", "tense"), ("", "light on"), ("door", "door")):
+            self.words.publish(Utterance(command=command, transcript=transcript))
+        self.assertEqual(self.say("go dark").phrase, "go dark")
+        self.assertEqual(len(self.results), count + 1)
+
+
+if __name__ == "__main__":
+    rospy.init_node("voice_assist")
+    rostest.rosrun("rst_control", "voice_assist", Devices, sys.argv)

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which calls follow words and stops; and which settings are no harmless calls."""
+
+import pytest
+
+from typed_config import ConfigError, load_config, load_yaml
+from voice_assist.config import CONFIG_DIR, CommandsConfig
+from voice_assist.config.devices import devices_config, require_harmless
+from voice_assist.devices.calls import DeviceCalls
+
+FILE = load_yaml(CONFIG_DIR / "devices.yaml")
+COMMANDS = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "theatre_commands.yaml"))
+
+
+def call(phrase="light on", **changes):
+    made = {
+        "phrase": phrase,
+        "kind": "service",
+        "target": "/theatre/light",
+        "type": "std_srvs/SetBool",
+        "arguments": "{data: true}",
+        "within": 2.0,
+        "on_stop": "",
+    }
+    return {**made, **changes}
+
+
+def made(*calls):
+    return devices_config({"calls": list(calls)})
+
+
+def phrases(calls):
+    return [one.phrase for one in calls]
+
+
+def test_the_examples_calls_are_harmless():
+    require_harmless(devices_config(FILE), COMMANDS)
+
+
+def test_a_word_makes_its_call_and_no_other_word_makes_one():
+    calls = DeviceCalls(devices_config(FILE))
+    assert calls.said("light on").values == {"data": True}
+    for word in ("stop", "tense", "light", "", "raise"):
+        assert calls.said(word) is None
+
+
+def test_a_stop_undoes_what_says_so_once_the_newest_first():
+    calls = DeviceCalls(
+        made(
+            call("higher pressure", on_stop="pressure down"),
+            call("pressure down"),
+            call("light on", on_stop="go dark"),
+            call("go dark"),
+        )
+    )
+    assert calls.stopped() == ()
+    for word in ("higher pressure", "higher pressure", "light on"):
+        calls.said(word)
+    assert phrases(calls.stopped()) == ["go dark", "pressure down"]
+    assert calls.stopped() == ()
+
+
+def test_what_was_undone_by_a_word_is_not_undone_again():
+    calls = DeviceCalls(made(call("light on", on_stop="go dark"), call("go dark")))
+    calls.said("light on")
+    calls.said("go dark")
+    assert calls.stopped() == ()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"target": "/rst_control/command"}, "the robot's or this system's own"),
+        ({"target": "robot/home_tool"}, "the robot's or this system's own"),
+        ({"target": "/left/rst_control/set_trocar"}, "the robot's or this system's own"),
+        ({"target": "/my_gen3/base/send_joint_speeds"}, "own"),
+        ({"target": "voice_assist/set_microphone"}, "own"),
+        ({"target": "/theatre light"}, "a name of ROS"),
+        ({"target": "http://theatre"}, "a name of ROS"),
+        ({"type": "SetBool"}, "a type of ROS"),
+        ({"type": "std_srvs.srv/os"}, "a type of ROS"),
+        ({"arguments": "[1, 2]"}, "YAML of a mapping"),
+        ({"arguments": "{data: "}, "YAML of a mapping"),
+        ({"arguments": "!!python/object/apply:os.system [ls]"}, "YAML of a mapping"),
+        ({"within": 0.0}, "within"),
+        ({"kind": "shell"}, "action"),
+        ({"on_stop": "light on"}, "another phrase"),
+        ({"on_stop": "go dark"}, "one of the phrases"),
+    ],
+)
+def test_a_call_that_makes_no_sense_is_refused(changes, words):
+    with pytest.raises(ConfigError, match=words):
+        made(call(**changes))
+
+
+def test_a_phrase_has_one_call():
+    with pytest.raises(ConfigError, match="a phrase given once"):
+        made(call(), call())
+
+
+@pytest.mark.parametrize("phrase", ["tense", "pull more", "stop", "hey robot", "terminate"])
+def test_what_moves_or_stops_the_robot_is_no_device(phrase):
+    with pytest.raises(ConfigError, match="is_motion false"):
+        require_harmless(made(call(phrase)), COMMANDS)
+
+
+def test_a_phrase_that_cannot_be_said_is_refused():
+    with pytest.raises(ConfigError, match=r"a phrase of commands\.yaml"):
+        require_harmless(made(call("open the door")), COMMANDS)
