@@ -68,6 +68,24 @@ def test_a_node_that_has_started_is_shut_down_beside_what_it_does(clock, monkeyp
     assert reasons == [f"signal-{number:d}"]
 
 
+def test_loops_end_before_the_topics_are_closed(clock, monkeypatch):
+    seen, is_over = [], threading.Event()
+    state = {
+        "_shutdown_flag": False,
+        "_in_shutdown": False,
+        "_client_shutdown_hooks": [],
+        "_preshutdown_hooks": [lambda _: seen.append(rospy.core.is_shutdown())],
+        "_shutdown_hooks": [lambda _: is_over.set()],
+    }
+    for name, value in state.items():
+        monkeypatch.setattr(rospy.core, name, value)
+    with starting("node"):
+        rospy.on_shutdown(lambda: seen.append(rospy.core.is_shutdown()))
+    signal.raise_signal(signal.SIGINT)
+    assert is_over.wait(30.0)
+    assert seen == [False, True]
+
+
 def test_a_clock_that_comes_soon_is_waited_for_without_a_word(clock):
     shown, said = clock
     shown[:] = [0.0, 0.0, 0.02]

@@ -67,6 +67,7 @@ def _shut_down_on_signals() -> None:
     def shut_down() -> None:
         number = os.read(reading, 1)[0]
         is_asked.set()
+        rospy.on_shutdown(_end_loops)  # after what the node itself does at its end
         rospy.core.signal_shutdown(f"signal-{number}")
         is_over.set()
 
@@ -78,6 +79,14 @@ def _shut_down_on_signals() -> None:
     atexit.register(finish)
     for number in SIGNALS:
         signal.signal(number, ask)
+
+
+def _end_loops() -> None:
+    """Let `rospy.is_shutdown` hold before rospy closes the topics, not only afterwards.
+
+    A loop that publishes between the two would end with an error.
+    """
+    rospy.core._shutdown_flag = True
 
 
 def wait_for_clock() -> None:
