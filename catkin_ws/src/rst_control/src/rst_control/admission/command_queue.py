@@ -18,7 +18,7 @@ from rst_control.commands.request import Accepted, Plan, Request, Situation
 from rst_control.commands.spec import CommandSpec, Role
 from rst_control.commands.table import COMMANDS
 from rst_control.execution.executor import Executor
-from rst_control.execution.orders import Order, Outcome, Reply
+from rst_control.execution.orders import OUTRUN, Order, Outcome, Reply
 from rst_control.types import Cause, Reason, Rejected
 
 Verify = Callable[[Request, Situation], Accepted | Rejected]
@@ -45,6 +45,7 @@ class QueuedCommand:
     pending: PendingCommand
     is_spoken: bool
     owner: str
+    latches: int  # of the executor, when it was given
     attempts: int = 0
 
 
@@ -108,7 +109,8 @@ class CommandQueue:
         elif refusal is not None:
             self._refuse(pending, refusal)
         else:
-            self._accept(QueuedCommand(request, pending, is_spoken, owner))
+            latches = self._executor.latches
+            self._accept(QueuedCommand(request, pending, is_spoken, owner, latches))
         return pending
 
     def next(self, timeout: float) -> QueuedCommand | None:
@@ -122,7 +124,9 @@ class CommandQueue:
         """Verify one command, in the view of this moment, and hand it over or refuse it."""
         view = self._executor.snapshot
         decision = self._verify(queued.request, view.situation(self._clock()))
-        if isinstance(decision, Rejected):
+        if queued.latches != self._executor.latches:  # it may come after the next "hey robot"
+            self._refuse(queued.pending, Cause(Reason.HALTED, OUTRUN))
+        elif isinstance(decision, Rejected):
             self._refuse(queued.pending, decision)
         else:
             self._post(queued, decision.plan, view.serial)

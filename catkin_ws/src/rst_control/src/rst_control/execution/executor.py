@@ -19,7 +19,7 @@ from rst_control.execution import state_machine
 from rst_control.execution.event_log import Event, EventKind, EventLog
 from rst_control.execution.fault_reset import FaultReset
 from rst_control.execution.motion import Motion
-from rst_control.execution.orders import Order, Outcome, OutcomeKind
+from rst_control.execution.orders import OUTRUN, Order, Outcome, OutcomeKind
 from rst_control.execution.setpoint import STILL, SetpointState
 from rst_control.execution.snapshot import Change, ControllerSnapshot, take_snapshot
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
@@ -82,6 +82,7 @@ class Executor:
         self._older = 0  # orders still waiting that came before the last stop
         self._changes: deque[Change] = deque()
         self._changed = 0  # how often what verification relies on was changed from outside
+        self.latches = 0  # how often all that was commanded before has ended
         self.snapshot = ControllerSnapshot.at_start()
 
     # From any thread.
@@ -212,7 +213,7 @@ class Executor:
         is_older, self._older = self._older > 0, max(0, self._older - 1)
         if not is_older or order.command.role is not Role.ACTIVATE:
             return None
-        return Rejected(Reason.HALTED, "stopped meanwhile; say it again")
+        return Rejected(Reason.HALTED, OUTRUN)
 
     def _start(self, order: Order) -> None:
         lost = self._health or self._watchdogs.owner(order.owner)
@@ -338,6 +339,7 @@ class Executor:
 
     def _latch(self, mode: ControllerMode) -> None:
         """Take a state in which nothing moves; brake where something does."""
+        self.latches += 1
         was = self._mode
         is_noted = was.state in LATCHED and was.cause == mode.cause
         self._change(mode)

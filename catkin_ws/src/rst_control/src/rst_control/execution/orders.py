@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 from rst_control.commands.request import Plan
 from rst_control.commands.spec import CommandSpec
@@ -14,6 +14,7 @@ from rst_control.types import (
     Reason,
 )
 
+OUTRUN: Final = "stopped meanwhile; say it again"  # of what was given before the robot was latched
 OutcomeKind = Literal["succeeded", "refused", "stopped", "failed"]
 
 
