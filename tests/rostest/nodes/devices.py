@@ -4,15 +4,21 @@
 
 import subprocess
 import sys
+import threading
 import unittest
 from pathlib import Path
 
 import rospy
 import rostest
+from actionlib_msgs.msg import GoalID, GoalStatus
 from std_msgs.msg import Bool, Empty, Float64
+from std_srvs.srv import Trigger, TriggerResponse
 
+from rst_control.msg import AssistActionGoal, AssistActionResult
 from support.waiting import wait_until
+from voice_assist.config.devices import DeviceCallConfig
 from voice_assist.msg import DeviceCall, Utterance
+from voice_assist.ros.devices.targets import make_target
 
 THEATRE = Path(__file__).resolve().parents[3] / "examples" / "theatre_devices.py"
 
@@ -95,6 +101,40 @@ class Devices(unittest.TestCase):
             self.words.publish(Utterance(command=command, transcript=transcript))
         self.assertEqual(self.say("go dark").phrase, "go dark")
         self.assertEqual(len(self.results), count + 1)
+
+    def test_6_a_service_of_another_type_and_one_that_hangs_fail_in_words(self):
+        self.end_theatre()
+        hang = threading.Event()
+        self.addCleanup(hang.set)
+        other = rospy.Service("/theatre/light", Trigger, lambda _: TriggerResponse())
+        slow = rospy.Service("/theatre/insufflator/lower", Trigger, lambda _: hang.wait(30.0))
+        self.addCleanup(slow.shutdown)
+        self.addCleanup(other.shutdown)
+        self.assertIn("md5", self.say("light on").message)
+        self.assertEqual(self.say("pressure down").message, "no answer within 2 s")
+
+    def test_7_an_action_succeeds_or_is_cancelled_when_it_takes_too_long(self):
+        given = {"phrase": "tidy up", "kind": "action", "target": "/theatre/robot_vacuum"}
+        given |= {"type": "rst_control/Assist", "arguments": "{command: clean}", "within": 1.0}
+        target = make_target(DeviceCallConfig(**given, on_stop=""))
+        self.assertIn("nobody serves", target.call().words)
+        goals, cancelled = [], []
+        result = rospy.Publisher("/theatre/robot_vacuum/result", AssistActionResult, queue_size=1)
+
+        def serve(goal):
+            goals.append(goal.goal.command)
+            if len(goals) == 1:
+                done = GoalStatus(goal_id=goal.goal_id, status=GoalStatus.SUCCEEDED, text="clean")
+                result.publish(AssistActionResult(status=done))
+
+        rospy.Subscriber("/theatre/robot_vacuum/goal", AssistActionGoal, serve)
+        rospy.Subscriber("/theatre/robot_vacuum/cancel", GoalID, cancelled.append)
+        wait_until(lambda: result.get_num_connections() > 0)
+        first, second = target.call(), target.call()
+        self.assertEqual((first.is_done, first.words), (True, "clean"))
+        self.assertEqual(second.words, "no result within 1 s; cancelled")
+        wait_until(lambda: cancelled)
+        self.assertEqual(goals, ["clean", "clean"])
 
 
 if __name__ == "__main__":
