@@ -46,11 +46,18 @@ def _parse(text: object) -> Xml.Element:
         raise _refusal("it", f"no XML ({error})", "a whole XML document") from error
     if robot.tag != "robot":
         raise _refusal("its root", robot.tag, "robot")
+    for element in robot.iter():
+        if element.tag.startswith("{"):  # of a namespace, as xacro's before it was run
+            raise _refusal("it", f"a document with {element.tag}", "URDF alone: run xacro first")
     return robot
 
 
 def _check_link(link: Xml.Element) -> None:
     what = f"link {_name(link, 'link')}"
+    for origin in link.iter("origin"):  # of its inertia and its shapes
+        for key, most, unit in (("xyz", FARTHEST, "m"), ("rpy", TURN, "rad")):
+            if (text := origin.get(key)) is not None:
+                _row(f"{what}: origin {key}", text, most, unit)
     inertial = link.find("inertial")
     if inertial is None:
         return  # a frame only
