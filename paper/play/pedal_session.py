@@ -14,14 +14,14 @@ from random import Random
 import rospy
 import yaml
 from rich.console import Console
-from sensor_msgs.msg import Joy
+from sensor_msgs.msg import JointState, Joy
 
 from paper.config import ExperimentConfig
 from paper.judging.outcomes import PhraseOutcome
 from paper.play.plan import COMMANDS, MOTIONS, STOP, PhrasePlan, Planned
 from paper.play.session import tension_limits
 from paper.play.watch import Happened, SessionWatch
-from support.launched_system import System
+from support.launched_system import READY_TIME, System
 from support.waiting import wait_until
 from voice_assist.config import CONFIG_DIR
 
@@ -51,6 +51,8 @@ def run(
         settings = _settings(folder / SETTINGS)
         system.launch_session(folder, source="topic", pedal=True, config=settings)
         system.wait_for(watch.ready, lambda part: console.print(f"  {part} ready"))
+        # the controller is ready before its robot is
+        rospy.wait_for_message("joint_states", JointState, READY_TIME)
         return _PedalSession(watch, plan, config, console).play()
 
 
