@@ -107,7 +107,8 @@ class KinovaBridgeNode:
 
     def close(self) -> None:
         """Brake the arm, stop it, send nothing else; may come in the midst of a round."""
-        self._hardware.close(self._bridge.brake_plan(self._config.arm.period))
+        plan = self._bridge.brake_plan(self._config.arm.period)
+        self._hardware.close(plan, lambda: self._beat.publish(BridgeBeat()))
 
     def _round(self) -> float:
         for _ in range(len(self._jobs)):

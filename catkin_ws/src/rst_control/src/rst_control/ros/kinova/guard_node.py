@@ -17,12 +17,13 @@ from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.kinova.beat import course_of
-from rst_control.ros.kinova.hardware import send_at_shutdown, speeds_message
+from rst_control.ros.kinova.hardware import speeds_message
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from typed_config import ConfigError, load_config
 from typed_config.ros.starting import starting
 
 PERIOD = 0.005  # [s] between two rounds
+CLOSING = 1.5  # [s] for which it guards when it is ended; silence and braking take less
 ALIVE_EVERY = 4  # rounds between two beats for the bridge
 
 
@@ -55,24 +56,34 @@ def main() -> None:
             **newest,
         )
 
+        def guard_once() -> None:
+            """Brake or stop the arm, where that is due."""
+            now = time.monotonic()
+            braking = guard.speeds_due(now)
+            if braking is not None:
+                speeds.publish(speeds_message(braking))
+            elif guard.is_stop_due(now):
+                stop.publish(Empty())
+
         def close() -> None:
-            """A bridge that lives brakes the arm by itself, for its guard is silent from now on."""
-            if guard.is_silent(time.monotonic()):
-                send_at_shutdown(lambda: stop.publish(Empty()))
+            """Guard a little longer: a bridge that died is what roslaunch ends all nodes for.
+
+            A bridge that lives is heard meanwhile, and brakes the arm by itself.
+            """
+            end = time.monotonic() + CLOSING
+            while time.monotonic() < end:
+                guard_once()
+                time.sleep(PERIOD)
 
         rospy.on_shutdown(close)
     ask_for_priority()
     rounds, was_silent = 0, False
     while not rospy.is_shutdown():
-        now = time.monotonic()
-        braking = guard.speeds_due(now)
-        if braking is not None:
-            speeds.publish(speeds_message(braking))
-        elif guard.is_stop_due(now):
-            stop.publish(Empty())
-        if guard.is_silent(now) and not was_silent:
+        guard_once()
+        is_silent = guard.is_silent(time.monotonic())
+        if is_silent and not was_silent:
             rospy.logerr("the bridge is silent: the arm is braked along its course and stopped")
-        was_silent = guard.is_silent(now)
+        was_silent = is_silent
         rounds += 1
         if rounds % ALIVE_EVERY == 0:
             alive.publish(Empty())

@@ -76,12 +76,18 @@ class KinovaHardware:
         """Ask the arm to clear its faults."""
         self._clear.publish(Empty())
 
-    def close(self, plan: BrakePlan | None) -> None:
-        """Brake the arm along its course, where it is led, stop it, and send no more velocities."""
+    def close(self, plan: BrakePlan | None, beat: Callable[[], None]) -> None:
+        """Brake the arm along its course, where it is led, stop it, and send no more velocities.
+
+        Args:
+            plan: How to brake; None: the arm is not led.
+            beat: Says to the guard that somebody else brakes.
+        """
         self._is_closed = True  # for the loop, which may be in the midst of a round
         while plan is not None and not plan.is_over:
             if (speeds := plan.step(time.monotonic())) is not None:
                 self._speeds.publish(speeds_message(speeds))
+            beat()
             time.sleep(LOOK_PERIOD)
         send_at_shutdown(self.stop)
 
