@@ -4,7 +4,7 @@
 # packages buildah and debootstrap. Run it before a release. From the repository's root:
 #   docker/build_without_daemon.sh [OPTION_OF_BUILDAH...]                   # --build-arg TORCH=cpu, --volume FILE:FILE:ro ...
 #   docker/build_without_daemon.sh run [COMMAND...]                         # `make demo`, with sessions/ kept
-# MIRROR names another mirror of Debian's. The image's size in MB is the last line.
+# MIRROR names another mirror of Debian's. The image's size is the last line.
 set -eu
 cd "$(dirname "$0")/.."
 export STORAGE_DRIVER="${STORAGE_DRIVER:-vfs}" BUILDAH_ISOLATION=chroot
@@ -32,5 +32,5 @@ fi
 buildah bud --layers=false --pull-never --build-arg COMMIT="$(git rev-parse HEAD)" "$@" \
     --file docker/Dockerfile --tag localhost/voice_assist .
 container=$(buildah from --pull-never localhost/voice_assist)
-du -sm "$(buildah mount "$container")" | cut -f1
+du -sb "$(buildah mount "$container")" | awk '{ printf "%.0f MB\n", $1 / 1e6 }'
 buildah rm "$container" >/dev/null

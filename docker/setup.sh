@@ -207,7 +207,7 @@ install_space() {
 # What an image does not need: package lists, tests and data of others, symbols for debugging.
 trim() {
     apt-get clean
-    rm -rf /var/lib/apt/lists/*
+    rm -rf /var/lib/apt/lists/* /usr/share/locale /usr/share/man
     packages=.venv/lib/python3.11/site-packages
     rm -rf "$packages/pybullet_data" "$packages/torch/test" "$packages/torch/include" "$packages/torch/bin"
     for package in matplotlib networkx numba numpy scipy sympy; do
