@@ -16,6 +16,7 @@ from tests.support.robot_client import START_LIMIT, Halted, RobotClient
 ROUGH = 0.6  # [N] by which a pull led by noisy torques may miss; what they are worth says the bench
 CLOSE = 0.5  # [N] by which the estimate may be off, at rest
 TRIES = 3  # to grasp: what is told from torques, on a machine that stalls, may halt the robot
+PULLS = 15  # until one is refused, at most; two do where no halt comes between
 MOST = 2.4  # [N] at which the controller gives up
 
 
@@ -58,8 +59,8 @@ class KinovaTorques(unittest.TestCase):
         self.robot.wait(lambda: abs(self.robot.tension - self.true) < CLOSE, 20.0)
 
     def say_until_refused(self, command):
-        """Pull so often, six times at most, and begin anew after a halt; gives the refusal."""
-        for _ in range(6):
+        """Pull until it is refused, and begin anew after a halt; gives the refusal."""
+        for _ in range(PULLS):
             count, halts = self.robot.finished(command), len(self.robot.halts())
             reply = self.robot.command(command)
             if not reply.accepted:
