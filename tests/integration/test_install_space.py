@@ -5,7 +5,6 @@ import os
 import shutil
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ import soundfile
 
 from support.launched_system import end_group, free_port
 from support.theatre_sound import RATE, speak
+from support.waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("catkin_ws", "docker")
@@ -92,7 +92,7 @@ def system(prefix, bare, tmp_path):
     with (tmp_path / "log.txt").open("wb") as log:
         process = subprocess.Popen(
             ["/bin/bash", "-c", f". {prefix}/setup.bash; exec {launch} wav:={tmp_path}/said.wav"],
-            env=bare,
+            env={**bare, "PYTHONUNBUFFERED": "1"},  # the test reads what it prints meanwhile
             stdout=log,
             stderr=subprocess.STDOUT,
             start_new_session=True,
@@ -129,11 +129,14 @@ def test_packages_under_local_are_not_seen(run, home, bare):
 
 def test_the_system_takes_a_command_without_its_sources(run, system, home):
     process, log = system
-    end = time.monotonic() + PATIENCE
-    answer = ""
-    while "accepted: True" not in answer:  # refused until "hey robot" was heard
-        assert process.poll() is None and time.monotonic() < end, answer + log.read_text()
-        answer = run("rosservice", "call", "/rst_control/command", "command: 'tense'")
+
+    def is_active():
+        assert process.poll() is None, log.read_text()
+        return "hey robot: ready" in log.read_text(encoding="utf-8")
+
+    wait_until(is_active, "an active robot", PATIENCE, every=0.5)
+    answer = run("rosservice", "call", "/rst_control/command", "command: 'tense'")
+    assert "accepted: True" in answer, answer + log.read_text()
     os.kill(process.pid, signal.SIGINT)
     assert process.wait(60.0) == 0
     shown = log.read_text(encoding="utf-8")
