@@ -209,7 +209,8 @@ trim() {
     apt-get clean
     rm -rf /var/lib/apt/lists/* /usr/share/locale /usr/share/man
     packages=.venv/lib/python3.11/site-packages
-    rm -rf "$packages/pybullet_data" "$packages/torch/test" "$packages/torch/include" "$packages/torch/bin"
+    rm -rf "$packages/pybullet_data" "$packages/torch/test" "$packages/torch/include"
+    find "$packages/torch/bin" -type f ! -name torch_shm_manager -delete
     for package in matplotlib networkx numba numpy scipy sympy; do
         find "$packages/$package" -type d -name tests -prune -exec rm -rf {} +
     done
