@@ -47,7 +47,7 @@ def measure() -> list[Figure]:
             model = name if not width else _random(Path(folder) / f"{name}.pt", width, layers)
             figures += _of(name, model)
         if own := os.environ.get("MODEL"):
-            figures += _of(Path(own).stem, own)
+            figures += _of(f"{Path(own).stem}, real weights", own)
     return figures
 
 
@@ -55,7 +55,7 @@ def _of(name: str, model: str) -> list[Figure]:
     command = [sys.executable, "-m", "bench.voice.sizes", model]
     done = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
     found = json.loads(done.stdout.splitlines()[-1])
-    limit = MOST_REALTIME if name == "base" else None
+    limit = MOST_REALTIME if name.startswith("base") else None
     figures = [
         Figure(f"{name}: 2 s to text", 1e3 * found["text"], "ms", note=f"({found['dtype']})"),
         Figure(f"{name}: scores of the commands", 1e3 * found["scores"], "ms"),

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
 
 _SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
-_BUSY = 0.5  # share of the time that passes may take of a model slower than `partial_interval`
+_BUSY = 0.33  # share of the time that passes may take of a model slower than `partial_interval`
 
 
 class PartialDecoder:
