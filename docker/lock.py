@@ -20,6 +20,7 @@ from typing import Any, Final
 ROOT: Final = Path(__file__).resolve().parents[1]
 LOCK: Final = ROOT / "docker" / "constraints.txt"
 FILES: Final = ("", "-dev", "-parquet", "-bench", "-train")  # of requirements*.txt, least first
+SET_UP: Final = {"requirements.txt", "requirements-dev.txt"}  # others may be of an earlier day
 BUILDS: Final = ("cpu", "cuda")  # of torch
 PIN: Final = re.compile(r"([\w.-]+)(={2,3})(\S+)((?: --hash=sha256:[0-9a-f]{64})+)  # (.+)")
 HEADER: Final = """\
@@ -130,7 +131,7 @@ def check() -> list[str]:
             if of != {pinned}:
                 wrong.append(f"{file} pins {package}=={pinned}, locked: {sorted(of)}")
     for one in distributions(path=[path for path in sys.path if path.startswith(sys.prefix)]):
-        versions = locked.get(key(one.name), {})
+        versions = {v for v, files in locked.get(key(one.name), {}).items() if SET_UP & set(files)}
         if versions and one.version not in versions:
             wrong.append(f"{one.name} {one.version} is installed, locked: {sorted(versions)}")
     return wrong

@@ -149,7 +149,7 @@ def test_words_without_speech_are_none_however_sure_they_are(tmp_path, no_speech
     """Whisper overlooks its own doubt that anybody spoke where the words themselves are likely."""
     recognizer = openai_recognizer(tmp_path)
     made_up = SimpleNamespace(text="stop", avg_logprob=-0.01, no_speech_prob=no_speech)
-    recognizer._task = SimpleNamespace(run=lambda mel: [made_up])
+    recognizer._task = SimpleNamespace(run=lambda states: [made_up], decoder=SimpleNamespace())
     heard = recognizer.transcribe(hiss(0.05, 1.0).astype(np.float32))
     assert (heard.text, heard.no_speech_prob) == (text, no_speech)
 
