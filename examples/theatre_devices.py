@@ -31,7 +31,7 @@ class Theatre:
         if is_allowed := LOWEST <= wanted <= HIGHEST:
             self.pressure = wanted
             self.gas.publish(wanted)
-        return TriggerResponse(is_allowed, f"{wanted:g} of {LOWEST:g} to {HIGHEST:g} mmHg")
+        return TriggerResponse(is_allowed, f"{wanted:g} mmHg, allowed {LOWEST:g} to {HIGHEST:g}")
 
 
 if __name__ == "__main__":

@@ -82,7 +82,7 @@ class Devices(unittest.TestCase):
         wait_until(lambda: self.light == [True] and self.recorder == [True])
 
     def test_3_a_stop_undoes_what_says_so_and_nothing_else(self):
-        self.assertEqual(self.say("higher pressure").message, "13 mmHg")
+        self.assertEqual(self.say("higher pressure").message, "13 mmHg, allowed 8 to 15")
         self.stops.publish(Empty())
         wait_until(lambda: self.pressure == [13.0, 12.0])
         wait_until(lambda: self.results[-1].phrase == "pressure down")
