@@ -11,6 +11,7 @@ import json
 import re
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import urllib.request
 from importlib.metadata import distributions
@@ -20,7 +21,6 @@ from typing import Any, Final
 ROOT: Final = Path(__file__).resolve().parents[1]
 LOCK: Final = ROOT / "docker" / "constraints.txt"
 FILES: Final = ("", "-dev", "-parquet", "-bench", "-train")  # of requirements*.txt, least first
-SET_UP: Final = {"requirements.txt", "requirements-dev.txt"}  # others may be of an earlier day
 BUILDS: Final = ("cpu", "cuda")  # of torch
 PIN: Final = re.compile(r"([\w.-]+)(={2,3})(\S+)((?: --hash=sha256:[0-9a-f]{64})+)  # (.+)")
 HEADER: Final = """\
@@ -130,8 +130,8 @@ def check() -> list[str]:
             of = {v.partition("+")[0] for v, files in versions.items() if file in files}
             if of != {pinned}:
                 wrong.append(f"{file} pins {package}=={pinned}, locked: {sorted(of)}")
-    for one in distributions(path=[path for path in sys.path if path.startswith(sys.prefix)]):
-        versions = {v for v, files in locked.get(key(one.name), {}).items() if SET_UP & set(files)}
+    for one in distributions(path=[sysconfig.get_path("purelib")]):  # not what setuptools carries
+        versions = locked.get(key(one.name), {})
         if versions and one.version not in versions:
             wrong.append(f"{one.name} {one.version} is installed, locked: {sorted(versions)}")
     return wrong
