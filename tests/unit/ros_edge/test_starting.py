@@ -11,6 +11,7 @@ import rospy
 from typed_config.ros.starting import starting, wait_for_clock
 
 NUMBERS = (signal.SIGINT, signal.SIGTERM)
+HANDLED = (*NUMBERS, signal.SIGALRM)
 
 
 @pytest.fixture
@@ -27,7 +28,7 @@ def clock(monkeypatch):
 @pytest.fixture(autouse=True)
 def handlers():
     """Afterwards all are as before."""
-    before = {number: signal.getsignal(number) for number in NUMBERS}
+    before = {number: signal.getsignal(number) for number in HANDLED}
     yield
     for number, handler in before.items():
         signal.signal(number, handler)
@@ -46,6 +47,17 @@ def test_code_that_swallows_the_exit_does_not_start_the_node(clock, number):
     with pytest.raises(SystemExit) as ended, starting("node"), suppress(SystemExit):
         signal.raise_signal(number)
     assert ended.value.code == 128 + number
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_code_that_swallows_the_exit_and_goes_on_gets_it_again(clock, number):
+    with pytest.raises(SystemExit) as ended, starting("node"):
+        with suppress(SystemExit):
+            signal.raise_signal(number)
+        threading.Event().wait(60.0)
+        pytest.fail("it went on")
+    assert ended.value.code == 128 + number
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("number", NUMBERS)

@@ -17,6 +17,7 @@ from typing import NoReturn
 import rospy
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
+END_AGAIN = 0.5  # [s] after which a node that still starts is ended again
 END_LIMIT = 10.0  # [s] at the exit for what the shutdown has still to do
 CLOCK_PERIOD = 0.05  # [s] between two looks for the clock
 CLOCK_DUE = 1.0  # [s] after which a missing one is named
@@ -28,7 +29,8 @@ def starting(name: str, needs_clock: bool = True) -> Iterator[None]:
     """Begin a node of a name; what is done within is its start.
 
     SIGINT and SIGTERM end a node at once while it starts, and rospy takes it off the master at the
-    exit. Afterwards they shut it down from a thread of its own.
+    exit. Code that swallows the exit, as a destructor does, gets it again. Afterwards signals shut
+    the node down from a thread of its own.
 
     Args:
         name: Of the node.
@@ -37,18 +39,23 @@ def starting(name: str, needs_clock: bool = True) -> Iterator[None]:
     received: list[int] = []
 
     def end(number: int, _: FrameType | None) -> NoReturn:
-        received.append(number)
-        signal.signal(number, signal.SIG_IGN)  # roslaunch and `respawn` both send it
-        sys.exit(128 + number)
+        if number in SIGNALS:
+            received.append(number)
+            signal.signal(number, signal.SIG_IGN)  # roslaunch and `respawn` both send it
+            signal.setitimer(signal.ITIMER_REAL, END_AGAIN, END_AGAIN)
+        sys.exit(128 + received[0])
 
-    for number in SIGNALS:
+    for number in (*SIGNALS, signal.SIGALRM):
         signal.signal(number, end)
-    rospy.init_node(name, disable_signals=True)
-    if needs_clock:
-        wait_for_clock()
-    yield
+    try:
+        rospy.init_node(name, disable_signals=True)
+        if needs_clock:
+            wait_for_clock()
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
     _shut_down_on_signals()
-    if received:  # the interrupted code went on, as a destructor or a bare `except` does
+    if received:
         sys.exit(128 + received[0])
 
 
