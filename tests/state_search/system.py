@@ -59,7 +59,7 @@ class _Posted:
     """Stands for the executor towards the queue, and keeps what it is given."""
 
     def __init__(self):
-        self.orders, self.stops = [], []
+        self.orders, self.stops, self.latches = [], [], 0
         self.snapshot = SimpleNamespace(serial=1, situation=lambda now: None)
 
     def post(self, order):

@@ -86,7 +86,7 @@ class RobotClient:
         """Give a motion command and wait until it was carried out.
 
         Raises:
-            Halted: The robot halted on the way.
+            Halted: The robot halted on the way, or gave the motion up.
         """
         count, halts = self.finished(command), len(self.halts())
         self.say(command)
@@ -96,7 +96,7 @@ class RobotClient:
         """Wait until it was carried out more often than `count`.
 
         Raises:
-            Halted: The robot halted on the way, more often than `halts`.
+            Halted: The robot halted on the way, or gave it up, more often than `halts`.
         """
         self.wait(lambda: self.finished(command) > count or len(self.halts()) > halts, limit)
         if self.finished(command) == count:
@@ -104,8 +104,8 @@ class RobotClient:
         rospy.sleep(0.1)  # for the state of that moment to arrive
 
     def halts(self) -> list[str]:
-        """Why it halted, each time so far."""
-        return [e.message for e in self.events if e.kind == "halted"]
+        """Why it halted, or gave a motion up, each time so far."""
+        return [e.message for e in self.events if e.kind in ("halted", "at_rest")]
 
     def finished(self, command: str) -> int:
         """How often a command was carried out to its end."""
