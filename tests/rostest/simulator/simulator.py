@@ -107,9 +107,13 @@ class Simulator(unittest.TestCase):
         self.assertTrue(reply.success, reply.message)
 
     def test_diagnostics_tell_how_the_simulation_fares(self) -> None:
-        message = rospy.wait_for_message("/diagnostics", DiagnosticArray, LIMIT)
-        keys = {value.key for value in message.status[0].values}
-        self.assertLessEqual({"real-time factor", "late steps", "servo"}, keys)
+        keys: set[str] = set()  # of all nodes; the recorder tells there how it fares, too
+
+        def note(message: DiagnosticArray) -> None:
+            keys.update(value.key for status in message.status for value in status.values)
+
+        rospy.Subscriber("/diagnostics", DiagnosticArray, note)
+        wait_until(lambda: keys >= {"real-time factor", "late steps", "servo"}, "its diagnostics")
 
 
 if __name__ == "__main__":
