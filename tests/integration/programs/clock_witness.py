@@ -57,6 +57,7 @@ def put_off(clock: Path, seconds: float) -> None:
 
 def after(robot: RobotClient, seen: list) -> dict:
     """What came of it: where the robot went, and whether it can be stopped and woken."""
+    robot.wait(lambda: robot.state.state != "stopping")
     state, reason = robot.state.state, robot.state.halt_reason
     path = np.array(seen)
     if state == "moving":

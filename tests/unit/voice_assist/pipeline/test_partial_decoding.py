@@ -173,7 +173,7 @@ def test_a_slow_model_is_asked_less_often_and_what_it_skips_is_noted(cost, apart
     for _ in range(250):
         rig.feed(True)
         rig.late = max(rig.late - FRAME, 0.0)  # frames queue while it works
-    gaps = np.diff(looked)
+    gaps = np.diff(looked)[2:]  # three slow ones make a model slow
     assert gaps.min() >= apart - 1e-6 and gaps.max() <= apart + FRAME
     is_slow = cost > EARLY.partial_interval
     assert bool(rig.notes) == is_slow

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
 
 _SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
+_COSTS = 3  # passes; one that the machine held up makes no model slow
 _BUSY = 0.33  # share of the time that passes may take of a model slower than `partial_interval`
 
 
@@ -36,7 +38,7 @@ class PartialDecoder:
     left to compute. Of a long utterance only the last `window` is decoded, which bounds each pass:
     a command is short. While the robot itself speaks or moves, the very last part is decoded alone
     too, since one word may stand by itself in it. A model that is slower than `partial_interval`
-    is asked less often.
+    is asked less often, but not while the robot moves.
     """
 
     def __init__(
@@ -59,7 +61,7 @@ class PartialDecoder:
         """
         self._recognizer, self._config, self._clock = recognizer, config, clock
         self._observer, self._is_hopeless = observer, is_hopeless
-        self._cost = 0.0  # [s] of the newest pass
+        self._costs = deque([0.0] * _COSTS, _COSTS)  # [s] of the newest passes
         self.reset()
 
     def reset(self) -> None:
@@ -143,8 +145,8 @@ class PartialDecoder:
         since = time - decoded_at + _SLACK
         if is_turn or self.is_settled(partial) or since < self._config.partial_interval:
             return is_turn or self.is_settled(partial)
-        is_slow = self._cost > self._config.partial_interval
-        if is_slow and since < self._cost / _BUSY:
+        cost = 0.0 if frame.is_moving else min(self._costs)
+        if cost > self._config.partial_interval and since < cost / _BUSY:
             self._observer(SideInput(SideInputKind.BEHIND, frame.first_sample))
             return False
         return True
@@ -166,7 +168,7 @@ class PartialDecoder:
             self.worded_at = time
         self._decoded_at, self._scores, self._verified = time, {}, {}
         self._has_news = not is_final
-        self._cost = self._clock() - begun
+        self._costs.append(self._clock() - begun)
 
     def _end_of(self, whole: Samples, seconds: float, is_final: bool) -> Samples:
         """The last part of a sound, of `seconds` at most. From shape (n,) to (m,)."""
