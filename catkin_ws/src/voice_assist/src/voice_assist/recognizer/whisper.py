@@ -126,8 +126,7 @@ class OpenAIRecognizer:
         texts = {phrase: _spellings(phrase) for phrase in phrases}
         texts |= {text: [text] for text in ("", free) if _plain(text) not in phrases}
         tokenizer = self._task.tokenizer
-        written = {text for some in texts.values() for text in some}
-        lines = {t: self._tokens(t) for t in written}
+        lines = {text: self._tokens(text) for some in texts.values() for text in some}
         prompt = tokenizer.sot_sequence_including_notimestamps
         sound, decoder = heard.states, self.model.decoder
         with torch.inference_mode():
