@@ -14,14 +14,16 @@ from rst_control.registration.trocar_context import TrocarContext
 from rst_control.tissue.sheet import rest_points
 from rst_control.types import State
 from tests.unit.rst_control.support.executor_rig import Rig
+from tests.unit.rst_control.support.registration import Setting
 
 
-class Setting:
+class GraspSetting(Setting):
     """A rig with somebody who sets its grasp point."""
 
+    refusal = ("grasp_refused", "set_grasp_point")
+
     def __init__(self, rig):
-        self.rig = rig
-        self.registrar = GraspPointRegistrar(rig.context, rig.executor)
+        super().__init__(rig, GraspPointRegistrar)
         self.first = np.array(self.scene.grasp_point)
         self.nodes = rest_points(self.scene.tissue)
 
@@ -29,34 +31,18 @@ class Setting:
     def scene(self):
         return self.rig.context.current.config.scene
 
+    @property
+    def point(self):
+        return self.scene.grasp_point
+
     def node(self, aside=0.0, down=0.0):
         """The node nearest to a place beside the first grasp point along the edge, and below."""
         near = self.first + np.array([aside, 0.0, -down])
         return self.nodes[np.linalg.norm(self.nodes - near, axis=1).argmin()]
 
-    def ask(self, point):
-        answer = self.registrar.ask(point, "/test")
-        self.rig.tick()
-        return answer.result(0)
-
-    def refused(self, point):
-        before = self.rig.context.current
-        reply = self.ask(point)
-        assert not reply.accepted and self.rig.context.current is before, reply.message
-        entry = self.rig.executor.events[-1]
-        assert (entry.kind, entry.command) == ("grasp_refused", "set_grasp_point")
-        assert reply.message in entry.message and "/test" in entry.message
-        return reply.message
-
-    def accepted(self, point):
-        reply = self.ask(point)
-        assert reply.accepted, reply.message
-        np.testing.assert_allclose(self.scene.grasp_point, point, atol=1e-15)
-        return reply.message
-
 
 def setting(rig=None):
-    return Setting(rig or Rig().awake())
+    return GraspSetting(rig or Rig().awake())
 
 
 @pytest.mark.parametrize("aside", [-0.008, 0.008])

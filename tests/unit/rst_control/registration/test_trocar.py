@@ -13,17 +13,23 @@ from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.registration.trocar import TrocarRegistrar
 from rst_control.types import State
 from tests.unit.rst_control.support.executor_rig import Rig, with_watchdogs
+from tests.unit.rst_control.support.registration import Setting
 
 TINY = 1e-9
 
 
-class Setting:
+class TrocarSetting(Setting):
     """A rig with somebody who sets its trocar."""
 
+    refusal = ("trocar_refused", "set_trocar")
+
     def __init__(self, rig):
-        self.rig = rig
-        self.registrar = TrocarRegistrar(rig.context, rig.executor)
+        super().__init__(rig, TrocarRegistrar)
         self.first = rig.context.current.trocar
+
+    @property
+    def point(self):
+        return self.rig.context.current.trocar
 
     def place(self, aside=0.0, along=0.0):
         """A point [m] beside the shaft and along it, from where the trocar is on it."""
@@ -31,31 +37,9 @@ class Setting:
         T = Configuration(self.rig.context.current.model, planning_joints(joints)[0]).T_base_shaft
         return self.first + aside * T[:3, 0] + along * T[:3, 2]
 
-    def ask(self, point):
-        answer = self.registrar.ask(point, "/test")
-        self.rig.tick()
-        return answer.result(0)
-
-    def refused(self, point):
-        """Ask for what must be refused; returns the reason."""
-        before = self.rig.context.current
-        reply = self.ask(point)
-        assert not reply.accepted, reply.message
-        assert self.rig.context.current is before
-        entry = self.rig.executor.events[-1]
-        assert (entry.kind, entry.command) == ("trocar_refused", "set_trocar")
-        assert reply.message in entry.message and "/test" in entry.message
-        return reply.message
-
-    def accepted(self, point):
-        reply = self.ask(point)
-        assert reply.accepted, reply.message
-        np.testing.assert_allclose(self.rig.context.current.trocar, point, atol=1e-15)
-        return reply.message
-
 
 def setting(rig=None):
-    return Setting(rig or Rig().awake())
+    return TrocarSetting(rig or Rig().awake())
 
 
 @pytest.mark.parametrize("make", [lambda: Rig().run(0.01), lambda: Rig().awake()])
