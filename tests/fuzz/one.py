@@ -14,7 +14,7 @@ READERS = (
     ),
     *(
         "rst_control.ros.common.serialization",
-        "rst_control.ros.controller.command_service",
+        "rst_control.ros.controller.services.command_service",
         "rst_control.msg",
     ),
     *(

@@ -30,7 +30,7 @@ from rst_control.commands.table import COMMANDS
 from rst_control.config.callers import CallersConfig
 from rst_control.msg import AssistActionGoal, ControllerState, Event
 from rst_control.ros.common.serialization import BadMessage, JointStateReader, read_force
-from rst_control.ros.controller.command_service import WordsCommand
+from rst_control.ros.controller.services.command_service import WordsCommand
 from rst_control.ros.rospy_patches.message_framing import has_whole_header, split_messages
 from rst_control.ros.rospy_patches.message_limits import _read_messages
 from rst_control.srv import CommandRequest, FitTrocarRequest, SetTrocarRequest

@@ -23,8 +23,8 @@ import rospy
 
 from voice_assist.config import load_voice_config
 from voice_assist.intent.dialogue import Answered
-from voice_assist.ros.command_client import CommandClient
 from voice_assist.ros.publishers import Publishers
+from voice_assist.ros.robot.command_client import CommandClient
 
 _SAY = threading.Lock()
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 import rospy
 
-from voice_assist.ros.command_client import _drop, _TimelyRequest
+from voice_assist.ros.robot.command_client import _drop, _TimelyRequest
 
 
 def test_a_request_is_written_until_its_time_is_over_and_not_after_it():

@@ -21,9 +21,13 @@ from rst_control.admission.callers import CallLimiter
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.config.callers import CallersConfig
 from rst_control.msg import AssistActionGoal, AssistGoal, AssistResult
-from rst_control.ros.controller import action_server, command_service
-from rst_control.ros.controller.action_server import GuardedServer
-from rst_control.ros.controller.command_service import CommandService, WordsCommand, WordsRequest
+from rst_control.ros.controller.services import action_server, command_service
+from rst_control.ros.controller.services.action_server import GuardedServer
+from rst_control.ros.controller.services.command_service import (
+    CommandService,
+    WordsCommand,
+    WordsRequest,
+)
 from rst_control.ros.rospy_patches import message_limits
 from rst_control.ros.rospy_patches.message_framing import LONGEST_MESSAGE
 from rst_control.srv import SetTrocar

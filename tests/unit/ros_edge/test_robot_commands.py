@@ -10,7 +10,7 @@ from rst_control.commands.table import COMMANDS
 from voice_assist.config import load_voice_config
 from voice_assist.config.commands import AT_REST
 from voice_assist.errors import CommandsError
-from voice_assist.ros.robot_commands import require_known
+from voice_assist.ros.robot.robot_commands import require_known
 
 SHIPPED = load_voice_config().commands
 

@@ -30,7 +30,7 @@ for package in (rst_control, voice_assist):  # pytest's paths hide the generated
     package.__path__ = extend_path(package.__path__, package.__name__)
 node = import_module("voice_assist.ros.voice_node")
 diagnostics = import_module("voice_assist.ros.diagnostics")
-controller_state = import_module("voice_assist.ros.controller_state")
+controller_state = import_module("voice_assist.ros.robot.controller_state")
 
 BEATS = 5  # heartbeats that show that they go on
 CONFIG = load_voice_config()

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from voice_assist.audio.robot_speech import RobotSpeech, RobotSpeechChange
 from voice_assist.config import load_voice_config
-from voice_assist.ros import robot_speech
-from voice_assist.ros.robot_speech import RobotSpeechTopic
+from voice_assist.ros.robot import robot_speech
+from voice_assist.ros.robot.robot_speech import RobotSpeechTopic
 
 CONFIG = load_voice_config().audio.robot_speech
 TOLD = st.lists(st.tuples(st.booleans(), st.floats(0.0, 0.03)), max_size=50)

@@ -32,7 +32,7 @@ class CommandConfig:
     threshold: float = number(0.01, 1.0, "WER")
     modes: tuple[str, ...] = choice("standby", "active")
     mode_after: str = choice("same", "standby", "active")
-    command: str = text(may_be_empty=True)  # what the robot knows: ros/robot_commands.py
+    command: str = text(may_be_empty=True)  # what the robot knows: ros/robot/robot_commands.py
     is_motion: bool = flag()
     is_halt: bool = flag()
     min_confidence: float = number(0.0, 1.0, "")

@@ -30,8 +30,6 @@ from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Event
 from voice_assist.profile.active import facts_of
-from voice_assist.ros.command_client import CommandClient
-from voice_assist.ros.controller_state import ControllerFollower
 from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.microphone_service import MicrophoneService
 from voice_assist.ros.node_settings import is_restart, node_settings
@@ -39,8 +37,10 @@ from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
 from voice_assist.ros.question_service import HandAnswer, QuestionService
 from voice_assist.ros.recognition_watch import RecognitionWatch
-from voice_assist.ros.robot_commands import require_known
-from voice_assist.ros.robot_speech import RobotSpeechTopic
+from voice_assist.ros.robot.command_client import CommandClient
+from voice_assist.ros.robot.controller_state import ControllerFollower
+from voice_assist.ros.robot.robot_commands import require_known
+from voice_assist.ros.robot.robot_speech import RobotSpeechTopic
 from voice_assist.ros.talk_topic import TalkTopic
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.side_inputs import SideInput, SideInputKind

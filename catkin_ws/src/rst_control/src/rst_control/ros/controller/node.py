@@ -28,19 +28,19 @@ from rst_control.ros.common.exposure_warning import warn_of_listeners
 from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
-from rst_control.ros.controller.action_server import AssistServer
-from rst_control.ros.controller.command_service import CommandService
 from rst_control.ros.controller.control_loop import ControlLoop
 from rst_control.ros.controller.diagnostics import Diagnostics
-from rst_control.ros.controller.first_motion import ConfirmedFirst
-from rst_control.ros.controller.grasp_point_service import GraspPointService
-from rst_control.ros.controller.homing_service import HomingService
 from rst_control.ros.controller.liveness_watch import LivenessWatch
 from rst_control.ros.controller.markers import ControllerMarkers
 from rst_control.ros.controller.messages import RosClock, event_message, state_message
 from rst_control.ros.controller.recording_link import RecordingLink
 from rst_control.ros.controller.robot_link import RobotLink
-from rst_control.ros.controller.trocar_service import TrocarService
+from rst_control.ros.controller.services.action_server import AssistServer
+from rst_control.ros.controller.services.command_service import CommandService
+from rst_control.ros.controller.services.first_motion import ConfirmedFirst
+from rst_control.ros.controller.services.grasp_point_service import GraspPointService
+from rst_control.ros.controller.services.homing_service import HomingService
+from rst_control.ros.controller.services.trocar_service import TrocarService
 from rst_control.ros.controller.worker import Worker
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting

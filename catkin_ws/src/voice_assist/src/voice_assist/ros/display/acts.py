@@ -13,10 +13,10 @@ from rst_control.srv import Command, SetGraspPoint
 from voice_assist.display.acts import Outcome
 from voice_assist.display.picking import NotOnTissueError
 from voice_assist.display.theatre import Theatre
-from voice_assist.ros.command_client import SERVICE
 from voice_assist.ros.display.endoscope import Endoscope
 from voice_assist.ros.microphone_service import SERVICE as MICROPHONE
 from voice_assist.ros.question_service import SERVICE as ANSWER
+from voice_assist.ros.robot.command_client import SERVICE
 from voice_assist.srv import AnswerQuestion, SetMicrophone
 
 GRASP_POINT = "rst_control/set_grasp_point"

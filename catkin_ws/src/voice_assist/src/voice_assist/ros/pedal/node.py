@@ -24,8 +24,8 @@ from voice_assist.config.pedal import PedalConfig, pedal_config
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pedal.evdev import DEVICES, EvdevReader, devices, find
 from voice_assist.pedal.pedals import STOP, PedalAction, Pedals, Send
-from voice_assist.ros.command_client import CommandClient
-from voice_assist.ros.robot_commands import require_pedal_commands
+from voice_assist.ros.robot.command_client import CommandClient
+from voice_assist.ros.robot.robot_commands import require_pedal_commands
 
 TALK = "voice_assist/talk"  # std_msgs/Bool, again and again while a pedal is the gate
 PERIOD = 0.05  # [s] between looks at gate, dead-man and silence

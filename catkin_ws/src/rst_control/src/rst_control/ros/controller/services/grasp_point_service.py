@@ -10,8 +10,8 @@ from rst_control.admission.callers import CallLimiter
 from rst_control.execution.executor import Executor
 from rst_control.registration.grasp_point import GraspPointRegistrar
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.ros.controller.admission import Admission, answer_of
 from rst_control.ros.controller.messages import base_point, caller_of, code_of
+from rst_control.ros.controller.services.admission import Admission, answer_of
 from rst_control.srv import SetGraspPoint, SetGraspPointRequest, SetGraspPointResponse
 
 

@@ -17,8 +17,8 @@ from rst_control.registration.pivot_calibration import PivotFit, PivotIllPosed
 from rst_control.registration.shaft_poses import ShaftPoses, fit_words
 from rst_control.registration.trocar import TrocarRegistrar
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.ros.controller.admission import Admission, answer_of
 from rst_control.ros.controller.messages import base_point, caller_of, code_of
+from rst_control.ros.controller.services.admission import Admission, answer_of
 from rst_control.srv import (
     FitTrocar,
     FitTrocarRequest,

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The robot as the voice node knows it: its commands, its state, its own speech."""
