@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Sets the project up, one part per call: check | system FILE | python FILE | workspace | install PREFIX. `make` and docker/Dockerfile call the same parts.
+# Sets the project up, one part per call: check | system FILE | python FILE | javascript | workspace | install PREFIX. `make` and docker/Dockerfile call
+# the same parts.
 # FILE lists packages: of Debian (docker/apt-*.txt) or of Python (requirements*.txt).
 # Every part can be interrupted and run again; a part with nothing to do says so by saying nothing.
 set -eu
@@ -125,6 +126,17 @@ python_packages() {
     .venv/bin/python -m pip install --progress-bar on --no-deps --require-hashes -r "$pins"
 }
 
+# Public readers of recordings in JavaScript, for the tests that compare with them: into .setup/node, by their lock.
+javascript_packages() {
+    if ! command -v npm >/dev/null; then
+        say "npm is missing, so the tests of recordings in JavaScript's reader are skipped. For them install nodejs and npm, then: docker/setup.sh javascript"
+        return
+    fi
+    mkdir -p .setup/node
+    cp docker/javascript/package.json docker/javascript/package-lock.json .setup/node
+    npm ci --prefix .setup/node --ignore-scripts --no-audit --no-fund
+}
+
 # Packages of ours that stand in for other people's messages: what is found elsewhere is neither built nor found here.
 STAND_INS="control_msgs kortex_driver openrst_control"
 
@@ -223,8 +235,9 @@ check) ;;
 trim) trim ;;
 system) system_packages "${2:-docker/apt-packages.txt}" ;;
 python) python_packages "${2:-requirements.txt}" ;;
+javascript) javascript_packages ;;
 workspace) workspace ;;
 install) install_space "${2:-}" ;;
 elsewhere) found_elsewhere ;;
-*) fail "usage: docker/setup.sh check | trim | system [FILE] | python [FILE] | workspace | install PREFIX | elsewhere" ;;
+*) fail "usage: docker/setup.sh check | trim | system [FILE] | python [FILE] | javascript | workspace | install PREFIX | elsewhere" ;;
 esac

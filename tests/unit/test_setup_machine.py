@@ -56,11 +56,11 @@ def machine(tmp_path):
     return make
 
 
-def run(copy, *words):
+def run(copy, *words, programs="/usr/bin:/bin"):
     """Exit status and what was printed, of a command in the copy on the made-up machine."""
     top = copy.parent
     environment = {
-        "PATH": f"{top}/tools:/usr/bin:/bin",
+        "PATH": f"{top}/tools:{programs}",
         "SYSTEM_ROOT": str(top / "root"),
         "LANG": "C.UTF-8",
     }
@@ -131,6 +131,27 @@ def test_an_install_space_gets_a_plain_path_too(machine, prefix):
     status, printed = run(machine(), "docker/setup.sh", "install", prefix)
     assert status == 1
     assert prefix in printed and len(printed.splitlines()) == 1
+
+
+def test_readers_in_javascript_are_installed_by_their_lock(machine):
+    copy = machine()
+    program(copy.parent / "tools/npm", f'echo "$@" >>{copy.parent}/{TOUCHED}')
+    assert run(copy, "docker/setup.sh", "javascript") == (0, "")
+    said = (copy.parent / TOUCHED).read_text(encoding="utf-8")
+    assert said.startswith("ci --prefix .setup/node ")
+    lock = "docker/javascript/package-lock.json"
+    assert (copy / ".setup/node/package-lock.json").read_bytes() == (ROOT / lock).read_bytes()
+
+
+def test_without_npm_the_tests_that_need_it_are_named_and_set_up_goes_on(machine, tmp_path):
+    copy, programs = machine(), tmp_path / "without npm"
+    programs.mkdir()
+    for name in ("sh", "dirname"):
+        (programs / name).symlink_to(shutil.which(name))
+    status, printed = run(copy, "docker/setup.sh", "javascript", programs=programs)
+    assert status == 0
+    assert "npm is missing" in printed and "skipped" in printed and "install nodejs" in printed
+    assert not (copy / ".setup").exists()
 
 
 def test_this_machine_is_taken():

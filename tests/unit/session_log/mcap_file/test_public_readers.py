@@ -21,15 +21,17 @@ from session_log.types import Message, MessageSource
 ROOT = Path(__file__).resolve().parents[4]
 MODULES = ROOT / ".setup" / "node" / "node_modules"
 SCRIPT = Path(__file__).parents[1] / "support" / "read_mcap.cjs"
-INSTALL = "npm install --prefix .setup/node @mcap/core@2 fzstd@0"
 SOURCE = MessageSource("/t", "std_msgs/String", "992c", "string data", "/p")
 BEGIN = 1_795_200_000 * 10**9  # [ns]
 PERIOD = 10**7  # [ns] between two messages
 COUNT, PER_COMMIT = 600, 5
 
+NEEDED = {"node": shutil.which("node"), "@mcap/core": (MODULES / "@mcap" / "core").is_dir()}
+MISSING = " and ".join(name for name, found in NEEDED.items() if not found)
+
 needs_javascript = pytest.mark.skipif(
-    shutil.which("node") is None or not (MODULES / "@mcap" / "core").is_dir(),
-    reason=f"needs node and the public reader of JavaScript: {INSTALL}",
+    bool(MISSING),
+    reason=f"{MISSING} missing: install nodejs and npm, then run docker/setup.sh javascript",
 )
 
 
