@@ -17,9 +17,9 @@ from support.figures import ROOT
 from voice_assist.config import CONFIG_DIR, VoiceConfig, load_voice_config
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
 from voice_assist.enrolment import adapt, examples, learn
-from voice_assist.enrolment.checks import TakeCheck
 from voice_assist.enrolment.examples import Example
 from voice_assist.enrolment.pipeline_probe import PipelineProbe
+from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.profile.active import PersonalRecognizer
 from voice_assist.profile.manifest import COMMAND
 from voice_assist.recognizer import load_recognizer

@@ -13,21 +13,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from bench.voice import (
-    armed,
-    ask,
-    calibration,
-    false_alarms,
-    foreign,
-    idle,
-    near_misses,
-    overlap,
-    overlap_network,
-    sizes,
-    stop,
-    trials,
-    unarmed,
-)
+from bench.voice import ask, calibration, idle, overlap, overlap_network, sizes, stop, trials
+from bench.voice.no_commands import armed, false_alarms, foreign, near_misses, unarmed
 from bench.voice.soak import suite as soak
 from support.figures import Figure
 

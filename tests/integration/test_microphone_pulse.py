@@ -13,8 +13,8 @@ import soundfile
 
 from demo.virtual_microphone import VirtualMicrophone
 from support.waiting import PATIENCE, wait_until
-from voice_assist.audio.microphone import Microphone
-from voice_assist.audio.portaudio import PortAudio
+from voice_assist.audio.capture.microphone import Microphone
+from voice_assist.audio.capture.portaudio import PortAudio
 from voice_assist.audio.source import level_db
 from voice_assist.config import load_voice_config
 from voice_assist.types import RATE

@@ -25,7 +25,7 @@ from tests.unit.voice_assist.support.fake_speech import (
     say,
     silence,
 )
-from voice_assist.audio.portaudio import choose
+from voice_assist.audio.capture.portaudio import choose
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.errors import DeviceError
 from voice_assist.intent.mapper import Mapper

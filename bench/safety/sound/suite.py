@@ -26,9 +26,9 @@ from bench.safety.sound.kinds import DEAF, KINDS, Block, Sound, frames
 from support.figures import Figure
 from support.theatre_sound import speak
 from voice_assist.assembly import limit_torch, make_pipeline
-from voice_assist.audio.input_check import SoundWatch
-from voice_assist.audio.microphone import Microphone
-from voice_assist.audio.portaudio import PortAudio
+from voice_assist.audio.capture.input_check import SoundWatch
+from voice_assist.audio.capture.microphone import Microphone
+from voice_assist.audio.capture.portaudio import PortAudio
 from voice_assist.audio.source import Framer
 from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import StreamClock

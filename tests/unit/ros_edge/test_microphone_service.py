@@ -7,7 +7,7 @@ import pytest
 
 from rst_control.host.respawn import RESTART
 from support.waiting import wait_until
-from voice_assist.audio.microphone import Microphone
+from voice_assist.audio.capture.microphone import Microphone
 from voice_assist.config import load_voice_config
 from voice_assist.ros import microphone_service, node_settings
 

@@ -12,7 +12,7 @@ from voice_assist.assembly import (
     make_pipeline,
     make_source,
 )
-from voice_assist.audio import pulse
+from voice_assist.audio.capture import pulse
 from voice_assist.audio.wav_file import WavFile
 from voice_assist.config import load_voice_config
 from voice_assist.errors import AudioError

@@ -4,9 +4,9 @@
 import pytest
 from scipy.stats import binom, poisson
 
-from bench.voice import armed, near_misses, unarmed
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.hearing.replay_stream import SceneDecision, SceneResult
+from bench.voice.no_commands import armed, near_misses, unarmed
 from bench.voice.outcomes import (
     by,
     engine,

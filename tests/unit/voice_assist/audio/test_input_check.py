@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from support.theatre_sound import speak
-from voice_assist.audio.input_check import SoundWatch
-from voice_assist.audio.microphone import Microphone
+from voice_assist.audio.capture.input_check import SoundWatch
+from voice_assist.audio.capture.microphone import Microphone
 from voice_assist.audio.source import FRAME, Framer
 from voice_assist.audio.wav_file import WavFile
 from voice_assist.config import load_voice_config

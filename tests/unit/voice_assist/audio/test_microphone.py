@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from support.waiting import wait_until
-from voice_assist.audio.microphone import Microphone
-from voice_assist.audio.portaudio import Device, choose
+from voice_assist.audio.capture.microphone import Microphone
+from voice_assist.audio.capture.portaudio import Device, choose
 from voice_assist.config import load_voice_config
 from voice_assist.errors import DeviceError
 from voice_assist.types import RATE

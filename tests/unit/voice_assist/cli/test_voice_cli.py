@@ -140,7 +140,7 @@ def test_without_a_terminal_each_piece_of_news_is_a_line_as_it_comes(capsys):
 
 
 def test_no_microphone_is_said_so(monkeypatch, capsys):
-    from voice_assist.audio import portaudio
+    from voice_assist.audio.capture import portaudio
 
     monkeypatch.setattr(portaudio.PortAudio, "devices", lambda self: [])
     with pytest.raises(SystemExit) as ended:
@@ -150,7 +150,7 @@ def test_no_microphone_is_said_so(monkeypatch, capsys):
 
 
 def test_microphones_are_listed_by_name(monkeypatch, capsys):
-    from voice_assist.audio import portaudio
+    from voice_assist.audio.capture import portaudio
 
     found = [portaudio.Device("USB", 48_000, False), portaudio.Device("pulse", 44_100, True)]
     monkeypatch.setattr(portaudio.PortAudio, "devices", lambda self: found)

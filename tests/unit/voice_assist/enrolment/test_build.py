@@ -14,9 +14,9 @@ import pytest
 from voice_assist.config import VoiceConfig, load_voice_config
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
 from voice_assist.enrolment.build import build
-from voice_assist.enrolment.checks import TakeCheck
 from voice_assist.enrolment.pipeline_probe import PipelineProbe
-from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
+from voice_assist.enrolment.takes.checks import TakeCheck
+from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile.active import PersonalRecognizer, personalise
 from voice_assist.profile.manifest import ACTIVE, COMMAND, REFUSED, TALK, Take
 from voice_assist.profile.profile import VoiceProfile, VoiceProfileError, create_profile

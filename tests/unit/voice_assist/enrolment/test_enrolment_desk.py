@@ -20,10 +20,10 @@ from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, 
 from voice_assist.cli.enroll_terminal import guide
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
-from voice_assist.enrolment.checks import TakeCheck
-from voice_assist.enrolment.from_session import COLUMNS, Uncorrected, read_takes, take_over
 from voice_assist.enrolment.remote_session import EnrolmentService
-from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
+from voice_assist.enrolment.takes.checks import TakeCheck
+from voice_assist.enrolment.takes.from_session import COLUMNS, Uncorrected, read_takes, take_over
+from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
 from voice_assist.errors import ManifestError
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import create_profile, open_profile

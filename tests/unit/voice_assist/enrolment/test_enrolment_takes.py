@@ -15,10 +15,10 @@ import soundfile
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, say, silence, tone
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
-from voice_assist.enrolment.checks import TakeCheck
-from voice_assist.enrolment.from_files import find_recordings, take_over
-from voice_assist.enrolment.recording import record
-from voice_assist.enrolment.script import GOOD, UNLIKE, EnrolmentScript
+from voice_assist.enrolment.takes.checks import TakeCheck
+from voice_assist.enrolment.takes.from_files import find_recordings, take_over
+from voice_assist.enrolment.takes.recording import record
+from voice_assist.enrolment.takes.script import GOOD, UNLIKE, EnrolmentScript
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK
 from voice_assist.profile.profile import VoiceProfile, create_profile, open_profile

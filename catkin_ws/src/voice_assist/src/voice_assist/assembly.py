@@ -10,8 +10,8 @@ from functools import cache
 from hashlib import sha256
 from typing import TYPE_CHECKING
 
-from voice_assist.audio.microphone import Microphone, Pause
-from voice_assist.audio.portaudio import PortAudio
+from voice_assist.audio.capture.microphone import Microphone, Pause
+from voice_assist.audio.capture.portaudio import PortAudio
 from voice_assist.audio.source import AudioSource, Clock, Report
 from voice_assist.audio.wav_file import WavFile
 from voice_assist.config import AudioConfig, SpotterConfig, VoiceConfig

@@ -13,8 +13,8 @@ from rich.console import Console
 from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandsConfig
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
-from voice_assist.enrolment.checks import Checked, TakeCheck
-from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
+from voice_assist.enrolment.takes.checks import Checked, TakeCheck
+from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import (
@@ -139,7 +139,7 @@ def _recorded(asked: EnrolRequest, reader: str, phrases: tuple[str, ...]) -> Tak
     Raises:
         VoiceError: They cannot be used.
     """
-    from voice_assist.enrolment import from_files, from_session
+    from voice_assist.enrolment.takes import from_files, from_session
 
     if asked.wavs is not None:
         found = from_files.find_recordings(asked.wavs, phrases)

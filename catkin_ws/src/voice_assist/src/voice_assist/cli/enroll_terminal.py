@@ -11,9 +11,9 @@ from rich.text import Text
 
 from voice_assist.audio.source import AudioSource
 from voice_assist.cli.level_meter import level_bar
-from voice_assist.enrolment.checks import Checked
-from voice_assist.enrolment.recording import record
-from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
+from voice_assist.enrolment.takes.checks import Checked
+from voice_assist.enrolment.takes.recording import record
+from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile.manifest import COMMAND, ROOM
 from voice_assist.types import Frame, Samples
 

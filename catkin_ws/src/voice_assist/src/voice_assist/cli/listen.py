@@ -15,7 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from voice_assist.assembly import make_pipeline, make_source
-from voice_assist.audio.input_check import SoundWatch
+from voice_assist.audio.capture.input_check import SoundWatch
 from voice_assist.audio.source import level_db
 from voice_assist.cli.level_meter import QUIETEST_DB, level_bar
 from voice_assist.config import VoiceConfig

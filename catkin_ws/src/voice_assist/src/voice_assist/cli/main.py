@@ -93,7 +93,7 @@ def _check_commands(options: argparse.Namespace) -> None:
 
 def _devices(options: argparse.Namespace) -> None:
     """Print the microphones by the names that settings take."""
-    from voice_assist.audio.portaudio import PortAudio
+    from voice_assist.audio.capture.portaudio import PortAudio
 
     found = PortAudio().devices()
     if not found:

@@ -15,9 +15,9 @@ from voice_assist.config.profile import NOBODY
 from voice_assist.config.speaker import OFF
 from voice_assist.enrolment import report
 from voice_assist.enrolment.adapt import Adapted
-from voice_assist.enrolment.checks import TakeCheck
 from voice_assist.enrolment.learn import EnrolmentMaterial, learn, material_of, others_for
 from voice_assist.enrolment.self_check import SelfCheck, SelfCheckResult, wrong_words
+from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.voiceprint import put_voiceprint
 from voice_assist.errors import VoiceError
 from voice_assist.profile import model_file, thresholds

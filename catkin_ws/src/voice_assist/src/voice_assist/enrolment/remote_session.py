@@ -12,9 +12,9 @@ from typed_config import ConfigError
 from voice_assist.config import VoiceConfig
 from voice_assist.config.enrolment import EnrolmentConfig
 from voice_assist.enrolment.build import build
-from voice_assist.enrolment.checks import TakeCheck
-from voice_assist.enrolment.recording import record
-from voice_assist.enrolment.script import EnrolmentScript, EnrolmentStep
+from voice_assist.enrolment.takes.checks import TakeCheck
+from voice_assist.enrolment.takes.recording import record
+from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
 from voice_assist.errors import VoiceError
 from voice_assist.profile.profile import VoiceProfile, create_profile, names, open_profile
 from voice_assist.recognizer.recognizer import Recognizer

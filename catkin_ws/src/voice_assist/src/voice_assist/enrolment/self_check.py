@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 
 from voice_assist.config import VoiceConfig
 from voice_assist.config.enrolment import EnrolmentConfig
-from voice_assist.enrolment.checks import Checked
 from voice_assist.enrolment.examples import Example, other_voices
 from voice_assist.enrolment.learn import EnrolmentMaterial, LabelledTake, learn
 from voice_assist.enrolment.pipeline_probe import PipelineProbe, PipelineResult
+from voice_assist.enrolment.takes.checks import Checked
 from voice_assist.enrolment.thresholds import (
     ConfidenceEvidence,
     ExpectedErrors,

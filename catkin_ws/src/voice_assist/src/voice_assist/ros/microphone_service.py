@@ -8,7 +8,7 @@ from functools import partial
 
 import rospy
 
-from voice_assist.audio.microphone import Microphone
+from voice_assist.audio.capture.microphone import Microphone
 from voice_assist.audio.source import AudioSource
 from voice_assist.ros.node_settings import OPENED
 from voice_assist.srv import SetMicrophone, SetMicrophoneRequest, SetMicrophoneResponse

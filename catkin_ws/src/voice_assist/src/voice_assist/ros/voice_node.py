@@ -22,7 +22,7 @@ from voice_assist.assembly import (
     make_source,
     make_spotters,
 )
-from voice_assist.audio.input_check import SoundWatch, at_full_scale
+from voice_assist.audio.capture.input_check import SoundWatch, at_full_scale
 from voice_assist.audio.source import AudioSource, level_db
 from voice_assist.config import VoiceConfig
 from voice_assist.errors import VoiceError

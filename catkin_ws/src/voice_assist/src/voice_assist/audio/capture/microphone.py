@@ -16,8 +16,8 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
-from voice_assist.audio.portaudio import Backend, Device, Stream, choose
-from voice_assist.audio.pulse import PREFIX, is_monitor, pulse_sources
+from voice_assist.audio.capture.portaudio import Backend, Device, Stream, choose
+from voice_assist.audio.capture.pulse import PREFIX, is_monitor, pulse_sources
 from voice_assist.audio.resample import Resampler
 from voice_assist.audio.source import Clock, Framer, Report
 from voice_assist.config import MicrophoneConfig

@@ -13,10 +13,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from bench.common import resumable
-from bench.voice.armed import of_commands
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.theatre_talk import SECONDS, TalkChunk, Who, deck
+from bench.voice.no_commands.armed import of_commands
 from bench.voice.outcomes import motions
 from bench.voice.trials import STOP
 from support.figures import Figure

@@ -23,8 +23,8 @@ import math
 
 import numpy as np
 
+from voice_assist.audio.capture.microphone import Microphone
 from voice_assist.audio.corruption import smoothness
-from voice_assist.audio.microphone import Microphone
 from voice_assist.audio.source import AudioSource, level_db
 from voice_assist.types import Frame, HearingFault, Samples
 

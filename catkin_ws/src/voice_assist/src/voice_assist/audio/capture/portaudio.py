@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from voice_assist.audio.pulse import PREFIX, PulseStream, is_monitor, pulse_sources
+from voice_assist.audio.capture.pulse import PREFIX, PulseStream, is_monitor, pulse_sources
 from voice_assist.audio.source import FRAME
 from voice_assist.errors import DeviceError
 from voice_assist.types import RATE

@@ -16,8 +16,8 @@ from typing import Any, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from voice_assist.enrolment.checks import Checked
-from voice_assist.enrolment.script import EnrolmentScript
+from voice_assist.enrolment.takes.checks import Checked
+from voice_assist.enrolment.takes.script import EnrolmentScript
 from voice_assist.errors import ManifestError, VoiceError
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.text.normalize import normalize

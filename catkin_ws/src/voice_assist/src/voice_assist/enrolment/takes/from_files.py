@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from voice_assist.audio.sound_file import read_sound
-from voice_assist.enrolment.checks import Checked
-from voice_assist.enrolment.script import EnrolmentScript
+from voice_assist.enrolment.takes.checks import Checked
+from voice_assist.enrolment.takes.script import EnrolmentScript
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK
 from voice_assist.text.normalize import normalize

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from voice_assist.config.enrolment import EnrolmentConfig
-from voice_assist.enrolment.checks import Checked
+from voice_assist.enrolment.takes.checks import Checked
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK, Take
 from voice_assist.profile.profile import VoiceProfile, now
 from voice_assist.types import RATE, Samples
