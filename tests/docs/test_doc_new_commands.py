@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""docs/new_commands.md and vocabularies.md, done as they stand: what they type, and what comes."""
+"""docs/how-to/add-a-command.md and other-words.md: what they type, and what is printed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ from voice_assist.types import Match, NoMatch
 
 ROOT = Path(__file__).resolve().parents[2]
 NEW, MORE = (
-    (ROOT / "docs" / f"{n}.md").read_text("utf-8") for n in ("new_commands", "vocabularies")
+    (ROOT / "docs" / "how-to" / f"{n}.md").read_text("utf-8")
+    for n in ("add-a-command", "other-words")
 )
 PAGE = NEW + MORE
 STEP = re.compile(

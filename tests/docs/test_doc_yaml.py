@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The examples of docs/other_robots.md, done as they stand there: a new tool, a new command."""
+"""The examples of docs/how-to/another-robot.md: a new tool, a new command."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from voice_assist.intent.mapper import Mapper
 from voice_assist.types import Match
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "other_robots.md").read_text(encoding="utf-8")
-COMMANDS_PAGE = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "how-to" / "another-robot.md").read_text(encoding="utf-8")
+COMMANDS_PAGE = (ROOT / "docs" / "reference" / "commands.md").read_text(encoding="utf-8")
 BLOCK = r"<!-- {marker} -->\n```\w*\n(.*?)```"
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The figures of docs/hardware.md are those that the benches wrote."""
+"""The figures of docs/how-to/kinova.md are those that the benches wrote."""
 
 import json
 import re
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "how-to" / "kinova.md").read_text(encoding="utf-8")
 FIGURES = {
     figure["name"]: figure["value"]
     for figure in json.loads(

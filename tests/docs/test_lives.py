@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "lives.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "explanation" / "lives.md").read_text(encoding="utf-8")
 ROW = re.compile(r"^\|[^|]*\| `(?P<file>[\w/]+\.py)` \| `(?P<name>[\w.]+)` \|", re.MULTILINE)
 ROWS = [(match["file"], match["name"]) for match in ROW.finditer(PAGE)]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The launch line of docs/other_robots.md gives the controller the other robot, whole."""
+"""The launch line of docs/how-to/another-robot.md gives the controller the other robot, whole."""
 
 import re
 import shlex
@@ -16,7 +16,7 @@ from rst_control.planning.planner import Planner
 from typed_config import load_config
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "other_robots.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "how-to" / "another-robot.md").read_text(encoding="utf-8")
 
 
 def parameters(line, monkeypatch):

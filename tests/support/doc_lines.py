@@ -13,10 +13,10 @@ import yaml
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = (
     "README.md",
-    "docs/interfaces.md",
-    "docs/commands.md",
-    "docs/hardware.md",
-    "docs/kinova_driver.md",
+    "docs/reference/interfaces.md",
+    "docs/reference/commands.md",
+    "docs/how-to/kinova.md",
+    "docs/reference/kinova-drivers.md",
 )
 MARKERS = ROOT / "tests" / "rostest" / "documents" / "doc_examples.yaml"
 PROGRAMS = ("rosservice", "rostopic", "rosrun", "roslaunch")

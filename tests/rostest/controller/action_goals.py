@@ -33,7 +33,7 @@ class ActionGoals(unittest.TestCase):
         self.client.send_goal(AssistGoal(**goal), feedback_cb=self.feedback.append)
 
     def result(self):
-        """What became of the goal; see docs/interfaces.md on why not by `wait_for_result`."""
+        """The result; docs/reference/interfaces.md says why not by `wait_for_result`."""
         self.robot.wait(lambda: self.client.gh.get_comm_state() == CommState.DONE, 40)
         return self.client.get_result()
 

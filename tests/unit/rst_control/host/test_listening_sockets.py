@@ -96,7 +96,7 @@ def test_a_master_that_others_can_reach_is_named_with_what_to_do():
     (words,) = warnings(LOOPBACK, [Listener("tcp", "0.0.0.0", 11311, 1)], set())
     assert "master" in words and "0.0.0.0:11311" in words and "ROS_IP=127.0.0.1" in words
     (words,) = warnings("http://192.0.2.1:11311", [], set())
-    assert "192.0.2.1" in words and "multi_machine.md" in words
+    assert "192.0.2.1" in words and "two-hosts.md" in words
 
 
 def test_a_socket_of_the_node_itself_is_named():

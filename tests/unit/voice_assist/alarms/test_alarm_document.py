@@ -27,7 +27,7 @@ FAULT = latch_alarm("tension 2.50 N, allowed 2.40 N", "over_tension", is_loaded=
 
 
 def test_the_documentation_holds_the_tables_of_the_code():
-    assert markdown() in (ROOT / "docs" / "alarms.md").read_text(encoding="utf-8")
+    assert markdown() in (ROOT / "docs" / "reference" / "alarms.md").read_text(encoding="utf-8")
 
 
 def test_the_command_prints_these_tables(capsys):
@@ -41,7 +41,7 @@ def test_the_catalogue_shows_every_sound_once():
 
 
 def test_the_documentation_claims_no_conformity():
-    words = (ROOT / "docs" / "alarms.md").read_text(encoding="utf-8")
+    words = (ROOT / "docs" / "reference" / "alarms.md").read_text(encoding="utf-8")
     assert "no conformity with it is claimed" in words
 
 

@@ -2,7 +2,8 @@
 """What the robot may do while nobody records it: what eases or leaves, but nothing that loads.
 
 A lost recording is no danger by itself, so it never stops the way back: tissue that is held can be
-released or pulled less, and the tool can leave the patient. `docs/recording.md` has the reasons.
+released or pulled less, and the tool can leave the patient.
+`docs/reference/recording.md` has the reasons.
 """
 
 from __future__ import annotations

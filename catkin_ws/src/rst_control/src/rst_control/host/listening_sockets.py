@@ -18,7 +18,7 @@ from urllib.parse import urlsplit
 
 PROC: Final = Path("/proc")
 TABLES: Final = ("tcp", "tcp6", "udp", "udp6")
-REMEDY: Final = "set ROS_IP=127.0.0.1 before roscore and roslaunch, or see docs/multi_machine.md"
+REMEDY: Final = "set ROS_IP=127.0.0.1 before roscore and roslaunch, or see docs/how-to/two-hosts.md"
 
 _LISTENS = {"tcp": "0A", "tcp6": "0A", "udp": "07", "udp6": "07"}  # udp: bound, without a peer
 _SOCKET = re.compile(r"socket:\[(\d+)\]")

@@ -2,7 +2,7 @@
 """What a robot has to do to be controlled; the verbs are those of CRTK.
 
 For a new robot write either this protocol, where it runs in the process of its caller, or a node
-with the same verbs as topics, which docs/interfaces.md lists under "Between controller and robot".
+with the same verbs as topics: docs/reference/interfaces.md, "Between controller and robot".
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""All alarms as tables, for the command line and for docs/alarms.md."""
+"""All alarms as tables, for the command line and for docs/reference/alarms.md."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def sounds_of(earcon: Earcon) -> str:
 
 
 def markdown() -> str:
-    """The tables of docs/alarms.md."""
+    """The tables of docs/reference/alarms.md."""
     rows = [
         (
             f"`{e.earcon.value}`",

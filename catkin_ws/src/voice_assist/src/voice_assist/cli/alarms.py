@@ -29,7 +29,7 @@ def show_alarms(
         folder: Of the settings.
         play: Name of a sound, or "all"; None: none is played.
         write: Folder for WAV files, made if it is not there; None: none are written.
-        is_markdown: Print the tables of docs/alarms.md instead.
+        is_markdown: Print the tables of docs/reference/alarms.md instead.
 
     Raises:
         AudioError: The sound cannot be played or written.

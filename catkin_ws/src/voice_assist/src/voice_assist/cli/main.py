@@ -202,7 +202,7 @@ def _add_alarms(verbs: Any) -> None:
     parser.add_argument("--play", nargs="?", const=ALL, choices=names(), help="one; default: all")
     parser.add_argument("--write-wav", type=Path, metavar="FOLDER", help="write the sounds there")
     parser.add_argument(
-        "--markdown", action="store_true", help="print the tables of docs/alarms.md"
+        "--markdown", action="store_true", help="print the tables of docs/reference/alarms.md"
     )
     parser.set_defaults(run=_alarms)
 

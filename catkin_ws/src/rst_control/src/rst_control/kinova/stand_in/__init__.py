@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The strict stand-in for the drivers of the real robot, without ROS: docs/kinova_driver.md."""
+"""The strict stand-in for the real drivers, without ROS: docs/reference/kinova-drivers.md."""
 
 from rst_control.kinova.stand_in.config import StandInConfig, load_stand_in_config
 from rst_control.kinova.stand_in.goals import Goal, GoalHandle, GoalState
