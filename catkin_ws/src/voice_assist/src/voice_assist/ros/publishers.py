@@ -13,7 +13,7 @@ from voice_assist.msg import Mode as ModeMessage
 from voice_assist.msg import Utterance as UtteranceMessage
 from voice_assist.ros import messages
 from voice_assist.side_inputs import SideInput, to_text
-from voice_assist.types import Frame, Mode, Partial, UtteranceDecision
+from voice_assist.types import Frame, Match, Mode, Partial, UtteranceDecision
 
 # [s] without heartbeats after a stop; more than the controller's watchdogs.voice_heartbeat_age.
 # The missing heartbeat stops the robot where the stop itself is lost or late.
@@ -49,8 +49,16 @@ class Publishers:
         self._partial.publish(String(data=partial.text))
 
     def utterance(self, decision: UtteranceDecision, now: float) -> None:
-        """What was decided, at ROS time `now` [s]."""
+        """What was decided, at ROS time `now` [s]; the log has it in words."""
         self._utterance.publish(messages.utterance(decision, now))
+        outcome, text = decision.outcome, decision.hypothesis.text
+        if isinstance(outcome, Match):
+            by = "" if decision.decided_by == "recognizer" else f", by the {decision.decided_by}"
+            rospy.loginfo("heard %r: %s (%.2f%s)", text, outcome.command, decision.confidence, by)
+        else:
+            named = outcome.nearest_command
+            nearest = f", nearest {named!r}" if named else ""
+            rospy.loginfo("heard %r: no command, %s%s", text, outcome.rejection.words, nearest)
 
     def mode(self, mode: Mode, reason: str, now: float) -> None:
         """The voice mode, latched."""

@@ -120,7 +120,7 @@ class VoiceNode:
         self._client = CommandClient(config.commands.answer_within, self._answers.put)
         self._questions = QuestionService()
         self._robot_speech, self._talk = RobotSpeechTopic(_now), TalkTopic(_now)
-        self._robot, self._was_moving = ControllerFollower(config.moving, _steady), False
+        self._robot = ControllerFollower(config.moving, _steady, observer)
         self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
 
     def run(self) -> None:
@@ -168,7 +168,7 @@ class VoiceNode:
                 self._health.microphone = service.note_name()
                 self._health.note_remark(source.remark)
                 self._health.note_trouble(watch(frame), watch.fault)
-                frame = self._with_motion(frame)
+                frame = self._robot.with_motion(frame)
                 if self._spotter is not None:
                     self._spotter.feed(frame)
                     self._health.spotter_dropped = self._spotter.dropped
@@ -186,15 +186,6 @@ class VoiceNode:
         self._health.note_trouble("a crash broke the recording off; nothing of it is said again")
         if self._config.audio.wav.after_end == "exit":
             self._frames.put(None)
-
-    def _with_motion(self, frame: Frame) -> Frame:
-        """The frame with whether the robot moves; each change is noted for a replay."""
-        is_moving = self._robot.is_moving()
-        if is_moving != self._was_moving:
-            self._was_moving = is_moving
-            change = SideInput(SideInputKind.MOVING, frame.first_sample, is_moving=is_moving)
-            self._publish.circumstance(change)
-        return replace(frame, is_moving=is_moving)
 
     def _source(self) -> AudioSource:
         if self._config.audio.source == "topic":
@@ -228,7 +219,8 @@ class VoiceNode:
             for action in event.actions:
                 self._do(action)
             self._publish.utterance(event, _now())
-            self._say(event)
+            if isinstance(event.outcome, Match):
+                self._health.commanded, self._health.last_command = _now(), event.outcome.command
         elif isinstance(event, Partial):
             self._publish.partial(event)
         elif isinstance(event, Lost):
@@ -289,17 +281,6 @@ class VoiceNode:
         for action in actions or ():
             self._do(action)
         given.stood.set_result(actions is not None)
-
-    def _say(self, decision: UtteranceDecision) -> None:
-        outcome, text = decision.outcome, decision.hypothesis.text
-        if isinstance(outcome, Match):
-            self._health.commanded, self._health.last_command = _now(), outcome.command
-            by = "" if decision.decided_by == "recognizer" else f", by the {decision.decided_by}"
-            rospy.loginfo("heard %r: %s (%.2f%s)", text, outcome.command, decision.confidence, by)
-        else:
-            named = outcome.nearest_command
-            nearest = f", nearest {named!r}" if named else ""
-            rospy.loginfo("heard %r: no command, %s%s", text, outcome.rejection.words, nearest)
 
     # --- thread 3: the second way to a stop
 

@@ -37,54 +37,58 @@ def main() -> None:
         except ConfigError as error:
             rospy.logfatal(f"the stop guard cannot start: {error}; launch/kinova.launch starts it")
             sys.exit(2)
-        guard = StopGuard(config)
+        node = GuardNode(config)
+        rospy.on_shutdown(node.close)
+    ask_for_priority()
+    node.run()
 
-        def on_beat(message: BridgeBeat) -> None:
-            now = time.monotonic()
-            guard.heard(now, course_of(message, now))
 
+class GuardNode:
+    """Hears the bridge's beats; brakes and stops the arm where they fail to come."""
+
+    def __init__(self, config: BridgeConfig) -> None:
+        self._guard = StopGuard(config)
         newest = {"queue_size": 1, "tcp_nodelay": True}
         arm = config.arm.namespace
-        stop = rospy.Publisher(f"{arm}/in/stop", Empty, **newest)
-        speeds = rospy.Publisher(f"{arm}/in/joint_velocity", Base_JointSpeeds, **newest)
-        alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
-        KnownPublishers().subscribe(
-            "kinova_bridge/beat",
-            BridgeBeat,
-            on_beat,
-            config.guard.bridge,
-            **newest,
-        )
+        self._stop = rospy.Publisher(f"{arm}/in/stop", Empty, **newest)
+        self._speeds = rospy.Publisher(f"{arm}/in/joint_velocity", Base_JointSpeeds, **newest)
+        self._alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
+        beat = ("kinova_bridge/beat", BridgeBeat, self._on_beat, config.guard.bridge)
+        KnownPublishers().subscribe(*beat, **newest)
 
-        def guard_once() -> None:
-            """Brake or stop the arm, where that is due."""
-            now = time.monotonic()
-            braking = guard.speeds_due(now)
-            if braking is not None:
-                speeds.publish(speeds_message(braking))
-            elif guard.is_stop_due(now):
-                stop.publish(Empty())
+    def run(self) -> None:
+        """Guard until ROS shuts down."""
+        rounds, was_silent = 0, False
+        while not rospy.is_shutdown():
+            self._guard_once()
+            is_silent = self._guard.is_silent(time.monotonic())
+            if is_silent and not was_silent:
+                rospy.logerr("the bridge is silent: the arm is braked along its course and stopped")
+            was_silent = is_silent
+            rounds += 1
+            if rounds % ALIVE_EVERY == 0:
+                self._alive.publish(Empty())
+            time.sleep(PERIOD)
 
-        def close() -> None:
-            """Guard a little longer: a bridge that died is what roslaunch ends all nodes for.
+    def close(self) -> None:
+        """Guard a little longer: a bridge that died is what roslaunch ends all nodes for.
 
-            A bridge that lives is heard meanwhile, and brakes the arm by itself.
-            """
-            end = time.monotonic() + CLOSING
-            while time.monotonic() < end:
-                guard_once()
-                time.sleep(PERIOD)
+        A bridge that lives is heard meanwhile, and brakes the arm by itself.
+        """
+        end = time.monotonic() + CLOSING
+        while time.monotonic() < end:
+            self._guard_once()
+            time.sleep(PERIOD)
 
-        rospy.on_shutdown(close)
-    ask_for_priority()
-    rounds, was_silent = 0, False
-    while not rospy.is_shutdown():
-        guard_once()
-        is_silent = guard.is_silent(time.monotonic())
-        if is_silent and not was_silent:
-            rospy.logerr("the bridge is silent: the arm is braked along its course and stopped")
-        was_silent = is_silent
-        rounds += 1
-        if rounds % ALIVE_EVERY == 0:
-            alive.publish(Empty())
-        time.sleep(PERIOD)
+    def _on_beat(self, message: BridgeBeat) -> None:
+        now = time.monotonic()
+        self._guard.heard(now, course_of(message, now))
+
+    def _guard_once(self) -> None:
+        """Brake or stop the arm, where that is due."""
+        now = time.monotonic()
+        braking = self._guard.speeds_due(now)
+        if braking is not None:
+            self._speeds.publish(speeds_message(braking))
+        elif self._guard.is_stop_due(now):
+            self._stop.publish(Empty())

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import rospy
 
@@ -11,7 +12,8 @@ from rst_control.msg import ControllerState
 from voice_assist.config.moving import MovingConfig
 from voice_assist.pipeline.robot_mode import RobotMode
 from voice_assist.pipeline.robot_motion import RobotMotion
-from voice_assist.types import Mode
+from voice_assist.side_inputs import Observer, SideInput, SideInputKind
+from voice_assist.types import Frame, Mode
 
 TOPIC = "rst_control/state"
 
@@ -22,10 +24,14 @@ class ControllerFollower:
     Args:
         config: Settings of both rules.
         clock: A steady clock [s].
+        observer: Gets each change of whether the robot moves, for a replay.
     """
 
-    def __init__(self, config: MovingConfig, clock: Callable[[], float]) -> None:
+    def __init__(
+        self, config: MovingConfig, clock: Callable[[], float], observer: Observer
+    ) -> None:
         self._motion, self._mode, self._clock = RobotMotion(config), RobotMode(config), clock
+        self._observer, self._was_moving = observer, False
         rospy.Subscriber(TOPIC, ControllerState, self._take, queue_size=1)
 
     def _take(self, message: ControllerState) -> None:
@@ -33,9 +39,14 @@ class ControllerFollower:
         self._motion.report(message.state, message.assistance_enabled, now)
         self._mode.report(message.assistance_enabled, now)
 
-    def is_moving(self) -> bool:
-        """Whether the robot moves now, or may."""
-        return self._motion.is_moving(self._clock())
+    def with_motion(self, frame: Frame) -> Frame:
+        """The frame with whether the robot moves now, or may."""
+        is_moving = self._motion.is_moving(self._clock())
+        if is_moving != self._was_moving:
+            self._was_moving = is_moving
+            change = SideInput(SideInputKind.MOVING, frame.first_sample, is_moving=is_moving)
+            self._observer(change)
+        return replace(frame, is_moving=is_moving)
 
     def mode(self) -> Mode | None:
         """Its mode; None: it is unknown, or the voice may be about to change it."""
