@@ -13,19 +13,10 @@ import yaml
 from typed_config.errors import ConfigError, join
 
 LARGEST = 1_000_000  # [B] of a settings file
+DEEPEST = 50  # levels of a settings file
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _MERGE = "tag:yaml.org,2002:merge"
 _ODD_NUMBER = re.compile(r".*:.*|[-+]?0[0-9_]+")  # 1:30 is 90 to YAML, and 010 is 8
-
-
-class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # untyped library
-    """Plain values only, and no aliases: a few lines of them can stand for gigabytes."""
-
-    def compose_node(self, parent: Any, index: Any) -> Any:
-        if self.check_event(yaml.AliasEvent):
-            mark = self.peek_event().start_mark
-            raise yaml.composer.ComposerError(None, None, "an alias (*name) may not be used", mark)
-        return super().compose_node(parent, index)
 
 
 def load_yaml(path: str | Path) -> Mapping[str, Any]:
@@ -45,8 +36,6 @@ def load_yaml(path: str | Path) -> Mapping[str, Any]:
         raise ConfigError(name, error.strerror, "a readable file") from error
     except ConfigError:
         raise
-    except RecursionError as error:
-        raise ConfigError(name, "nested too deeply", "a few levels of keys") from error
     except (yaml.YAMLError, ValueError) as error:  # ValueError: no UTF-8, or a day like 2026-13-45
         raise ConfigError(name, _problem(error), "valid YAML in UTF-8") from error
     if not isinstance(data, dict):
@@ -72,7 +61,8 @@ def _problem(error: Exception) -> str:
 
 
 def _parse(text: str, name: str) -> object:
-    loader = _Loader(text)
+    _check_events(text, name)
+    loader = yaml.CSafeLoader(text)
     try:
         node = loader.get_single_node()
         if node is None:
@@ -81,6 +71,19 @@ def _parse(text: str, name: str) -> object:
         return loader.construct_document(node)
     finally:
         loader.dispose()
+
+
+def _check_events(text: str, name: str) -> None:
+    """Refuse what would fill the memory: few lines of aliases may stand for gigabytes."""
+    depth = 0
+    for event in yaml.parse(text, Loader=yaml.CSafeLoader):
+        if isinstance(event, yaml.AliasEvent):
+            problem = "an alias (*name) may not be used"
+            raise yaml.composer.ComposerError(None, None, problem, event.start_mark)
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            raise ConfigError(name, "nested too deeply", f"at most {DEEPEST} levels of keys")
 
 
 def _check(node: yaml.Node, where: str) -> None:
