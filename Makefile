@@ -12,7 +12,7 @@ RUN := unset PYTHONPATH PYTHONHOME ROS_HOSTNAME ROS_NAMESPACE; . catkin_ws/devel
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
 
-.PHONY: FORCE help setup install demo preflight check fast test bench fuzz evaluate train paper lint report clean
+.PHONY: FORCE help setup install demo preflight check fast test bench figures fuzz evaluate train paper lint report clean
 
 help: ## list the verbs
 	@echo "Voice interface for surgical robot assistants. Say one of:"
@@ -65,8 +65,11 @@ test: .setup/dev ## all tests; [ARGS="tests/unit/x.py -k y"] those alone
 	@docker/setup.sh python requirements-bench.txt
 	@touch $@
 
-bench: .setup/bench ## measure speed and accuracy of motion, voice and recording; writes bench/results/
+bench: .setup/bench ## [ONLY="motion voice.near"] measure, all takes days; writes bench/results/ and the figures of the documents
 	@$(RUN) python -m bench $(ONLY)
+
+figures: .setup/dev ## docs/measured.md and the README's figures anew from bench/results/
+	@$(RUN) python -m bench.page
 
 fuzz: .setup/bench ## [SECONDS=60 TARGET=queue] coverage-guided fuzzing of all that is read from others; keeps what breaks it as a test
 	@$(RUN) python -m tests.fuzz --seconds '$(or $(SECONDS),60)' $(TARGET)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Figures beside their targets: shown in the terminal and written to bench/results/<name>.json."""
+"""Figures beside their targets: shown in the terminal and written to bench/results/<name>.json.
+
+`docs/measured.md` is made from these files by `make figures`.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import os
 import platform
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -17,20 +20,27 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from session_log.report import bounds
+from support.product_code import identity
+from voice_assist.evaluation.exact_bounds import rate_at_most
+
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results"
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One measured number."""
+    """One measured number, with all that the page of figures says of it."""
 
     name: str
     value: float
     unit: str
     target: float | None = None  # None: reported without one
     at_most: bool = True  # whether the target is an upper limit
-    note: str = ""
+    note: str = ""  # conditions, such as how many trials
+    lower: float | None = None  # bound with 95 %, in the same unit
+    upper: float | None = None  # likewise
+    voices: str = ""  # "human" or "synthetic"; empty: as its part says
 
     @property
     def is_met(self) -> bool | None:
@@ -38,6 +48,47 @@ class Figure:
         if self.target is None:
             return None
         return self.value <= self.target if self.at_most else self.value >= self.target
+
+
+def share(
+    name: str,
+    count: int,
+    trials: int,
+    target: float | None = None,
+    at_most: bool = False,
+    note: str = "",
+    voices: str = "",
+) -> Figure:
+    """Share of trials [%] with its exact bound (Clopper and Pearson 1934).
+
+    Args:
+        name: Of the figure.
+        count: Of the trials.
+        trials: At least one.
+        target: In per cent.
+        at_most: Whether few are good; then the bound is the upper one.
+        note: Conditions, beside the counts.
+        voices: "human" or "synthetic".
+    """
+    counts = f"{count} of {trials}{note and '; '}{note}"
+    bound = 100.0 * (bounds.at_most if at_most else bounds.at_least)(count, trials)
+    low, high = (None, bound) if at_most else (bound, None)
+    value = 100.0 * count / trials
+    return Figure(name, value, "%", target, at_most, counts, low, high, voices)
+
+
+def rate(
+    name: str,
+    count: int,
+    hours: float,
+    target: float | None = None,
+    note: str = "",
+    voices: str = "",
+) -> Figure:
+    """Events per hour with the exact upper bound of a Poisson process (Garwood 1936)."""
+    counts = f"{count} in {hours:.2f} h{note and '; '}{note}"
+    high = rate_at_most(count, hours)
+    return Figure(name, count / hours, "per h", target, True, counts, None, high, voices)
 
 
 def percentiles(
@@ -76,14 +127,23 @@ def machine() -> dict[str, str | int]:
     }
 
 
-def run(name: str, measure: Callable[[], list[Figure]], console: Console) -> list[Figure]:
-    """Measure, show and write one set of figures."""
-    where = machine()
+def run(
+    name: str, measure: Callable[[], list[Figure]], console: Console, rooms: Sequence[str] = ()
+) -> list[Figure]:
+    """Measure, show and write one set of figures.
+
+    Args:
+        name: Of the file of results, such as "voice/near".
+        measure: Gives them.
+        console: To show them on.
+        rooms: Of the product, which they are figures of; see support/product_code.py.
+    """
+    where, code = machine(), identity(rooms)
     console.rule(f"{name}: {where['cpu']}, {where['cores']} cores, load {where['load_at_start']}")
     figures = measure()
     show(figures, console)
     path = RESULTS / f"{name}.json"
-    write(path, figures, where)
+    write(path, figures, where, code=code)
     console.print(f"written: {path.relative_to(ROOT)}")
     return figures
 
@@ -97,8 +157,26 @@ def show(figures: Sequence[Figure], console: Console) -> None:
         sign = "<=" if f.at_most else ">="
         target = "" if f.target is None else f"{sign} {f.target:g} {f.unit}"
         mark = {None: "", True: "[green]met[/green]", False: "[red]missed[/red]"}[f.is_met]
-        table.add_row(f"{f.name} {f.note}".strip(), f"{f.value:.4g} {f.unit}", target, mark)
+        value = f"{f.value:.4g} {f.unit} {interval(f)}".strip()
+        table.add_row(f"{f.name} {f.note}".strip(), value, target, mark)
     console.print(table)
+
+
+def interval(figure: Figure) -> str:
+    """Bounds with 95 % in words; empty where there are none."""
+    low, high = figure.lower, figure.upper
+    if low is not None and high is not None:
+        return f"{low:.4g} to {high:.4g}"
+    if low is not None:
+        return f"at least {low:.4g}"
+    return "" if high is None else f"at most {high:.4g}"
+
+
+def read(path: Path) -> list[Figure]:
+    """Figures of a file of results; of older files too, which lack some fields."""
+    data = json.loads(path.read_text(encoding="utf-8"))
+    known = {field.name for field in fields(Figure)}
+    return [Figure(**{k: v for k, v in one.items() if k in known}) for one in data["figures"]]
 
 
 def write(path: Path, figures: Sequence[Figure], where: Mapping[str, Any], **more: Any) -> None:

@@ -27,6 +27,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
+from bench.common.part import MEASURED
 from support import figures
 from support.figures import ROOT, Figure
 
@@ -36,7 +37,6 @@ SHARE = float(os.environ.get("SHARE", "1"))
 CACHE = ROOT / ".cache" / "bench"
 PLACE = ROOT / os.environ.get("RESULTS", "bench/results")
 ASIDE = CACHE / "partial"  # for results that rest on less than those on file
-MEASURED = "measured"  # figure that says on how much a result rests
 
 _T = TypeVar("_T")
 

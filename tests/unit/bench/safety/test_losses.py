@@ -10,6 +10,7 @@ import pytest
 import support.figures
 from bench.__main__ import main
 from bench.common import resumable
+from bench.common.part import Part
 from bench.safety.losses.judge import (
     GAP,
     STILL,
@@ -25,7 +26,6 @@ from bench.safety.losses.judge import (
     objections,
     speed,
 )
-from bench.safety.suite import PARTS
 from support.figures import RESULTS
 
 PERIOD = 0.002
@@ -270,7 +270,7 @@ def test_a_short_run_is_written_aside_from_the_thousand_losses_on_file(tmp_path,
     monkeypatch.setattr(support.figures, "RESULTS", RESULTS)
     monkeypatch.setattr(support.figures, "ROOT", tmp_path)
     monkeypatch.delenv("FORCE", raising=False)
-    monkeypatch.setitem(PARTS, "losses", lambda: figures([loss()], {"controller": HOLDS}, 1))
+    monkeypatch.setattr(Part, "measure", lambda _: figures([loss()], {"controller": HOLDS}, 1))
     assert main(["safety.losses"]) == 0
     assert copy.read_bytes() == on_file.read_bytes()
     (new,) = (aside / "safety").iterdir()

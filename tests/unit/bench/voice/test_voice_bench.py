@@ -2,7 +2,6 @@
 import numpy as np
 import pytest
 
-from bench import __main__ as main_module
 from bench.voice.calibration import Reliability, draw, reliability
 from bench.voice.material import theatre_noise
 from bench.voice.material.confusable_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
@@ -91,31 +90,3 @@ def test_silence_is_quieter_than_any_other_noise():
     made = set(theatre_noise.KINDS) - {"replies", "speaking", "recorded", "quoting"}
     loud = {k: np.std(theatre_noise.make(k, 3.0, 1)) for k in made}
     assert min(loud, key=loud.get) == "silence"
-
-
-# --- sets and parts
-
-
-def test_an_unknown_part_is_refused_and_nothing_is_measured(capsys, monkeypatch):
-    monkeypatch.setattr(main_module, "run", lambda *_: pytest.fail("measured"))
-    for name, allowed in [
-        ("voice.nonsense", "voice.armed"),
-        ("nonsense.near", "safety"),
-        ("motion.near", "motion"),
-    ]:
-        assert main_module.main(["motion", name]) == 2
-        told, _, listed = capsys.readouterr().out.partition("; allowed: ")
-        assert name in told
-        assert allowed in listed.rstrip().split(", ")
-
-
-def test_a_part_alone_is_measured_and_written_beside_its_family(monkeypatch):
-    ran = []
-    monkeypatch.setattr(
-        main_module, "run", lambda name, measure, _: ran.append((name, measure)) or []
-    )
-    monkeypatch.setattr(main_module, "kept", lambda _, measure: measure)
-    assert main_module.main(["voice.near"]) == 0
-    from bench.voice import suite
-
-    assert ran == [("voice/near", suite.PARTS["near"])]

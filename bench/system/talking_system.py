@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The whole system at work: does the 500 Hz loop keep its times while the recogniser is busy?
-
-Sixty seconds by default; `BENCH_SECONDS=600 make bench ONLY=system` for the ten minutes of the
-target.
-"""
+"""The whole simulated system on talk without end, and what it reports of itself."""
 
 from __future__ import annotations
 
-import os
 import tempfile
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,18 +16,14 @@ import rospy
 import soundfile
 from diagnostic_msgs.msg import DiagnosticArray
 
-from bench.common.resumable import measured
 from rst_control.msg import ControllerState
 from rst_control.srv import Command
-from support.figures import ROOT, Figure
+from support.figures import ROOT
 from support.launched_system import System
 from support.theatre_sound import LEVEL, RATE, speak, theatre_noise
 from support.waiting import wait_until
 from voice_assist.msg import Mode, Utterance
 
-FULL = 600.0  # [s]
-SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
-READY_TIME = 90.0  # [s] allowed for the nodes to start
 SETTLE = 5.0  # [s] after the start that is not measured
 LEAD = 40.0  # [s] more of sound than measured, for the nodes to start in
 TALK = (
@@ -98,74 +91,58 @@ class Observer:
         self.utterances += 1
 
 
-def measure(seconds: float = SECONDS) -> list[Figure]:
-    """Run the system on continuous talk while the robot works on commands by service.
+@contextmanager
+def talking_system(
+    seconds: float, **arguments: str | bool | Path
+) -> Iterator[tuple[System, Observer]]:
+    """The simulated system where people talk without a pause, ready and settled.
 
     Args:
-        seconds: How long to measure [s].
+        seconds: Of talk after it is ready [s].
+        arguments: Further launch arguments.
 
     Raises:
-        RuntimeError: The system did not start, or a part of it ended.
+        RuntimeError: It did not start.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         with System(folder / "launch.log", {}) as system:
             rospy.init_node("bench", anonymous=True, disable_signals=True)
             observer = Observer()
-            start_talking_system(system, observer, folder, seconds + LEAD)
+            system.launch(
+                ROOT / "launch" / "system.launch",
+                **{"sessions": folder, "session": "bench", "source": "wav"},
+                wav=_talk(folder / "talk.wav", seconds + LEAD),
+                **arguments,
+            )
+            parts = {"controller": observer.controller_ready, "voice node": observer.voice_ready}
+            system.wait_for(parts, lambda _: None)
             time.sleep(SETTLE)
-            return _observe(system, observer, seconds)
+            yield system, observer
 
 
-def start_talking_system(
-    system: System, observer: Observer, folder: Path, seconds: float, **arguments: str | bool
-) -> None:
-    """Launch the simulated system where people talk without a pause; returns when it is ready.
+def work(system: System, observer: Observer, seconds: float, pause: float = 0.5) -> int:
+    """Keep the robot at work by commands; returns how many were given.
 
     Args:
-        system: Its master.
-        observer: Of what it says.
-        folder: For the sound and the session.
-        seconds: Of talk [s].
-        arguments: Further launch arguments.
+        system: That must keep running.
+        observer: Of it.
+        seconds: How long [s].
+        pause: Between looks at whether it rests [s].
 
     Raises:
-        RuntimeError: It did not start.
+        RuntimeError: A part of the system ended.
     """
-    system.launch(
-        ROOT / "launch" / "system.launch",
-        sessions=folder,
-        session="bench",
-        source="wav",
-        wav=_talk(folder / "talk.wav", seconds),
-        **arguments,
-    )
-    _wait_until_ready(system, observer)
-
-
-def _observe(system: System, observer: Observer, seconds: float) -> list[Figure]:
-    command = rospy.ServiceProxy("rst_control/command", Command)
-    first, heard, busy = observer.totals(), observer.utterances, _processor_time()
-    begin, said = time.monotonic(), 0
-    while time.monotonic() < begin + seconds:
+    command, given = rospy.ServiceProxy("rst_control/command", Command), 0
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
         if not system.is_running():
             raise RuntimeError("a part of the system ended")
         if observer.state is not None and observer.state.state not in ("moving", "stopping"):
-            command(COMMANDS[said % len(COMMANDS)])
-            said += 1
-        time.sleep(1.0)
-    last, heard = observer.totals(), observer.utterances - heard
-    busy = np.array(_processor_time()) - busy
-    late = last.late_percent_since(first)
-    load = 100.0 * busy[0] / busy.sum()
-    note = f"({last.ticks - first.ticks} ticks in {seconds:.0f} s, {heard} utterances heard)"
-    return [
-        measured(seconds, "s", FULL),
-        Figure("500 Hz loop: late ticks", late, "%", 0.1, note=note),
-        Figure("500 Hz loop: lateness p99", last.lateness, "us", note="(last 10 s)"),
-        Figure("500 Hz loop: time of a tick p99", last.p99, "us", note="(last 10 s)"),
-        Figure("all cores busy", load, "%", note=f"({said} commands by service meanwhile)"),
-    ]
+            command(COMMANDS[given % len(COMMANDS)])
+            given += 1
+        time.sleep(pause)
+    return given
 
 
 def _talk(path: Path, seconds: float) -> Path:
@@ -179,18 +156,3 @@ def _talk(path: Path, seconds: float) -> Path:
         at, n = at + len(piece) + RATE // 2, n + 1
     soundfile.write(path, np.clip(sound, -1.0, 1.0), RATE, subtype="PCM_16")
     return path
-
-
-def _wait_until_ready(system: System, observer: Observer) -> None:
-    deadline = time.monotonic() + READY_TIME
-    for ready in (observer.controller_ready, observer.voice_ready):
-        while not ready.wait(0.2):
-            if not system.is_running() or time.monotonic() > deadline:
-                raise RuntimeError("the system did not start")
-
-
-def _processor_time() -> tuple[float, float]:
-    """Busy and idle time of all cores since the machine started, in ticks of the kernel."""
-    numbers = [float(word) for word in Path("/proc/stat").read_text().splitlines()[0].split()[1:9]]
-    idle = numbers[3] + numbers[4]
-    return sum(numbers) - idle, idle

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,8 +20,7 @@ import rospy
 from aiohttp import ClientSession, ClientTimeout
 
 from bench.common.resumable import measured
-from bench.system import COMMANDS, LEAD, SETTLE, Loop, Observer, start_talking_system
-from rst_control.srv import Command
+from bench.system.talking_system import Loop, Observer, talking_system, work
 from support.figures import Figure
 from support.launched_system import System
 from support.waiting import wait_until
@@ -53,18 +51,10 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
     Raises:
         RuntimeError: The system did not start, or a part of it ended.
     """
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        with System(folder / "launch.log", {}) as system:
-            rospy.init_node("bench", anonymous=True, disable_signals=True)
-            observer = Observer()
-            start_talking_system(
-                system, observer, folder, seconds + LEAD, display=True, display_port="0"
-            )
-            page = str(wait_until(lambda: rospy.get_param("/display/page", ""), "the page"))
-            time.sleep(SETTLE)
-            length = seconds / len(STAGES)
-            stages = [asyncio.run(_watch(page, n, length, observer)) for n in STAGES]
+    with talking_system(seconds, display=True, display_port="0") as (system, observer):
+        page = str(wait_until(lambda: rospy.get_param("/display/page", ""), "the page"))
+        length = seconds / len(STAGES)
+        stages = [asyncio.run(_watch(page, n, length, system, observer)) for n in STAGES]
     return [measured(seconds, "s", FULL), *_figures(stages)]
 
 
@@ -84,9 +74,11 @@ def _figures(stages: Sequence[Stage]) -> list[Figure]:
     return figures
 
 
-async def _watch(page: str, viewers: int, seconds: float, observer: Observer) -> Stage:
+async def _watch(
+    page: str, viewers: int, seconds: float, system: System, observer: Observer
+) -> Stage:
     looking = [asyncio.create_task(_view(page)) for _ in range(viewers)]
-    working = asyncio.create_task(asyncio.to_thread(_command, seconds, observer))
+    working = asyncio.create_task(asyncio.to_thread(work, system, observer, 1.0 + seconds))
     await asyncio.sleep(1.0)  # all are connected
     node = _pid("/display")
     first, worked, began = observer.totals(), _processor_time(node), time.monotonic()
@@ -114,17 +106,6 @@ async def _view(page: str) -> None:
                 shown = picture["number"]
                 async with session.get(f"{page}/picture") as answer:
                     await answer.read()
-
-
-def _command(seconds: float, observer: Observer) -> None:
-    """Keep the robot at work."""
-    command, said = rospy.ServiceProxy("rst_control/command", Command), 0
-    end = time.monotonic() + 1.0 + seconds
-    while time.monotonic() < end:
-        if observer.state is not None and observer.state.state not in ("moving", "stopping"):
-            command(COMMANDS[said % len(COMMANDS)])
-            said += 1
-        time.sleep(0.5)
 
 
 def _pid(node: str) -> int:

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`make figures`: docs/measured.md and the README's figures, made from bench/results."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bench.catalogue import AREAS, parts
+from bench.common.part import HUMAN, MEASURED, SYNTHETIC, Area, Part
+from bench.readme_rows import ROWS, ReadmeRow
+from support import figures
+from support.figures import RESULTS, ROOT, Figure, interval
+from support.product_code import identity
+
+PAGE, FRONT = ROOT / "docs" / "measured.md", ROOT / "README.md"
+BEGIN, END = "<!-- figures: by `make figures` -->", "<!-- end of figures -->"
+NOTHING = "-"
+SHARES = ("of all", "of commands", "of clips", "of sounds", "of words", "right")  # as older results
+LARGE, SMALL = 1e4, 1e-3  # from and below which a value is not written with four digits
+HEAD = """# Measured
+
+Made by `make figures` from `bench/results`. Do not edit it. Each table names the command that
+measures it. Bounds hold with 95 %. "None" in the column of targets: reported without one. Where the
+code that decides a figure was changed after it was measured, the table says so. Older results lack
+some fields: "-".
+"""
+AGES = {
+    None: "**Which code was measured is not recorded.**",
+    False: "**The code was changed since.**",
+    True: "The code is as measured.",
+}
+
+
+@dataclass(frozen=True)
+class Result:
+    """What is on file of a part."""
+
+    part: Part
+    machine: dict[str, Any]
+    code: str | None  # None: older than the record of it
+    figures: tuple[Figure, ...]
+
+    @property
+    def is_current(self) -> bool | None:
+        """Whether the code is as it was measured; None where that is not known."""
+        if self.part.last_in:
+            return False
+        return None if self.code is None else self.code == identity(self.part.rooms)
+
+    def shown(self) -> list[Figure]:
+        """Figures for the page."""
+        return [figure for figure in self.figures if self.part.is_shown(figure)]
+
+    def voices(self, figure: Figure) -> str:
+        """Whose voices a figure is of; older results say it in its name."""
+        said = next((word for word in (HUMAN, SYNTHETIC) if word in figure.name), "")
+        return figure.voices or said or self.part.voices
+
+
+def load(part: Part, folder: Path = RESULTS) -> Result | None:
+    """What is on file of a part; None where it was never measured."""
+    path = folder / f"{part.file}.json"
+    if not path.is_file():
+        return None
+    data = json.loads(path.read_text(encoding="utf-8"))
+    return Result(part, data["machine"], data.get("code"), tuple(figures.read(path)))
+
+
+def text(folder: Path = RESULTS) -> str:
+    """The page."""
+    found = [result for part in parts() if (result := load(part, folder))]
+    lines = [HEAD, *_missed(found)]
+    for area in AREAS:
+        lines += [f"\n## {area.title}\n", *([f"{area.about}\n"] if area.about else ())]
+        lines += _of_area(area, folder)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _missed(found: Sequence[Result]) -> Iterator[str]:
+    now = [(result, f) for result in found if not result.part.last_in for f in result.shown()]
+    verdicts = [figure.is_met for _, figure in now]
+    met, missed, none = (verdicts.count(verdict) for verdict in (True, False, None))
+    yield f"{met} targets are met and {missed} missed. {none} figures have none.\n"
+    yield "## Missed\n"
+    rows = [
+        [_name(f), *_value(f), _target(f), result.voices(f), f"`{result.part.name}`"]
+        for result, f in now
+        if f.is_met is False
+    ]
+    yield from _table(["figure", "measured", "95 %", "unit", "target", "voices", "part"], rows)
+
+
+def _of_area(area: Area, folder: Path) -> Iterator[str]:
+    for part in area.parts:
+        result = load(part, folder)
+        if result is None and part.last_in:
+            continue
+        yield f"### {part.title}\n"
+        command = part.command or f"make bench ONLY={part.name}"
+        if result is None:
+            yield f"`{command}`. Not measured yet.\n"
+            continue
+        yield f"{' '.join(_circumstances(result, command))}\n"
+        rows = [
+            [_name(f), *_value(f), _target(f), _verdict(f), result.voices(f), _conditions(f)]
+            for f in result.shown()
+        ]
+        head = ["figure", "measured", "95 %", "unit", "target", "result", "voices", "conditions"]
+        yield from _table(head, rows)
+
+
+def _circumstances(result: Result, command: str) -> Iterator[str]:
+    part, where = result.part, result.machine
+    yield f"The bench was last in commit {part.last_in}." if part.last_in else f"`{command}`."
+    if rests := next((f for f in result.figures if f.name == MEASURED), None):
+        whole = f" of {_number(rests.target)}" if rests.is_met is False and rests.target else ""
+        yield f"Rests on {_number(rests.value)}{whole} {rests.unit}."
+    yield f"{where.get('date', NOTHING)}, commit {where.get('commit', NOTHING)},"
+    yield f"{where.get('cpu', NOTHING)}, {where.get('cores', NOTHING)} cores,"
+    yield f"load {where.get('load_at_start', NOTHING)} at the start."
+    hidden = len([f for f in result.figures if f.name != MEASURED]) - len(result.shown())
+    if hidden:
+        yield f"{hidden} more figures: [{part.file}.json](../bench/results/{part.file}.json)."
+    if not part.last_in:
+        yield AGES[result.is_current]
+
+
+def readme(folder: Path = RESULTS) -> str:
+    """The README's figures, between their marks.
+
+    Raises:
+        ValueError: A figure is not on file, or is there more than once.
+    """
+    rows = [_front_row(row, folder) for row in ROWS]
+    head = ["figure", "measured", "95 %", "unit", "target", "result", "voices", "measured by"]
+    return "\n".join([BEGIN, "", *_table([*head, "date"], rows), END])
+
+
+def _front_row(row: ReadmeRow, folder: Path) -> list[str]:
+    part = next(part for part in parts() if part.name == row.part)
+    result = load(part, folder)
+    found = [f for f in (result.figures if result else ()) if f.name == row.figure]
+    if result is None or len(found) != 1:
+        raise ValueError(f"{row.part}: {len(found)} figures {row.figure!r}, where one is wanted")
+    (figure,) = found
+    date = str(result.machine.get("date", NOTHING))
+    stale = "" if result.is_current else " (older code)"
+    by, whose = f"`{row.part}`", result.voices(figure)
+    return [row.words, *_value(figure), _target(figure), _verdict(figure), whose, by, date + stale]
+
+
+# Cells.
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """A table without the columns that would be empty."""
+    used = [i for i in range(len(head)) if any(row[i] for row in rows)]
+    lines = ["| " + " | ".join(head[i] for i in used) + " |", "|---" * len(used) + "|"]
+    cells = ([row[i].replace("|", "/") or NOTHING for i in used] for row in rows)
+    return [*lines, *("| " + " | ".join(row) + " |" for row in cells), ""]
+
+
+def _name(figure: Figure) -> str:
+    return figure.name.strip()
+
+
+def _value(figure: Figure) -> tuple[str, str, str]:
+    """Value, bounds and unit."""
+    if figure.unit in SHARES:
+        return _number(100.0 * figure.value), interval(figure), "%"
+    return _number(figure.value), interval(figure), figure.unit
+
+
+def _target(figure: Figure) -> str:
+    if figure.target is None:
+        return "none"
+    value = figure.target * (100.0 if figure.unit in SHARES else 1.0)
+    return f"{'at most' if figure.at_most else 'at least'} {_number(value)}"
+
+
+def _verdict(figure: Figure) -> str:
+    return {True: "met", False: "**missed**", None: ""}[figure.is_met]
+
+
+def _conditions(figure: Figure) -> str:
+    note = " ".join(figure.note.split())
+    return note[1:-1] if note.startswith("(") and note.endswith(")") else note
+
+
+def _number(value: float) -> str:
+    if value == round(value) or abs(value) >= LARGE:
+        return f"{value:,.0f}"
+    return f"{value:.1e}" if abs(value) < SMALL else f"{value:.4g}"
+
+
+# Files.
+
+
+def in_readme(page: str) -> str:
+    """The README with its figures as they are on file.
+
+    Raises:
+        ValueError: It has no marks.
+    """
+    before, begin, rest = page.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise ValueError(f"{FRONT.name}: no lines {BEGIN} and {END}")
+    return before + readme() + after
+
+
+def write() -> None:
+    """Write the page and the README's figures."""
+    PAGE.write_text(text(), encoding="utf-8")
+    FRONT.write_text(in_readme(FRONT.read_text(encoding="utf-8")), encoding="utf-8")
+    print(f"written: {PAGE.relative_to(ROOT)} and the figures of {FRONT.name}")
+
+
+if __name__ == "__main__":
+    write()

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The whole system at work: does the 500 Hz loop keep its times while the recogniser is busy?
+
+Sixty seconds by default; `BENCH_SECONDS=600 make bench ONLY=system.loop` for the ten minutes of the
+target.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from bench.common.resumable import measured
+from bench.system.talking_system import talking_system, work
+from support.figures import Figure
+
+FULL = 600.0  # [s]
+SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
+PAUSE = 1.0  # [s] between looks at whether the robot rests
+
+
+def measure(seconds: float = SECONDS) -> list[Figure]:
+    """Run the system on continuous talk while the robot works on commands by service.
+
+    Args:
+        seconds: How long to measure [s].
+
+    Raises:
+        RuntimeError: The system did not start, or a part of it ended.
+    """
+    with talking_system(seconds) as (system, observer):
+        first, heard, busy = observer.totals(), observer.utterances, _processor_time()
+        given = work(system, observer, seconds, PAUSE)
+        last, heard = observer.totals(), observer.utterances - heard
+        busy = np.array(_processor_time()) - busy
+    late = last.late_percent_since(first)
+    load = 100.0 * busy[0] / busy.sum()
+    note = f"{last.ticks - first.ticks} ticks in {seconds:.0f} s, {heard} utterances heard"
+    return [
+        measured(seconds, "s", FULL),
+        Figure("500 Hz loop: late ticks", late, "%", 0.1, note=note),
+        Figure("500 Hz loop: lateness p99", last.lateness, "us", note="last 10 s"),
+        Figure("500 Hz loop: time of a tick p99", last.p99, "us", note="last 10 s"),
+        Figure("all cores busy", load, "%", note=f"{given} commands by service meanwhile"),
+    ]
+
+
+def _processor_time() -> tuple[float, float]:
+    """Busy and idle time of all cores since the machine started, in ticks of the kernel."""
+    numbers = [float(word) for word in Path("/proc/stat").read_text().splitlines()[0].split()[1:9]]
+    idle = numbers[3] + numbers[4]
+    return sum(numbers) - idle, idle

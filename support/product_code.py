@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Digest of the product's code behind a figure, so that an older figure is marked by itself.
+
+It is made of definitions, settings and networks. A file that moves, a comment or a docstring does
+not change it; a definition does. Where it differs from what a result holds, the result is older
+than the code it measures.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+import yaml
+
+PACKAGES = Path(__file__).resolve().parent.parent / "catkin_ws" / "src"
+SETTINGS, NETWORKS = ".yaml", (".pt", ".npz")
+LENGTH = 16  # characters of a digest
+
+
+def _rooms(package: str, *rooms: str) -> tuple[str, ...]:
+    return tuple(f"{package}/{room}" for room in rooms)
+
+
+CONTROLLER = _rooms(
+    "rst_control",
+    *("admission", "assembly.py", "commands", "config", "description", "execution", "kernels.py"),
+    *("kinematics", "planning", "robot", "supervision", "tension", "tissue", "trajectory"),
+    *("types.py", "collision.yaml", "controller.yaml", "gen3_openrst.yaml", "limits.yaml"),
+    *("rcm.yaml", "scene.yaml"),
+)
+SIMULATION = (*CONTROLLER, *_rooms("rst_control", "simulation", "simulator.yaml"))
+KINOVA = (
+    *CONTROLLER,
+    *_rooms("rst_control", "kinova", "simulation", "torque_tension.yaml", "kinova_bridge.yaml"),
+    *_rooms("rst_control", "kinova_controller.yaml", "kinova_limits.yaml", "kinova_stand_in.yaml"),
+)
+SPEAKER = _rooms("voice_assist", "speaker", "speaker.yaml", "speaker.pt", "speaker_cohort.npz")
+HEARING = _rooms(
+    "voice_assist",
+    *("assembly.py", "audio", "config", "intent", "pipeline", "recognizer", "side_inputs.py"),
+    *("speaker", "spotter", "text", "types.py", "vad", "audio.yaml", "commands.yaml"),
+    *("moving.yaml", "recognizer.yaml", "spotter.yaml"),
+    *("embedded.pt", "overlap.pt", "spotter.pt", "verifier.pt"),
+)
+ENROLMENT = (*HEARING, *_rooms("voice_assist", "enrolment", "profile", "enrolment.yaml"))
+RECORDING = _rooms("session_log", "mcap_file", "recording", "recorder.yaml")
+REPORT = (*RECORDING, *_rooms("session_log", "report", "report.yaml"))
+VOICE_NODE = _rooms("voice_assist", "ros")
+DISPLAY = _rooms("voice_assist", "display", "display.yaml")
+ROBOT_NODES = (*SIMULATION, *_rooms("rst_control", "host", "ros"))
+SYSTEM = (*ROBOT_NODES, *HEARING, *VOICE_NODE, *RECORDING, *_rooms("session_log", "ros"))
+
+
+def identity(rooms: Sequence[str]) -> str:
+    """Digest of rooms.
+
+    Args:
+        rooms: Folders and files of packages, such as "rst_control/planning", "rst_control/rcm.yaml"
+            (a file of settings) or "voice_assist/spotter.pt" (a network).
+
+    Raises:
+        FileNotFoundError: One is not there, or holds no code.
+    """
+    found = sorted({one for room in rooms for one in _of_room(room)})
+    return _digest("".join(found).encode())
+
+
+@cache
+def _of_room(room: str) -> tuple[str, ...]:
+    package, _, name = room.partition("/")
+    if name.endswith(NETWORKS):
+        return (_digest((PACKAGES / package / "models" / name).read_bytes()),)
+    if name.endswith(SETTINGS):
+        text = (PACKAGES / package / "config" / name).read_text(encoding="utf-8")
+        return (_digest(name.encode() + repr(yaml.safe_load(text)).encode()),)
+    place = PACKAGES / package / "src" / package / name
+    files = [place] if place.is_file() else sorted(place.rglob("*.py"))
+    if not files:
+        raise FileNotFoundError(f"{place}: no code")
+    return tuple(one for file in files for one in definitions(file.read_text(encoding="utf-8")))
+
+
+def definitions(text: str) -> tuple[str, ...]:
+    """Digests of what the lines of a module define, whatever their comments, order and imports."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):
+            body[:] = [line for line in body if not _says_nothing(line)]
+    return tuple(_digest(ast.dump(line).encode()) for line in tree.body)
+
+
+def _says_nothing(line: ast.stmt) -> bool:
+    """Imports and docstrings."""
+    if isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant):
+        return isinstance(line.value.value, str)
+    return isinstance(line, ast.Import | ast.ImportFrom)
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:LENGTH]

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page of figures, from results of every age."""
+
+import json
+
+import pytest
+
+from bench import page
+from bench.catalogue import AREAS, measurable, parts
+from bench.common.part import HUMAN
+from bench.readme_rows import ReadmeRow
+from support.figures import Figure, rate, read, share, write
+from support.product_code import definitions, identity
+
+PART = measurable()["voice.armed"]
+MACHINE = {"cpu": "AMD EPYC", "cores": 2, "load_at_start": 0.5, "date": "2026-11-25"}
+SHARE = share("right", 9, 10, 95.0)
+
+
+def on_file(folder, *figures, **more):
+    write(folder / f"{PART.file}.json", figures, MACHINE, **more)
+    return page.load(PART, folder)
+
+
+def rows(text, name):
+    """Cells of the rows of a figure, by their heads."""
+    found, head = [], []
+    for line in text.splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if line.startswith("| figure |"):
+            head = cells
+        elif line.startswith(f"| {name} |"):
+            found.append(dict(zip(head, cells, strict=True)))
+    return found
+
+
+def test_a_figure_has_one_number_per_cell_with_bounds_target_verdict_and_voices(tmp_path):
+    on_file(tmp_path, SHARE, rate("false", 2, 4.0, voices="synthetic"), code="0123")
+    missed, right = rows(page.text(tmp_path), "right")
+    assert (right["measured"], right["unit"], right["target"]) == ("90", "%", "at least 95")
+    assert right["95 %"] == "at least 60.58"  # 1 - p such that P(9 or more of 10) = 5 %
+    assert (right["result"], right["voices"]) == ("**missed**", HUMAN)
+    assert right["conditions"] == "9 of 10"
+    assert missed["part"] == "`voice.armed`" and missed["measured"] == "90"
+    (false,) = rows(page.text(tmp_path), "false")
+    assert (false["target"], false["result"], false["voices"]) == ("none", "-", "synthetic")
+    assert (false["measured"], false["95 %"]) == ("0.5", "at most 1.574")  # chi2, 6 degrees
+
+
+def test_what_an_older_result_lacks_is_a_dash_and_its_shares_are_per_cent(tmp_path):
+    old = {"name": "heard", "value": 0.5, "unit": "of all", "target": 0.4, "at_most": False}
+    path = tmp_path / f"{PART.file}.json"
+    path.parent.mkdir(parents=True)
+    path.write_text(json.dumps({"machine": {}, "figures": [{**old, "note": "", "met": True}]}))
+    assert read(path) == [Figure("heard", 0.5, "of all", 0.4, at_most=False)]
+    text = page.text(tmp_path)
+    assert "-, commit -, -, - cores, load - at the start. **Which code was measured" in text
+    (row,) = rows(text, "heard")
+    assert (row["measured"], row["unit"], row["target"]) == ("50", "%", "at least 40")
+
+
+def test_code_that_changed_after_it_was_measured_marks_the_result(tmp_path):
+    assert on_file(tmp_path, SHARE).is_current is None
+    assert on_file(tmp_path, SHARE, code=identity(PART.rooms)).is_current is True
+    assert page.AGES[True] in page.text(tmp_path)
+    assert on_file(tmp_path, SHARE, code="other").is_current is False
+    assert page.AGES[False] in page.text(tmp_path)
+
+
+def test_a_part_without_a_result_is_named(tmp_path):
+    text = page.text(tmp_path)
+    missing = [part.name for part in parts() if f"ONLY={part.name}`. Not measured yet" in text]
+    assert set(missing) == set(measurable())
+
+
+def test_a_result_that_rests_on_less_than_the_whole_says_so(tmp_path):
+    on_file(tmp_path, Figure("measured", 3, "trials", 10, at_most=False), SHARE)
+    text = page.text(tmp_path)
+    assert "Rests on 3 of 10 trials." in text and not rows(text, "measured")
+
+
+def test_the_readme_needs_its_marks_and_figures_that_are_there_once(tmp_path, monkeypatch):
+    with pytest.raises(ValueError, match=r"README.md: no lines <!-- figures"):
+        page.in_readme("words")
+    monkeypatch.setattr(page, "ROWS", (ReadmeRow("so much", PART.name, "right"),))
+    for figures in ((), (SHARE, SHARE)):
+        on_file(tmp_path, *figures)
+        with pytest.raises(ValueError, match="where one is wanted"):
+            page.readme(tmp_path)
+    on_file(tmp_path, SHARE)
+    assert "| so much | 90 | at least 60.58 | % | at least 95 |" in page.readme(tmp_path)
+
+
+def test_every_area_has_a_part():
+    assert all(area.parts for area in AREAS)
+
+
+def test_a_moved_commented_or_reordered_definition_is_the_same_code():
+    before = "import a\n\ndef f(x):\n    return x + 1\n\nY = 2\n"
+    after = (
+        '"""Words."""\nfrom b import a\nY = 2  # two\ndef f(x):\n    """F."""\n    return x + 1\n'
+    )
+    assert sorted(definitions(before)) == sorted(definitions(after))
+    assert definitions(before) != definitions(before.replace("+ 1", "+ 2"))
+
+
+def test_rooms_that_are_not_there_are_named():
+    with pytest.raises(FileNotFoundError, match="rst_control/nowhere"):
+        identity(["rst_control/nowhere"])
