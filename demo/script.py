@@ -6,7 +6,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from typed_config import ConfigError, choice, integer, items, load_config, load_yaml, number, text
+from typed_config import (
+    ConfigError,
+    choice,
+    integer,
+    items,
+    load_file,
+    number,
+    text,
+)
 
 EFFECTS = (
     "activated",
@@ -63,7 +71,7 @@ def load_script(path: Path) -> Script:
     Raises:
         ConfigError: A key is wrong, or the steps are not in order of time.
     """
-    script = load_config(Script, load_yaml(path), path.name)
+    script = load_file(Script, path)
     times = [step.at for step in script.steps]
     if times != sorted(times) or times[-1] >= script.duration:
         raise ConfigError(

@@ -35,7 +35,7 @@ from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
 from support.figures import RESULTS, ROOT, machine, show, write
 from support.interrupt import end_as_by_ctrl_c
-from typed_config import ConfigError, load_config, load_yaml
+from typed_config import ConfigError, load_file
 
 VOICES = "4"
 VOICE, PEDAL = "voice", "pedal"  # inputs
@@ -220,7 +220,7 @@ def _outcomes(folder: Path) -> list[PhraseOutcome]:
 
 
 def _report_config() -> ReportConfig:
-    return load_config(ReportConfig, load_yaml(REPORT), REPORT.name)
+    return load_file(ReportConfig, REPORT)
 
 
 def _report(out: Path, console: Console) -> None:

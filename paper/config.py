@@ -12,8 +12,7 @@ from typed_config import (
     flag,
     integer,
     items,
-    load_config,
-    load_yaml,
+    load_file,
     number,
     text,
 )
@@ -68,7 +67,7 @@ def load_experiment(path: Path = FILE) -> ExperimentConfig:
     Raises:
         ConfigError: A key is wrong.
     """
-    return load_config(ExperimentConfig, load_yaml(path), path.name)
+    return load_file(ExperimentConfig, path)
 
 
 def chosen_voices(

@@ -28,7 +28,7 @@ from session_log.types import Message, MessageSource
 from support.figures import Figure
 from support.story import Story
 from support.story_script import END
-from typed_config import load_config, load_yaml
+from typed_config import load_config, load_file, load_yaml
 
 FLOOD = 200_000  # messages offered as fast as they come
 TURNS = 6  # of the story in one recording
@@ -74,7 +74,7 @@ def flood() -> list[Figure]:
 
 def reading() -> list[Figure]:
     """Read and report recordings of a few minutes."""
-    report_config = load_config(ReportConfig, load_yaml(CONFIG), CONFIG.name)
+    report_config = load_file(ReportConfig, CONFIG)
     with tempfile.TemporaryDirectory() as name:
         files = ("long.mcap", "short.mcap", "double.mcap", "out")
         path, short, double, out = (Path(name) / file for file in files)

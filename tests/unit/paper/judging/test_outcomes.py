@@ -15,9 +15,9 @@ from session_log.report.session.analysis import CommandRow
 from session_log.report.session.session_data import RecordedUtterance
 from support.story import write_session
 from support.story_script import SPEECH, START
-from typed_config import load_config, load_yaml
+from typed_config import load_file
 
-REPORT = load_config(ReportConfig, load_yaml(CONFIG), CONFIG.name)
+REPORT = load_file(ReportConfig, CONFIG)
 TRIAL = SpokenTrial(1, "pull more", "pull more", "1.wav", 0.0, 1.0, 1.0, 0.5, True, "")
 END = 0.8  # [s] of the sound
 

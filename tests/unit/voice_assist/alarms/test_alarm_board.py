@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import pytest
 
+from typed_config import load_file
 from voice_assist.alarms.annunciator import GAP, Annunciator
 from voice_assist.alarms.board import Board
 from voice_assist.alarms.earcons import PATTERNS
@@ -21,9 +22,9 @@ from voice_assist.alarms.types import (
     RobotState,
     UtteranceReport,
 )
-from voice_assist.config.alarms import load_alarms_config
+from voice_assist.config.alarms import FILE, AlarmsConfig
 
-CONFIG = load_alarms_config()
+CONFIG = load_file(AlarmsConfig, FILE)
 STOPPED = "stop topic, from /voice_assist"
 OVER = "tension 2.50 N, allowed 2.40 N"
 LOST = "robot not connected"

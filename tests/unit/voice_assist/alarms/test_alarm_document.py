@@ -10,7 +10,7 @@ import pytest
 import yaml
 from rich.console import Console
 
-from typed_config import ConfigError
+from typed_config import ConfigError, load_config, load_file
 from voice_assist.alarms.appearance import LOOKS, SYMBOLS, headline, is_lit, line
 from voice_assist.alarms.catalogue import ENTRIES, markdown
 from voice_assist.alarms.earcons import PATTERNS
@@ -19,7 +19,7 @@ from voice_assist.alarms.screen import AlarmScreen
 from voice_assist.alarms.types import Earcon, Kind, Priority
 from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR
-from voice_assist.config.alarms import alarms_config, load_alarms_config
+from voice_assist.config.alarms import FILE, AlarmsConfig
 
 ROOT = Path(__file__).resolve().parents[4]
 STOP = latch_alarm("stop topic, from /voice_assist", "stop_topic", is_loaded=False)
@@ -102,10 +102,10 @@ def test_a_wrong_setting_is_refused_by_name(section, key, value, problem):
     data = yaml.safe_load((CONFIG_DIR / "alarms.yaml").read_text(encoding="utf-8"))
     data[section][key] = value
     with pytest.raises(ConfigError, match=problem):
-        alarms_config(data)
+        load_config(AlarmsConfig, data)
 
 
 def test_bursts_repeat_within_the_usual_pauses():
-    sound = load_alarms_config().sound
+    sound = load_file(AlarmsConfig, FILE).sound
     assert 2.5 <= sound.repeat_high <= 15.0 and 2.5 <= sound.repeat_medium <= 30.0
     assert sound.repeat_high < sound.repeat_medium

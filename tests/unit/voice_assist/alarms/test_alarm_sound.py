@@ -10,18 +10,19 @@ from dataclasses import replace
 import pytest
 import soundfile
 
+from typed_config import load_file
 from voice_assist.alarms.earcons import PATTERNS
 from voice_assist.alarms.player import Player
 from voice_assist.alarms.presenter import latch_alarm
 from voice_assist.alarms.sound_output import ProgramOutput, player_command, write_sounds
 from voice_assist.alarms.types import Alarm, Earcon, Kind, Priority
 from voice_assist.cli.main import main
-from voice_assist.config.alarms import load_alarms_config
+from voice_assist.config.alarms import FILE, AlarmsConfig
 from voice_assist.errors import AudioError
 from voice_assist.types import RATE
 
 SOON = 10.0  # [s] that a thread may take on a busy machine
-CONFIG = load_alarms_config().sound
+CONFIG = load_file(AlarmsConfig, FILE).sound
 HIGH = latch_alarm("tension 2.50 N, allowed 2.40 N", "over_tension", is_loaded=True)
 STOP = latch_alarm("stop topic, from /voice_assist", "stop_topic", is_loaded=False)
 REFUSAL = Alarm(Kind.REFUSAL, Priority.LOW, "busy", "Wait.", Earcon.REFUSAL)

@@ -19,7 +19,8 @@ from tests.unit.voice_assist.display.support.theatre import (
     make_server,
     make_theatre,
 )
-from voice_assist.config.display import load_display_config
+from typed_config import load_file
+from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display import connections
 from voice_assist.display.http_rules import HEADERS
 from voice_assist.display.server import AT_WORK, FILES, MOST_BODY
@@ -103,7 +104,7 @@ def test_every_viewer_gets_the_same_events_at_the_rate():
             await asyncio.sleep(0.01)
 
     run(act, theatre=theatre)
-    rate = load_display_config().rate
+    rate = load_file(DisplayConfig, FILE).rate
     assert len(times) <= (times[-1] - times[0]) * rate + 2  # a late one is followed at once
 
 

@@ -22,7 +22,12 @@ from session_log.recording.recorder import SHARED
 from session_log.replay.command import add_replay_options
 from session_log.report.command import add_options
 from session_log.report.notes import Note, add_note
-from typed_config import ConfigError, load_config, load_yaml, package_folder, package_version
+from typed_config import (
+    ConfigError,
+    load_file,
+    package_folder,
+    package_version,
+)
 
 CONFIG = package_folder("session_log") / "config" / "report.yaml"
 
@@ -115,7 +120,7 @@ def _report(arguments: argparse.Namespace) -> int:
 
 
 def _config(path: Path) -> ReportConfig:
-    return load_config(ReportConfig, load_yaml(path), path.name)
+    return load_file(ReportConfig, path)
 
 
 def _moment(words: str) -> float:

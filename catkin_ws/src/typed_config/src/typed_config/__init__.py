@@ -6,7 +6,7 @@ And what else the packages share: where their files and recordings lie.
 
 from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
-from typed_config.loader import load_config, with_present_keys
+from typed_config.loader import load_config, load_file, with_present_keys
 from typed_config.overlay import overlaid
 from typed_config.recordings import (
     RECORDING,
@@ -33,6 +33,7 @@ __all__ = [
     "integer",
     "items",
     "load_config",
+    "load_file",
     "load_yaml",
     "newest_recording",
     "number",

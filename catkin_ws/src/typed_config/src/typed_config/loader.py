@@ -8,11 +8,13 @@ import difflib
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, TypeVar, cast, get_args, get_origin, get_type_hints
 
 from typed_config.errors import ConfigError, Missing, join
 from typed_config.fields import RULE, Rule
+from typed_config.strict_yaml import load_yaml
 
 T = TypeVar("T")
 MISSING = Missing()
@@ -51,6 +53,15 @@ def load_config(kind: type[T], data: object, where: str = "") -> T:
         return kind(**values)
     except ConfigError as error:
         raise error.under(where) from error
+
+
+def load_file(kind: type[T], path: Path) -> T:
+    """Build the dataclass `kind` from a YAML file.
+
+    Raises:
+        ConfigError: The file or a key is not as it must be; names both.
+    """
+    return load_config(kind, load_yaml(path), path.name)
 
 
 def with_present_keys(kind: type[Any], data: Mapping[str, Any]) -> dict[str, Any]:

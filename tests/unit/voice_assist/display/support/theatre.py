@@ -6,7 +6,8 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from voice_assist.config.display import load_display_config
+from typed_config import load_file
+from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.access_token import AccessToken
 from voice_assist.display.acts import Outcome
 from voice_assist.display.server import DisplayServer
@@ -85,7 +86,7 @@ class RecordedActs:
 
 def make_server(theatre=None, acts=None, clock=time.monotonic, errors=None, **settings):
     """A page at any free port; its token is TOKEN."""
-    config = replace(load_display_config(), **{"port": 0, **settings})
+    config = replace(load_file(DisplayConfig, FILE), **{"port": 0, **settings})
     return DisplayServer(
         config,
         theatre or make_theatre(),

@@ -20,8 +20,7 @@ from typed_config import (
     choice,
     integer,
     items,
-    load_config,
-    load_yaml,
+    load_file,
     number,
     package_folder,
     require,
@@ -260,11 +259,11 @@ def load_motion_config(folder: Path = CONFIG_FOLDER) -> MotionConfig:
         typed_config.ConfigError: A key is unknown, missing or out of range; names it and its file.
     """
     return MotionConfig(
-        limits=_read(LimitsConfig, folder / "limits.yaml"),
-        rcm=_read(RcmConfig, folder / "rcm.yaml"),
-        scene=_read(SceneConfig, folder / "scene.yaml"),
-        controller=_read(ControllerConfig, folder / "controller.yaml"),
-        collision=_read(CollisionConfig, folder / "collision.yaml"),
+        limits=load_file(LimitsConfig, folder / "limits.yaml"),
+        rcm=load_file(RcmConfig, folder / "rcm.yaml"),
+        scene=load_file(SceneConfig, folder / "scene.yaml"),
+        controller=load_file(ControllerConfig, folder / "controller.yaml"),
+        collision=load_file(CollisionConfig, folder / "collision.yaml"),
     )
 
 
@@ -275,11 +274,7 @@ def load_simulation_config(folder: Path = CONFIG_FOLDER) -> SimulationConfig:
         typed_config.ConfigError: A key is unknown, missing or out of range; names it and its file.
     """
     return SimulationConfig(
-        limits=_read(LimitsConfig, folder / "limits.yaml"),
-        scene=_read(SceneConfig, folder / "scene.yaml"),
-        simulator=_read(SimulatorConfig, folder / "simulator.yaml"),
+        limits=load_file(LimitsConfig, folder / "limits.yaml"),
+        scene=load_file(SceneConfig, folder / "scene.yaml"),
+        simulator=load_file(SimulatorConfig, folder / "simulator.yaml"),
     )
-
-
-def _read(kind: type[T], path: Path) -> T:
-    return load_config(kind, load_yaml(path), path.name)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from rst_control.config.motion import CONFIG_FOLDER
-from typed_config import integer, load_config, load_yaml, number, require
+from typed_config import integer, load_file, number, require
 
 Arm = tuple[float, float, float, float, float, float, float]
 TORQUE_TENSION_FILE = CONFIG_FOLDER / "torque_tension.yaml"
@@ -79,4 +79,4 @@ def load_torque_tension(path: Path = TORQUE_TENSION_FILE) -> TorqueTensionConfig
     Raises:
         typed_config.ConfigError: A key is unknown, missing or out of range; names it and its file.
     """
-    return load_config(TorqueTensionConfig, load_yaml(path), path.name)
+    return load_file(TorqueTensionConfig, path)

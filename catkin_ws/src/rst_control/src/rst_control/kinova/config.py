@@ -18,7 +18,7 @@ from rst_control.config.torque_tension import (
     TorqueTensionConfig,
     load_torque_tension,
 )
-from typed_config import choice, flag, load_config, load_yaml, number, require, text
+from typed_config import choice, flag, load_file, number, require, text
 
 Seven = tuple[float, float, float, float, float, float, float]
 Triple = tuple[float, float, float]
@@ -164,8 +164,8 @@ def load_kinova_config(folder: Path = CONFIG_FOLDER) -> KinovaConfig:
     limits, bridge = folder / "limits.yaml", folder / "kinova_bridge.yaml"
     scene = folder / "scene.yaml"
     return KinovaConfig(
-        limits=load_config(LimitsConfig, load_yaml(limits), limits.name),
-        scene=load_config(SceneConfig, load_yaml(scene), scene.name),
-        bridge=load_config(BridgeConfig, load_yaml(bridge), bridge.name),
+        limits=load_file(LimitsConfig, limits),
+        scene=load_file(SceneConfig, scene),
+        bridge=load_file(BridgeConfig, bridge),
         torques=load_torque_tension(folder / TORQUE_TENSION_FILE.name),
     )

@@ -19,7 +19,7 @@ from rst_control.errors import RstError
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
-from typed_config import ConfigError, load_config, load_yaml
+from typed_config import ConfigError, load_file
 
 REACH = 1.6  # [m] from base_link, beyond which no trocar is
 STOP_WORDS = (
@@ -68,8 +68,8 @@ def check(
         )
     if not 0.0 < scale <= 1.0:
         raise NotReady(f"speed_scale is {scale:g}, allowed above 0, up to 1")
-    bounds = load_config(LimitsConfig, load_yaml(limits), limits.name)
-    home = load_config(SceneConfig, load_yaml(scene), scene.name)
+    bounds = load_file(LimitsConfig, limits)
+    home = load_file(SceneConfig, scene)
     _check_turns(home, bounds, scene)
     _check_home(home, trocar, scene)
     what = "simulated drivers" if is_simulated else "the real robot"
@@ -91,7 +91,7 @@ def _check_turns(scene: SceneConfig, limits: LimitsConfig, file: Path) -> None:
 
 def _check_home(scene: SceneConfig, trocar: Sequence[float], file: Path) -> None:
     """The posture from which everything is planned must have the shaft in the trocar."""
-    rcm = load_config(RcmConfig, load_yaml(CONFIG_FOLDER / "rcm.yaml"), "rcm.yaml")
+    rcm = load_file(RcmConfig, CONFIG_FOLDER / "rcm.yaml")
     home = Configuration(load_robot(), np.array(scene.home))
     error, allowed = rcm_state(home, np.array(trocar)).error, rcm.measured_tolerance
     if error > allowed:

@@ -20,8 +20,7 @@ from session_log.replay.pipeline_plugin import Decided, find_plugin
 from session_log.replay.replay import Replay, replay
 from typed_config import (
     ConfigError,
-    load_config,
-    load_yaml,
+    load_file,
     numbered_recordings,
     package_folder,
 )
@@ -38,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Replay; gives 0 if all is the same, 1 if anything differs, 2 if anything failed."""
     named: Path = arguments.session
     try:
-        config = load_config(ReplayConfig, load_yaml(arguments.config), arguments.config.name)
+        config = load_file(ReplayConfig, arguments.config)
         paths = [named] if numbered_recordings(named) else recordings([named])
         make = find_plugin(config.pipeline)
     except (SessionLogError, ConfigError) as error:

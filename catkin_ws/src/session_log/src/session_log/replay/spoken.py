@@ -19,7 +19,7 @@ from session_log.replay.command import REPLAY_CONFIG
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import RecordedSound
 from session_log.replay.recorded_voice import RATE, RecordedDecision, read_voice, sound_of
-from typed_config import load_config, load_yaml
+from typed_config import load_file
 
 AROUND = 0.4  # [s] of sound kept before and after the speech
 
@@ -43,7 +43,7 @@ def spoken(path: Path) -> list[SpokenUtterance]:
     Raises:
         SessionLogError: There is no such recording, or it cannot be read.
     """
-    config = load_config(ReplayConfig, load_yaml(REPLAY_CONFIG), REPLAY_CONFIG.name)
+    config = load_file(ReplayConfig, REPLAY_CONFIG)
     reader = SessionReader(path, tolerant=True)
     voice = read_voice(reader, config)
     utterances = sorted(voice.utterances, key=lambda one: one.speech_start)

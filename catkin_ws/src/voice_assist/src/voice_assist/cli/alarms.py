@@ -9,11 +9,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
+from typed_config import load_file
 from voice_assist.alarms.appearance import LOOKS, headline
 from voice_assist.alarms.catalogue import ENTRIES, Entry, markdown, sounds_of
 from voice_assist.alarms.sound_output import ProgramOutput, write_sounds
 from voice_assist.alarms.types import Earcon
-from voice_assist.config.alarms import AlarmsConfig, load_alarms_config
+from voice_assist.config.alarms import FILE, AlarmsConfig
 from voice_assist.errors import AudioError
 
 ALL = "all"
@@ -37,7 +38,7 @@ def show_alarms(
     if is_markdown:
         print(markdown())
         return
-    config, console = load_alarms_config(folder), Console()
+    config, console = load_file(AlarmsConfig, folder / FILE.name), Console()
     if write is not None:
         _write(write, config, console)
     if play is not None:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from typed_config import ConfigError, load_config, load_yaml, package_version
+from typed_config import ConfigError, load_file, package_version
 from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
 from voice_assist.errors import VoiceError
 from voice_assist.intent.mapper import Mapper
@@ -84,7 +84,7 @@ def _check_commands(options: argparse.Namespace) -> None:
         raise ConfigError("--language", options.language, hint)
     commands = settings(options).commands
     if options.file is not None:
-        commands = load_config(CommandsConfig, load_yaml(options.file), options.file.name)
+        commands = load_file(CommandsConfig, options.file)
     pairs = closest_pairs(commands, options.language)
     print("\n".join(told(pairs)))
     if any(pair.verdict == "too alike" for pair in pairs):

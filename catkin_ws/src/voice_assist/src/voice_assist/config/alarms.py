@@ -3,15 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
-from typed_config import flag, load_config, load_yaml, number, text
+from typed_config import flag, number, text
 from voice_assist.config.voice import CONFIG_DIR
 
-FILE = "alarms.yaml"
+FILE = CONFIG_DIR / "alarms.yaml"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,17 +51,3 @@ class AlarmsConfig:
     sound: SoundConfig
     board: BoardConfig
     look: AlarmMarkerConfig
-
-
-def load_alarms_config(folder: str | Path = CONFIG_DIR) -> AlarmsConfig:
-    """Read `alarms.yaml` of a folder.
-
-    Raises:
-        typed_config.ConfigError: The file or a key is not as it must be.
-    """
-    return alarms_config(load_yaml(Path(folder) / FILE))
-
-
-def alarms_config(data: Mapping[str, Any]) -> AlarmsConfig:
-    """Build the settings from a mapping, as the parameter server gives it."""
-    return load_config(AlarmsConfig, data, FILE)

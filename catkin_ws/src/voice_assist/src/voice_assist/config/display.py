@@ -3,15 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
-from typed_config import integer, load_config, load_yaml, number, text
+from typed_config import integer, number, text
 from voice_assist.config.voice import CONFIG_DIR
 
-FILE = "display.yaml"
+FILE = CONFIG_DIR / "display.yaml"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,17 +35,3 @@ class DisplayConfig:
     max_viewers: int = integer(1, 1000)
     backlog: int = integer(2, 1000)
     picture: PictureConfig
-
-
-def load_display_config(folder: str | Path = CONFIG_DIR) -> DisplayConfig:
-    """Read `display.yaml` of a folder.
-
-    Raises:
-        typed_config.ConfigError: The file or a key is not as it must be.
-    """
-    return display_config(load_yaml(Path(folder) / FILE))
-
-
-def display_config(data: Mapping[str, Any]) -> DisplayConfig:
-    """Build the settings from a mapping, as the parameter server gives it."""
-    return load_config(DisplayConfig, data, FILE)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from typed_config import integer, load_config, load_yaml, number, text
+from typed_config import integer, load_file, number, text
 from voice_assist.config.voice import CONFIG_DIR
 
 
@@ -87,4 +87,4 @@ def load_enrolment_config(folder: str | Path = CONFIG_DIR) -> EnrolmentConfig:
         typed_config.ConfigError: The file or a key is not as it must be.
     """
     path = Path(folder) / "enrolment.yaml"
-    return load_config(EnrolmentConfig, load_yaml(path), path.name)
+    return load_file(EnrolmentConfig, path)

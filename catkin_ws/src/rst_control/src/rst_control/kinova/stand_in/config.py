@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from rst_control.config import CONFIG_FOLDER
-from typed_config import flag, integer, load_config, load_yaml, number, require, text
+from typed_config import flag, integer, load_file, number, require, text
 
 Arm = tuple[float, float, float, float, float, float, float]
 Triple = tuple[float, float, float]
@@ -112,4 +112,4 @@ def load_stand_in_config(folder: Path = CONFIG_FOLDER) -> StandInConfig:
     Raises:
         typed_config.ConfigError: A key is unknown, missing or out of range; names it.
     """
-    return load_config(StandInConfig, load_yaml(folder / FILE), FILE)
+    return load_file(StandInConfig, folder / FILE)

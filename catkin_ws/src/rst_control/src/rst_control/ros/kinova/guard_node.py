@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import sys
 import time
+from typing import Any
 
 import rospy
 from kortex_driver.msg import Base_JointSpeeds
@@ -48,13 +49,13 @@ class GuardNode:
 
     def __init__(self, config: BridgeConfig) -> None:
         self._guard = StopGuard(config)
-        newest = {"queue_size": 1, "tcp_nodelay": True}
+        newest: dict[str, Any] = {"queue_size": 1, "tcp_nodelay": True}
         arm = config.arm.namespace
         self._stop = rospy.Publisher(f"{arm}/in/stop", Empty, **newest)
         self._speeds = rospy.Publisher(f"{arm}/in/joint_velocity", Base_JointSpeeds, **newest)
         self._alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
-        beat = ("kinova_bridge/beat", BridgeBeat, self._on_beat, config.guard.bridge)
-        KnownPublishers().subscribe(*beat, **newest)
+        beat = "kinova_bridge/beat"
+        KnownPublishers().subscribe(beat, BridgeBeat, self._on_beat, config.guard.bridge, **newest)
 
     def run(self) -> None:
         """Guard until ROS shuts down."""

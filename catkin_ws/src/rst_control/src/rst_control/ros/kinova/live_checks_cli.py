@@ -24,7 +24,7 @@ from rst_control.errors import RstError
 from rst_control.kinova.config import KinovaConfig, load_kinova_config
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
 from rst_control.kinova.live_checks import LiveChecks, Observed, table
-from typed_config import ConfigError, load_config, load_yaml
+from typed_config import ConfigError, load_file
 
 
 @dataclass
@@ -139,10 +139,10 @@ def _checks(given: argparse.Namespace) -> tuple[LiveChecks, KinovaConfig]:
     config = replace(
         config,
         bridge=replace(config.bridge, arm=arm, believed=believed),
-        limits=load_config(LimitsConfig, load_yaml(given.limits), given.limits.name),
-        scene=load_config(SceneConfig, load_yaml(given.scene), given.scene.name),
+        limits=load_file(LimitsConfig, given.limits),
+        scene=load_file(SceneConfig, given.scene),
     )
-    rcm = load_config(RcmConfig, load_yaml(CONFIG_FOLDER / "rcm.yaml"), "rcm.yaml")
+    rcm = load_file(RcmConfig, CONFIG_FOLDER / "rcm.yaml")
     trocar = np.array(given.trocar or config.scene.trocar)
     description = URDF_FILE.read_text(encoding="utf-8")
     return LiveChecks(config, trocar, description, rcm.measured_tolerance), config

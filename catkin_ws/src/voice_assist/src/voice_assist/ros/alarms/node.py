@@ -19,6 +19,7 @@ from visualization_msgs.msg import Marker
 
 from rst_control.msg import ControllerState, Event
 from typed_config import ConfigError
+from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 from typed_config.ros.system_names import is_of_this_system
 from voice_assist.alarms.annunciator import Annunciator
@@ -27,7 +28,7 @@ from voice_assist.alarms.board import Board, Standing
 from voice_assist.alarms.player import Player
 from voice_assist.alarms.sound_output import ProgramOutput
 from voice_assist.alarms.types import PartHealth, Priority
-from voice_assist.config.alarms import AlarmsConfig, alarms_config, load_alarms_config
+from voice_assist.config.alarms import FILE, AlarmsConfig
 from voice_assist.msg import Alarm as AlarmMessage
 from voice_assist.msg import Utterance
 from voice_assist.ros.alarms import messages
@@ -164,22 +165,11 @@ def main() -> None:
     """Run the alarm node."""
     with starting("alarms"):
         try:
-            node = AlarmNode(_load_config())
+            node = AlarmNode(private_settings(AlarmsConfig, FILE))
         except ConfigError as error:
             rospy.logfatal("%s", error)
             sys.exit(2)
     node.run()
-
-
-def _load_config() -> AlarmsConfig:
-    """From the node's private parameters; from the package's file where there are none."""
-    given = {
-        k: rospy.get_param(f"~{k}") for k in ("sound", "board", "look") if rospy.has_param(f"~{k}")
-    }
-    if not given:
-        rospy.loginfo("no private parameters; the settings are those of the package's file")
-        return load_alarms_config()
-    return alarms_config(given)
 
 
 def _say_sound(trouble: str) -> None:

@@ -15,10 +15,11 @@ from std_msgs.msg import String
 
 from rst_control.msg import ControllerState
 from typed_config import ConfigError, load_config
+from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 from typed_config.ros.system_names import is_of_this_system
 from voice_assist.config import CommandConfig, CommandsConfig
-from voice_assist.config.display import DisplayConfig, display_config, load_display_config
+from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.access_token import AccessToken
 from voice_assist.display.server import DisplayServer
 from voice_assist.display.theatre import Limits, Theatre
@@ -167,7 +168,7 @@ def main() -> None:
         os.setpriority(os.PRIO_PROCESS, 0, NICE)
     with starting("display", needs_clock=False):
         try:
-            config = _load_config()
+            config = private_settings(DisplayConfig, FILE)
         except ConfigError as error:
             rospy.logfatal("%s", error)
             sys.exit(2)
@@ -176,13 +177,3 @@ def main() -> None:
     except OSError as error:
         rospy.logfatal("the page cannot be served: %s", error)
         sys.exit(2)
-
-
-def _load_config() -> DisplayConfig:
-    """From the node's private parameters; from the package's file where there are none."""
-    names = ("address", "port", "hosts", "rate", "old_after", "max_viewers", "backlog", "picture")
-    given = {k: rospy.get_param(f"~{k}") for k in names if rospy.has_param(f"~{k}")}
-    if not given:
-        rospy.loginfo("no private parameters; the settings are those of the package's file")
-        return load_display_config()
-    return display_config(given)
