@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every file and name on the page of the life of a word and of a stop is there."""
+"""Every file and name on the pages of the lives and of the formulas is there."""
 
 from __future__ import annotations
 
@@ -10,9 +10,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "explanation" / "lives.md").read_text(encoding="utf-8")
+EXPLANATION = ROOT / "docs" / "explanation"
+PAGE, FORMULAS = (
+    (EXPLANATION / f"{name}.md").read_text(encoding="utf-8") for name in ("lives", "rcm-and-paths")
+)
 ROW = re.compile(r"^\|[^|]*\| `(?P<file>[\w/]+\.py)` \| `(?P<name>[\w.]+)` \|", re.MULTILINE)
 ROWS = [(match["file"], match["name"]) for match in ROW.finditer(PAGE)]
+FORMULA_ROWS = [(match["file"], match["name"]) for match in ROW.finditer(FORMULAS)]
 
 
 def source_of(file):
@@ -28,13 +32,13 @@ def is_defined(name, body):
     return False
 
 
-@pytest.mark.parametrize(("file", "name"), ROWS)
+@pytest.mark.parametrize(("file", "name"), [*ROWS, *FORMULA_ROWS])
 def test_the_step_is_where_the_page_says(file, name):
     assert is_defined(name, ast.parse(source_of(file).read_text(encoding="utf-8")).body)
 
 
 def test_the_page_shows_both_lives_from_end_to_end():
-    assert len(ROWS) > 25
+    assert len(ROWS) > 25 and len(FORMULA_ROWS) > 12
     assert ROWS.count(("rst_control/execution/executor.py", "Executor.tick")) == 1
     assert ("rst_control/trajectory/motion_profile.py", "MotionProfile.braking") in ROWS
 

@@ -13,10 +13,7 @@ import yaml
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = (
     "README.md",
-    "docs/reference/interfaces.md",
-    "docs/reference/commands.md",
-    "docs/how-to/kinova.md",
-    "docs/reference/kinova-drivers.md",
+    *sorted(str(page.relative_to(ROOT)) for page in (ROOT / "docs").rglob("*.md")),
 )
 MARKERS = ROOT / "tests" / "rostest" / "documents" / "doc_examples.yaml"
 PROGRAMS = ("rosservice", "rostopic", "rosrun", "roslaunch")
@@ -55,7 +52,8 @@ def doc_lines(text: str, page: str) -> list[DocLine]:
     found = []
     for block in FENCE.finditer(text):
         first = text.count("\n", 0, block.start()) + 1
-        for offset, line in enumerate(block.group().splitlines()):
+        joined = block.group().replace("\\\n", " ")
+        for offset, line in enumerate(joined.splitlines()):
             if line.split()[:1] and line.split()[0] in PROGRAMS:
                 command = shlex.join(shlex.split(line, comments=True))
                 found.append(DocLine(page, first + offset, _plain(line) or command))

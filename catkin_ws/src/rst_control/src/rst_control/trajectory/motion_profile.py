@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Jerk-limited motion of one number: to a target that may change, to a speed, or to rest."""
+"""Jerk-limited motion of one number: to a target that may change, to a speed, or to rest.
+
+By Ruckig (L. Berscheid and T. Kroeger, Jerk-limited Real-time Trajectory Generation with Arbitrary
+Target States, RSS 2021).
+"""
 
 from __future__ import annotations
 

@@ -2,7 +2,8 @@
 """A path q(s): cubic Hermite segments through solved knots with their true derivatives.
 
 Only s moves while the robot does, so nothing done to the speed can take the shaft out of the
-trocar.
+trocar. With knots h apart the polynomial is within h^4 / 384 times the largest fourth derivative
+of the true q(s) (P. J. Davis, Interpolation and Approximation, 1963); planning measures it, too.
 """
 
 from __future__ import annotations
