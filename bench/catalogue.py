@@ -192,6 +192,7 @@ _HEARING = Area(
         ),
         Part("voice.unarmed", "Talk, unarmed", "voice.no_commands.unarmed", code.HEARING),
         Part("voice.nothing", "Nobody speaks", "voice.no_commands.false_alarms", code.HEARING),
+        Part("voice.answers", '"stop" over spoken answers', "voice.answers", code.ANSWERS),
         Part("voice.ask", "Asking again", "voice.ask", code.HEARING, SYNTHETIC),
         Part(
             "voice.overlap_network",

@@ -46,6 +46,7 @@ HEARING = _rooms(
     *("moving.yaml", "recognizer.yaml", "spotter.yaml"),
     *("embedded.pt", "overlap.pt", "spotter.pt", "verifier.pt"),
 )
+ANSWERS = (*HEARING, *_rooms("voice_assist", "answers", "alarms.yaml"))
 ENROLMENT = (*HEARING, *_rooms("voice_assist", "enrolment", "profile", "enrolment.yaml"))
 RECORDING = _rooms("session_log", "mcap_file", "recording", "recorder.yaml")
 REPORT = (*RECORDING, *_rooms("session_log", "report", "report.yaml"))

@@ -9,8 +9,8 @@ import numpy as np
 import soxr
 from numpy.typing import NDArray
 
+from voice_assist.audio.espeak import espeak
 from voice_assist.errors import ModelError
-from voice_assist.training.data.voices import espeak
 
 RATE = 16_000  # [Hz]
 LEVEL = 0.08  # RMS of speech, full scale 1

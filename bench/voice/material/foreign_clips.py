@@ -19,9 +19,10 @@ from bench.voice.material.foreign_words import LANGUAGES, NAMED
 from bench.voice.material.held_out_voices import PITCHES, RATES
 from bench.voice.material.synthesis import SpokenClip, spoken
 from support.figures import ROOT
+from voice_assist.answers.kokoro import Kokoro
+from voice_assist.audio.espeak import ipa
 from voice_assist.errors import ModelError
-from voice_assist.training.data.kokoro import Kokoro
-from voice_assist.training.data.voices import Prompt, espeak_variants, ipa
+from voice_assist.training.data.voices import Prompt, espeak_variants
 from voice_assist.types import RATE
 
 SEED = 19

@@ -8,11 +8,13 @@ import unittest
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from std_msgs.msg import Bool, Empty
 from visualization_msgs.msg import Marker
 
 from rst_control.msg import ControllerState, Event, ReasonCode
 from support.waiting import wait_until
 from voice_assist.msg import Alarm, Utterance
+from voice_assist.text.phonetic_distance import can_pronounce
 
 STOP = "stop topic, from /voice_assist"
 OVER = "tension 2.50 N, allowed 2.40 N"
@@ -97,6 +99,31 @@ class Alarms(unittest.TestCase):
         self.health.publish(DiagnosticArray(status=[status]))
         wait_until(lambda: self.alarm.kind == "fault")
         self.assertIn("microphone", self.alarm.cause)
+
+    def test_7_what_was_taken_is_said_and_announced_and_a_stop_silences(self):
+        if not can_pronounce():
+            raise unittest.SkipTest("espeak-ng is not installed")
+        spoke, times = [], []
+        speaking = rospy.Subscriber("voice_assist/speaking", Bool, lambda m: spoke.append(m.data))
+        stop = rospy.Publisher("rst_control/stop", Empty, queue_size=1)
+        wait_until(lambda: speaking.get_num_connections() and stop.get_num_connections())
+        wait_until(lambda: self.accept(times) or len(spoke) >= 2)
+        self.assertEqual(spoke[:2], [True, False])
+        wait_until(lambda: len(spoke) % 2 == 0)
+        stop.publish(Empty())
+        rospy.sleep(0.3)
+        count = len(spoke)
+        self.events.publish(Event(kind="accepted", command="release", message="x"))
+        wait_until(lambda: "release" in self.alarm.cause + "".join(self.alarm.others))
+        rospy.sleep(1.0)
+        self.assertEqual(len(spoke), count)
+
+    def accept(self, times):
+        """Another command is accepted, at most twice a second; false, to be waited on."""
+        if not times or rospy.Time.now() - times[-1] > rospy.Duration(0.5):
+            times.append(rospy.Time.now())
+            self.events.publish(Event(kind="accepted", command="pull more", message="x"))
+        return False
 
 
 if __name__ == "__main__":

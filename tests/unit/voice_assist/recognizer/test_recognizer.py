@@ -9,11 +9,11 @@ import soxr
 import torch
 import whisper
 
+from voice_assist.audio.espeak import espeak
 from voice_assist.config import load_voice_config
 from voice_assist.errors import ModelError
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH
-from voice_assist.training.data.voices import espeak
 from voice_assist.types import RATE
 
 COMMANDS = ("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate")

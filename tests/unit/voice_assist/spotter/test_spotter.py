@@ -6,6 +6,7 @@ import soxr
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
 from voice_assist.assembly import make_spotter
+from voice_assist.audio.espeak import espeak
 from voice_assist.audio.source import FRAME
 from voice_assist.config import load_voice_config
 from voice_assist.errors import CommandsError, ModelError
@@ -14,7 +15,6 @@ from voice_assist.spotter.features import STEP, Embedder
 from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.spotter.head import CONTEXT, read_head
 from voice_assist.spotter.spotter import Spotted, Spotter
-from voice_assist.training.data.voices import espeak
 from voice_assist.types import (
     RATE,
     Call,

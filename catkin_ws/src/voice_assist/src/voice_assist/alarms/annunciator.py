@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 from voice_assist.alarms.board import Standing
 from voice_assist.alarms.earcons import PATTERNS
@@ -30,10 +30,13 @@ class Annunciator:
 
     Args:
         config: Pauses between repetitions.
+        answer_length: Of a spoken answer [s].
     """
 
-    def __init__(self, config: SoundConfig) -> None:
-        self._config = config
+    def __init__(
+        self, config: SoundConfig, answer_length: Callable[[str], float] = lambda _: 0.0
+    ) -> None:
+        self._config, self._answer_length = config, answer_length
         self._sounded: dict[str, _Sounded] = {}
         self._busy_until, self._playing = float("-inf"), Priority.INFORMATION
         self._last_refusal = float("-inf")
@@ -92,9 +95,12 @@ class Annunciator:
         return pauses.get(priority)
 
     def _sound(self, entry: Standing, now: float) -> Alarm:
-        end = now + PATTERNS[entry.alarm.earcon].duration
+        before = self._sounded.get(entry.key)
+        is_news = before is None or before.alarm != entry.alarm or before.times != entry.times
+        alarm = entry.alarm if is_news else replace(entry.alarm, answer="")  # said once
+        end = now + PATTERNS[alarm.earcon].duration + self._answer_length(alarm.answer)
         self._sounded[entry.key] = _Sounded(entry.alarm, entry.since, entry.times, end)
         self._busy_until, self._playing = end + GAP, entry.alarm.priority
         if entry.alarm.kind is Kind.REFUSAL:
             self._last_refusal = now
-        return entry.alarm
+        return alarm

@@ -11,6 +11,7 @@ from voice_assist.alarms.appearance import LOOKS, headline
 from voice_assist.alarms.causes import GIVE_UPS, LATCHES, PARTS, REFUSALS, UNHEARD, Advice
 from voice_assist.alarms.earcons import PATTERNS
 from voice_assist.alarms.types import AlarmText, Earcon, Kind, Priority
+from voice_assist.answers.sentences import why
 
 
 @dataclass(frozen=True)
@@ -129,8 +130,8 @@ def markdown() -> str:
 
 
 def _causes(causes: Mapping[str, Advice]) -> str:
-    rows = [(f"`{code}`", a.kind.value, a.next_step) for code, a in causes.items()]
-    return _table(("reason code", "kind", "what to do next"), rows)
+    rows = [(f"`{code}`", a.kind.value, a.next_step, why(code)) for code, a in causes.items()]
+    return _table(("reason code", "kind", "what to do next", "said aloud"), rows)
 
 
 def _colour(priority: Priority) -> str:

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from typing import Protocol
 
 from voice_assist.alarms.types import Alarm, Earcon
-from voice_assist.errors import AudioError
+from voice_assist.errors import AudioError, VoiceError
 
 
 class Output(Protocol):
@@ -23,16 +24,45 @@ class Output(Protocol):
         ...
 
 
+class Voice(Protocol):
+    """Says an answer after its tone."""
+
+    def prepare(self) -> None:
+        """Make ready what takes time, in a thread of its own; until then nothing is said.
+
+        Raises:
+            VoiceError: Nothing can be said, and why.
+        """
+        ...
+
+    def say(self, sentence: str, is_cut: Callable[[], bool]) -> None:
+        """Say it to the end, or until `is_cut` says so.
+
+        Raises:
+            AudioError: It cannot be heard.
+        """
+        ...
+
+
 class Player:
     """One slot for what comes next: the higher priority, else the newer, takes it.
 
     Args:
         output: Plays.
-        report: Told once what is wrong with it, and with an empty text that it is well again.
+        report: Called once with what is wrong with it, and with an empty text when it is well.
+        voice: Says the answers; None: nobody does.
+        quiet_for: After `hush` nothing is said for so long [s].
     """
 
-    def __init__(self, output: Output, report: Callable[[str], None]) -> None:
-        self._output, self._report = output, report
+    def __init__(
+        self,
+        output: Output,
+        report: Callable[[str], None],
+        voice: Voice | None = None,
+        quiet_for: float = 0.0,
+    ) -> None:
+        self._output, self._report, self._voice = output, report, voice
+        self._quiet_for, self._quiet_until = quiet_for, float("-inf")  # [s] steady clock
         self._changed = threading.Condition()
         self._next: Alarm | None = None
         self._is_over = False
@@ -41,6 +71,9 @@ class Player:
 
     def __enter__(self) -> Player:
         self._thread.start()
+        if self._voice is not None:
+            args = (self._voice,)
+            threading.Thread(target=self._prepare, args=args, name="answers", daemon=True).start()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -56,6 +89,10 @@ class Player:
                 self._next = alarm
                 self._changed.notify()
 
+    def hush(self) -> None:
+        """A stop: end what is being said at once, and say nothing for a while."""
+        self._quiet_until = time.monotonic() + self._quiet_for
+
     def _run(self) -> None:
         while True:
             with self._changed:
@@ -65,10 +102,20 @@ class Player:
                 alarm, self._next = self._next, None
             self._play(alarm)
 
+    def _prepare(self, voice: Voice) -> None:
+        try:
+            voice.prepare()
+        except Exception as error:  # alarms go on being heard, or at least seen
+            words = str(error) if isinstance(error, VoiceError) else repr(error)
+            self._voice = None
+            self._report(f"no answer is spoken: {words}")
+
     def _play(self, alarm: Alarm) -> None:
         trouble = ""
         try:
             self._output.play(alarm.earcon, lambda: self._is_cut(alarm))
+            if alarm.answer and self._voice is not None:
+                self._voice.say(alarm.answer, lambda: self._is_hushed() or self._is_cut(alarm))
         except AudioError as error:
             trouble = str(error)
         except Exception as error:  # top of the thread: alarms go on being seen
@@ -76,6 +123,9 @@ class Player:
         if trouble != self.trouble:
             self.trouble = trouble
             self._report(trouble)
+
+    def _is_hushed(self) -> bool:
+        return time.monotonic() < self._quiet_until
 
     def _is_cut(self, playing: Alarm) -> bool:
         coming = self._next

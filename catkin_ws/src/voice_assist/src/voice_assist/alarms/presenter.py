@@ -29,6 +29,7 @@ from voice_assist.alarms.types import (
     Priority,
     UtteranceReport,
 )
+from voice_assist.answers.sentences import taken, why
 
 HEY_ROBOT: Final = "hey robot"
 TERMINATE: Final = "terminate"
@@ -51,17 +52,19 @@ def latch_alarm(reason: str, code: str, is_loaded: bool) -> Alarm:
     advice = LATCHES.get(code, UNKNOWN)
     if advice.kind is Kind.STOP:
         return Alarm(Kind.STOP, Priority.MEDIUM, reason, advice.next_step, Earcon.STOP)
-    return _fault(advice, is_loaded, reason)
+    return _fault(advice, is_loaded, reason, why(code))
 
 
 def event_alarm(event: ControllerEvent, is_tissue_held: bool) -> Alarm | None:
     """The alarm of an event by itself; None: none, or that of the latch."""
     words = f"{event.command}: {event.message}" if event.command else event.message
     if event.kind in ("refused", "trocar_refused", "grasp_refused"):
-        return _refusal(REFUSALS.get(event.reason_code, NO_REASON), words)
+        return _refusal(REFUSALS.get(event.reason_code, NO_REASON), words, why(event.reason_code))
     if event.kind == "at_rest":
         advice = GIVE_UPS.get(event.reason_code)
-        return None if advice is None else _fault(advice, is_tissue_held, words)
+        if advice is None:
+            return None
+        return _fault(advice, is_tissue_held, words, why(event.reason_code))
     if event.kind == "accepted":
         return _accepted(event)
     return None
@@ -74,10 +77,10 @@ def unheard_alarm(utterance: UtteranceReport) -> Alarm | None:
     advice = UNHEARD.get(utterance.reason_code)
     if advice is None:  # it denies, or fits several: then nothing is what was wanted
         return None
-    alarm = _refusal(advice, f"{utterance.nearest_command}: {utterance.reason}")
-    is_question = utterance.reason_code == "nearly_sure"
-    if not is_question:
-        return alarm
+    code, words = utterance.reason_code, f"{utterance.nearest_command}: {utterance.reason}"
+    if code != "nearly_sure":
+        return _refusal(advice, words, why(code))
+    alarm = _refusal(advice, words, taken(utterance.nearest_command))
     return replace(alarm, earcon=Earcon.QUESTION, priority=Priority.INFORMATION)
 
 
@@ -100,13 +103,14 @@ def _accepted(event: ControllerEvent) -> Alarm:
     elif event.command == TERMINATE:
         step, earcon = 'Say "hey robot" to go on.', Earcon.STANDBY
     words = f"{event.command}: {event.message}" if event.message else event.command
-    return Alarm(Kind.NOTICE, Priority.INFORMATION, words, step, earcon)
+    return Alarm(Kind.NOTICE, Priority.INFORMATION, words, step, earcon, taken(event.command))
 
 
-def _fault(advice: Advice, is_loaded: bool, words: str) -> Alarm:
+def _fault(advice: Advice, is_loaded: bool, words: str, answer: str = "") -> Alarm:
     priority = advice.loaded if is_loaded else advice.at_rest
-    return Alarm(Kind.FAULT, priority, words, advice.next_step, _FAULTS[priority])
+    return Alarm(Kind.FAULT, priority, words, advice.next_step, _FAULTS[priority], answer)
 
 
-def _refusal(advice: Advice, words: str) -> Alarm:
-    return Alarm(Kind.REFUSAL, Priority.LOW, words, advice.next_step, Earcon.REFUSAL)
+def _refusal(advice: Advice, words: str, answer: str) -> Alarm:
+    step = advice.next_step
+    return Alarm(Kind.REFUSAL, Priority.LOW, words, step, Earcon.REFUSAL, answer)

@@ -55,17 +55,25 @@ class ProgramOutput:
         """
         if self._folder is None:
             raise AudioError("the sounds are not there; enter the output first")
-        file = str(file_of(Path(self._folder.name), earcon))
+        path = file_of(Path(self._folder.name), earcon)
+        self.play_file(path, PATTERNS[earcon].duration, is_cut)
+
+    def play_file(self, path: Path, duration: float, is_cut: Callable[[], bool]) -> None:
+        """Play a sound file of a duration [s] to the end, or until `is_cut` says so.
+
+        Raises:
+            AudioError: There is no program, it fails, or it does not end in time.
+        """
         command = self._given or player_command(self._config.device)
         process = subprocess.Popen(
-            [*command, file],
+            [*command, str(path)],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             start_new_session=True,
         )
         try:
-            self._attend(process, PATTERNS[earcon].duration + self._config.stuck_after, is_cut)
+            self._attend(process, duration + self._config.stuck_after, is_cut)
         finally:
             if process.poll() is None:
                 process.kill()

@@ -56,6 +56,7 @@ class Alarm(AlarmText):
     """What a person reads and hears."""
 
     earcon: Earcon
+    answer: str = ""  # sentence of `answers.sentences` that may be said of it
 
 
 @dataclass(frozen=True)

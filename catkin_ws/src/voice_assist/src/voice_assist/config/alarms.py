@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from typed_config import flag, number, text
+from typed_config import choice, flag, number, text
 from voice_assist.config.voice import CONFIG_DIR
 
 FILE = CONFIG_DIR / "alarms.yaml"
@@ -23,6 +23,19 @@ class SoundConfig:
     repeat_medium: float = number(2.5, 30.0, "s")
     refusal_apart: float = number(0.0, 60.0, "s")
     stuck_after: float = number(0.2, 30.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeechConfig:
+    """Spoken answers."""
+
+    is_enabled: bool = flag()
+    synthesizer: str = choice("espeak-ng", "kokoro")
+    voice: str = text()
+    words_per_minute: float = number(80.0, 450.0, "")
+    kokoro_styles: str = text(may_be_empty=True)
+    volume_db: float = number(-60.0, 0.0, "dB")
+    quiet_after_stop: float = number(0.5, 60.0, "s")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,5 +62,6 @@ class AlarmsConfig:
     """All settings of the alarms."""
 
     sound: SoundConfig
+    speech: SpeechConfig
     board: BoardConfig
     look: AlarmMarkerConfig

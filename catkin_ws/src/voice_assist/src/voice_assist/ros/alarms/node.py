@@ -15,10 +15,12 @@ from queue import Empty, Queue
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
+from std_msgs.msg import Bool
+from std_msgs.msg import Empty as EmptyMessage
 from visualization_msgs.msg import Marker
 
 from rst_control.msg import ControllerState, Event
-from typed_config import ConfigError
+from typed_config import ConfigError, load_config
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 from typed_config.ros.system_names import is_of_this_system
@@ -28,6 +30,8 @@ from voice_assist.alarms.board import Board, Standing
 from voice_assist.alarms.player import Player
 from voice_assist.alarms.sound_output import ProgramOutput
 from voice_assist.alarms.types import PartHealth, Priority
+from voice_assist.answers.speech import SpokenAnswers
+from voice_assist.config import CommandsConfig
 from voice_assist.config.alarms import FILE, AlarmsConfig
 from voice_assist.msg import Alarm as AlarmMessage
 from voice_assist.msg import Utterance
@@ -50,9 +54,13 @@ Take = Callable[[Board, float], None]
 class AlarmNode:
     """One thread takes in what came and tells what is new; callbacks only hand over."""
 
-    def __init__(self, config: AlarmsConfig) -> None:
-        self._config = config
-        self._board, self._annunciator = Board(config.board), Annunciator(config.sound)
+    def __init__(self, config: AlarmsConfig, commands: CommandsConfig | None) -> None:
+        self._config, self._board = config, Board(config.board)
+        self._output = ProgramOutput(config.sound)
+        self._answers = None if commands is None else self._make_answers(commands)
+        length = (lambda _: 0.0) if self._answers is None else self._answers.duration
+        self._annunciator = Annunciator(config.sound, length)
+        self._player: Player | None = None
         self._inbox: Queue[Take] = Queue(_WAITING)
         self._shown: tuple[Standing, ...] | None = None
         self._told: dict[str, tuple[str, int, float]] = {}  # words, times given, when [s]
@@ -66,12 +74,13 @@ class AlarmNode:
             self._listen("rst_control/event", Event, self._on_event),
             self._listen("voice_assist/utterance", Utterance, self._on_utterance),
             self._listen("/diagnostics", DiagnosticArray, self._on_diagnostics),
+            self._listen("rst_control/stop", EmptyMessage, lambda _: self._hush()),
         ]
 
     def run(self) -> None:
         """Tell alarms until ROS shuts down."""
         with ExitStack() as stack:
-            player = self._make_player(stack)
+            self._player = player = self._make_player(stack)
             thread = threading.Thread(target=self._guard, args=(player,), daemon=True)
             thread.start()
             rospy.spin()
@@ -81,8 +90,19 @@ class AlarmNode:
         if not self._config.sound.is_enabled:
             rospy.loginfo("alarms are seen, not heard: sound.is_enabled is false")
             return None
-        output = stack.enter_context(ProgramOutput(self._config.sound))
-        return stack.enter_context(Player(output, _say_sound))
+        output, quiet = stack.enter_context(self._output), self._config.speech.quiet_after_stop
+        answers = None if self._answers is None else stack.enter_context(self._answers)
+        return stack.enter_context(Player(output, _say_sound, answers, quiet))
+
+    def _make_answers(self, commands: CommandsConfig) -> SpokenAnswers:
+        speaking = rospy.Publisher("voice_assist/speaking", Bool, queue_size=10, tcp_nodelay=True)
+        return SpokenAnswers(
+            self._config.speech,
+            commands,
+            self._output.play_file,
+            lambda is_speaking: speaking.publish(Bool(is_speaking)),
+            lambda words: rospy.logwarn("%s", words),
+        )
 
     def _guard(self, player: Player | None) -> None:
         """Top of the thread: who shows alarms must not die unseen."""
@@ -143,7 +163,14 @@ class AlarmNode:
         state = messages.robot_state(message)
         self._hand_over(lambda board, now: board.see_state(state, now))
 
+    def _hush(self) -> None:
+        """A stop was heard: nothing may be said over a second one."""
+        if self._player is not None:
+            self._player.hush()
+
     def _on_event(self, message: Event) -> None:
+        if message.kind == "stop_received":
+            self._hush()
         event = messages.controller_event(message)
         self._hand_over(lambda board, now: board.see_event(event, now))
 
@@ -165,11 +192,18 @@ def main() -> None:
     """Run the alarm node."""
     with starting("alarms"):
         try:
-            node = AlarmNode(private_settings(AlarmsConfig, FILE))
+            config = private_settings(AlarmsConfig, FILE)
+            node = AlarmNode(config, _load_commands() if config.speech.is_enabled else None)
         except ConfigError as error:
             rospy.logfatal("%s", error)
             sys.exit(2)
     node.run()
+
+
+def _load_commands() -> CommandsConfig:
+    """All that can be said, from the node's private parameters."""
+    given = rospy.get_param("~commands", {})
+    return load_config(CommandsConfig, given, "commands.yaml")
 
 
 def _say_sound(trouble: str) -> None:

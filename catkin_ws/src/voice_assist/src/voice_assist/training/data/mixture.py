@@ -10,9 +10,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.random import Generator
 
+from voice_assist.audio.espeak import Int16
 from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.data.texts import TWINS
-from voice_assist.training.data.voices import Int16
 from voice_assist.types import RATE
 
 LONGEST = 7.8  # [s] of an item; slowed and with quiet it fits the encoder

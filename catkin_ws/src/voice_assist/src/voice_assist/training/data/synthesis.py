@@ -13,9 +13,10 @@ from random import Random
 
 import numpy as np
 
+from voice_assist.audio.espeak import Int16
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.homophones import same_as_command
-from voice_assist.training.data.voices import Engine, Int16, Prompt, random_style, speak
+from voice_assist.training.data.voices import Engine, Prompt, random_style, speak
 
 CHUNK = 200  # prompts per cache file
 NOTHING = np.zeros(0, np.int16)

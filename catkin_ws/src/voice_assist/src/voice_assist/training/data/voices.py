@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,13 +14,11 @@ from typing import Literal
 import numpy as np
 import soundfile
 import soxr
-from numpy.typing import NDArray
 
-from voice_assist.errors import ModelError
+from voice_assist.audio.espeak import Int16, espeak, run_program
 from voice_assist.types import RATE
 
 Engine = Literal["espeak", "phonemes", "flite", "festival", "rhvoice", "pico", "mbrola"]
-Int16 = NDArray[np.int16]
 
 ACCENTS = (
     *("en-us", "en-gb", "en-gb-scotland", "en-gb-x-rp", "en-gb-x-gbclan"),
@@ -69,7 +66,7 @@ class Prompt:
 
 def espeak_variants() -> tuple[list[str], list[str]]:
     """Names of the espeak-ng variants for training and of those held out."""
-    listing = _run(["espeak-ng", "--voices=variant"]).decode().splitlines()[1:]
+    listing = run_program(["espeak-ng", "--voices=variant"]).decode().splitlines()[1:]
     names = sorted({line.split("!v/")[1].split("  ")[0].strip() for line in listing})
     held_out = names[::HELD_OUT_EVERY]
     return [name for name in names if name not in held_out], held_out
@@ -96,31 +93,6 @@ def random_style(rng: Random) -> tuple[float, float]:
     return rng.uniform(0.7, 1.4), rng.uniform(0.2, 0.8)
 
 
-def _run(command: list[str], said: str = "") -> bytes:
-    try:
-        done = subprocess.run(command, check=True, capture_output=True, input=said.encode())
-        return done.stdout
-    except FileNotFoundError as error:
-        raise ModelError(f"speech synthesis needs the program {command[0]!r}") from error
-
-
-def espeak(text: str, voice: str, *options: str) -> tuple[Int16, int]:
-    """Sound of espeak-ng as it comes, and its rate [Hz].
-
-    Args:
-        text: Words, or phonemes in double square brackets.
-        voice: Of espeak-ng, such as "en-gb+f2".
-        options: Of its command line, such as "-s", "160" for words per minute.
-
-    Raises:
-        ModelError: espeak-ng is not installed.
-        subprocess.CalledProcessError: It refuses the voice.
-    """
-    data = _run(["espeak-ng", "-v", voice, *options, "--stdout", text])
-    rate = int.from_bytes(data[24:28], "little")  # an MBROLA voice has its own
-    return np.frombuffer(data[44 : 44 + (len(data) - 44) // 2 * 2], "<i2"), rate
-
-
 def _espeak(prompt: Prompt, text: str | None = None) -> Int16 | None:
     style = ["-s", str(round(165 * prompt.rate)), "-p", str(round(99 * prompt.pitch))]
     return _finish(*espeak(prompt.text if text is None else text, prompt.voice, *style))
@@ -136,20 +108,7 @@ def phonemes(text: str, accent: str) -> str:
     Raises:
         ModelError: espeak-ng is not installed.
     """
-    return " ".join(_run(["espeak-ng", "-q", "-x", "-v", accent, text]).decode().split())
-
-
-def ipa(text: str, voice: str) -> str:
-    """Sounds of a text in the International Phonetic Alphabet.
-
-    Args:
-        text: In the voice's language.
-        voice: Of espeak-ng, such as "fr-fr".
-
-    Raises:
-        ModelError: espeak-ng is not installed.
-    """
-    return " ".join(_run(["espeak-ng", "-q", "--ipa", "-v", voice, text]).decode().split())
+    return " ".join(run_program(["espeak-ng", "-q", "-x", "-v", accent, text]).decode().split())
 
 
 def shared_phonemes(mnemonics: str) -> str:
@@ -167,7 +126,7 @@ def _flite(prompt: Prompt) -> Int16 | None:
         path = Path(folder) / "a.wav"
         stretch = f"duration_stretch={1 / prompt.rate:.3f}"
         style = ["--setf", stretch, "-voice", prompt.voice]
-        _run(["flite", *style, "-t", prompt.text, "-o", str(path)])
+        run_program(["flite", *style, "-t", prompt.text, "-o", str(path)])
         return _finish(*soundfile.read(path, dtype="int16"))
 
 
@@ -176,7 +135,7 @@ def _rhvoice(prompt: Prompt) -> Int16 | None:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "a.wav"
         style = ["-r", str(round(100 * prompt.rate)), "-t", str(round(70 + 60 * prompt.pitch))]
-        _run(["RHVoice-test", "-p", prompt.voice, *style, "-o", str(path)], prompt.text)
+        run_program(["RHVoice-test", "-p", prompt.voice, *style, "-o", str(path)], prompt.text)
         return _finish(*soundfile.read(path, dtype="int16"))
 
 
@@ -185,7 +144,7 @@ def _pico(prompt: Prompt) -> Int16 | None:
         path = Path(folder) / "a.wav"
         speed, pitch = round(100 * prompt.rate), round(70 + 60 * prompt.pitch)
         said = f'<pitch level="{pitch}"><speed level="{speed}">{prompt.text}</speed></pitch>'
-        _run(["pico2wave", "-l", prompt.voice, "-w", str(path), said])
+        run_program(["pico2wave", "-l", prompt.voice, "-w", str(path), said])
         return _finish(*soundfile.read(path, dtype="int16"))
 
 
@@ -198,7 +157,7 @@ def _festival(prompts: list[Prompt]) -> list[Int16 | None]:
             lines.append(f'(utt.save.wave {wave} "{folder}/{index}.wav" \'riff)')
         script = Path(folder) / "say.scm"
         script.write_text("\n".join(lines))
-        _run(["festival", "-b", str(script)])
+        run_program(["festival", "-b", str(script)])
         paths = [Path(folder) / f"{index}.wav" for index in range(len(prompts))]
         return [
             _finish(*soundfile.read(path, dtype="int16")) if path.exists() else None

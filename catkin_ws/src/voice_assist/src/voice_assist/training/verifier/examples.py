@@ -18,6 +18,7 @@ import torch
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from voice_assist.audio.espeak import Int16, ipa
 from voice_assist.recognizer.ctc import best_alignment
 from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
@@ -29,7 +30,7 @@ from voice_assist.training.data.foreign_words import WORDS
 from voice_assist.training.data.kokoro import FOREIGN, NATIVE, SPEEDS
 from voice_assist.training.data.noise import Surroundings
 from voice_assist.training.data.synthesis import cast_voice
-from voice_assist.training.data.voices import Int16, Prompt, ipa
+from voice_assist.training.data.voices import Prompt
 from voice_assist.types import RATE
 
 PHRASES = ("tense", "release", "pull more", "pull less")  # commands that move the robot

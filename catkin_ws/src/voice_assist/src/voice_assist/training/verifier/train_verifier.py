@@ -19,16 +19,16 @@ import torch
 from numpy.typing import NDArray
 from torch.nn.functional import binary_cross_entropy_with_logits
 
+from voice_assist.answers.kokoro import Kokoro
+from voice_assist.audio.espeak import Int16
 from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.recognizer.embedded import restore
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.verification import PATH, write_verifier
 from voice_assist.training.data.human import load_sounds, read_manifest
-from voice_assist.training.data.kokoro import Kokoro
 from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import read_sounds, save_sounds, speak_all
-from voice_assist.training.data.voices import Int16
 from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.verifier import examples
 from voice_assist.training.verifier.examples import Examples, Seen

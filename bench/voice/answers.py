@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A "stop" while the robot speaks an answer, and what the answers themselves are taken for.
+
+The subset is fixed: every third of the people of ../shared/speech/dev who say "stop"; where they
+are absent, every native synthetic voice once. SHARE=0.2 takes the same fifth every time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+
+import numpy as np
+
+from bench.common import resumable
+from bench.voice.hearing import pieces
+from bench.voice.hearing.pieces import SceneRecord
+from bench.voice.material.answers import AnswerTrial, answer_chunks
+from bench.voice.material.held_out_voices import natives, spread
+from bench.voice.material.synthesis import DEV, SpokenClip, recorded, spoken
+from bench.voice.outcomes import motions
+from bench.voice.trials import STOP
+from session_log.report.bounds import at_least
+from support.figures import Figure
+from voice_assist.answers.sentences import catalogue
+
+SEED = 29
+EVERY = 3  # of the people
+LEVELS = (12.0, 6.0, 0.0)  # [dB] of the word over the answer
+STATES = {False: "at rest", True: "moving"}
+ALONE = "answers alone"
+
+
+def measure() -> list[Figure]:
+    """Share heard and delay by level, and commands taken from the answers themselves."""
+    plans = dict(_plans())
+    every = pieces.measured("answers", {name: answer_chunks(t) for name, t in plans.items()})
+    found = {name: records for name, records in every.items() if records}
+    counts = [sum(map(len, sets.values())) for sets in (found, plans)]
+    figures = [resumable.measured(counts[0], "scenes", counts[1])]
+    for name, records in found.items():
+        figures += _alone(name, records) if name.startswith(ALONE) else _of(name, records)
+    return figures
+
+
+def _of(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
+    stopped = [r for r in records if "stop" in r.heard.taken]
+    n = len(records)
+    note = f"({len(stopped)} of {n}, at least {at_least(len(stopped), n):.3f} with 95 %)"
+    figures = [Figure(f"{name}: stopped", len(stopped) / n, "of all", None, False, note)]
+    times = [_delay(record) for record in stopped]
+    if times:
+        quantiles = {f"p{q}": float(np.percentile(times, q)) for q in (50, 99)}
+        figures += [Figure(f"{name}: {q}", value, "ms") for q, value in quantiles.items()]
+    return figures
+
+
+def _delay(record: SceneRecord) -> float:
+    """From the end of the word to the first stop [ms]; below 0 where it came within the word."""
+    said = record.heard.said
+    first = next(one.at for one in said if one.is_taken and one.command == "stop")
+    return 1e3 * (first - record.label["end"])
+
+
+def _alone(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
+    figures = []
+    for what, commands in (("motion", motions()), ("stop", {"stop"})):
+        said = [r.label["text"] for r in records if commands & set(r.heard.taken)]
+        note = f"(of {len(records)} sentences{''.join(f', {text!r}' for text in said)})"
+        figures.append(Figure(f"{name}: {what} taken", len(said), "", 0.0, note=note))
+    return figures
+
+
+def _plans() -> Iterator[tuple[str, list[AnswerTrial]]]:
+    people = [clip for clip in recorded(DEV) if clip.text in STOP][::EVERY]
+    who = "human" if people else "synthetic"
+    words: Sequence[SpokenClip] = people or spoken(spread(STOP, natives().present, 1, SEED))
+    sentences = catalogue()
+    for is_moving in STATES:
+        state = STATES[is_moving]
+        quiet = [AnswerTrial(word, "", 0.0, i, is_moving) for i, word in enumerate(words)]
+        yield f'{who} "stop", nothing spoken, {state}', quiet
+    for level, is_moving in product(LEVELS, STATES):
+        trials = [
+            AnswerTrial(word, sentences[i % len(sentences)], level, i, is_moving)
+            for i, word in enumerate(words)
+        ]
+        yield f'{who} "stop" {level:g} dB over an answer, {STATES[is_moving]}', trials
+    for is_moving in STATES:
+        alone = [AnswerTrial(None, text, 0.0, i, is_moving) for i, text in enumerate(sentences)]
+        yield f"{ALONE}, {STATES[is_moving]}", alone

