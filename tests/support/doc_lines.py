@@ -18,6 +18,9 @@ PAGES = (
 MARKERS = ROOT / "tests" / "rostest" / "documents" / "doc_examples.yaml"
 PROGRAMS = ("rosservice", "rostopic", "rosrun", "roslaunch")
 FENCE = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
+COMMAND = re.compile(
+    rf"^(?:docker run .* voice_assist )?((?:\w+=\S+ )*(?:{'|'.join(PROGRAMS)}) .*)"
+)
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,11 @@ class DocLine:
     def words(self) -> list[str]:
         """The command as the shell would split it."""
         return shlex.split(self.text, comments=True)
+
+    @property
+    def program(self) -> str:
+        """The one that runs, behind what is set for it alone."""
+        return next(word for word in self.words if word in PROGRAMS)
 
 
 @dataclass(frozen=True)
@@ -52,11 +60,14 @@ def doc_lines(text: str, page: str) -> list[DocLine]:
     found = []
     for block in FENCE.finditer(text):
         first = text.count("\n", 0, block.start()) + 1
-        joined = block.group().replace("\\\n", " ")
+        joined = block.group().replace(
+            "\
+",
+            " ",
+        )
         for offset, line in enumerate(joined.splitlines()):
-            if line.split()[:1] and line.split()[0] in PROGRAMS:
-                command = shlex.join(shlex.split(line, comments=True))
-                found.append(DocLine(page, first + offset, _plain(line) or command))
+            if command := COMMAND.match(line):
+                found.append(DocLine(page, first + offset, _plain(command[1])))
     return found
 
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 
 import os
 import subprocess
-from pathlib import Path
 
 import pytest
 
-from tests.support.doc_lines import PAGES, ROOT, doc_lines
+from tests.support.doc_lines import ROOT
 from typed_config import ConfigError
-from typed_config.launch_line import arguments, check_launch_line
+from typed_config.launch_line import check_launch_line
 
 LAUNCH = ROOT / "launch"
 SYSTEM = LAUNCH / "system.launch"
@@ -64,22 +63,6 @@ def test_a_host_name_is_an_address_too():
 def test_every_launch_file_of_ours_asks_for_the_check_by_its_own_name():
     for file in LAUNCH.glob("*.launch"):
         assert f"--launch &quot;$(dirname)/{file.name}&quot;" in file.read_text("utf-8"), file.name
-
-
-def test_the_system_passes_on_each_argument_of_the_voice_that_a_site_sets():
-    ours = {"source", "device", "wav", "model", "model_device", "denoise", "profile", "config"}
-    for file in (SYSTEM, LAUNCH / "kinova.launch"):
-        assert ours <= set(arguments(file)), file.name
-        text = file.read_text("utf-8")
-        assert all(f'<arg name="{name}" value="$(arg {name})"/>' in text for name in ours)
-
-
-@pytest.mark.parametrize("page", PAGES)
-def test_every_launch_line_of_the_pages_has_arguments_that_exist(page):
-    for line in doc_lines((ROOT / page).read_text("utf-8"), page):
-        files = [LAUNCH / Path(word).name for word in line.words if word.endswith(".launch")]
-        if line.words[0] == "roslaunch" and files and files[0].exists():
-            check(str(files[0]), *line.words[2:], file=files[0])
 
 
 @pytest.mark.parametrize(("given", "shown"), [("", "127.0.0.1"), ("10.7.0.1", "10.7.0.1")])

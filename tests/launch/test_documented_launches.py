@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Launch lines of the documents, given to a shell and read as roslaunch does, do as they say."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+import yaml
+
+from support.launched_system import free_port
+from tests.support.argument_places import ROOT, parameters, rows, unmet
+from tests.support.doc_lines import PAGES, all_lines
+from tests.support.launch_reading import restored
+
+PROGRAMS = Path(__file__).parent / "programs"  # where `roslaunch` reads and starts nothing
+CONFIG = ROOT / "catkin_ws/src"
+EXPLAINS, OTHERS = "--ros-args", "kortex_driver"
+NOT_OURS = {"vision", "robot"}  # of Kinova's driver, of a rostest
+ROWS = {(row.file, row.name): row for row in rows()}
+COMPOSE = yaml.safe_load((ROOT / "docker/compose.yaml").read_text(encoding="utf-8"))
+NEEDS_MORE = "roslaunch voice_assist kinova.launch"  # of compose.yaml: the trocar is the user's
+
+
+def launch_lines():
+    """Those of documents and container, each once."""
+    found = [line.text for line in all_lines() if line.program == "roslaunch"]
+    found += [service["command"] for service in COMPOSE["services"].values()]
+    ours = [line for line in found if "roslaunch" in line and EXPLAINS not in line]
+    return sorted({line for line in ours if OTHERS not in line})
+
+
+WITH_ARGUMENTS = [line for line in launch_lines() if ":=" in line]
+
+
+@pytest.fixture(scope="module")
+def shell(tmp_path_factory):
+    """Gives a line to a shell in a checkout that has the files of the user's own as well."""
+    folder = tmp_path_factory.mktemp("checkout")
+    for name in ("launch", "catkin_ws", "examples"):
+        (folder / name).symlink_to(ROOT / name)
+    shutil.copytree(CONFIG / "voice_assist/config", folder / "my_voice")
+    for mine, ours in (("my_limits", "kinova_limits"), ("my_scene", "scene")):
+        shutil.copy(CONFIG / f"rst_control/config/{ours}.yaml", folder / f"{mine}.yaml")
+    environment = {
+        **os.environ,
+        "PATH": f"{PROGRAMS}:{os.environ['PATH']}",
+        "PYTHONPATH": f"{ROOT}:{os.environ['PYTHONPATH']}",
+        "ROS_IP": "127.0.0.1",
+        "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}",
+    }
+
+    def shell(line):
+        done = subprocess.run(
+            ["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True
+        )
+        return done.returncode, done.stdout, done.stderr
+
+    shell.folder = folder
+    return shell
+
+
+def given(line, folder):
+    """Launch file, namespace and arguments of a line, as the shell would give them."""
+    line = line.replace("$(rospack find rst_control)", str(CONFIG / "rst_control"))
+    words = shlex.split(line.replace("$PWD", str(folder)))
+    namespace = words[0].partition("=")[2] if words[0].startswith("ROS_NAMESPACE") else ""
+    (file,) = (Path(word).name for word in words if word.endswith(".launch"))
+    return file, f"/{namespace}", dict(word.split(":=", 1) for word in words if ":=" in word)
+
+
+@pytest.mark.parametrize("line", [line for line in launch_lines() if line != NEEDS_MORE])
+def test_a_line_is_read_and_its_arguments_arrive(shell, line, monkeypatch):
+    code, printed, said = shell(line)
+    assert code == 0, said
+    reading = restored(printed)
+    file, namespace, pairs = given(line, shell.folder)
+    assert reading.nodes and all(name.startswith(namespace) for name in reading.nodes)
+    monkeypatch.chdir(shell.folder)
+    places = {name: parameters(ROWS[file, name]) for name in pairs}
+    for name, value in pairs.items():
+        others = set().union(*(places[other] for other in pairs if other != name))
+        missed = unmet(ROWS[file, name], value, reading, namespace, others)
+        assert not [place for place in missed if _is_started(place, reading)], name
+
+
+def _is_started(place, reading):
+    """Whether the settings are those of a node that this line starts."""
+    kind, _, name = str(place).rpartition(" ")
+    return not kind.endswith(".yaml") or f"/{name.split('/')[1]}" in reading.nodes
+
+
+@pytest.mark.parametrize("line", WITH_ARGUMENTS)
+def test_a_misspelt_argument_of_a_line_is_refused_with_the_one_that_was_meant(shell, line):
+    name = line.partition(":=")[0].split()[-1]
+    misspelt = name + name[-1]
+    code, printed, said = shell(line.replace(f"{name}:=", f"{misspelt}:=", 1))
+    assert (code, printed) == (1, "")
+    assert f"'{misspelt}'" in said and f"did you mean {name}:= ?" in said
+
+
+def test_the_robots_service_of_the_container_asks_for_the_trocar(shell):
+    assert NEEDS_MORE in launch_lines()
+    code, _, said = shell(NEEDS_MORE)
+    assert code == 1 and "kinova.launch] requires the" in said
+
+
+def test_every_argument_that_a_page_names_is_one_of_a_launch_file():
+    text = "".join((ROOT / page).read_text("utf-8") for page in PAGES)
+    text = "".join(line for line in text.splitlines(True) if OTHERS not in line)
+    named = set(re.findall(r"([a-z]\w*):=", text))
+    assert named - NOT_OURS <= {name for _, name in ROWS} and named >= NOT_OURS

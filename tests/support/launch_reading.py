@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A command line of roslaunch, read as roslaunch reads it, with nothing started."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+
+import roslaunch
+from rosgraph.names import ns_join
+from roslaunch import config, rlutil, xmlloader
+
+
+@dataclass(frozen=True)
+class Node:
+    """What roslaunch would do to start one node."""
+
+    required: bool
+    prefix: str
+    environment: dict[str, str]
+    remaps: dict[str, str]
+    machine: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What roslaunch would set and start.
+
+    Attributes:
+        parameters: By full name. One that a command gives has the words of the command.
+        nodes: By full name.
+    """
+
+    parameters: dict[str, object]
+    nodes: dict[str, Node]
+
+
+def read(words, runs_commands=False):
+    """Read the words behind `roslaunch`; raises RLException where roslaunch would end."""
+
+    class Loader(xmlloader.XmlLoader):
+        def param_value(self, *given):
+            command = given[-1]
+            if runs_commands or command is None:
+                value = super().param_value(*given)
+            return value if command is None else command
+
+    _, files = roslaunch._get_optparse().parse_args(list(words))
+    files = [(file, list(words)) for file in rlutil.resolve_launch_arguments(files)]
+    found = config.load_config_default(files, None, loader=Loader(), verbose=False)
+    parameters = {name: parameter.value for name, parameter in found.params.items()}
+    return Reading(
+        parameters,
+        {ns_join(node.namespace, node.name): _node(found, node) for node in found.nodes},
+    )
+
+
+def _node(found, node):
+    machine = found.machines.get(node.machine_name)
+    about = ("address", "user", "env_loader", "timeout")
+    return Node(
+        bool(node.required),
+        node.launch_prefix or "",
+        dict(node.env_args),
+        dict(node.remap_args),
+        {name: str(getattr(machine, name)) for name in about} if machine else {},
+    )
+
+
+def dumped(reading):
+    """As JSON, for another process."""
+    return json.dumps(asdict(reading), default=str)
+
+
+def restored(text):
+    """What `dumped` wrote."""
+    data = json.loads(text)
+    return Reading(data["parameters"], {name: Node(**n) for name, n in data["nodes"].items()})
