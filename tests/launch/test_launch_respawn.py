@@ -26,9 +26,3 @@ def test_who_crashes_is_started_anew_and_who_ends_otherwise_ends_the_launch(name
 def test_who_moves_nothing_is_respawned(name):
     node = nodes("system.launch")[name]
     assert node.respawn and not node.required
-
-
-@pytest.mark.parametrize("file", ["controller.launch", "robot.launch", "voice.launch"])
-def test_another_prefix_takes_its_place(file):
-    (kept,) = (n for name, n in nodes(file, "prefix:=nice").items() if name in KEPT)
-    assert kept.launch_prefix == "nice"

@@ -83,10 +83,3 @@ def test_two_hosts_allow_less_silence_than_one():
     given = yaml.safe_load((LAUNCH / "two_hosts.yaml").read_text())
     assert age == given["controller"]["watchdogs"]["voice_heartbeat_age"]
     assert age < load_motion_config().controller.watchdogs.voice_heartbeat_age
-
-
-def test_other_overrides_take_the_place_of_those_of_two_hosts():
-    words = f"controller_overrides:={LAUNCH / 'no_overrides.yaml'}"
-    parameters = launched(words).params
-    age = parameters["/controller/controller/watchdogs/voice_heartbeat_age"].value
-    assert age == load_motion_config().controller.watchdogs.voice_heartbeat_age
