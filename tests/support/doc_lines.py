@@ -60,11 +60,7 @@ def doc_lines(text: str, page: str) -> list[DocLine]:
     found = []
     for block in FENCE.finditer(text):
         first = text.count("\n", 0, block.start()) + 1
-        joined = block.group().replace(
-            "\
-",
-            " ",
-        )
+        joined = block.group().replace("\\\n", " ")
         for offset, line in enumerate(joined.splitlines()):
             if command := COMMAND.match(line):
                 found.append(DocLine(page, first + offset, _plain(command[1])))
