@@ -30,6 +30,7 @@ COUNTS = ("passed", "failed", "skipped")
 
 def main(arguments: Sequence[str]) -> int:
     """Run them; 0 when all passed."""
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each process compiles all modules anew
     RESULTS.mkdir(parents=True, exist_ok=True)
     if arguments == ["--fast"]:
         _compile_kernels()

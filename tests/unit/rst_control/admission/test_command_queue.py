@@ -1,36 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from rst_control.admission import command_queue
 from rst_control.admission.command_queue import CommandQueue
-from rst_control.commands.parser import MAX_ECHOED, read_command, unknown
-from rst_control.commands.table import COMMANDS
+from rst_control.commands.parser import MAX_ECHOED
 from rst_control.types import Cause, Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig
-
-
-@pytest.mark.parametrize("command", COMMANDS.values(), ids=tuple(COMMANDS))
-def test_every_command_is_read_whatever_its_case_and_spaces(command):
-    assert read_command(f"  {command.phrase.upper()} ") is command
-    assert read_command(command.phrase.replace(" ", "  ")) is command
-
-
-@pytest.mark.parametrize(
-    "words", ["", " ", "pull", "tense now", "te nse", "heyrobot", "ｓｔｏｐ", "tense!", "tense\x00"]
-)
-def test_what_only_resembles_a_command_is_none(words):
-    assert read_command(words) is None
-
-
-@given(st.text(max_size=2000))
-def test_any_text_is_answered_in_a_few_printable_characters(words):
-    refusal = unknown(words).words
-    assert len(refusal) < 400
-    assert refusal.isprintable()
-    for command in COMMANDS.values():
-        assert command.phrase in refusal
 
 
 def test_unknown_words_are_refused_at_once_and_written_into_the_diary():
@@ -55,13 +30,6 @@ def test_what_is_accepted_or_refused_names_its_caller():
         ("refused", "release", "/voice_assist"),
         ("accepted", "terminate", "/display"),
     ]
-
-
-@pytest.mark.parametrize("amount", [float("nan"), float("inf"), -1.0])
-def test_amounts_that_make_no_sense_are_refused(amount):
-    rig = Rig().awake()
-    assert "numbers from 0" in rig.refused("tense", tension=amount)
-    assert "numbers from 0" in rig.refused("pull more", distance=amount)
 
 
 def test_commands_beyond_the_queue_are_refused_and_stop_is_never_queued():
