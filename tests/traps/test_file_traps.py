@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Files as other programs write them: sound, recordings, settings, robots, texts of silence."""
 
-import re
 import shutil
 import struct
 
@@ -10,12 +9,9 @@ import pytest
 import soundfile
 from mcap.reader import make_reader
 
-from rst_control.config.motion import URDF_FILE
-from rst_control.errors import RobotModelError
-from rst_control.kinematics.robot_model import load_robot
 from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message, MessageSource
-from typed_config import ConfigError, package_folder
+from typed_config import package_folder
 from voice_assist.audio.sound_file import read_sound
 from voice_assist.config import load_voice_config
 from voice_assist.errors import AudioError
@@ -158,55 +154,3 @@ def settings(tmp_path):
 )
 def test_settings_of_an_editor_of_windows_are_read(settings, change):
     assert settings(change) == load_voice_config().speaker
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda text: text.decode().encode("utf-16"),
-        lambda text: text + b"# caf\xe9\n",
-        lambda text: text.replace(b": ", b":\t", 1),
-        lambda text: b"",
-    ],
-    ids=["UTF-16", "Latin-1", "tab", "empty"],
-)
-def test_settings_that_are_no_yaml_are_named(settings, change):
-    with pytest.raises(ConfigError, match=r"speaker\.yaml"):
-        settings(change)
-
-
-def joint(what, value):
-    """Changes the origin of the second joint."""
-    place = re.compile(rf'(<joint name="joint_2".*?<origin[^>]*?){what}="[^"]*"', re.DOTALL)
-    return lambda text: place.sub(rf'\g<1>{what}="{value}"', text, count=1)
-
-
-def shape(text):
-    """Changes the place of the first shape."""
-    place = re.compile(r'(<visual.*?<origin[^>]*?)xyz="[^"]*"', re.DOTALL)
-    return place.sub(r'\g<1>xyz="nan 0 0"', text, count=1)
-
-
-def unrun(text):
-    """Leaves a macro of xacro in it."""
-    return text.replace("</robot>", "<xacro:arm xmlns:xacro='http://wiki'/></robot>")
-
-
-@pytest.mark.parametrize(
-    ("change", "word"),
-    [
-        (joint("xyz", "0,1 0 0"), "0,1"),
-        (joint("xyz", "0 0"), "three numbers"),
-        (joint("xyz", "1e400 0 0"), "finite"),
-        (joint("rpy", "90 0 0"), "rad"),
-        (shape, "origin xyz is nan"),
-        (unrun, "run xacro first"),
-    ],
-    ids=["comma", "two numbers", "endless", "degrees", "shape of no number", "xacro not run"],
-)
-def test_a_robot_model_that_would_be_another_robot_is_refused(tmp_path, change, word):
-    text = URDF_FILE.read_text(encoding="utf-8")
-    assert change(text) != text
-    (tmp_path / "robot.urdf").write_text(change(text), encoding="utf-8")
-    with pytest.raises(RobotModelError, match=re.escape(word)):
-        load_robot(tmp_path / "robot.urdf")

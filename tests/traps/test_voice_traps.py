@@ -14,7 +14,6 @@ import pytest
 import torch
 import whisper
 
-from tests.unit.voice_assist.audio.test_microphone import BUILT_IN, USB
 from tests.unit.voice_assist.pipeline.test_pipeline import StreamClock, commands, run
 from tests.unit.voice_assist.recognizer.test_recognizer import COMMANDS
 from tests.unit.voice_assist.recognizer.test_recognizer import say as espeak
@@ -25,9 +24,7 @@ from tests.unit.voice_assist.support.fake_speech import (
     say,
     silence,
 )
-from voice_assist.audio.capture.portaudio import choose
 from voice_assist.config import CONFIG_DIR, load_voice_config
-from voice_assist.errors import DeviceError
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.recognizer import load_recognizer
@@ -193,13 +190,6 @@ def test_one_other_word_never_makes_a_motion():
             assert taken == changed, (changed, taken)
             tried += 1
     assert tried == 45
-
-
-@pytest.mark.parametrize("name", ["7", "hw:3", "Surgeon's headset"])
-def test_a_microphone_that_is_not_there_is_an_error(name):
-    """A wrong index or name must not end at whatever microphone comes first."""
-    with pytest.raises(DeviceError, match="not found; microphones found"):
-        choose(name, [USB, BUILT_IN])
 
 
 def test_zeros_at_the_start_of_a_headset_neither_trigger_nor_deafen():

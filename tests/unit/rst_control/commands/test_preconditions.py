@@ -30,33 +30,12 @@ def reason_of(refusal):
     return None if refusal is None else refusal.reason
 
 
-@pytest.mark.parametrize("command", [*MOTIONS, COMMANDS["terminate"]])
-def test_in_standby_only_stop_and_hey_robot_count(joints, command):
-    standby = situation(joints, is_active=False)
-    assert reason_of(mode_refusal(command, standby.mode)) is Reason.WRONG_MODE
-    assert mode_refusal(COMMANDS["stop"], standby.mode) is None
-    assert mode_refusal(COMMANDS["hey robot"], standby.mode) is None
-
-
 @pytest.mark.parametrize("command", MOTIONS)
 def test_once_halted_nothing_moves_and_the_reason_is_told(joints, command):
     refusal = mode_refusal(command, situation(joints, halt_reason='"stop" was said').mode)
     assert refusal.reason is Reason.HALTED
     assert '"stop" was said' in refusal.words
     assert "hey robot" in refusal.words
-
-
-def test_terminate_is_taken_when_halted_and_when_moving(joints):
-    assert mode_refusal(COMMANDS["terminate"], situation(joints, halt_reason="x").mode) is None
-    assert mode_refusal(COMMANDS["terminate"], situation(joints, is_moving=True).mode) is None
-
-
-def test_while_moving_only_pulls_may_be_said_again(joints):
-    moving = situation(joints, is_moving=True)
-    assert mode_refusal(COMMANDS["pull more"], moving.mode) is None
-    assert mode_refusal(COMMANDS["pull less"], moving.mode) is None
-    assert reason_of(mode_refusal(COMMANDS["tense"], moving.mode)) is Reason.BUSY
-    assert reason_of(mode_refusal(COMMANDS["release"], moving.mode)) is Reason.BUSY
 
 
 @pytest.mark.parametrize("command", [*MOTIONS, COMMANDS["hey robot"]])

@@ -129,12 +129,12 @@ def _crash(rig):
 
 
 FAULTS = {
-    _freeze: "stale",
-    _drift: "off its set-point",
-    _disconnect: "not connected",
-    _fault: "brakes on",
-    _stiffen: "tension",
-    _slip: "slipped",
+    _freeze: (Reason.STALE, "stale"),
+    _drift: (Reason.OFF_SETPOINT, "off its set-point"),
+    _disconnect: (Reason.NOT_CONNECTED, "not connected"),
+    _fault: (Reason.FAULTED, "brakes on"),
+    _stiffen: (Reason.SENSOR_FAULT, "tension jumped"),
+    _slip: (Reason.SLIPPED, "slipped"),
 }
 
 
@@ -151,7 +151,9 @@ def fault_in_motion(rig, fault):
 def test_each_fault_brakes_along_the_path_and_latches_with_its_name(fault):
     rig = Rig().moving("pull")
     sent = fault_in_motion(rig, fault)
-    assert FAULTS[fault] in rig.view.mode.reason
+    reason, words = FAULTS[fault]
+    assert words in rig.view.mode.reason and rig.view.mode.cause.reason is reason
+    assert {e.reason for e in rig.executor.events if e.kind == "halted"} == {reason}
     assert max(rig.rcm(s.position) for s in sent) < 1e-6
     speed = [np.linalg.norm(s.velocity) for s in sent]
     assert speed[-1] < 1e-9
@@ -205,6 +207,7 @@ def test_an_error_in_the_loop_brakes_and_a_second_one_leaves_holding_to_the_robo
     rig.executor._trocar_pose_of = locate
     rig.tick()
     assert rig.state is State.STOPPING and "not a number" in rig.view.mode.reason
+    assert rig.view.mode.cause.reason is Reason.LOOP_ERROR
     rig.executor.crashed(ArithmeticError("again"))
     assert rig.executor._setpoint_state.motion is None
     rig.robot.hold()
@@ -223,6 +226,7 @@ def test_a_spoken_command_brakes_when_the_voice_node_falls_silent():
     assert rig.state is State.MOVING
     rig.until(lambda: rig.state is State.FAULTED, limit=1.0)
     assert "voice node silent" in rig.view.mode.reason
+    assert rig.view.mode.cause.reason is Reason.VOICE_SILENT
 
 
 def test_a_robot_that_held_by_itself_wakes_though_set_points_went_on_while_it_stood():
@@ -249,6 +253,7 @@ def test_a_phase_that_takes_too_long_brakes():
     rig.now += 3.5  # in which the way, late for once, goes on by five periods only
     rig.until(lambda: rig.state is State.FAULTED, limit=0.5)
     assert "2 s longer than planned" in rig.view.mode.reason
+    assert rig.view.mode.cause.reason is Reason.OVERTIME
 
 
 def test_a_long_way_may_take_its_time():

@@ -7,7 +7,6 @@ by field, a message of `rst_control/event`, and its view one of `rst_control/sta
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,23 +14,15 @@ import pytest
 import yaml
 
 from rst_control.types import LATCHED, Cause, Reason, State
-from tests.unit.rst_control.support.executor_rig import Rig, with_watchdogs
+from tests.unit.rst_control.support.executor_rig import Rig
 
 ROOT = Path(__file__).resolve().parents[4]
 RECORDER = ROOT / "catkin_ws/src/session_log/config/recorder.yaml"
 
 
-def freeze(rig):
-    rig.robot.freeze()
-
-
 def push(rig):
     rig.robot.servo_jp = lambda setpoint: None
     rig.robot.push(np.full(10, 0.06))
-
-
-def disconnect(rig):
-    rig.robot.is_connected = False
 
 
 def fault(rig):
@@ -43,10 +34,6 @@ def stiffen(rig):
     rig.believing()  # a tension that leaps is a sensor's fault to the watch over the sensors
     limit = rig.config.controller.tension.limit
     rig.robot.tissue.stiffness *= 1.02 * limit / rig.view.tension
-
-
-def slip(rig):
-    rig.robot.tissue = None
 
 
 def stop(rig):
@@ -79,30 +66,18 @@ def two_errors(rig):
     rig.executor.crashed(ArithmeticError("still not a number"))
 
 
-def silence(rig):
-    rig.executor._event_log.order = replace(rig.executor._event_log.order, is_spoken=True)
-
-
-IN_MOTION = {
-    freeze: Reason.STALE,
+IN_MOTION = {  # faults of the robot: test_watchdogs.py
     push: Reason.SENSOR_FAULT,
-    disconnect: Reason.NOT_CONNECTED,
-    fault: Reason.FAULTED,
     stiffen: Reason.OVER_TENSION,
-    slip: Reason.SLIPPED,
     stop: Reason.STOP_TOPIC,
     stop_by_word: Reason.STOP_COMMAND,
     cancel: Reason.STOP_CANCEL,
     unrecorded: Reason.NOT_RECORDED,
     shut_down: Reason.SHUTDOWN,
-    error: Reason.LOOP_ERROR,
     two_errors: Reason.LOOP_ERROR,
-    silence: Reason.VOICE_SILENT,
 }
 AT_REST = {
     push: Reason.SENSOR_FAULT,
-    disconnect: Reason.NOT_CONNECTED,
-    fault: Reason.FAULTED,
     stop: Reason.STOP_TOPIC,
     shut_down: Reason.SHUTDOWN,
     error: Reason.LOOP_ERROR,
@@ -165,13 +140,6 @@ def test_a_loop_that_fails_again_and_again_still_tells_its_state():
     assert rig.view.mode.state is State.FAULTED and "not a number" in rig.view.mode.reason
     assert rig.view.stamp > before
     assert causes(events(rig)) == {Reason.LOOP_ERROR}
-
-
-def test_a_phase_that_takes_too_long_is_in_the_diary():
-    rig = Rig(config=with_watchdogs(phase_timeout=4.0)).moving("reach")
-    rig.now += 5.5
-    rig.until(lambda: latched(rig), limit=1.0)
-    assert causes(events(rig)) <= {Reason.OVERTIME, Reason.STALE} and causes(events(rig))
 
 
 def test_a_motion_that_is_given_up_says_why_when_it_has_come_to_rest():
