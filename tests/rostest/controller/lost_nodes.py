@@ -50,6 +50,8 @@ class LostNodes(unittest.TestCase):
         self.addCleanup(beat.shutdown)
         rospy.sleep(0.3)
         self.robot.start_fresh()
+        for command in ("insert", "withdraw"):
+            self.assertIn("by hand, never by voice", self.robot.refused(command))
         self.robot.say("tense")
         self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
         api = rosgraph.Master(rospy.get_name()).lookupNode("robot")
