@@ -13,7 +13,7 @@ from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import rotation
 
-COUNT = 400
+COUNT = 200
 NEAR_LIMITS = 40
 FEW_STARTS = 20  # of 400; 1,000 poses took up to 7
 LEAST_STEEPNESS = 0.3  # cosine of the shaft from straight down

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Insertion from a hundred places outside and withdrawal, judged by PyBullet's kinematics."""
+"""Insertion from many places outside and withdrawal, judged by PyBullet's kinematics."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rst_control.planning.plan import PhaseKind
 from rst_control.types import Rejected
 from tests.unit.rst_control.support.situations import request
 
-STARTS = 100  # whose insertion is planned
+STARTS = 40  # whose insertion is planned
 JUDGED = 3  # of so many plans one is looked at in full; the bench looks at all of its own
 LOOKS = 25  # places of each phase
 RATE = 1000.0  # [Hz] of the looks at the way through the trocar; the bench takes 10 kHz
@@ -64,7 +64,7 @@ def test_approaches_differ_but_all_lead_through_the_same_trocar(planner, judge, 
 
 def test_withdrawals_from_anywhere_inside_keep_them_as_well(planner, judge, verify, home):
     q, judged = home, 0
-    for pose in random_poses(planner.config, 30, seed=22):
+    for pose in random_poses(planner.config, 20, seed=22):
         try:
             q = planner.leg(q, pose).end
         except Infeasible:
@@ -73,4 +73,4 @@ def test_withdrawals_from_anywhere_inside_keep_them_as_well(planner, judge, veri
         assert not isinstance(decision, Rejected), decision.words
         assert judge.objection(q, decision.plan.phases, LOOKS) == ""
         judged += 1
-    assert judged > 10
+    assert judged > 6

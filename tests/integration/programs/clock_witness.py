@@ -8,7 +8,6 @@ and the file to write.
 import json
 import sys
 import time
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,11 @@ from sensor_msgs.msg import JointState
 from tests.support.robot_client import RobotClient
 
 WHOSE = {"both": (1.0, 1.0), "robot": (1.0, 0.0), "controller": (0.0, 1.0)}  # shares of a jump
-JUMPS = (0.3, 30.0, -3.0)  # [s] each in a motion, and back again at rest
+JUMPS = {  # [s] each in a motion, and back again at rest
+    "both": (0.3, 30.0, -3.0),
+    "robot": (30.0, -3.0),
+    "controller": (30.0, -3.0),
+}
 MOVING = 5e-3  # [rad/s] of the fastest joint, in whose midst the clock is set
 RESTING = 1e-4  # [rad] in half a second
 WATCHED = 1.0  # [s] after that, twice as long as the oldest joint states that are believed
@@ -33,13 +36,13 @@ def main() -> None:
     )
     robot = RobotClient()
     found = []
-    for (whose, shares), jump in product(WHOSE.items(), JUMPS):
+    for whose, jump in [(name, jump) for name, jumps in JUMPS.items() for jump in jumps]:
         robot.start_fresh()
         robot.say("tense")
         robot.wait(lambda: robot.state.state == "moving" and robot.speed() > MOVING)
         for at in (jump, 0.0):
             seen.clear()
-            for clock, share in zip(clocks, shares, strict=True):
+            for clock, share in zip(clocks, WHOSE[whose], strict=True):
                 put_off(clock, share * at)
             time.sleep(WATCHED)
             found.append({"whose": whose, "jump": at or -jump, **after(robot, seen)})
