@@ -118,11 +118,6 @@ class SensorLink:
         self.jump: Array | None = None  # (10,), [rad] by which reported joints are wrong
         self.extra: Array | None = None  # (3,), [N] by which the reported force is wrong
 
-    @property
-    def is_broken(self) -> bool:
-        """What is reported is not what is."""
-        return self.is_frozen or self.jump is not None or self.extra is not None
-
     def measured_js(self) -> Measurement:
         """Newest joint states with the force on the jaws."""
         if self.is_frozen:

@@ -64,12 +64,6 @@ def test_every_denied_phrase_denies():
     assert [p for p in DENIED if not is_negated(normalize(p))] == []
 
 
-def test_near_misses_of_the_requirement_are_all_there():
-    named = {"tents", "dense", "least", "full more", "shop", "don't stop", "stop pulling"}
-    named |= {"don't pull more", "the release form", "terminal"}
-    assert named <= {*SOUNDS_LIKE, *DENIED}
-
-
 # --- noises
 
 

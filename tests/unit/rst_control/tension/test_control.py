@@ -108,29 +108,6 @@ def test_stiffening_and_viscous_tissue_seen_late_is_not_overpulled(config, stiff
 
 
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
-def test_more_is_always_more_and_less_is_always_less(config, stiffness):
-    pull, last = Pull(config, stiffness, target=0.5), 0.0
-    last = pull.run()[-1]
-    for target in (0.75, 1.0, 1.25, 1.0, 0.75, 0.5):
-        pull.control.retarget(target)
-        held = pull.run()[-1]
-        assert (held > last) == (target > last)
-        assert abs(held - target) <= config.tension.tolerance
-        last = held
-
-
-@pytest.mark.parametrize("stiffness", STIFFNESSES)
-def test_a_step_settles_within_half_a_second(config, stiffness):
-    pull = Pull(config, stiffness)
-    pull.run()
-    pull.control.retarget(1.25)
-    before = len(pull.forces)
-    forces = pull.run()[before:]
-    within = np.abs(forces - 1.25) <= config.tension.tolerance
-    assert within[int(0.5 / DT) :].all()
-
-
-@pytest.mark.parametrize("stiffness", STIFFNESSES)
 @pytest.mark.parametrize(("start", "target"), [(0.3, 2.0), (2.0, 0.3), (0.5, 0.6), (1.0, 1.9)])
 def test_a_step_of_any_size_settles_within_half_a_second_beyond_the_travel(
     config, stiffness, start, target
@@ -184,14 +161,6 @@ def test_no_objection_is_raised_against_sound_tissue(config, stiffness):
     assert pull.response.objection is None
 
 
-def test_new_targets_while_still_moving_are_followed(config):
-    pull = Pull(config, 100.0, target=0.5)
-    for target in (0.75, 1.0, 1.25):
-        pull.control.retarget(target)
-        pull.run(time=0.1)
-    assert pull.run()[-1] == pytest.approx(1.25, abs=config.tension.tolerance)
-
-
 def test_soft_tissue_ends_at_the_displacement_limit_and_says_so(config):
     pull = Pull(config, 20.0, target=1.0)
     pull.run(time=20.0)
@@ -209,9 +178,7 @@ def test_tissue_that_never_pulls_back_ends_at_the_limit(config):
 
 
 def test_easing_never_goes_behind_the_grasp(config):
-    pull = Pull(config, 100.0, s=0.005, target=0.1)
-    pull._law = (100.0, 1.0, 0.0)
-    pull.control.retarget(-1.0)
+    pull = Pull(config, 100.0, s=0.005, target=-1.0)
     pull.run(time=5.0)
     assert min(state.s for state in pull.states) >= -1e-9
 

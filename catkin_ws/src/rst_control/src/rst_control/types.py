@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 BASE = "base_link"  # frame of all poses, points and forces
 ARM_JOINTS = tuple(f"joint_{i}" for i in range(1, 8))

@@ -84,10 +84,6 @@ class TensionControl:
         end = self._length if error > 0.0 else 0.0
         return abs(end - self.state.s) <= END_REACHED
 
-    def retarget(self, target: float) -> None:
-        """Ask for another tension [N], also while moving."""
-        self.target, self._settled_for = target, 0.0
-
     def step(self, force: float, dt: float) -> PathState:
         """Move on by dt [s] with the tension [N] measured now; returns the state of s then."""
         self._update(force, dt)

@@ -9,8 +9,6 @@ import torch
 from torch import Tensor
 from whisper.audio import HOP_LENGTH, N_FFT, mel_filters
 
-FRAME_RATE = 100  # [Hz] of the spectrogram; the encoder halves it
-
 
 @lru_cache(maxsize=4)
 def _tables(device: torch.device, n_mels: int) -> tuple[Tensor, Tensor]:

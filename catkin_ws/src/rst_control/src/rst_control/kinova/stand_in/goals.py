@@ -10,7 +10,6 @@ from typing import Protocol
 from rst_control.kinova.stand_in.waypoints import Point
 
 SUCCESSFUL = 0
-INVALID_GOAL = -1
 PATH_TOLERANCE_VIOLATED = -4  # also what a goal missed in time gets
 
 
