@@ -79,7 +79,7 @@ class DocExamples(unittest.TestCase):
             self.robot.wait_for_state("standby", "active", "halted", "faulted")
             return
         self.robot.start_fresh()
-        if "'release'" in line.text:
+        if any(word in line.text for word in ("'release'", "'pull more'", "'pull less'")):
             self.robot.say_and_finish("tense", 60.0)
         is_outside = self.robot.state.insertion < 0.0
         if "'insert'" in line.text and not is_outside:
