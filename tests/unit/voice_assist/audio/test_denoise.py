@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import numpy as np
 import pytest
+from scipy.signal import butter, sosfilt
 
 from tests.unit.voice_assist.support.fake_speech import frames, say
 from voice_assist.audio.denoise import Denoiser, HighPass, SpectralGate
@@ -24,6 +25,15 @@ def hiss(seconds, amplitude=0.01):
 def test_rumble_is_removed_and_speech_is_left():
     assert level_db(run(HighPass(80.0), sine(20.0))[8000:]) < level_db(sine(20.0)) - 20
     assert level_db(run(HighPass(80.0), sine(500.0))[8000:]) > level_db(sine(500.0)) - 0.5
+
+
+@pytest.mark.parametrize("cutoff", [20.0, 80.0, 300.0])
+def test_the_high_pass_is_butterworths_in_blocks_of_any_length(cutoff):
+    sound = hiss(0.3).astype(np.float32)
+    stage = HighPass(cutoff)
+    heard = np.concatenate([stage(part) for part in np.split(sound, [1, 3, 259, 300, 2000])])
+    wanted = sosfilt(butter(2, cutoff, "highpass", fs=RATE, output="sos"), sound)
+    np.testing.assert_allclose(heard, wanted, atol=1e-8)
 
 
 def test_a_filter_at_zero_lets_everything_pass():

@@ -22,12 +22,12 @@ from typing import Self
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from rst_control.kinematics import forward
 from rst_control.kinematics.mounting import gravity_in_base
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.kinematics.robot_model import load_robot as load_model
+from rst_control.kinematics.rotations import quaternion
 from rst_control.simulation.jaw_tips import JawTips
 from rst_control.simulation.rigid_parts import joined
 from rst_control.types import JOINTS
@@ -226,7 +226,7 @@ def load_robot(urdf: Path, client: int, model: RobotModel | None = None) -> int:
     model = load_model(urdf) if model is None else model
     root = np.linalg.inv(model.T_root_base)
     options["basePosition"] = root[:3, 3].tolist()
-    options["baseOrientation"] = Rotation.from_matrix(root[:3, :3]).as_quat().tolist()
+    options["baseOrientation"] = quaternion(root[:3, :3])
     return int(pybullet.loadURDF(str(urdf), **options))
 
 

@@ -12,9 +12,9 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from rst_control.kinematics.robot_model import rotation
+from rst_control.kinematics.rotations import roll_pitch_yaw
 from rst_control.types import JOINTS
 
 Array = NDArray[np.float64]
@@ -92,7 +92,7 @@ def _pose(element: Xml.Element) -> Array:
 
 
 def _place(joint: Xml.Element, T: Array) -> None:
-    rpy = Rotation.from_matrix(T[:3, :3]).as_euler("xyz")
+    rpy = roll_pitch_yaw(T[:3, :3])
     origin = joint.find("origin")
     if origin is None:
         origin = Xml.SubElement(joint, "origin")

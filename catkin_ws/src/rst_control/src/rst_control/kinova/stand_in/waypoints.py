@@ -4,7 +4,7 @@
 Durations follow ros_kortex: velocities and accelerations of a point are dropped, the first
 way-point lasts a fixed time whatever the goal says, and very short ones are lengthened. How the
 firmware joins way-points is not published; here each joint takes the cubic through them that never
-turns back between two of them and is at rest at both ends (Fritsch and Carlson's). Between points
+turns back between two of them and is at rest at both ends (Fritsch and Butland's). Between points
 close to each other that makes little difference.
 """
 
@@ -16,7 +16,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 Vector = NDArray[np.float64]
 SAMPLES = 5  # within each stretch between two way-points, to find its greatest speed
@@ -81,9 +80,8 @@ class Course:
         knots = np.vstack([start, [w.angles for w in waypoints]])  # (n + 1, 7)
         slopes = np.zeros_like(knots)
         if len(waypoints) > 1:
-            slopes[1:-1] = PchipInterpolator(self._times, knots)(self._times[1:-1], 1)
-        self._spline = CubicHermiteSpline(self._times, knots, slopes)
-        self._knots, self._end = knots, knots[-1]
+            slopes[1:-1] = monotone_slopes(self._times, knots)
+        self._knots, self._slopes, self._end = knots, slopes, knots[-1]
 
     @property
     def duration(self) -> float:
@@ -94,13 +92,25 @@ class Course:
         """Position [rad] and velocity [rad/s] at a time from the start [s]; shapes (7,)."""
         if time >= self.duration:
             return self._end, np.zeros_like(self._end)
-        return self._spline(time), self._spline(time, 1)
+        position, velocity = self._through(np.array([time]))
+        return position[0], velocity[0]
 
     def max_joint_speed(self) -> Vector:
         """Of each joint [rad/s]; shape (7,)."""
         steps = np.diff(self._times)[:, None] * np.linspace(0.0, 1.0, SAMPLES, endpoint=False)
         times = (self._times[:-1, None] + steps).ravel()
-        return np.abs(self._spline(times, 1)).max(axis=0)
+        return np.abs(self._through(times)[1]).max(axis=0)
+
+    def _through(self, times: Vector) -> tuple[Vector, Vector]:
+        """Positions and velocities at times (n,) by cubic Hermite segments; shapes (n, 7)."""
+        at = np.clip(np.searchsorted(self._times, times, "right") - 1, 0, len(self._times) - 2)
+        span = np.diff(self._times)[at, None]
+        u = (times - self._times[at])[:, None] / span
+        rise = self._knots[at + 1] - self._knots[at]
+        first, last = span * self._slopes[at], span * self._slopes[at + 1]
+        bend, twist = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
+        position = self._knots[at] + u * (first + u * (bend + u * twist))
+        return position, (first + u * (2.0 * bend + 3.0 * u * twist)) / span
 
     def greatest_acceleration(self) -> Vector:
         """Of each joint, as its mean speeds between way-points change [rad/s^2]; shape (7,)."""
@@ -109,6 +119,28 @@ class Course:
         change = np.diff(means, axis=0, append=np.zeros_like(means[:1]))  # at rest after the end
         apart = 0.5 * (spans + np.append(spans[1:], np.zeros((1, 1)), axis=0))
         return np.abs(change / apart).max(axis=0)
+
+
+def monotone_slopes(times: Vector, knots: Vector) -> Vector:
+    """Slopes at the inner knots, with which no cubic turns back between two of them.
+
+    The weighted harmonic mean of both sides, or zero where they differ in sign (Fritsch and
+    Butland, SIAM J. Sci. Stat. Comput. 5, 1984).
+
+    Args:
+        times: Rising. Shape (n,).
+        knots: Shape (n, joints).
+
+    Returns:
+        Shape (n - 2, joints).
+    """
+    spans = np.diff(times)[:, None]
+    sides = np.diff(knots, axis=0) / spans
+    before, after = sides[:-1], sides[1:]
+    near, far = 2.0 * spans[1:] + spans[:-1], spans[1:] + 2.0 * spans[:-1]
+    is_one_way = before * after > 0.0
+    weighted = near / np.where(is_one_way, before, 1.0) + far / np.where(is_one_way, after, 1.0)
+    return np.where(is_one_way, (near + far) / weighted, 0.0)
 
 
 def objections(start: Vector, waypoints: Sequence[Waypoint], limits: ArmLimits) -> list[str]:

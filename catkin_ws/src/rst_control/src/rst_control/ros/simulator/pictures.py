@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import rospy
 from geometry_msgs.msg import PoseStamped
-from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import CameraInfo, CompressedImage
 from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.config import SimulationConfig
+from rst_control.kinematics.rotations import quaternion
 from rst_control.simulation.camera_geometry import camera_matrix, camera_pose
 from rst_control.simulation.rendering.state import SceneSetup, SceneState
 from rst_control.simulation.rendering.worker import SceneLostError, SceneWorker
@@ -118,5 +118,5 @@ def endoscope_messages(config: SimulationConfig) -> tuple[CameraInfo, PoseStampe
     pose.header.frame_id = BASE
     p, q = pose.pose.position, pose.pose.orientation
     p.x, p.y, p.z = T[:3, 3].tolist()
-    q.x, q.y, q.z, q.w = Rotation.from_matrix(T[:3, :3]).as_quat().tolist()
+    q.x, q.y, q.z, q.w = quaternion(T[:3, :3])
     return info, pose
