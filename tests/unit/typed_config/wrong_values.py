@@ -40,6 +40,7 @@ NO_OTHER_UNIT = {  # units that people write in one way
     "dB": "everybody's unit of it",
     "cent": "everybody's unit of it",
     "dB/s": "everybody's unit of it",
+    "mm or N": "its own: the key `unit` beside it says which",
     "nat": "its own: odds have no physical bound",
     "1/nat": "its own: odds have no physical bound",
     "times real time": "a ratio",

@@ -37,3 +37,49 @@ def test_amounts_that_make_no_sense_are_refused_and_never_reach_a_planner(name, 
 def test_what_moves_nothing_takes_no_amounts():
     request = read_request("hey robot", tension=float("nan"))
     assert (request.tension, request.distance) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("words", "tension", "distance"),
+    [
+        ("pull more 2 mm", 0.0, 0.002),
+        ("Pull  MORE 0.5mm ", 0.0, 0.0005),
+        ("pull less 0.01 m", 0.0, 0.01),
+        ("pull less 0.5 N", 0.5, 0.0),
+        ("tense 1.5 n", 1.5, 0.0),
+    ],
+)
+def test_an_amount_may_stand_behind_the_words(words, tension, distance):
+    request = read_request(words)
+    assert (request.tension, request.distance) == pytest.approx((tension, distance))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("pull more 2 kg", '"pull more" takes N or mm or m, not 2 kg'),
+        ("release 2 mm", '"release" takes no amount, not 2 mm'),
+        ("hey robot 2 mm", '"hey robot" takes no amount, not 2 mm'),
+        ("pull more 0 mm", 'the distance of "pull more" must be above 0 mm, not 0 mm'),
+        ("pull less -0.5 N", 'the tension of "pull less" must be above 0 N, not -0.5 N'),
+    ],
+)
+def test_an_amount_that_a_command_cannot_take_is_refused_by_name(words, said):
+    refusal = read_request(words)
+    assert (refusal.reason, refusal.words) == (Reason.BAD_AMOUNT, said)
+
+
+def test_an_amount_is_given_once():
+    refusal = read_request("pull more 2 mm", distance=0.003)
+    assert refusal.reason is Reason.BAD_AMOUNT
+    assert "2 mm in words and another beside them" in refusal.words
+
+
+@pytest.mark.parametrize("words", ["pull more 2", "pull more mm", "pull more 2 mm now", "2 mm"])
+def test_a_number_without_a_unit_is_no_command(words):
+    assert read_request(words).reason is Reason.UNKNOWN_COMMAND
+
+
+@pytest.mark.parametrize("words", ["stop 2 mm", "Stop 0 kg"])
+def test_a_stop_stops_whatever_stands_behind_it(words):
+    assert read_request(words).command is COMMANDS["stop"]

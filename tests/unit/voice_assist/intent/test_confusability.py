@@ -135,3 +135,17 @@ def test_where_nothing_pronounces_any_language_is_guessed_and_said_so(monkeypatc
     main(["check-commands", "--language", "klingon"])
     languages.cache_clear()
     assert "sounds are guessed from letters" in capsys.readouterr().out
+
+
+def test_numbers_of_a_slot_are_compared_by_their_own_words():
+    config = load_voice_config(commands__amounts=True)
+    slot = {**vars(config.commands.slots[0]), "values": [2.0, 10.0, 15.0, 50.0]}
+    entries = [{**vars(c), "spellings": list(c.spellings)} for c in COMMANDS.commands]
+    entries.append({**entries[3], "phrase": "pull {distance} onwards", "threshold": 0.1})
+    changes = {"commands__slots": [slot], "commands__commands": entries}
+    found = load_voice_config(commands__amounts=True, **changes).commands
+    pairs = {pair.spellings: pair.verdict for pair in closest_pairs(found)}
+    assert pairs["two", "ten"] == "apart"
+    assert pairs["fifteen", "fifty"] == "too alike"
+    assert pairs["pull millimetres onwards", "pull more"] == "apart"
+    assert not any("two millimetres" in text for pair in pairs for text in pair)

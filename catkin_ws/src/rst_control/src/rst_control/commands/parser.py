@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from typing import Final
 
 from rst_control.commands.request import Request
-from rst_control.commands.spec import STOP, CommandSpec
+from rst_control.commands.spec import STOP, CommandSpec, Role
 from rst_control.commands.table import COMMANDS
 from rst_control.types import Reason, Rejected
 
@@ -16,6 +17,7 @@ MAX_LENGTH: Final = 200  # characters of a command with its spaces; the longest 
 MAX_ECHOED: Final = 80  # characters of an unknown command that a refusal repeats
 _SPACES = re.compile(r"[ \t\r\n]+")
 _WORD = re.compile(r"\w+")
+_AMOUNT = re.compile(r" ([+-]?[0-9]+(?:[.][0-9]+)?) ?([a-z]+)$", re.ASCII)  # behind a phrase
 
 Table = Mapping[str, CommandSpec]
 
@@ -26,7 +28,7 @@ def read_request(
     """Command in words with its amounts, or why it is none.
 
     Args:
-        words: The command.
+        words: The command; an amount may stand behind it: "pull more 2 mm".
         tension: [N], 0: as configured.
         distance: [m], 0: as configured.
         commands: All commands by their phrases.
@@ -34,6 +36,11 @@ def read_request(
     command = read_command(words, commands)
     if command is None:
         return unknown(words, commands=commands)
+    if command.role is Role.STOP:
+        return Request(command)
+    _, said = _parted(words)
+    if said is not None:
+        return _with_amount(command, said, tension, distance)
     if command.plan is None:
         return Request(command)
     try:
@@ -42,17 +49,48 @@ def read_request(
         return Rejected(Reason.BAD_AMOUNT, "tension and distance must be numbers from 0 up")
 
 
+def _with_amount(
+    command: CommandSpec, said: tuple[str, str], tension: float, distance: float
+) -> Request | Rejected:
+    """A command with the number and the unit that were said behind it, or why it takes none."""
+    (number, unit), value = said, float(said[0])
+    units = {u.lower(): (a, u) for a in command.amounts for u in a.spoken_units}
+    given = f"{number} {unit}"
+    if tension or distance:
+        words = f"one amount, not {given} in words and another beside them"
+        return Rejected(Reason.BAD_AMOUNT, words)
+    if unit not in units:
+        allowed = " or ".join(name for _, name in units.values()) or "no amount"
+        words = f'"{command.phrase}" takes {allowed}, not {given}'
+        return Rejected(Reason.BAD_AMOUNT, words)
+    amount, name = units[unit]
+    if not (math.isfinite(value) and value > 0.0):
+        words = f'the {amount.name} of "{command.phrase}" must be above 0 {name}'
+        return Rejected(Reason.BAD_AMOUNT, f"{words}, not {number} {name}")
+    return Request(command, **{amount.name: value * amount.spoken_units[name]})
+
+
 def read_command(words: str, commands: Table = COMMANDS) -> CommandSpec | None:
     """Command that the words are; None where they are none.
 
-    Case and spaces do not matter. A text that is longer than MAX_LENGTH, or holds anything but
-    ASCII, is no command, whatever it looks like: only a stop is read more kindly.
+    Case and spaces do not matter, nor does an amount behind the phrase. A text that is longer than
+    MAX_LENGTH, or holds anything but ASCII, is no command, whatever it looks like: only a stop is
+    read more kindly.
     """
     if is_stop(words):
         return commands[STOP]
     if len(words) > MAX_LENGTH or not words.isascii():
         return None
-    return commands.get(_SPACES.sub(" ", words.lower()).strip(" "))
+    return commands.get(_parted(words)[0])
+
+
+def _parted(words: str) -> tuple[str, tuple[str, str] | None]:
+    """Phrase of a command in lower case, and the number and the unit behind it; None: neither."""
+    plain = _SPACES.sub(" ", words.lower()).strip(" ")
+    found = _AMOUNT.search(plain)
+    if found is None:
+        return plain, None
+    return plain[: found.start()], (found[1], found[2])
 
 
 def is_stop(words: str) -> bool:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, ClassVar, Final
@@ -60,12 +60,20 @@ class Place(Enum):
 
 @dataclass(frozen=True)
 class Amount:
-    """A number that a caller may give with a command; 0 stands for the configured one."""
+    """A number that a caller may give with a command; 0 stands for the configured one.
+
+    In words it stands behind the command with a unit of `spoken_units`: "pull more 2 mm".
+    """
 
     name: str  # field of the request and of the action's goal
     unit: str
     meaning: str
     minimum: float = 0.0  # in `unit`; the planner checks the largest against its settings
+
+    @property
+    def spoken_units(self) -> Mapping[str, float]:
+        """Units of the amount in words, and how many of `unit` each is."""
+        return {"mm": 1e-3, "m": 1.0} if self.unit == "m" else {self.unit: 1.0}
 
     def allows(self, value: float) -> bool:
         """Whether the value is a number within the bounds."""

@@ -55,11 +55,11 @@ def enroll(voice: VoiceConfig, asked: EnrolRequest, ask: Callable[[str], str] = 
 
     console, config = Console(), load_enrolment_config(asked.settings)
     _warn_of_alikes(voice.commands, console)
-    take_over = _recorded(asked, config.session_reader, voice.commands.phrases)
+    take_over = _recorded(asked, config.session_reader, voice.commands.fixed_phrases)
     base = load_recognizer(voice.recognizer.model, voice.recognizer.device)
     profile = _open_or_create(asked, base)
     check = TakeCheck(config.checks, voice.commands, base)
-    script = EnrolmentScript(profile, config, voice.commands.phrases, check)
+    script = EnrolmentScript(profile, config, voice.commands.fixed_phrases, check)
     if take_over is not None:
 
         def show_checked(path: Path, checked: Checked) -> None:

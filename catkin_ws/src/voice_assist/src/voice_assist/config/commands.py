@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from typed_config import choice, flag, items, number, text
+from voice_assist.config.spelling_grammar import SlotConfig, slot_of, without_brackets
 from voice_assist.errors import CommandsError
+from voice_assist.text.amounts import amount_words, with_value
 from voice_assist.text.normalize import Words, is_negated, normalize
 from voice_assist.text.wer import wer
 
@@ -39,11 +41,19 @@ class CommandConfig:
     halt_score_threshold: float = number(-1000.0, 1000.0, "nat")
 
     def __post_init__(self) -> None:
-        """Check what no key shows alone.
+        """Write optional words out, and check what no key shows alone.
 
         Raises:
             CommandsError: Two keys contradict each other.
         """
+        every = (
+            text
+            for i, spelling in enumerate(self.spellings)
+            for text in without_brackets(f"spellings[{i}]", spelling)
+        )
+        object.__setattr__(self, "spellings", tuple(dict.fromkeys(every)))
+        is_name = "[" not in self.phrase
+        _require(is_name, "phrase", self.phrase, "the command's name, without [optional] words")
         _require(bool(self.modes), "modes", [], "standby, active or both")
         if self.command and self.command not in AT_REST:
             words = f"true, as it calls {self.command!r}, which moves the robot"
@@ -74,24 +84,48 @@ class CommandConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class AmountCommand(CommandConfig):
+    """A command with one amount of its slot, made of a phrase such as `pull {distance} more`."""
+
+    template: str  # the phrase with its slot
+    slot: SlotConfig
+    value: float  # [slot.unit]
+
+    @property
+    def is_large(self) -> bool:
+        """Whether it is asked for before it is done."""
+        return self.value > self.slot.ask_above
+
+    @property
+    def too_large(self) -> str:
+        """Why it is asked for, in words."""
+        return f"{self.value:g} {self.slot.unit}, done at once: up to {self.slot.ask_above:g}"
+
+
+@dataclass(frozen=True, kw_only=True)
 class CommandsConfig:
-    """All spoken commands."""
+    """All spoken commands; after `__post_init__` one for each amount of those with a slot."""
 
     answer_within: float = number(0.05, 30.0, "s")
+    amounts: bool = flag()
+    slots: tuple[SlotConfig, ...] = items(0, 20)
     commands: tuple[CommandConfig, ...] = items(1, 200)
 
     def __post_init__(self) -> None:
-        """Check what no single key can show.
+        """Write amounts out, and check what no single key can show.
 
         Raises:
             CommandsError: A phrase is said twice, is too near to another, has no word, or a
-                motion's phrase denies; nothing halts, or nothing wakes.
+                motion's phrase denies; nothing halts, or nothing wakes; a slot is not declared.
         """
         known: list[tuple[CommandConfig, str, Words]] = []
-        for index, command in enumerate(self.commands):
-            where = f"commands[{index}]"
-            repeated = command.phrase in self.phrases[:index]
-            _require(not repeated, f"{where}.phrase", command.phrase, "a name given once")
+        phrases: set[str] = set()
+        commands = list(self._written_out())
+        object.__setattr__(self, "commands", tuple(command for _, command in commands))
+        for where, command in commands:
+            is_new = command.phrase not in phrases
+            _require(is_new, f"{where}.phrase", command.phrase, "a name given once")
+            phrases.add(command.phrase)
             for key, spelling in command.all_spellings:
                 words = _words(f"{where}.{key}", spelling, command.is_motion)
                 for other, theirs, their_words in known:
@@ -105,21 +139,53 @@ class CommandsConfig:
         allowed = "at least one that counts in standby and leads to active, such as hey robot"
         _require(wakes, "commands", names, allowed)
 
+    def _written_out(self) -> Iterator[tuple[str, CommandConfig]]:
+        """Each command with the key that it stands under; those with a slot once per amount."""
+        for index, command in enumerate(self.commands):
+            where = f"commands[{index}]"
+            slot = slot_of(f"{where}.phrase", command.phrase, self.slots)
+            for key, spelling in command.all_spellings:
+                allowed = f"text with {{{slot.name}}}" if slot else "text without a slot"
+                its_own = slot_of(f"{where}.{key}", spelling, self.slots) == slot
+                _require(its_own, f"{where}.{key}", spelling, f"{allowed}, as its phrase")
+            if slot is None:
+                yield where, command
+                continue
+            _require(command.is_motion, f"{where}.is_motion", False, "true, as it takes an amount")
+            if self.amounts:
+                made = (_with_amount(command, slot, value) for value in slot.values)
+                yield from ((where, one) for one in made)
+
     @property
     def phrases(self) -> tuple[str, ...]:
         """Names of all commands, in their order."""
         return tuple(command.phrase for command in self.commands)
+
+    @property
+    def fixed_phrases(self) -> tuple[str, ...]:
+        """Names of those without an amount."""
+        return tuple(c.phrase for c in self.commands if not isinstance(c, AmountCommand))
 
     def scored(self, taken: str, words: Words) -> dict[str, str]:
         """Per command the text by which the recogniser scores it: its phrase.
 
         Args:
             taken: The command that was taken; one whose phrase the recogniser cannot write is
-                scored by what it learned to write for it, as it was written now.
-            words: Of the transcript.
+                scored by what it learned to write for it, as it was written now. One with an amount
+                is scored as it was written, beside the same text with every other number.
+            words: Of the transcript, as it was written.
         """
-        texts = {phrase: phrase for phrase in self.phrases}
-        if words in [normalize(text) for text in self.get(taken).learned]:
+        texts = {phrase: phrase for phrase in self.fixed_phrases}
+        command = self.get(taken)
+        if isinstance(command, AmountCommand):
+            others = (c for c in self.commands if isinstance(c, AmountCommand))
+            for other in others:
+                if other.template == command.template:
+                    texts[other.phrase] = " ".join(with_value(words, other.value))
+                elif other.slot == command.slot and other.value == command.value:
+                    texts[other.phrase] = other.phrase
+            texts[taken] = " ".join(words)
+        elif words in [normalize(text) for text in command.learned]:
             texts[taken] = " ".join(words)
         return texts
 
@@ -140,6 +206,17 @@ def _require(is_allowed: bool, key: str, value: object, allowed: str) -> None:
         raise CommandsError(key, value, allowed)
 
 
+def _with_amount(command: CommandConfig, slot: SlotConfig, value: float) -> AmountCommand:
+    """A command that has a slot with one of its amounts in place of it."""
+    hole, amounts = f"{{{slot.name}}}", slot.said(value)
+    texts = (command.phrase, *command.spellings)
+    said = [text.replace(hole, amount) for text in texts for amount in amounts]
+    given = {field.name: getattr(command, field.name) for field in fields(command)}
+    given |= {"phrase": said[0], "spellings": tuple(said[1:])}
+    given["command"] = f"{command.command} {value:g} {slot.unit}"
+    return AmountCommand(**given, template=command.phrase, slot=slot, value=value)
+
+
 def _words(key: str, spelling: str, is_motion: bool) -> Words:
     _require(spelling.isascii(), key, spelling, "English, in letters a to z")
     words = normalize(spelling)
@@ -158,6 +235,8 @@ def _require_apart(
     others: Words,
 ) -> None:
     """Refuse two commands of which one, said without an error, would be taken for the other."""
+    if amount_words(words) != amount_words(others) and not (own.is_halt or other.is_halt):
+        return  # a number or a unit is never forgiven: intent/mapper.py
     spelling = " ".join(words)
     allowed = f"the words of one command; {theirs!r} belongs to {other.phrase!r}"
     _require(words != others, key, spelling, allowed)

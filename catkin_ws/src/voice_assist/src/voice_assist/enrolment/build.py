@@ -62,7 +62,7 @@ def build(
         allowed = "the embedded model, or one trained by make train"
         raise VoiceProfileError(f"recogniser {base.name!r} cannot be adapted, allowed: {allowed}")
     material = material_of(profile)
-    _require_takes(material, voice.commands.phrases, config)
+    _require_takes(material, voice.commands.fixed_phrases, config)
     wall, cpu = time.monotonic(), time.process_time()
     profile.rebase(base.model_hash)
     profile.judge(RECORDING)
@@ -71,7 +71,7 @@ def build(
     learned, verdict = None, SelfCheckResult(wrong_words=wrong_words(material, check))
     if not verdict.wrong_words:
         on_progress("other voices")
-        others = others_for(voice.commands.phrases, config.adapt)
+        others = others_for(voice.commands.fixed_phrases, config.adapt)
         on_progress("learning")
         learned = learn(base, material, others, config.adapt)
         personal = PersonalRecognizer(base, learned.state)

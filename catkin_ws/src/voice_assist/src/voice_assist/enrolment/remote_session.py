@@ -99,6 +99,6 @@ class EnrolmentService:
 
     def _script(self, name: str, profile: VoiceProfile) -> EnrolmentScript:
         if name not in self._scripts:
-            phrases = self._voice.commands.phrases
+            phrases = self._voice.commands.fixed_phrases
             self._scripts[name] = EnrolmentScript(profile, self._config, phrases, self._check)
         return self._scripts[name]

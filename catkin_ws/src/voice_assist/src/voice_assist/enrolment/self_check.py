@@ -149,7 +149,7 @@ class SelfCheck:
 
     def _strangers(self, learned: PersonalRecognizer) -> list[HeardTake]:
         self._on_progress("self-check, other voices")
-        phrases = self._voice.commands.phrases
+        phrases = self._voice.commands.fixed_phrases
         seed = self._config.adapt.seed + _OTHER_SEED
         spoken = other_voices(phrases, self._config.self_check.others, seed)
         probe = PipelineProbe(self._own, learned)

@@ -5,16 +5,20 @@ Chosen by measurement: of 114 near misses of the seven commands that were synthe
 voices, those that the recogniser ever took for a command (`bench/results/voice/near.json`) are, but
 for one, nearer than ALIKE in sound, and two thirds of them are nearer than TOO_ALIKE. The nearest
 two of the seven commands themselves, "pull more" and "pull less", are 0.38 apart.
+
+Commands with an amount have most words in common, and nothing forgives a number. So of these only
+the words by which two differ are compared: the numbers of a slot, and the words beside an amount.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from itertools import combinations
+from dataclasses import dataclass, replace
+from itertools import combinations, product
 from typing import Final, Literal
 
-from voice_assist.config.commands import CommandConfig, CommandsConfig
+from voice_assist.config.commands import AmountCommand, CommandConfig, CommandsConfig
+from voice_assist.text.amounts import UNITS
 from voice_assist.text.normalize import normalize
 from voice_assist.text.phonetic_distance import can_pronounce, distance, sounds
 from voice_assist.text.wer import distance as edits
@@ -63,11 +67,12 @@ def closest_pairs(commands: CommandsConfig, language: str = ENGLISH) -> list[Com
         commands: That have to differ.
         language: In which espeak-ng pronounces them.
     """
-    spellings = {command.phrase: _spellings(command) for command in commands.commands}
+    fixed = {c.phrase: _spellings(c) for c in commands.commands if not _has_amount(c)}
     found = [
-        min(_pairs(one, spellings[one], other, spellings[other], language), key=_alikeness)
-        for one, other in combinations(spellings, 2)
+        min(_pairs(one, fixed[one], other, fixed[other], language), key=_alikeness)
+        for one, other in combinations(fixed, 2)
     ]
+    found += [_differing(*pair, language) for pair in _pairs_of_amounts(commands)]
     return sorted(found, key=_alikeness)
 
 
@@ -88,7 +93,7 @@ def nearest(
     pairs = [
         pair
         for command in commands.commands
-        if command.phrase != own
+        if command.phrase != own and not _has_amount(command)
         for pair in _pairs(
             own or text,
             (text,),
@@ -123,6 +128,33 @@ def told(pairs: Iterable[CommandPair], most: int = 12) -> Iterator[str]:
         f"{len(pairs)} pairs of commands: {worst['too alike']} too alike (below {TOO_ALIKE:.2f}), "
         f"{worst['alike']} alike (below {ALIKE:.2f}), {worst['apart']} apart"
     )
+
+
+def _has_amount(command: CommandConfig) -> bool:
+    return isinstance(command, AmountCommand)
+
+
+def _pairs_of_amounts(commands: CommandsConfig) -> Iterator[tuple[str, str]]:
+    """What may be taken for each other where commands have amounts: numbers, and what is beside."""
+    with_amount = [c for c in commands.commands if isinstance(c, AmountCommand)]
+    beside = dict.fromkeys(
+        c.template.replace(f"{{{c.slot.name}}}", UNITS[c.slot.unit][1]) for c in with_amount
+    )
+    yield from combinations(beside, 2)
+    yield from product(beside, commands.fixed_phrases)
+    for slot in {c.slot.name: c.slot for c in with_amount}.values():
+        yield from combinations((slot.number(value) for value in slot.values), 2)
+
+
+def _differing(one: str, other: str, language: str) -> CommandPair:
+    """Two texts by the words that they have not in common at their beginning and end."""
+    a, b = one.split(), other.split()
+    while a and b and a[0] == b[0]:
+        del a[0], b[0]
+    while a and b and a[-1] == b[-1]:
+        del a[-1], b[-1]
+    (pair,) = _pairs(one, (" ".join(a),), other, (" ".join(b),), language)
+    return replace(pair, spellings=(one, other))
 
 
 def _spellings(command: CommandConfig) -> tuple[str, ...]:

@@ -5,6 +5,9 @@ The rate is that of words. So "cameracloser" would be one wrong word and one tha
 every letter of the command is there. A word that is a whole spelling written as one is parted
 before the words are counted. Words that are apart are never joined: "re lease" is no "release".
 
+A number or a unit is never forgiven: a command is taken only with the very numbers and units of a
+spelling of it, so that "ten" is no "two" however long the phrase is.
+
 A rate says little of how near a command is where none was said: the longer of two spellings has the
 lower one. So the nearest command is that which some of the words sound most like.
 """
@@ -16,6 +19,9 @@ from functools import lru_cache
 from itertools import chain
 
 from voice_assist.config import CommandsConfig
+from voice_assist.config.commands import AmountCommand
+from voice_assist.intent.amounts import AmountTalk
+from voice_assist.text.amounts import amount_words, canonical
 from voice_assist.text.normalize import LONGEST, Words, foreign, is_negated, is_too_long, normalize
 from voice_assist.text.phonetic_distance import distance, sounds_of_letters
 from voice_assist.text.wer import min_distance, wer
@@ -38,6 +44,8 @@ class Mapper:
         self._joined = _joined(chain.from_iterable(self._spellings.values()))
         self._thresholds = {command.phrase: command.threshold for command in config.commands}
         self._halts = {command.phrase for command in config.commands if command.is_halt}
+        amounts = [c for c in config.commands if isinstance(c, AmountCommand)]
+        self._amount_talk = AmountTalk(amounts) if amounts else None
 
     def __call__(self, transcript: str) -> Match | NoMatch:
         """The command with the lowest WER below its own threshold.
@@ -54,7 +62,9 @@ class Mapper:
             return _no_command(f"{len(transcript)} characters, allowed: {LONGEST}", "", errors)
         if not words:
             return _no_command(SILENCE, "", errors)
-        near = {p: error for p, error in errors.items() if error < self._thresholds[p]}
+        if (halt := self._halt_among_amounts(words)) is not None:
+            return Match(halt, errors)
+        near = self._near(words, errors)
         best = [phrase for phrase, error in near.items() if error == min(near.values())]
         if len(best) == 1 and (near[best[0]] == 0.0 or not is_negated(words)):
             odd = foreign(transcript)
@@ -66,7 +76,12 @@ class Mapper:
         return _no_command(self._reason(words, nearest, errors, best), nearest, errors)
 
     def words(self, transcript: str) -> Words:
-        """Words of a transcript; those of a spelling that run together are parted."""
+        """Words of a transcript; an amount is in the words by which it is known."""
+        words = self.written(transcript)
+        return words if self._amount_talk is None else canonical(words)
+
+    def written(self, transcript: str) -> Words:
+        """Words of a transcript as they were written; those that run together are parted."""
         return tuple(
             part for word in normalize(transcript) for part in self._joined.get(word, (word,))
         )
@@ -96,6 +111,8 @@ class Mapper:
             beginning: Of a transcript, without contractions that go on after a space.
         """
         words = self.words(beginning.rpartition(" ")[0])
+        if self._amount_talk is not None:
+            words = self._amount_talk.settled(words)
         return bool(words) and all(
             min_distance(spelling, words) / len(spelling) >= self._thresholds[phrase]
             for phrase, spellings in self._spellings.items()
@@ -109,6 +126,30 @@ class Mapper:
             for phrase, spellings in self._spellings.items()
         }
 
+    def _near(self, words: Words, errors: dict[str, float]) -> dict[str, float]:
+        """WER of the commands that are near enough, with the very numbers and units heard."""
+        said, near = amount_words(words), {}
+        for phrase, error in errors.items():
+            if error >= self._thresholds[phrase]:
+                continue
+            if phrase not in self._halts:
+                same = (s for s in self._spellings[phrase] if amount_words(s) == said)
+                error = min((wer(spelling, words) for spelling in same), default=1.0)
+            if error < self._thresholds[phrase]:
+                near[phrase] = error
+        return near
+
+    def _halt_among_amounts(self, words: Words) -> str | None:
+        """A halt at the end of what began as a command with an amount; None: there is none."""
+        if self._amount_talk is None:
+            return None
+        for phrase in self._halts:
+            halt = self._phrases[phrase]
+            begun = words[: -len(halt)]
+            if begun and words[-len(halt) :] == halt and self._amount_talk.is_made_of(begun):
+                return phrase
+        return None
+
     def _errors(self, words: Words) -> dict[str, float]:
         return {
             phrase: min(wer(spelling, words) for spelling in spellings)
@@ -120,14 +161,17 @@ class Mapper:
         best = min(errors, key=errors.__getitem__)
         if errors[best] == 0.0:
             return best
-        some = words[:_COMPARED]
-        return min(self._phrases, key=lambda phrase: _least_apart(self._phrases[phrase], some))
+        some, said = words[:_COMPARED], amount_words(words)
+        alike = [p for p, own in self._phrases.items() if amount_words(own) in ((), said)]
+        return min(alike, key=lambda phrase: _least_apart(self._phrases[phrase], some))
 
     def _reason(self, words: Words, nearest: str, errors: dict[str, float], best: list[str]) -> str:
         if is_negated(words):
             return "it denies; what is denied never moves"
         if len(best) > 1:
             return "it fits " + " and ".join(repr(phrase) for phrase in best) + " equally well"
+        if self._amount_talk is not None and (why := self._amount_talk.refusal(words)):
+            return why
         error, allowed = errors[nearest], self._thresholds[nearest]
         return f"WER {error:.2f} to {nearest!r}, allowed below {allowed:.2f}"
 

@@ -11,6 +11,7 @@ from voice_assist.audio.robot_speech import RobotSpeech
 from voice_assist.audio.talk_gate import TalkGate
 from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandConfig
+from voice_assist.config.voice import AskConfig
 from voice_assist.intent.early_decision import too_unsure
 from voice_assist.types import Hypothesis, Rejection, RejectionReason, Samples
 from voice_assist.vad.segmenter import PartialUtterance
@@ -82,6 +83,18 @@ class RejectionRules:
             words = f"a tone, no voice: its pitch moves by {moved:.2f} cent, a voice's by {least:g}"
             return Rejection(RejectionReason.TONE, words)
         return self._gate(sound) if self._gate else None
+
+
+def to_be_confirmed(ask: AskConfig, what: str, why: str) -> Rejection:
+    """What asks for a motion instead of doing it."""
+    words = f'{what}; say "{ask.answer}" within {ask.answer_within:g} s: {why}'
+    return Rejection(RejectionReason.NEARLY_SURE, words)
+
+
+def another_word(command: str, odds: float, least: float) -> Rejection:
+    """Why a motion is refused whose sound may be a strange word's; log-odds in nat."""
+    words = f"it sounds like another word that is written {command!r}: {odds:.1f} nat"
+    return Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, f"{words}, allowed: at least {least:g}")
 
 
 def too_faint(clearness: float, least: float) -> Rejection:

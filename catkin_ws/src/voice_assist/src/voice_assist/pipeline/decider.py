@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Protocol
 
 from voice_assist.config import CommandConfig, VoiceConfig
 from voice_assist.config.calibration import log_odds
+from voice_assist.config.commands import AmountCommand
 from voice_assist.intent.early_decision import DecisionContext, EarlyDecision, too_unsure
 from voice_assist.intent.mapper import Mapper
-from voice_assist.intent.rejection_rules import RejectionRules
+from voice_assist.intent.rejection_rules import RejectionRules, another_word, to_be_confirmed
 from voice_assist.text.normalize import contains, is_negated, normalize
 from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason, Samples
 
@@ -282,7 +283,7 @@ class Decider:
 
     def _best_scored(self, match: Match, transcript: Hypothesis) -> tuple[str, float]:
         """The command that the sound is most like, and the score [nat] of the one taken."""
-        texts = self._config.commands.scored(match.command, self._mapper.words(transcript.text))
+        texts = self._texts(match, transcript)
         by_text = self._decoder.scores(tuple(texts.values()))
         scores = {phrase: by_text[text] for phrase, text in texts.items()}
         return max(scores, key=scores.__getitem__), scores[match.command]
@@ -296,15 +297,18 @@ class Decider:
         if confidence < command.min_confidence:
             doubt = too_unsure(confidence, command.min_confidence)
         elif odds < sure:
-            words = f"it sounds like another word that is written {match.command!r}: {odds:.1f} nat"
-            words += f", allowed: at least {sure:g}"
-            doubt = Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, words)
+            doubt = another_word(match.command, odds, sure)
+        elif isinstance(command, AmountCommand) and command.is_large:
+            return to_be_confirmed(ask, "a large amount", command.too_large)
         else:
             return None
         if not is_asking or confidence < ask.min_confidence or odds < least:
             return doubt
-        words = f'nearly sure; say "{ask.answer}" within {ask.answer_within:g} s: {doubt.words}'
-        return Rejection(RejectionReason.NEARLY_SURE, words)
+        return to_be_confirmed(ask, "nearly sure", doubt.words)
+
+    def _texts(self, match: Match, transcript: Hypothesis) -> dict[str, str]:
+        """Per command the text by which it is scored against the sound."""
+        return self._config.commands.scored(match.command, self._mapper.written(transcript.text))
 
     def _verified(self, match: Match, transcript: Hypothesis) -> float:
         """Log-odds [nat] that a motion is no other word that is written the same.
@@ -314,8 +318,7 @@ class Decider:
         commands = self._config.commands
         if not (self._recognizer_config.second_opinion and commands.get(match.command).is_motion):
             return float("inf")
-        texts = commands.scored(match.command, self._mapper.words(transcript.text))
-        return self._decoder.verify(texts[match.command])
+        return self._decoder.verify(self._texts(match, transcript)[match.command])
 
     def confirmed(self, phrase: str, answer: Hypothesis, partial: PartialUtterance) -> Verdict:
         """A motion that was asked for, or why the answer is not taken."""
@@ -340,7 +343,7 @@ class Decider:
             return None
         if self._stop_fusion.is_asking(spotted):
             phrase = self._stop_fusion.phrase
-            ratio = self._decoder.scores(self._config.commands.phrases)[phrase]
+            ratio = self._decoder.scores(self._config.commands.fixed_phrases)[phrase]
             if self._stop_fusion.overrules(spotted, ratio):
                 return Match(phrase, self._mapper(transcript.text).wer)
         return self._scored_stop(transcript) if self._decoder.is_settled(partial) else None
@@ -351,7 +354,7 @@ class Decider:
         is_asked = halts and self._recognizer_config.second_opinion
         if not is_asked or self._early_decision.has_decided:
             return None
-        scores = self._decoder.scores(self._config.commands.phrases)
+        scores = self._decoder.scores(self._config.commands.fixed_phrases)
         for halt in halts:
             if scores[halt.phrase] > halt.halt_score_threshold:
                 return Match(halt.phrase, self._mapper(transcript.text).wer)

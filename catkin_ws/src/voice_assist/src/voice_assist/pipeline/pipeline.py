@@ -335,7 +335,7 @@ class Pipeline:
     def warm_up(self, samples: Samples) -> None:
         """Let the recogniser do once what it does only once, on any sound, shape (n,)."""
         self._recognizer.transcribe(samples)
-        self._recognizer.score(samples, self._config.commands.phrases)
+        self._recognizer.score(samples, self._config.commands.fixed_phrases)
         self.reset()
 
     def reset(self) -> None:

@@ -25,6 +25,8 @@ from voice_assist.recognizer.recognizer import LONGEST, Recognizer, believed, is
 from voice_assist.recognizer.scoring import ratios
 from voice_assist.recognizer.token_tree import likelihoods
 from voice_assist.recognizer.verification import read_verifier
+from voice_assist.text.amounts import in_digits
+from voice_assist.text.normalize import normalize
 from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 MOST_TOKENS = 64  # written for one sound; ten seconds of talk need about 40
@@ -124,7 +126,10 @@ class OpenAIRecognizer:
         heard = self._listen(samples)
         free = (heard.text or self._write(heard, never_hopeless)).text
         texts = {phrase: _spellings(phrase) for phrase in phrases}
-        texts |= {text: [text] for text in ("", free) if _plain(text) not in phrases}
+        written = " ".join(normalize(free))
+        if written in phrases:
+            texts[written].append(free.strip())
+        texts |= {text: [text] for text in ("", free) if " ".join(normalize(text)) not in phrases}
         tokenizer = self._task.tokenizer
         lines = {text: self._tokens(text) for some in texts.values() for text in some}
         prompt = tokenizer.sot_sequence_including_notimestamps
@@ -220,9 +225,12 @@ def load_recognizer(model: str = "embedded", device: str = "cpu") -> Recognizer:
 
 
 def _spellings(phrase: str) -> list[str]:
-    """How OpenAI's models write a short command."""
-    capital = phrase[:1].upper() + phrase[1:]
-    return [phrase, capital, f"{capital}.", f"{capital}!", f"{phrase}."]
+    """How OpenAI's models write a short command; an amount in digits, too."""
+    found = []
+    for text in dict.fromkeys((phrase, in_digits(tuple(phrase.split())))):
+        capital = text[:1].upper() + text[1:]
+        found += [text, capital, f"{capital}.", f"{capital}!", f"{text}."]
+    return found
 
 
 def _plain(text: str) -> str:

@@ -45,7 +45,9 @@ SWITCHED_OFF: dict[str, dict[str, Any]] = {
     "profile": {"name": "none"},
     "moving": {"is_enabled": False},
     "spotter": {"over_talk": False},
+    "commands": {"amounts": False},
 }
+NOT_YET: dict[str, dict[str, Any]] = {"commands": {"slots": []}}  # in a section that was recorded
 
 
 class NotReplayable(VoiceError, ValueError):
@@ -225,7 +227,10 @@ def restore_settings(
     recorded = with_present_keys(VoiceConfig, recorded)
     for name, off in SWITCHED_OFF.items() if recorded else ():
         section = recorded.get(name)
-        known = {**off, **section} if isinstance(section, Mapping) else {**today[name], **off}
+        if isinstance(section, Mapping):
+            known = {**NOT_YET.get(name, {}), **off, **section}
+        else:
+            known = {**today[name], **off}
         recorded = {**recorded, name: known}
     data = _merge(today, recorded, "", warnings) if recorded else today
     data["recognizer"]["device"] = today["recognizer"]["device"]

@@ -67,11 +67,14 @@ _ONES = [
     "nineteen",
 ]
 _TENS = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
+_POINT = re.compile(r"(?<![^\W\d])\.(\d+)")  # of a number such as 1.5 or .5
 _TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)*|\d+")
 
 
 def normalize(text: str) -> Words:
     """Words of a text in lower case, without punctuation, contractions, accents or digits.
+
+    The point in a number is a word, and so is each digit behind it: "1.25" is "one point two five".
 
     Args:
         text: Any text, such as a transcript with punctuation. Its first LONGEST characters are
@@ -82,6 +85,7 @@ def normalize(text: str) -> Words:
     """
     read = text[:LONGEST].translate(_APOSTROPHES)
     folded = unicodedata.normalize("NFKD", read).casefold()
+    folded = _POINT.sub(lambda number: f" point {' '.join(number[1])}", folded)
     bare = (c for c in folded if not unicodedata.combining(c))
     plain = "".join(c if c.isalpha() or c.isdecimal() or c == "'" else " " for c in bare)
     return tuple(word for token in _TOKEN.findall(plain) for word in _expand(token))

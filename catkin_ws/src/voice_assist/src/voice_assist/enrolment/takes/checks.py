@@ -126,7 +126,7 @@ class TakeCheck:
         command = outcome.command if isinstance(outcome, Match) else ""
         if command == phrase:
             return Checked(*facts)
-        scores = self._recognizer.score(speech, self._commands.phrases)
+        scores = self._recognizer.score(speech, self._commands.fixed_phrases)
         if command and scores[command] >= self._config.other_by:
             allowed = f"{phrase!r}, or nothing as clear (less than {self._config.other_by:g} nat)"
             found = f"{heard!r} was heard, by {scores[command]:.1f} nat"

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from rst_control.commands.parser import read_command
 from rst_control.commands.spec import TissueNeeded
-from rst_control.commands.table import COMMANDS
 from rst_control.msg import ControllerState
 from rst_control.types import State
 from voice_assist.audio.source import level_db
 from voice_assist.config import CommandConfig
+from voice_assist.config.commands import AmountCommand
 from voice_assist.display.snapshot import AlarmPart, RobotPart, TissuePart, UtterancePart
 from voice_assist.display.words import WordRule
 from voice_assist.msg import Alarm, AudioChunk, DeviceCall, Utterance
@@ -102,15 +103,16 @@ def values_of(status: DiagnosticStatus) -> Mapping[str, str]:
 
 
 def word_rules(commands: Iterable[CommandConfig]) -> tuple[WordRule, ...]:
-    """When each spoken word counts, by voice and controller."""
-    return tuple(_rule(command) for command in commands)
+    """When each spoken word counts, by voice and controller; one for all amounts of a command."""
+    rules = (_rule(command) for command in commands)
+    return tuple({rule.phrase: rule for rule in rules}.values())
 
 
 def _rule(command: CommandConfig) -> WordRule:
-    spec = COMMANDS.get(command.command)
+    spec = read_command(command.command)
     states: Iterable[Any] = spec.counts_in if spec else ()
     return WordRule(
-        phrase=command.phrase,
+        phrase=command.template if isinstance(command, AmountCommand) else command.phrase,
         modes=frozenset(command.modes),
         states=frozenset(state.value for state in states) if spec else ANY_STATE,
         is_tissue_held=_HELD[spec.tissue] if spec else None,

@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+from rst_control.commands.parser import read_request
+from rst_control.commands.request import Request
 from rst_control.commands.table import COMMANDS
+from rst_control.types import Reason, Rejected
 from voice_assist.config import CommandsConfig
 from voice_assist.config.pedal import PedalConfig
 from voice_assist.errors import CommandsError
@@ -18,9 +21,13 @@ def require_known(config: CommandsConfig) -> None:
         CommandsError: Names the phrase's entry and what may be called.
     """
     for index, command in enumerate(config.commands):
-        if command.command and command.command not in _KNOWN:
-            key = f"commands.commands[{index}].command"
-            raise CommandsError(key, command.command, f'"" or one of {", ".join(_KNOWN)}')
+        key, request = f"commands.commands[{index}].command", read_request(command.command)
+        known = isinstance(request, Request) and request.command.phrase in _KNOWN
+        if command.command and not known:
+            allowed = f'"" or one of {", ".join(_KNOWN)}'
+            if isinstance(request, Rejected) and request.reason is Reason.BAD_AMOUNT:
+                allowed = request.words
+            raise CommandsError(key, command.command, allowed)
 
 
 def require_pedal_commands(config: PedalConfig) -> None:
