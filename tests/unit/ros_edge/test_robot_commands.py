@@ -30,3 +30,12 @@ def test_the_shipped_phrases_call_what_the_controller_knows():
 def test_the_calls_that_begin_no_motion_are_those_of_the_controller():
     without = {spec.phrase for spec in COMMANDS.values() if spec.role is not Role.MOTION}
     assert set(AT_REST) == without
+
+
+def test_an_amount_has_a_unit_that_the_command_takes():
+    with_amounts = load_voice_config(commands__amounts=True).commands
+    require_known(with_amounts)
+    *rest, last = with_amounts.commands
+    changed = replace(with_amounts, commands=(*rest, replace(last, called="release")))
+    with pytest.raises(CommandsError, match="allowed: no amount with 'release'"):
+        require_known(changed)

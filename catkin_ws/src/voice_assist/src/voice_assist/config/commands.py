@@ -88,6 +88,7 @@ class AmountCommand(CommandConfig):
     """A command with one amount of its slot, made of a phrase such as `pull {distance} more`."""
 
     template: str  # the phrase with its slot
+    called: str  # `command` without the amount
     slot: SlotConfig
     value: float  # [slot.unit]
 
@@ -214,7 +215,9 @@ def _with_amount(command: CommandConfig, slot: SlotConfig, value: float) -> Amou
     given = {field.name: getattr(command, field.name) for field in fields(command)}
     given |= {"phrase": said[0], "spellings": tuple(said[1:])}
     given["command"] = f"{command.command} {value:g} {slot.unit}"
-    return AmountCommand(**given, template=command.phrase, slot=slot, value=value)
+    return AmountCommand(
+        **given, template=command.phrase, called=command.command, slot=slot, value=value
+    )
 
 
 def _words(key: str, spelling: str, is_motion: bool) -> Words:

@@ -3,11 +3,9 @@
 
 from __future__ import annotations
 
-from rst_control.commands.parser import read_request
-from rst_control.commands.request import Request
 from rst_control.commands.table import COMMANDS
-from rst_control.types import Reason, Rejected
 from voice_assist.config import CommandsConfig
+from voice_assist.config.commands import AmountCommand
 from voice_assist.config.pedal import PedalConfig
 from voice_assist.errors import CommandsError
 
@@ -21,13 +19,15 @@ def require_known(config: CommandsConfig) -> None:
         CommandsError: Names the phrase's entry and what may be called.
     """
     for index, command in enumerate(config.commands):
-        key, request = f"commands.commands[{index}].command", read_request(command.command)
-        known = isinstance(request, Request) and request.command.phrase in _KNOWN
-        if command.command and not known:
-            allowed = f'"" or one of {", ".join(_KNOWN)}'
-            if isinstance(request, Rejected) and request.reason is Reason.BAD_AMOUNT:
-                allowed = request.words
-            raise CommandsError(key, command.command, allowed)
+        key, has_amount = f"commands.commands[{index}].command", isinstance(command, AmountCommand)
+        called = command.called if has_amount else command.command
+        if called and called not in _KNOWN:
+            raise CommandsError(key, called, f'"" or one of {", ".join(_KNOWN)}')
+        if has_amount:
+            units = [unit for amount in COMMANDS[called].amounts for unit in amount.spoken_units]
+            allowed = " or ".join(units) or "no amount"
+            if command.slot.unit not in units:
+                raise CommandsError(key, command.command, f"{allowed} with {called!r}")
 
 
 def require_pedal_commands(config: PedalConfig) -> None:
