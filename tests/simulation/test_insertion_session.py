@@ -24,6 +24,8 @@ def start():
 
 def rig_at(q):
     motion, simulation = load_motion_config(), load_simulation_config()
+    speed = replace(motion.controller.speed, insertion=0.02, approach=0.1)  # to be quick
+    motion = replace(motion, controller=replace(motion.controller, speed=speed))
     settings = replace(simulation.simulator, start_position=tuple(q.tolist()))
     return Rig(motion, replace(simulation, simulator=settings))
 

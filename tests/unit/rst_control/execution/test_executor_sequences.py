@@ -75,7 +75,7 @@ def perform(rig, step):
 
 
 @given(start=st.booleans(), steps=st.lists(STEPS, min_size=1, max_size=8))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_nothing_moves_but_by_a_command_of_an_active_system(start, steps):
     rig = Rig().run(0.01)
     Watch(rig)
@@ -84,7 +84,7 @@ def test_nothing_moves_but_by_a_command_of_an_active_system(start, steps):
 
 
 @given(steps=st.lists(STEPS.filter(lambda s: "hey robot" not in s[0]), max_size=8))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_without_hey_robot_the_robot_stays_where_it_is(steps):
     rig = Rig().run(0.01)
     pushes = [s for s in steps if s[0] == "push"]
@@ -99,7 +99,7 @@ def test_without_hey_robot_the_robot_stays_where_it_is(steps):
     before=st.lists(STEPS, max_size=3),
     after=st.lists(STEPS.filter(lambda s: "hey robot" not in s[0]), max_size=6),
 )
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_after_a_stop_nothing_moves_until_hey_robot(before, after):
     rig = Rig().run(0.01)
     for step in [*LIKELY, *before]:

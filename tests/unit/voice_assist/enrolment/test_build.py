@@ -32,8 +32,8 @@ pytestmark = [
 
 VOICE = f"{HELD_OUT_ACCENT}+Alex"
 PHRASES = ("hey robot", "pull more", "pull less", "stop")  # of all commands, to be quick
-TALKED = ("where is the trocar", "we are almost done", "thank you", "next case at two")
-TALK_NOT_ENROLLED = ("the music is too loud", "he told me to pull more shifts", "call the ward")
+TALKED = ("where is the trocar", "we are almost done", "thank you")
+TALK_NOT_ENROLLED = ("he told me to pull more shifts", "call the ward")
 
 
 def spoken(text: str, rate: float = 1.0) -> Samples:
@@ -65,7 +65,7 @@ def config() -> EnrolmentConfig:
         whole.adapt, copies=1, broken_off=1, others=15, steps=4, batch=6, rate=1e-4
     )
     check = dataclasses.replace(whole.self_check, folds=2, others=2)
-    return dataclasses.replace(whole, talk=8.0, adapt=quick, self_check=check)
+    return dataclasses.replace(whole, talk=6.0, adapt=quick, self_check=check)
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +88,7 @@ def test_a_profile_of_good_takes_is_active_with_report_and_thresholds(
     assert profile.manifest.state == ACTIVE, profile.manifest.why
     report = json.loads(profile.read("report.json"))
     assert report["takes"]["right_by_profile"] >= report["takes"]["right_by_base"]
-    assert report["talk"] == {"pieces": 4, "taken_by_base": 0, "taken_by_profile": 0}
+    assert report["talk"] == {"pieces": 3, "taken_by_base": 0, "taken_by_profile": 0}
     assert [e["phrase"] for e in report["expected"]] == list(voice.commands.phrases)
     assert "Active." in profile.read("report.md").decode()
 
