@@ -200,6 +200,7 @@ def test_a_cluster_that_is_not_there_is_named(monkeypatch, address):
         list(run_parallel(abs, [1], cluster=address))
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_two_processes_and_a_cluster_find_what_one_process_finds(sessions, tmp_path, report_config):
     distributed = pytest.importorskip("distributed")
     texts = []

@@ -196,6 +196,9 @@ ROBOT_FAULTS = (
 )
 
 
+_BY_CODE = {reason.value: reason for reason in ROBOT_FAULTS}
+
+
 def robot_fault(text: str) -> Cause:
     """Cause of a fault in the words of the robot's side: "words" or "code: words".
 
@@ -203,7 +206,7 @@ def robot_fault(text: str) -> Cause:
         text: Without the code of one of ROBOT_FAULTS in front, it is a FAULTED.
     """
     code, _, words = text.partition(": ")
-    reason = next((r for r in ROBOT_FAULTS if r.value == code), None)
+    reason = _BY_CODE.get(code)
     return Cause(Reason.FAULTED, text) if reason is None else Cause(reason, words)
 
 
