@@ -121,7 +121,7 @@ class PageInBrowser(unittest.TestCase):
         self.wait_for_text("pick-words", "Not set: that is outside the endoscope")
         first = grasp_points[0]
         set_back = rospy.ServiceProxy("rst_control/set_grasp_point", SetGraspPoint)
-        self.assertTrue(set_back(Point(first.x, first.y, first.z)).accepted)
+        self.assertTrue(set_back(position=Point(first.x, first.y, first.z)).accepted)
 
     def enter_token(self):
         printed = Path(os.environ["ROS_HOME"]).with_name("said.txt").read_text(encoding="utf-8")

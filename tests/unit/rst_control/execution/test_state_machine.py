@@ -27,6 +27,8 @@ def commanded(mode, command):
         return state_machine.stopped(mode, HALT)
     if command is COMMANDS["terminate"]:
         return state_machine.terminated(mode)
+    if command is COMMANDS["grasp here"]:
+        return mode
     return state_machine.started(mode)
 
 

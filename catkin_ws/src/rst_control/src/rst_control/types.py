@@ -139,6 +139,10 @@ class Reason(Enum):
     NODE_LOST = "node_lost"
     VOICE_SILENT = "voice_silent"
     SENSOR_FAULT = "sensor_fault"
+    UNKNOWN_FRAME = "unknown_frame"
+    TRACKER_STALE = "tracker_stale"
+    TRACKER_JUMPED = "tracker_jumped"
+    TRACKER_TOO_FAR = "tracker_too_far"
     # a motion is braked and latched
     STOP_TOPIC = "stop_topic"
     STOP_COMMAND = "stop_command"
@@ -193,6 +197,11 @@ ROBOT_FAULTS = (
     Reason.SETPOINT_REFUSED,
     Reason.TENSION_SENSOR,
     Reason.JOINT_MESSAGES,
+    Reason.SENSOR_FAULT,
+    Reason.UNKNOWN_FRAME,
+    Reason.TRACKER_STALE,
+    Reason.TRACKER_JUMPED,
+    Reason.TRACKER_TOO_FAR,
 )
 
 

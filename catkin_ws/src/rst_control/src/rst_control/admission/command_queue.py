@@ -138,7 +138,7 @@ class CommandQueue:
 
     def _accept(self, queued: QueuedCommand) -> None:
         command = queued.request.command
-        if command.plan is None:
+        if command.plan is None and command.role is not Role.SET_UP:
             self._post(queued, Plan(command, command.reply), serial=-1)
         else:
             self._queue(queued)

@@ -32,6 +32,7 @@ class Role(Enum):
     MOTION = "motion"
     STOP = "stop"  # brakes and latches
     TERMINATE = "terminate"  # brakes, then standby
+    SET_UP = "set_up"  # nothing: what planning refers to is another at once
 
 
 class Load(Enum):

@@ -28,6 +28,7 @@ from rst_control.planning.plan import PhaseKind
 from rst_control.types import State
 
 ANY_STATE: Final = frozenset(State)
+WHERE_SET_UP: Final = frozenset({State.STANDBY, State.ACTIVE, State.HALTED})
 AT_REST_OR_PULLING: Final = frozenset({State.ACTIVE, State.MOVING})
 
 
@@ -116,6 +117,14 @@ COMMANDS: Final = by_phrase(
             phases=(PhaseKind.ALIGN, PhaseKind.WITHDRAW),
             is_by_hand_only=True,
             plan=insert_withdraw.withdraw,
+        ),
+        CommandSpec(
+            "grasp here",
+            'moves nothing: "tense" takes the tissue where the tip is now',
+            role=Role.SET_UP,
+            counts_in=WHERE_SET_UP,
+            tissue=TissueNeeded.NONE,
+            is_by_hand_only=True,
         ),
         *CAMERA_STEPS,
     )

@@ -16,6 +16,7 @@ from rst_control.config.recording import RecordingConfig
 from rst_control.config.scene import SceneConfig
 from rst_control.config.sensors import SensorConfig
 from rst_control.config.simulator import SimulatorConfig
+from rst_control.config.tracking import TrackingConfig
 from typed_config import (
     choice,
     integer,
@@ -216,6 +217,7 @@ class ControllerConfig:
     recording: RecordingConfig
     callers: CallersConfig
     believed: BelievedConfig
+    tracking: TrackingConfig
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""

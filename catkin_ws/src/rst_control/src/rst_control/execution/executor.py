@@ -21,6 +21,7 @@ from rst_control.execution.fault_reset import FaultReset
 from rst_control.execution.motion import Motion
 from rst_control.execution.orders import OUTRUN, Order, Outcome, OutcomeKind
 from rst_control.execution.setpoint import STILL, SetpointState
+from rst_control.execution.setting_plan import SettingPlan
 from rst_control.execution.snapshot import Change, ControllerSnapshot, take_snapshot
 from rst_control.planning.patient_surface import NOWHERE, TrocarPose
 from rst_control.supervision.tension_trust import TensionTrust
@@ -187,10 +188,27 @@ class Executor:
             return
         entry = self._changes.popleft()(self._take_snapshot())
         if entry is not None:
-            self._changed += 1
-            self.events.append(entry)
-            if self._measured is not None:
-                self._trocar_pose = self._trocar_pose_of(self._measured.position)
+            self._note_change(entry)
+
+    def _note_change(self, entry: Event) -> None:
+        self._changed += 1
+        self.events.append(entry)
+        if self._measured is not None:
+            self._trocar_pose = self._trocar_pose_of(self._measured.position)
+
+    def _set_up(self, order: Order) -> None:
+        plan = order.plan
+        if not isinstance(plan, SettingPlan):
+            words = f'"{order.command.phrase}" was not prepared'
+            self._refuse(order, Cause(Reason.CHECK_FAILED, words))
+            return
+        done = plan.change(self._take_snapshot(), order.caller)
+        if isinstance(done, Cause):
+            self._refuse(order, done)
+            return
+        self._note_change(done[1])
+        self._event_log.accept(self._now, order)
+        order.ended(Outcome("succeeded", ""))
 
     def _take_orders(self) -> None:
         for _ in range(min(ORDERS_PER_TICK, len(self._orders))):
@@ -205,6 +223,8 @@ class Executor:
                 self._resume(self._fault_reset.take(order, self._now))
             elif order.command.role is Role.TERMINATE:
                 self._terminate(order)
+            elif order.command.role is Role.SET_UP:
+                self._set_up(order)
             else:
                 self._start(order)
 

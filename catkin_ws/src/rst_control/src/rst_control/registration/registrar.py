@@ -8,12 +8,14 @@ from collections.abc import Sequence
 from concurrent.futures import Future
 from typing import ClassVar
 
+import numpy as np
+
 from rst_control.config import WatchdogConfig
 from rst_control.execution.event_log import Event, EventKind
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Reply
 from rst_control.execution.snapshot import ControllerSnapshot
-from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
+from rst_control.registration.trocar_context import ActiveTrocarContext, Origin, TrocarContext
 from rst_control.robot.health import joint_in_motion
 from rst_control.types import NOT_CONNECTED, Cause, Measurement, Reason, State, Vector
 
@@ -44,6 +46,10 @@ class ContextRegistrar(ABC):
         """The place [m] that is set by another service, and that this one relies on."""
 
     @abstractmethod
+    def _note(self, origin: Origin) -> None:
+        """Remember who set the place that is active now."""
+
+    @abstractmethod
     def _make(self, place: Sequence[float], view: ControllerSnapshot) -> TrocarContext | Cause:
         """The present context with another place (3,) [m], or why there is none."""
 
@@ -55,36 +61,49 @@ class ContextRegistrar(ABC):
         """Ask for another place; any thread may. Cancel the answer to withdraw the question.
 
         Args:
-            place: Base frame, [m]. Shape (3,).
+            place: Base frame, [m]. Shape (3,), or as the registrar says.
             caller: Who asks, for the event log.
         """
         reply: Future[Reply] = Future()
         view = self._executor.snapshot
-        context = self._make(place, view)
-        if isinstance(context, Cause):
-            self._executor.events.append(self._refused(view.stamp, context, caller))
-            reply.set_result(Reply.refused(context))
+        made = self._make(place, view)
+        if isinstance(made, Cause):
+            self._executor.events.append(self._refused(view.stamp, made, caller))
+            reply.set_result(Reply.refused(made))
             return reply
-        made = context
+        context = made
 
         def apply(now: ControllerSnapshot) -> Event | None:
             if not reply.set_running_or_notify_cancel():
                 return None  # the caller waits no longer
-            present = self._present.current
-            is_overtaken = self._other(present) != self._other(made)
-            answer = OVERTAKEN if is_overtaken else self._decide(made, now)
-            if isinstance(answer, Cause):
-                reply.set_result(Reply.refused(answer))
-                self._executor.events.append(self._refused(now.stamp, answer, caller))
+            done = self.activate(context, now, caller)
+            if isinstance(done, Cause):
+                reply.set_result(Reply.refused(done))
+                self._executor.events.append(self._refused(now.stamp, done, caller))
                 return None
-            self._present.current = made
-            reply.set_result(Reply(True, answer))
-            was = position_words(self._place(present))
-            words = f"{answer}; was {was}; asked by {caller}"
-            return Event(now.stamp, self.SET, self.COMMAND, words)
+            words, entry = done
+            reply.set_result(Reply(True, words))
+            return entry
 
         self._executor.change(apply)
         return reply
+
+    def activate(
+        self, context: TrocarContext, now: ControllerSnapshot, caller: str
+    ) -> tuple[str, Event] | Cause:
+        """Let a context count from now on, in words and as an event, or say why it may not.
+
+        The control loop alone calls it, between two ticks.
+        """
+        present = self._present.current
+        is_overtaken = self._other(present) != self._other(context)
+        answer = OVERTAKEN if is_overtaken else self._decide(context, now)
+        if isinstance(answer, Cause):
+            return answer
+        self._present.current = context
+        self._note(Origin(caller, now.stamp))
+        words = f"{answer}; was {position_words(self._place(present))}; asked by {caller}"
+        return answer, Event(now.stamp, self.SET, self.COMMAND, words)
 
     def _refused(self, stamp: float, cause: Cause, caller: str) -> Event:
         words = f"{cause.words}; asked by {caller}"
@@ -121,6 +140,19 @@ def unrest(view: ControllerSnapshot, now: float, watchdogs: WatchdogConfig) -> C
         words = f"joint states {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
         return Cause(Reason.STALE, words)
     return joint_in_motion(measured, watchdogs.at_rest_speed)
+
+
+def place_words(present: ActiveTrocarContext, now: float) -> dict[str, str]:
+    """Trocar and grasp point as they count at a time [s], with who set them and when."""
+    scene = present.current.config.scene
+    places = (
+        ("trocar", scene.trocar, present.trocar_origin),
+        ("grasp point", scene.grasp_point, present.grasp_origin),
+    )
+    return {
+        name: f"{position_words(np.array(place))}, {origin.source}, {now - origin.stamp:.0f} s old"
+        for name, place, origin in places
+    }
 
 
 def position_words(position: Vector) -> str:

@@ -15,8 +15,14 @@ from rst_control.errors import InsertionOutOfRange
 from rst_control.execution.event_log import EventKind
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.registration.registrar import ContextRegistrar, position_words, ready
-from rst_control.registration.trocar_context import TrocarContext, TrocarOutOfReach
+from rst_control.registration.trocar_context import Origin, TrocarContext, TrocarOutOfReach
 from rst_control.types import Cause, Measurement, Reason, Vector
+
+FOLLOWED = "followed"  # tracking.trocar.motion
+IS_FOLLOWED = Cause(
+    Reason.NOT_THE_TROCAR,
+    "the trocar is followed from its tracker (tracking.trocar.motion): that says where it is",
+)
 
 
 class TrocarRegistrar(ContextRegistrar):
@@ -32,7 +38,12 @@ class TrocarRegistrar(ContextRegistrar):
     def _other(self, context: TrocarContext) -> tuple[float, ...]:
         return context.config.scene.grasp_point
 
+    def _note(self, origin: Origin) -> None:
+        self._present.trocar_origin = origin
+
     def _make(self, place: Sequence[float], view: ControllerSnapshot) -> TrocarContext | Cause:
+        if self._present.current.config.controller.tracking.trocar.motion == FOLLOWED:
+            return IS_FOLLOWED
         try:
             return self._present.current.with_trocar(place)
         except TrocarOutOfReach as error:

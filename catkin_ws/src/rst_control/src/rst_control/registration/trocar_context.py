@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from rst_control.kinematics.robot_model import RobotModel
 from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.planner import Planner
 from rst_control.types import Rejected, Vector
+
+SCENE: Final = "scene.yaml"  # source of what nobody has set yet
 
 
 class TrocarOutOfReach(RstError):
@@ -65,12 +68,26 @@ class TrocarContext:
         """
         return self._with(replace(self.config.scene, trocar=_point(trocar)))
 
-    def with_grasp_point(self, place: Sequence[float]) -> TrocarContext:
-        """The same context with another grasp point, base frame, [m]. Shape (3,)."""
-        return self._with(replace(self.config.scene, grasp_point=_point(place)))
+    def with_grasp_point(self, place: Sequence[float], pull: Sequence[float] = ()) -> TrocarContext:
+        """The same context with another grasp point, and another way of the pull if it is given.
+
+        Args:
+            place: Base frame, [m]. Shape (3,).
+            pull: Base frame, of any length. Shape (3,); (): as it is.
+        """
+        scene = replace(self.config.scene, grasp_point=_point(place))
+        return self._with(replace(scene, pull_direction=tuple(pull)) if pull else scene)
 
     def _with(self, scene: SceneConfig) -> TrocarContext:
         return TrocarContext(replace(self.config, scene=scene), self.model)
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Who set a place, and when."""
+
+    source: str  # SCENE, or the name of a node
+    stamp: float  # [s] steady clock
 
 
 class ActiveTrocarContext:
@@ -82,10 +99,12 @@ class ActiveTrocarContext:
 
     Args:
         context: Active at the start.
+        stamp: Time of the start [s].
     """
 
-    def __init__(self, context: TrocarContext) -> None:
+    def __init__(self, context: TrocarContext, stamp: float = 0.0) -> None:
         self.current = context
+        self.trocar_origin = self.grasp_origin = Origin(SCENE, stamp)
 
     def verify(self, request: Request, situation: Situation) -> Accepted | Rejected:
         """Decide whether a command may run."""

@@ -14,6 +14,7 @@ from typing import Any, Final
 import rospy
 
 KEPT: Final = "launched"
+IN_FORCE: Final = "in_force"  # what was set since the launch, and counts after a restart too
 MAX_NAMED: Final = 10  # keys that were changed, each in a line of the log
 
 
@@ -21,6 +22,7 @@ def launch_settings() -> dict[str, Any]:
     """Private parameters of this node, as its launch set them."""
     now = dict(rospy.get_param("~", {}))
     kept = now.pop(KEPT, None)
+    now.pop(IN_FORCE, None)
     if kept is None:
         rospy.set_param(f"~{KEPT}", json.dumps(now, sort_keys=True))
         return now

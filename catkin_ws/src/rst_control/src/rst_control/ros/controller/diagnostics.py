@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -35,7 +35,7 @@ class Diagnostics:
         loop: LoopSummary,
         objection: str,
         command_age: float,
-        trocar: str,
+        places: Mapping[str, str],
         others: Sequence[DiagnosticStatus],
     ) -> None:
         """Publish one report.
@@ -45,16 +45,20 @@ class Diagnostics:
             loop: How the control loop keeps its times.
             objection: What is wrong with the robot's messages; empty: nothing.
             command_age: Time since the last command came [s].
-            trocar: The active remote centre, in words.
+            places: Trocar and grasp point that count, in words.
             others: Whether what happens is recorded, and who publishes unasked.
         """
-        robot = self._robot(view, objection, command_age, trocar)
+        robot = self._robot(view, objection, command_age, places)
         array = DiagnosticArray(status=[robot, self._loop(loop), *others])
         array.header.stamp = rospy.Time.now()
         self._publisher.publish(array)
 
     def _robot(
-        self, view: ControllerSnapshot, objection: str, command_age: float, trocar: str
+        self,
+        view: ControllerSnapshot,
+        objection: str,
+        command_age: float,
+        places: Mapping[str, str],
     ) -> DiagnosticStatus:
         level, message = DiagnosticStatus.OK, view.mode.state.value
         if view.mode.state in LATCHED:
@@ -68,7 +72,7 @@ class Diagnostics:
             "state": view.mode.state.value,
             "phase": view.phase,
             "rcm error [um]": f"{view.rcm_error * 1e6:.1f}",
-            "trocar": trocar,
+            **places,
             "tension [N]": f"{view.tension:.3f}",
             "tension not trusted": measured.tension_invalid_reason if measured else "",
             "last command [s ago]": f"{command_age:.1f}",

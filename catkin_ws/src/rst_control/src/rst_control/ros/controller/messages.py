@@ -15,6 +15,7 @@ from rst_control.execution.orders import Outcome
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.msg import AssistFeedback, AssistResult, ControllerState
 from rst_control.msg import Event as EventMessage
+from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.types import BASE, LATCHED, Cause, Reason, Vector
 
@@ -36,9 +37,17 @@ class RosClock:
         self._offset = followed(self._offset)
         return rospy.Time.from_sec(max(0.0, steady + self._offset))
 
+    def steady(self, stamp: rospy.Time) -> float:
+        """Moment of a stamp, as time.monotonic() has it [s]."""
+        self._offset = followed(self._offset)
+        return float(stamp.to_sec() - self._offset)
 
-def state_message(view: ControllerSnapshot, clock: RosClock) -> ControllerState:
+
+def state_message(
+    view: ControllerSnapshot, clock: RosClock, places: ActiveTrocarContext
+) -> ControllerState:
     """The controller's state for `rst_control/state`."""
+    trocar, grasp = places.trocar_origin, places.grasp_origin
     mode, motion = view.mode, view.motion
     halted, refused = view.latch, view.last_refusal
     message = ControllerState(
@@ -57,6 +66,10 @@ def state_message(view: ControllerSnapshot, clock: RosClock) -> ControllerState:
         insertion=view.insertion,
         tension=view.tension,
         tension_target=view.tension_target,
+        trocar_source=trocar.source,
+        trocar_age=view.stamp - trocar.stamp,
+        grasp_point_source=grasp.source,
+        grasp_point_age=view.stamp - grasp.stamp,
         last_refusal=refused.words if refused else "",
         last_refusal_code=code_of(refused),
     )

@@ -22,8 +22,13 @@ from rst_control.errors import RstError
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.robot_model import RobotModel, parse_robot
 from rst_control.msg import ControllerState, Event
-from rst_control.registration.registrar import position_words
+from rst_control.registration.grasp_point import GraspHere, GraspPointRegistrar
+from rst_control.registration.registrar import place_words
+from rst_control.registration.tracked_grasp import TrackedGrasp
+from rst_control.registration.trocar import FOLLOWED
 from rst_control.registration.trocar_context import ActiveTrocarContext
+from rst_control.registration.trocar_following import TrocarFollowing
+from rst_control.robot.backend import RobotBackend
 from rst_control.ros.common.exposure_warning import warn_of_listeners
 from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.launch_settings import launch_settings
@@ -33,6 +38,9 @@ from rst_control.ros.controller.diagnostics import Diagnostics
 from rst_control.ros.controller.liveness_watch import LivenessWatch
 from rst_control.ros.controller.markers import ControllerMarkers
 from rst_control.ros.controller.messages import RosClock, event_message, state_message
+from rst_control.ros.controller.places.frame_listener import FrameListener
+from rst_control.ros.controller.places.places_in_force import PlacesInForce
+from rst_control.ros.controller.places.tracker_link import TrackerLink
 from rst_control.ros.controller.recording_link import RecordingLink
 from rst_control.ros.controller.robot_link import RobotLink
 from rst_control.ros.controller.services.action_server import AssistServer
@@ -46,7 +54,7 @@ from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.tension_trust import unbounded_pull
-from rst_control.types import Cause, Reason
+from rst_control.types import Cause, Reason, State
 from typed_config import ConfigError, load_config
 from typed_config.ros.starting import starting
 from typed_config.ros.system_names import of_this_system
@@ -76,18 +84,20 @@ class ControllerNode:
             self._known,
             settings.believed,
         )
-        self._context = ActiveTrocarContext(make_trocar_context(config, model))
+        self._context = ActiveTrocarContext(make_trocar_context(config, model), time.monotonic())
+        self._places = PlacesInForce(self._context, self._clock)
         self._liveness = NodeLiveness()
         self._executor = make_executor(
             config, self._context, self._link.clear_fault, self._liveness
         )
         watch = RecordingWatch(settings.recording, time.monotonic)
+        grasp_point = GraspPointRegistrar(self._context, self._executor)
         self._recording = RecordingLink(
             watch, self._executor, self._known, settings.believed.recorder
         )
         homing = HomingGate(settings, lambda: self._context.current.planner.patient, time.monotonic)
         self._homing = HomingService(homing, self._look)
-        verify: Verify = RecordedOnly(self._context.verify, watch)
+        verify: Verify = RecordedOnly(GraspHere(self._context.verify, grasp_point), watch)
         if settings.first_motion == "confirmed":
             verify = ConfirmedFirst(verify, self._context, homing).verify
         self._commands = CommandQueue(self._executor, verify, time.monotonic)
@@ -95,8 +105,16 @@ class ControllerNode:
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
         limiter = CallLimiter(_in_any_namespace(settings.callers), time.monotonic)
-        self._trocar = TrocarService(self._context, self._executor, limiter)
-        self._grasp_point = GraspPointService(self._context, self._executor, limiter)
+        self._trocar = TrocarService(self._context, self._executor, self._places, limiter)
+        frames = FrameListener(self._clock, settings.tracking.frame_age)
+        self._grasp_point = GraspPointService(grasp_point, self._places, frames, limiter)
+        follows = settings.tracking.trocar.motion == FOLLOWED
+        following = TrocarFollowing(self._link, config, model, self._state_of) if follows else None
+        self._robot: RobotBackend = following or self._link
+        tracked = TrackedGrasp(settings.tracking, self._context, grasp_point)
+        self._tracker = TrackerLink(
+            settings.tracking, self._known, frames, self._clock, tracked, following
+        )
         self._markers = ControllerMarkers(config, self._context, self._look, self._clock)
         self._diagnostics = Diagnostics()
         self._actions = AssistServer(self._commands, self._executor, limiter)
@@ -126,6 +144,7 @@ class ControllerNode:
             ("publishing", self._publish),
             ("markers", self._markers.step),
             ("action", lambda: self._actions.take_news(timeout=0.2)),
+            ("tracker", self._tracker.step),
             ("peers", watch.peers.step),
             ("liveness", watch.step),
         ):
@@ -149,15 +168,18 @@ class ControllerNode:
         self._stack.close()
 
     def _tick(self, due: float) -> None:
-        setpoint = self._executor.tick(due, self._link.measured_js())
+        setpoint = self._executor.tick(due, self._robot.measured_js())
         if setpoint is not None:
-            self._link.servo_jp(setpoint)
+            self._robot.servo_jp(setpoint)
         elif self._is_sending:
-            self._link.hold()
+            self._robot.hold()
         self._is_sending = setpoint is not None
 
     def _look(self) -> ControllerSnapshot:
         return self._executor.snapshot
+
+    def _state_of(self) -> State:
+        return self._executor.snapshot.mode.state
 
     def _plan(self) -> None:
         queued = self._commands.next(timeout=0.2)
@@ -173,7 +195,8 @@ class ControllerNode:
         time.sleep(self._state_period)
         view = self._executor.snapshot
         self._recording.check(view)
-        self._state.publish(state_message(view, self._clock))
+        self._state.publish(state_message(view, self._clock, self._context))
+        self._places.step()
         while self._executor.events:
             self._event.publish(event_message(self._executor.events.popleft(), self._clock))
         now = time.monotonic()
@@ -181,9 +204,10 @@ class ControllerNode:
             self._actions.publish_feedback()
         if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
             loop, age = self._loop.statistics.summary(), now - self._service.last_command
-            trocar = position_words(self._context.current.trocar)
-            others = (self._recording.status(), self._known.status("rst_control", "controller"))
-            self._diagnostics.publish(view, loop, self._link.objection, age, trocar, others)
+            places = place_words(self._context, now)
+            strangers = self._known.status("rst_control", "controller")
+            others = (self._recording.status(), self._tracker.status(), strangers)
+            self._diagnostics.publish(view, loop, self._link.objection, age, places, others)
         if not view.is_moving and self._is_due("collect", now, COLLECT_PERIOD):
             gc.collect()
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 import rospy
-from geometry_msgs.msg import Point
+from geometry_msgs.msg import Point, Vector3
 from std_msgs.msg import Empty
 
 from rst_control.srv import Command, SetGraspPoint
@@ -68,7 +68,7 @@ class RosActs:
             point = self._endoscope.point(x, y)
         except NotOnTissueError as error:
             return Outcome(False, str(error))
-        reply = _call(GRASP_POINT, SetGraspPoint, Point(*point))
+        reply = _call(GRASP_POINT, SetGraspPoint, Point(*point), Vector3(), "")
         if reply is None:
             return Outcome(False, "the controller does not answer")
         return Outcome(bool(reply.accepted), reply.message)

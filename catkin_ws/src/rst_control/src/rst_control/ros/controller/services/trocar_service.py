@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The trocar on ROS: its latched topic, and the services that set it or fit it to shaft poses."""
+"""The services that set the trocar or fit it to shaft poses."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 
 import rospy
-from geometry_msgs.msg import Point, PointStamped
+from geometry_msgs.msg import Point
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from rst_control.admission.callers import CallLimiter
@@ -17,7 +17,8 @@ from rst_control.registration.pivot_calibration import PivotFit, PivotIllPosed
 from rst_control.registration.shaft_poses import ShaftPoses, fit_words
 from rst_control.registration.trocar import TrocarRegistrar
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.ros.controller.messages import base_point, caller_of, code_of
+from rst_control.ros.controller.messages import caller_of, code_of
+from rst_control.ros.controller.places.places_in_force import PlacesInForce
 from rst_control.ros.controller.services.admission import Admission, answer_of
 from rst_control.srv import (
     FitTrocar,
@@ -31,25 +32,28 @@ from rst_control.types import Reason
 
 
 class TrocarService:
-    """Publishes `rst_control/trocar`; serves set_trocar, record_shaft, forget_shafts, fit_trocar.
+    """Serves set_trocar, record_shaft, forget_shafts, fit_trocar.
 
     Args:
         present: The active trocar.
         executor: Runs the control loop.
+        places: Publishes the trocar.
         limiter: Knows who may set up, and how often.
     """
 
     def __init__(
-        self, present: ActiveTrocarContext, executor: Executor, limiter: CallLimiter
+        self,
+        present: ActiveTrocarContext,
+        executor: Executor,
+        places: PlacesInForce,
+        limiter: CallLimiter,
     ) -> None:
-        self._present, self._executor = present, executor
+        self._executor, self._places = executor, places
         self._admit = Admission(limiter)
         self._registrar = TrocarRegistrar(present, executor)
         config = present.current.config
         self._poses = ShaftPoses(present.current.model, config.rcm, config.controller.watchdogs)
-        self._topic = rospy.Publisher("rst_control/trocar", PointStamped, queue_size=1, latch=True)
         self._services: list[rospy.Service] = []
-        self._publish()
 
     def start(self) -> None:
         """Begin to serve."""
@@ -59,9 +63,6 @@ class TrocarService:
             rospy.Service("rst_control/forget_shafts", Trigger, self._on(self._poses.forget)),
             rospy.Service("rst_control/fit_trocar", FitTrocar, self._on_fit),
         ]
-
-    def _publish(self) -> None:
-        self._topic.publish(base_point(self._present.current.trocar))
 
     def _on_set(self, request: SetTrocarRequest) -> SetTrocarResponse:
         p = request.position
@@ -92,8 +93,7 @@ class TrocarService:
 
     def _set(self, trocar: Sequence[float], caller: str) -> Reply:
         reply = answer_of(self._registrar.ask(trocar, caller))
-        if reply.accepted:
-            self._publish()
+        self._places.step()
         return reply
 
     def _record(self) -> Reply:

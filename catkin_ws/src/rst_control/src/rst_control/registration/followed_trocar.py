@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where a tracked trocar is, between its reports and a little ahead."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from rst_control.config.tracking import TrackingConfig
+from rst_control.registration.tracked_place import Report, too_far, too_old
+from rst_control.types import Cause, Reason, Vector
+
+NEVER: Final = Cause(Reason.TRACKER_STALE, "no trocar was tracked yet")
+
+
+class TrackedTrocar:
+    """Smooths and judges the reports of a trocar.
+
+    Its place and velocity follow the reports by an alpha-beta filter with the gains of Benedict and
+    Bordner (1962): beta = alpha^2 / (2 - alpha). One report that is not believed is an objection
+    until reports have been good again for `age`.
+
+    Args:
+        config: What is believed.
+        home: The trocar of the scene, base frame, [m]. Shape (3,).
+    """
+
+    def __init__(self, config: TrackingConfig, home: Vector) -> None:
+        self._config, self._home = config, np.array(home)
+        self._last: Report | None = None
+        self._place, self._velocity = np.array(home), np.zeros(3)
+        self._bad: Cause | None = None
+        self._good_since = -math.inf
+
+    def update(self, report: Report) -> None:
+        """Take in a report; one that is no newer than the last is passed over."""
+        config, last = self._config.trocar, self._last
+        if last is not None and report.stamp <= last.stamp:
+            return
+        self._last = report
+        bad = too_far(report.place, self._home, config.range)
+        span = math.inf if last is None else report.stamp - last.stamp
+        if last is not None and span <= self._config.age:
+            bad = bad or self._jump(report, last, span)
+        if bad is not None:
+            self._bad, self._good_since = bad, math.inf
+            return
+        if self._good_since == math.inf:
+            self._good_since = report.stamp
+        if last is None or span > self._config.age or self._bad is not None:
+            self._place, self._velocity = np.array(report.place), np.zeros(3)
+        else:
+            self._smooth(report, span)
+        if report.stamp - self._good_since >= self._config.age:
+            self._bad = None
+
+    def objection(self, now: float) -> Cause | None:
+        """Why the trocar's place is not known at a time [s]; None: it is."""
+        if self._last is None:
+            return NEVER
+        return self._bad or too_old(self._last, now, self._config.age)
+
+    def shift(self, now: float) -> tuple[Vector, Vector]:
+        """How far it is from home [m], and how fast it goes [m/s], at a time. Shapes (3,)."""
+        if self._last is None:
+            return np.zeros(3), np.zeros(3)
+        ahead = min(now - self._last.stamp, 2.0 * self._config.age)
+        return self._place + ahead * self._velocity - self._home, self._velocity
+
+    def _jump(self, report: Report, last: Report, span: float) -> Cause | None:
+        way = float(np.linalg.norm(report.place - last.place))
+        allowed = self._config.trocar.jump + self._config.trocar.max_speed * span
+        if way <= allowed:
+            return None
+        words = f"tracked trocar jumped by {way * 1e3:.1f} mm in {span * 1e3:.0f} ms"
+        return Cause(Reason.TRACKER_JUMPED, f"{words}, allowed {allowed * 1e3:.1f} mm")
+
+    def _smooth(self, report: Report, span: float) -> None:
+        alpha = 1.0 - math.exp(-span / self._config.trocar.filter_time)
+        beta = alpha * alpha / (2.0 - alpha)
+        predicted = self._place + span * self._velocity
+        miss = report.place - predicted
+        self._place = predicted + alpha * miss
+        self._velocity = self._velocity + (beta / span) * miss

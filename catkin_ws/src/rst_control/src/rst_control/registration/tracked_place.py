@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a tracker reports of a place, and what of it is not believed."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from rst_control.config.tracking import TrackedGraspConfig
+from rst_control.types import Cause, Reason, Vector
+
+FUTURE: Final = 0.05  # [s] by which a stamp may be ahead: clocks of two hosts differ
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """A place as a tracker reports it."""
+
+    place: Vector  # (3,), base frame, [m]
+    stamp: float  # [s] steady clock, when it was measured
+    pull: tuple[float, ...] = field(default=())  # way of the pull, base frame; (): none is reported
+
+
+def too_old(report: Report, now: float, age: float) -> Cause | None:
+    """Why the time of a report forbids to use it; None: it does not."""
+    late = now - report.stamp
+    if late > age:
+        words = f"tracked place {late:.2f} s old, allowed {age:.2f} s"
+        return Cause(Reason.TRACKER_STALE, words)
+    if late < -FUTURE:
+        words = f"tracked place stamped {-late:.2f} s ahead, allowed {FUTURE:.2f} s"
+        return Cause(Reason.TRACKER_STALE, f"{words}: are the clocks of both hosts set?")
+    return None
+
+
+def too_far(place: Vector, home: Vector, allowed: float) -> Cause | None:
+    """Why a place is too far from where it is expected; None: it is not."""
+    away = float(np.linalg.norm(place - home))
+    if away <= allowed:  # no number is not
+        return None
+    words = f"tracked place {away * 1e3:.1f} mm from that of scene.yaml"
+    return Cause(Reason.TRACKER_TOO_FAR, f"{words}, allowed {allowed * 1e3:.1f} mm")
+
+
+class SteadyPlace:
+    """A place that has to stay where it is for a while before it is taken.
+
+    Args:
+        config: How long, how near, and how far from home.
+        age: Of a report, at most [s].
+        home: Where it is expected, base frame, [m]. Shape (3,).
+    """
+
+    def __init__(self, config: TrackedGraspConfig, age: float, home: Vector) -> None:
+        self._config, self._age, self._home = config, age, np.array(home)
+        self._reports: deque[Report] = deque()
+
+    def update(self, report: Report) -> None:
+        """Take in a report; one that is no newer than the last is passed over."""
+        if self._reports and report.stamp <= self._reports[-1].stamp:
+            return
+        self._reports.append(report)
+        while report.stamp - self._reports[0].stamp > self._config.steady_time:
+            self._reports.popleft()
+
+    def taken(self, now: float) -> Report | Cause:
+        """The place, where it is steady, or why it is not taken."""
+        if not self._reports:
+            return Cause(Reason.TRACKER_STALE, "no place was tracked yet")
+        newest, config = self._reports[-1], self._config
+        refusal = too_old(newest, now, self._age) or too_far(newest.place, self._home, config.range)
+        if refusal is not None:
+            return refusal
+        places = np.array([report.place for report in self._reports])
+        spread = float(np.linalg.norm(places - newest.place, axis=1).max())
+        if spread > (allowed := config.steady_within):
+            words = f"tracked place went {spread * 1e3:.1f} mm within {config.steady_time:.1f} s"
+            return Cause(Reason.TRACKER_JUMPED, f"{words}, allowed {allowed * 1e3:.1f} mm")
+        since = newest.stamp - self._reports[0].stamp
+        if since < config.steady_time - self._age:
+            words = f"place tracked for {since:.2f} s, allowed from {config.steady_time:.2f} s on"
+            return Cause(Reason.TRACKER_STALE, words)
+        return Report(places.mean(axis=0), newest.stamp, newest.pull)

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A robot that follows its trocar, seen from a controller for which the trocar stands still.
+
+What the controller sends is changed so that the shaft goes with the trocar while the tip stays, and
+what it receives is changed back. So all plans, watchdogs and brakes hold towards the trocar as it
+moves. The trocar is followed while the controller is active, from "hey robot" to "stop" or
+"terminate". A tracker that is not believed is a fault of the robot: the controller brakes and
+latches, and the shaft stays where it is.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from rst_control.config import MotionConfig
+from rst_control.kinematics.configuration import planning_joints, robot_joints
+from rst_control.kinematics.moved_trocar import shifted_joints
+from rst_control.kinematics.robot_model import RobotModel
+from rst_control.registration.followed_trocar import TrackedTrocar
+from rst_control.registration.tracked_place import Report
+from rst_control.robot.backend import RobotBackend
+from rst_control.supervision.plausibility import FrozenJoints
+from rst_control.types import JOINT_COUNT, Cause, Measurement, Reason, Setpoint, State, Vector
+
+FOLLOWED_IN: Final = (State.ACTIVE, State.MOVING, State.STOPPING)
+CATCH_UP: Final = 0.1  # [s] in which a distance from the trocar is made up for
+LONGEST: Final = 0.02  # [s] between two set-points, as far as the shift goes on
+NEAR: Final = 0.3  # share of the allowed distance, within which the shaft has caught up
+KEPT: Final = 0.5  # [s] of changes that are remembered
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """By what set-points differed from what the controller sent, at a moment."""
+
+    stamp: float  # [s]
+    position: Vector  # (10,), [rad]
+    velocity: Vector  # (10,), [rad/s]
+
+
+class TrocarFollowing(RobotBackend):
+    """Follows the trocar on the way to and from another robot. The control loop alone calls it.
+
+    Args:
+        robot: What moves.
+        config: Settings; `scene.trocar` is the trocar where it is expected.
+        model: The robot.
+        state: What the controller is doing.
+    """
+
+    def __init__(
+        self,
+        robot: RobotBackend,
+        config: MotionConfig,
+        model: RobotModel,
+        state: Callable[[], State],
+    ) -> None:
+        settings, sensors = config.controller, config.controller.watchdogs.sensors
+        self._robot, self._model, self._state = robot, model, state
+        self._config, self._lag = settings.tracking.trocar, settings.tension.delay
+        self._trocar, self._tolerance = np.array(config.scene.trocar), config.rcm.measured_tolerance
+        self.tracked = TrackedTrocar(settings.tracking, self._trocar)
+        after = sensors.frozen_after + settings.watchdogs.joint_state_age + self._lag
+        self._frozen = FrozenJoints(sensors.frozen_way, after)
+        self.shift, self._speed = np.zeros(3), np.zeros(3)  # [m] followed so far, and [m/s]
+        still = np.zeros(JOINT_COUNT)
+        self._changes = deque([Change(-np.inf, still, still)])
+        self._raw: Measurement | None = None
+        self._seen: Measurement | None = None  # the same as the controller has it
+        self._is_near = False  # it caught up with the trocar since it began to follow
+        self._sent: Vector | None = None
+
+    def take(self, report: Report) -> None:
+        """Take in where a tracker sees the trocar."""
+        self.tracked.update(report)
+
+    def measured_js(self) -> Measurement | None:
+        """What the robot says, as if the trocar had not moved."""
+        measured, last = self._robot.measured_js(), self._raw
+        if measured is None or (measured is last and self._seen is not None):
+            return self._seen
+        if last is not None:
+            self._frozen.update(last, measured, self._sent)
+        self._raw = measured
+        change, present = self._at(measured.stamp - self._lag), self._changes[-1]
+        sent_to = measured.sent_to
+        self._seen = replace(
+            measured,
+            position=measured.position - change.position,
+            velocity=measured.velocity - change.velocity,
+            fault=measured.fault or self._fault(measured.stamp),
+            sent_to=None if sent_to is None else sent_to - present.position,
+        )
+        return self._seen
+
+    def servo_jp(self, setpoint: Setpoint) -> None:
+        """Send a set-point, changed for the trocar as it is when the joints get there."""
+        last = self._changes[-1]
+        span = min(max(setpoint.stamp - last.stamp, 0.0), LONGEST)
+        self._go_on(setpoint.stamp, span)
+        q, _ = planning_joints(setpoint.position)
+        moved = robot_joints(shifted_joints(self._model, q, self._trocar, self.shift), 0.0)
+        velocity = (moved - last.position) / span if span > 0.0 else np.zeros(JOINT_COUNT)
+        self._changes.append(Change(setpoint.stamp, moved, velocity))
+        while self._changes[1].stamp < setpoint.stamp - KEPT:
+            self._changes.popleft()
+        self._sent = setpoint.position + moved
+        self._robot.servo_jp(Setpoint(self._sent, setpoint.velocity + velocity, setpoint.stamp))
+
+    def hold(self) -> None:
+        """Slow down and stay; the shift stays, too."""
+        self._sent, self._speed = None, np.zeros(3)
+        last = self._changes[-1]
+        self._changes.append(Change(last.stamp, last.position, np.zeros(JOINT_COUNT)))
+        self._robot.hold()
+
+    def clear_fault(self) -> None:
+        """Ask the robot to take set-points again."""
+        self._robot.clear_fault()
+
+    def unfollowed(self, now: float) -> float:
+        """How far the trocar is from where it is followed to [m]."""
+        return float(np.linalg.norm(self.tracked.shift(now)[0] - self.shift))
+
+    def _fault(self, now: float) -> str:
+        """Why nothing may move; empty: all is well."""
+        if words := self._frozen.objection:
+            return Cause(Reason.SENSOR_FAULT, words).coded
+        cause = self.tracked.objection(now) or self._behind(now)
+        return "" if cause is None else cause.coded
+
+    def _behind(self, now: float) -> Cause | None:
+        """Whether the trocar ran away from a shaft that had caught up with it."""
+        gap, allowed = self.unfollowed(now), self._tolerance
+        self._is_near = self._is_following and (self._is_near or gap < NEAR * allowed)
+        if not self._is_near or gap <= allowed:
+            return None
+        words = f"shaft {gap * 1e3:.2f} mm behind the trocar that it follows"
+        return Cause(Reason.TRACKER_TOO_FAR, f"{words}, allowed {allowed * 1e3:.2f} mm")
+
+    @property
+    def _is_following(self) -> bool:
+        return self._state() in FOLLOWED_IN
+
+    def _go_on(self, now: float, span: float) -> None:
+        """Move the shift on towards the trocar, within its limits, or let it come to rest."""
+        wanted = np.zeros(3)
+        if self._is_following and self.tracked.objection(now) is None:
+            shift, speed = self.tracked.shift(now + self._lag)
+            wanted = _within(speed + (shift - self.shift) / CATCH_UP, self._config.max_speed)
+        change = _within(wanted - self._speed, self._config.max_acceleration * span)
+        self._speed = self._speed + change
+        self.shift = self.shift + span * self._speed
+
+    def _at(self, stamp: float) -> Change:
+        for change in reversed(self._changes):
+            if change.stamp <= stamp:
+                return change
+        return self._changes[0]
+
+
+def _within(vector: Vector, most: float) -> Vector:
+    """The vector, shortened to a length where it is longer."""
+    length = float(np.linalg.norm(vector))
+    return vector if length <= most else vector * (most / length)

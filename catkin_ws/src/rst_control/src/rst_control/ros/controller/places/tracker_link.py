@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Places that a tracker reports on topics, set or followed; and how it goes, on diagnostics."""
+
+from __future__ import annotations
+
+import time
+from typing import Final
+
+import numpy as np
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import Point, PointStamped, PoseStamped, Quaternion
+from scipy.spatial.transform import Rotation
+
+from rst_control.config.tracking import TrackingConfig
+from rst_control.registration.tracked_grasp import TrackedGrasp
+from rst_control.registration.tracked_place import Report
+from rst_control.registration.trocar_following import TrocarFollowing
+from rst_control.ros.common.known_publishers import KnownPublishers, publisher_of
+from rst_control.ros.controller.diagnostics import make_status
+from rst_control.ros.controller.messages import RosClock, code_of
+from rst_control.ros.controller.places.frame_listener import Array, FrameListener
+from rst_control.types import Cause
+
+NO_WAIT: Final = 0.0  # [s] in a topic's callback
+PERIOD: Final = 0.2  # [s] between two looks whether a tracked grasp point may be set
+ANSWER: Final = 2.0  # [s] for the control loop
+
+
+class TrackerLink:
+    """Listens to `rst_control/tracker/grasp_point`, `.../grasp_pose` and `.../trocar`.
+
+    Args:
+        config: Who is believed, and what of it.
+        known: Makes the subscribers.
+        frames: Knows other frames.
+        clock: Translates stamps.
+        grasp: Takes the grasp point.
+        trocar: Follows the trocar; None: it is fixed.
+    """
+
+    def __init__(
+        self,
+        config: TrackingConfig,
+        known: KnownPublishers,
+        frames: FrameListener,
+        clock: RosClock,
+        grasp: TrackedGrasp,
+        trocar: TrocarFollowing | None,
+    ) -> None:
+        self._config, self._frames, self._clock = config, frames, clock
+        self._grasp, self._trocar = grasp, trocar
+        self._tracker, self._words = "", ""
+        self._frame_objection: Cause | None = None
+        by = config.tracker
+        for name, kind, take in (
+            ("grasp_point", PointStamped, self._on_point),
+            ("grasp_pose", PoseStamped, self._on_pose),
+            ("trocar", PointStamped, self._on_trocar),
+        ):
+            known.subscribe(f"rst_control/tracker/{name}", kind, take, by, queue_size=10)
+
+    def step(self) -> None:
+        """Set the tracked grasp point where it may be; for a thread of its own."""
+        time.sleep(PERIOD)
+        answer = self._grasp.step(time.monotonic(), self._tracker)
+        if answer is not None:
+            reply = answer.result(ANSWER)
+            log = rospy.loginfo if reply.accepted else rospy.logwarn
+            log("tracker: %s", reply.message)
+
+    def status(self) -> DiagnosticStatus:
+        """What diagnostics say of trackers."""
+        now, words, level, cause = time.monotonic(), [], DiagnosticStatus.OK, None
+        if self._config.grasp_point.is_taken:
+            cause = self._frame_objection or self._grasp.objection(now)
+            words.append(f"grasp point: {cause.words if cause else 'taken at rest'}")
+        values = {}
+        if self._trocar is not None:
+            lost = self._frame_objection or self._trocar.tracked.objection(now)
+            cause = lost or cause
+            words.append(f"trocar: {lost.words if lost else 'followed'}")
+            values["followed by [mm]"] = f"{np.linalg.norm(self._trocar.shift) * 1e3:.2f}"
+            values["trocar away from the shaft [mm]"] = f"{self._trocar.unfollowed(now) * 1e3:.2f}"
+        if cause is not None:
+            level = DiagnosticStatus.WARN
+        values["reason_code"] = code_of(cause)
+        return make_status("tracker", level, "; ".join(words) or "nothing is tracked", values)
+
+    def _on_point(self, message: PointStamped) -> None:
+        self._report_grasp(message, message.point, None)
+
+    def _on_pose(self, message: PoseStamped) -> None:
+        self._report_grasp(message, message.pose.position, message.pose.orientation)
+
+    def _report_grasp(
+        self, message: PointStamped | PoseStamped, point: Point, turn: Quaternion | None
+    ) -> None:
+        T = self._known_frame(message)
+        if T is None:
+            return
+        pull: tuple[float, ...] = ()
+        if turn is not None:
+            quaternion = [turn.x, turn.y, turn.z, turn.w]
+            norm = float(np.linalg.norm(quaternion))
+            if not 0.5 < norm < 2.0:  # no number is not
+                return
+            pull = tuple((T[:3, :3] @ Rotation.from_quat(quaternion).as_matrix())[:, 2].tolist())
+        self._tracker = publisher_of(message)
+        self._grasp.update(self._report(message, T, point, pull))
+
+    def _on_trocar(self, message: PointStamped) -> None:
+        T = self._known_frame(message)
+        if self._trocar is not None and T is not None:
+            self._trocar.take(self._report(message, T, message.point))
+
+    def _known_frame(self, message: PointStamped | PoseStamped) -> Array | None:
+        found = self._frames.in_base(message.header.frame_id, NO_WAIT)
+        self._frame_objection = found if isinstance(found, Cause) else None
+        return None if isinstance(found, Cause) else found
+
+    def _report(
+        self,
+        message: PointStamped | PoseStamped,
+        T: Array,
+        point: Point,
+        pull: tuple[float, ...] = (),
+    ) -> Report:
+        place = np.array([point.x, point.y, point.z])
+        stamp = self._clock.steady(message.header.stamp)
+        return Report(T[:3, :3] @ place + T[:3, 3], stamp, pull)
