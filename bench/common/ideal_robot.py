@@ -48,6 +48,11 @@ class LightRobot:
         self._chain, self._frames = load_robot().chain, np.empty((12, 3, 4))
 
     @property
+    def true(self) -> JointReading:
+        """Joints as they are: as they are measured."""
+        return self.reading
+
+    @property
     def target(self) -> Array:
         """Where the joints should be now [rad]. Shape (10,)."""
         return self.reading.position

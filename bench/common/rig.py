@@ -44,7 +44,6 @@ class Rig(LockStep):
         kind = LightRobot if is_light else PybulletRobot
         with quiet():
             self.robot: LightRobot | PybulletRobot = kind(settings, start=START)
-        self.error = np.array([0.0] * 7 + list(settings.simulator.tool_joint_error))
         self.executor = make_executor(motion, context, self.robot.clear_fault)
         self.queue = CommandQueue(self.executor, context.verify, lambda: self.robot.now)
         self._gauge = context.trocar_pose
@@ -74,18 +73,18 @@ class Rig(LockStep):
     @property
     def rcm_error(self) -> float:
         """Distance of the shaft, as it truly is, from the trocar [m]."""
-        return self._gauge(self.robot.reading.position + self.error).error
+        return self._gauge(self.robot.true.position).error
 
     @property
     def tip_error(self) -> float:
         """Distance of the tip, as it truly is, from where its course has it now [m]."""
-        true = self.tip_at(self.robot.reading.position + self.error)
+        true = self.tip_at(self.robot.true.position)
         return float(np.linalg.norm(true - self.tip_at(self.robot.target)))
 
     @property
     def tip(self) -> Array:
         """Tip as it truly is, base frame, [m]. Shape (3,)."""
-        return self.tip_at(self.robot.reading.position + self.error)
+        return self.tip_at(self.robot.true.position)
 
 
 def with_tissue(config: MotionConfig, **changes: object) -> MotionConfig:

@@ -193,19 +193,19 @@ class KinovaRig(LockStep):
     @property
     def rcm_error(self) -> float:
         """Distance of the shaft from the trocar [m]."""
-        return self._gauge(self.robot.reading.position).error
+        return self._gauge(self.robot.true.position).error
 
     @property
     def speed(self) -> float:
         """Of the fastest joint of the arm [rad/s]."""
-        return float(np.abs(self.robot.reading.velocity[:7]).max())
+        return float(np.abs(self.robot.true.velocity[:7]).max())
 
     @property
     def tip(self) -> Array:
         """Tool tip, base frame, [m]. Shape (3,)."""
-        return self.tip_at(self.robot.reading.position)
+        return self.tip_at(self.robot.true.position)
 
     @property
     def tension(self) -> float:
         """Pull of the tissue [N]."""
-        return float(np.linalg.norm(self.robot.force))
+        return float(np.linalg.norm(self.robot.true_force))

@@ -11,7 +11,9 @@ from xmlrpc.client import ServerProxy
 import rosgraph
 import rospy
 import rostest
+from geometry_msgs.msg import Point
 
+from rst_control.srv import SetGraspPoint
 from tests.support.robot_client import RobotClient
 
 FINGERS = slice(8, 10)
@@ -24,11 +26,13 @@ class RestartedController(unittest.TestCase):
     def test_it_moves_nothing_and_goes_on(self):
         robot = RobotClient()
         robot.activate()
+        self._set_grasp_point(robot)
         robot.say_and_finish("tense")
         self._release_halfway(robot)
         before = robot.joints.position
         self._kill()
         robot.wait(lambda: robot.state.state == "standby")
+        self.assertEqual(robot.state.grasp_point_source, rospy.get_name())
         rospy.sleep(1.0)
         moved = max(abs(a - b) for a, b in zip(before, robot.joints.position, strict=True))
         self.assertLess(moved, 2e-5)
@@ -36,6 +40,14 @@ class RestartedController(unittest.TestCase):
         self.assertTrue(robot.state.tissue_held)
         robot.say_and_finish("release")
         self.assertFalse(robot.state.tissue_held)
+
+    def _set_grasp_point(self, robot):
+        """It counts after the restart, too."""
+        rospy.wait_for_service("rst_control/set_grasp_point", 60.0)
+        service = rospy.ServiceProxy("rst_control/set_grasp_point", SetGraspPoint)
+        reply = service(position=Point(0.476, -0.024, 0.269))
+        self.assertTrue(reply.accepted, reply.message)
+        robot.wait(lambda: robot.state.grasp_point_source == rospy.get_name())
 
     def _release_halfway(self, robot):
         robot.say("release")

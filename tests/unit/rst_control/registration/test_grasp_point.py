@@ -8,12 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.registration.grasp_point import GraspPointRegistrar
+from rst_control.admission.command_queue import CommandQueue
+from rst_control.registration.grasp_point import GraspHere, GraspPointRegistrar
+from rst_control.registration.tracked_grasp import TrackedGrasp
+from rst_control.registration.tracked_place import Report
 from rst_control.registration.trocar import TrocarRegistrar
 from rst_control.registration.trocar_context import TrocarContext
 from rst_control.tissue.sheet import rest_points
 from rst_control.types import State
-from tests.unit.rst_control.support.executor_rig import Rig
+from tests.unit.rst_control.support.executor_rig import PERIOD, Rig
 from tests.unit.rst_control.support.registration import Setting
 
 
@@ -105,3 +108,139 @@ def test_what_was_planned_on_another_trocar_is_not_set():
     assert first.result(0).accepted
     assert not second.result(0).accepted
     assert "set meanwhile" in second.result(0).message
+
+
+def test_the_way_of_the_pull_is_set_with_the_point():
+    here = setting()
+    point = here.node(aside=0.008)
+    reply = here.ask([*point, 0.2, 0.0, 2.0])
+    assert reply.accepted and "pulled along (0.100, 0.000, 0.995)" in reply.message
+    np.testing.assert_allclose(here.point, point)
+    assert here.scene.pull_direction == (0.2, 0.0, 2.0)
+    pull = here.rig.context.current.planner.grasp_candidates[0].pull
+    np.testing.assert_allclose(pull, np.array([0.2, 0.0, 2.0]) / np.hypot(0.2, 2.0))
+
+
+@pytest.mark.parametrize("pull", [(0.0, 0.0, 0.0), (np.nan, 0.0, 1.0)])
+def test_a_way_of_the_pull_that_is_none_is_refused(pull):
+    here = setting()
+    assert "pull direction" in here.refused([*here.node(aside=0.008), *pull])
+
+
+def test_who_set_it_and_when_is_known():
+    here = setting()
+    assert here.rig.context.grasp_origin.source == "scene.yaml"
+    here.rig.run(1.0)
+    here.accepted(here.node(aside=0.008))
+    origin = here.rig.context.grasp_origin
+    assert origin.source == "/test" and origin.stamp == pytest.approx(here.rig.now, abs=0.01)
+    assert here.rig.context.trocar_origin.source == "scene.yaml"
+    here.refused(here.first + np.array([0.0, 0.02, 0.0]))
+    assert here.rig.context.grasp_origin is origin
+
+
+# "grasp here": the tip shows the point.
+
+
+def touching(aside=0.008):
+    """A rig whose tip is at a node beside the grasp point, its jaws closed on nothing."""
+    here = setting(Rig())
+    planner = here.rig.context.current.planner
+    goal = planner.T_base_grasp.copy()
+    goal[:3, 3] = here.node(aside=aside)
+    *_, path = planner.route(np.array(here.scene.home), goal)
+    here.rig = Rig(start=path.end).awake()
+    here.registrar = GraspPointRegistrar(here.rig.context, here.rig.executor)
+    here.rig.queue = CommandQueue(
+        here.rig.executor,
+        GraspHere(here.rig.context.verify, here.registrar),
+        lambda: here.rig.now,
+    )
+    return here
+
+
+def test_the_tip_shows_where_to_grasp():
+    here = touching()
+    pending = here.rig.say("grasp here")
+    assert pending.ended.result(0).kind == "succeeded"
+    np.testing.assert_allclose(here.point, here.node(aside=0.008), atol=1e-5)
+    assert here.rig.context.grasp_origin.source == "test"
+    kinds = here.rig.event_kinds()
+    assert kinds.index("grasp_set") < len(kinds) and "accepted" in kinds
+    assert here.rig.still_for(0.2)
+
+
+def test_shown_where_no_tissue_is_it_is_refused():
+    here = setting()
+    here.rig.queue = CommandQueue(
+        here.rig.executor,
+        GraspHere(here.rig.context.verify, here.registrar),
+        lambda: here.rig.now,
+    )
+    before = here.point
+    assert "mm from a node" in here.rig.refused("grasp here")
+    assert here.point == before
+
+
+def test_shown_while_tissue_is_held_it_is_refused():
+    here = setting()
+    here.rig.finish("tense")
+    assert "release first" in here.rig.refused("grasp here")
+
+
+def test_shown_in_motion_it_is_refused():
+    here = setting(Rig().moving("reach"))
+    assert "busy moving" in here.rig.refused("grasp here")
+
+
+def test_it_is_given_by_hand_never_by_voice():
+    here = touching()
+    assert "by hand" in here.rig.refused("grasp here", spoken=True)
+
+
+# A tracker shows it.
+
+
+def tracked(here, point, seconds=0.7, is_taken=True, pull=()):
+    """Track a point for a while; returns the answers of what was asked for."""
+    tracking = here.rig.config.controller.tracking
+    tracking = replace(tracking, grasp_point=replace(tracking.grasp_point, is_taken=is_taken))
+    grasp, answers = TrackedGrasp(tracking, here.rig.context, here.registrar), []
+    for number in range(round(seconds / PERIOD)):
+        if number % 10 == 0:
+            grasp.update(Report(np.array(point), here.rig.now, pull))
+            answers.append(grasp.step(here.rig.now, "/tracker"))
+        here.rig.tick()
+    return [answer.result(0) for answer in answers if answer is not None]
+
+
+def test_a_tracked_point_is_set_once_it_is_steady():
+    here = setting()
+    point = here.node(aside=0.008)
+    (reply,) = tracked(here, point, pull=(0.0, 0.0, 1.0))
+    assert reply.accepted, reply.message
+    np.testing.assert_allclose(here.point, point, atol=1e-9)
+    assert here.rig.context.grasp_origin.source == "/tracker"
+    assert here.scene.pull_direction == (0.0, 0.0, 1.0)
+
+
+def test_a_tracked_point_that_is_refused_is_asked_for_once():
+    here = setting()
+    (reply,) = tracked(here, here.first + np.array([0.0, 0.02, 0.0]))
+    assert not reply.accepted and "from a node" in reply.message
+
+
+@pytest.mark.parametrize("phase", ["reach", "pull"])
+def test_in_motion_a_tracked_point_is_not_asked_for(phase):
+    here = setting(Rig().moving(phase))
+    assert tracked(here, here.node(aside=0.008), seconds=0.1) == []
+
+
+def test_a_tracked_point_is_only_watched_unless_it_is_to_be_taken():
+    here = setting()
+    assert tracked(here, here.node(aside=0.008), is_taken=False) == []
+
+
+def test_near_the_point_that_counts_nothing_is_set():
+    here = setting()
+    assert tracked(here, here.first + 4e-4) == []

@@ -12,6 +12,7 @@ from rst_control.config.believed import BelievedConfig
 from rst_control.config.callers import CallersConfig
 from rst_control.config.camera import CameraStepConfig
 from rst_control.config.collision import CollisionConfig
+from rst_control.config.plant import PlantConfig
 from rst_control.config.recording import RecordingConfig
 from rst_control.config.scene import SceneConfig
 from rst_control.config.sensors import SensorConfig
@@ -252,6 +253,7 @@ class SimulationConfig:
     limits: LimitsConfig
     scene: SceneConfig
     simulator: SimulatorConfig
+    plant: PlantConfig
 
 
 def load_motion_config(folder: Path = CONFIG_FOLDER) -> MotionConfig:
@@ -279,4 +281,5 @@ def load_simulation_config(folder: Path = CONFIG_FOLDER) -> SimulationConfig:
         limits=load_file(LimitsConfig, folder / "limits.yaml"),
         scene=load_file(SceneConfig, folder / "scene.yaml"),
         simulator=load_file(SimulatorConfig, folder / "simulator.yaml"),
+        plant=load_file(PlantConfig, folder / "plant.yaml"),
     )

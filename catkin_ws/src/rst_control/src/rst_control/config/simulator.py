@@ -55,6 +55,7 @@ class SimulatorConfig:
     """simulator.yaml: the simulated robot."""
 
     mode: str = choice("fast", "kinova_strict")
+    plant: str = choice("ideal", "lab")
     physics_rate: float = number(100.0, 10_000.0, "Hz")
     publish_rate: float = number(10.0, 1000.0, "Hz")
     real_time_factor: float = number(0.0, 100.0, "")

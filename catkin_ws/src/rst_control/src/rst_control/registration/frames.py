@@ -60,20 +60,21 @@ class Frames:
         name = _plain(frame) or BASE
         if name == BASE:
             return np.eye(4)
-        chains = {end: self._to_root(end, now, age) for end in (name, BASE)}
-        for chain in chains.values():
-            if isinstance(chain, Cause):
-                return chain
-        (root, T), (base_root, T_base) = chains[name], chains[BASE]  # type: ignore[misc]
+        chain, base = self._to_root(name, now, age), self._to_root(BASE, now, age)
+        if isinstance(chain, Cause):
+            return chain
+        if isinstance(base, Cause):
+            return base
+        (root, T), (base_root, T_base) = chain, base
         if root != base_root:
             words = f"frame {name!r} hangs on {root!r}, {BASE} on {base_root!r}: tf does not join"
             return Cause(Reason.UNKNOWN_FRAME, f"{words} them")
-        joined: Array = np.linalg.solve(T_base, T)
-        return joined
+        return np.array(np.linalg.solve(T_base, T), dtype=np.float64)
 
     def _to_root(self, frame: str, now: float, age: float) -> tuple[str, Array] | Cause:
         """The root of a frame, and the frame's pose in it."""
-        T, at = np.eye(4), frame
+        T: Array = np.eye(4)
+        at = frame
         for _ in range(MAX_DEPTH):
             link = self._links.get(at)
             if link is None:
@@ -81,7 +82,7 @@ class Frames:
             if (late := now - link.stamp) > age:
                 words = f"frame {at!r} {late:.2f} s old, allowed {age:.2f} s"
                 return Cause(Reason.TRACKER_STALE, words)
-            T, at = link.T @ T, link.parent
+            T, at = np.array(link.T @ T), link.parent
         return Cause(Reason.UNKNOWN_FRAME, f"frame {frame!r} hangs in a circle of frames")
 
 

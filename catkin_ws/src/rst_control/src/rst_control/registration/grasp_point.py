@@ -70,7 +70,8 @@ class GraspPointRegistrar(ContextRegistrar):
         measured = ready(present, view)  # so that no motion is planned from a robot that moves
         if isinstance(measured, Cause):
             return measured
-        point, pull = place[:POINT], place[POINT:POINT_AND_PULL]
+        numbers = [float(value) for value in place]
+        point, pull = numbers[:POINT], numbers[POINT:POINT_AND_PULL]
         refusal = off_tissue(present.config.scene, point) or no_way(pull)
         if refusal is not None:
             return refusal
@@ -116,7 +117,7 @@ class GraspHere:
         context = self._registrar.here(self._registrar.view())
         if isinstance(context, Cause):
             return Rejected.by(context)
-        made, place = context, position_words(context.config.scene.grasp_point)
+        made, place = context, position_words(np.array(context.config.scene.grasp_point))
         words = f"takes the tissue at {place} from now on"
         return Accepted(
             SettingPlan(

@@ -13,15 +13,19 @@ from numpy.typing import NDArray
 
 from rst_control.config import URDF_FILE, LimitsConfig, SimulationConfig
 from rst_control.kinematics.configuration import robot_joints
+from rst_control.kinematics.inverse_dynamics import InverseDynamics
 from rst_control.robot import joint_kernels
 from rst_control.robot.backend import RobotBackend
 from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, warm_up
 from rst_control.simulation.physics import JointReading, RobotPhysics
+from rst_control.simulation.plant import LabPlant, PlantInput
 from rst_control.simulation.tissue import Jaws, SimulatedTissue
 from rst_control.types import JOINTS, Measurement, Setpoint, unit_vector
 from typed_config import ConfigError
 
 Vector = NDArray[np.float64]
+IDEAL = "ideal"  # simulator.plant
+ARM = 7  # joints of the arm
 
 
 class PybulletRobot(RobotBackend):
@@ -53,10 +57,13 @@ class PybulletRobot(RobotBackend):
         self._servo = Servo(simulator.servo, limits, begin)
         self._following_error = simulator.servo.following_error
         self.tissue = SimulatedTissue(scene.tissue, self.time_step)
+        self._plant = self._make_plant(config, urdf, begin)
+        self._led = begin + self._error  # [rad] where the joints were led last
         self._jaws = Jaws(self.tissue, simulator.closed_opening, simulator.held_opening)
         self._load = simulator.tool_load * unit_vector(self._physics.gravity)
-        self._target, self._reading = begin, self._as_reported(self._physics.read())
-        self._force = np.zeros(3)
+        self._target, self._true = begin, self._physics.read()
+        self._reading = self._as_reported(self._true)
+        self._force = self._felt = np.zeros(3)
         self._check_following()
 
     @property
@@ -76,13 +83,28 @@ class PybulletRobot(RobotBackend):
 
     @property
     def reading(self) -> JointReading:
-        """Joints as they are now."""
+        """Joints as they are measured now."""
         return self._reading
 
     @property
+    def true(self) -> JointReading:
+        """Joints as they are now, whatever is measured."""
+        return self._true
+
+    @property
     def force(self) -> Vector:
-        """Force of the tissue on the jaws, base frame, [N]. Shape (3,)."""
+        """Force of the tissue on the jaws as it is measured, base frame, [N]. Shape (3,)."""
+        return self._felt
+
+    @property
+    def true_force(self) -> Vector:
+        """The same as it is, whatever is measured."""
         return self._force
+
+    @property
+    def plant(self) -> LabPlant | None:
+        """What is not ideal; None: all is."""
+        return self._plant
 
     @property
     def fault(self) -> str:
@@ -115,7 +137,7 @@ class PybulletRobot(RobotBackend):
             velocity=self._reading.velocity,
             effort=self._reading.effort,
             stamp=self.now,
-            force=self._force,
+            force=self._felt,
             gripped=self.tissue.is_held,
             fault=self._servo.fault,
             sent_to=self._servo.rest,
@@ -140,17 +162,18 @@ class PybulletRobot(RobotBackend):
     def step(self) -> None:
         """Move on by one step of the physics."""
         self._steps += 1
-        target, _ = self._servo.course(self.now)
-        self._physics.drive(
-            self._target + self._error if self._has_error else self._target,
-            (target - self._target) / self.time_step,
-        )
+        target, speed = self._servo.course(self.now)
+        led = self._where_led(target, speed)
+        self._physics.drive(self._led, (led - self._led) / self.time_step)
         self._physics.push_jaws(self._force + self._load)
         true, tip = self._physics.step(), self._physics.grasp_centre
-        self._reading, self._target = self._as_reported(true), target
+        self._true, self._target, self._led = true, target, led
+        self._reading = self._as_reported(true)
         opening = true.position.item(8) + true.position.item(9)
         self._jaws.follow(opening, tip)
         self._force = self.tissue.advance(tip)
+        plant = self._plant
+        self._felt = self._force if plant is None else plant.force_sensor.read(self._force)
         self._check_following()
 
     def advance(self, until: float, each: Callable[[], None] = lambda: None) -> None:
@@ -193,7 +216,27 @@ class PybulletRobot(RobotBackend):
     ) -> None:
         self.close()
 
+    def _make_plant(self, config: SimulationConfig, urdf: Path, begin: Vector) -> LabPlant | None:
+        if config.simulator.plant == IDEAL:
+            return None
+        dynamics = InverseDynamics(urdf.read_text(encoding="utf-8"), gravity=self._physics.gravity)
+        trocar = np.array(config.scene.trocar)
+        return LabPlant(config.plant, dynamics, trocar, begin, self.time_step)
+
+    def _where_led(self, target: Vector, speed: Vector) -> Vector:
+        """Where the joints truly go on their way to a target [rad]. Shape (10,)."""
+        plant = self._plant
+        if plant is not None:
+            tip, force = self._physics.grasp_centre, self._force + self._load
+            target = plant.advance(PlantInput(target, speed, tip, force))
+        return target + self._error if self._has_error else target
+
     def _as_reported(self, true: JointReading) -> JointReading:
+        if self._plant is not None:
+            position, velocity = self._plant.read()
+            effort = np.array(true.effort)
+            effort[:ARM] = self._plant.torque_sensors.read(effort[:ARM])
+            return JointReading(position, velocity, effort)
         return replace(true, position=true.position - self._error) if self._has_error else true
 
     def _check_following(self) -> None:

@@ -63,6 +63,10 @@ WHY: Final = {  # by reason code
     "node_lost": "a part is gone",
     "voice_silent": "hearing is gone",
     "sensor_fault": "bad gauge",
+    "unknown_frame": "unknown frame",
+    "tracker_stale": "tracker is blind",
+    "tracker_jumped": "tracker jumped",
+    "tracker_too_far": "trocar is too far off",
     # braked and latched
     "setpoints_stopped": "set points are late",
     "setpoint_refused": "bad set point",

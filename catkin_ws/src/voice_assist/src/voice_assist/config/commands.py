@@ -14,7 +14,12 @@ from voice_assist.text.amounts import amount_words, with_value
 from voice_assist.text.normalize import Words, is_negated, normalize
 from voice_assist.text.wer import wer
 
-AT_REST = ("hey robot", "stop", "terminate")  # the robot's commands that begin no motion
+AT_REST = (
+    "hey robot",
+    "stop",
+    "terminate",
+    "grasp here",
+)  # the robot's commands that begin no motion
 NEVER_SURE = 0.95  # [0, 1] a recogniser is hardly ever surer of a word than this
 
 

@@ -4,14 +4,17 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import PointStamped, TransformStamped
 from tf2_msgs.msg import TFMessage
 
 from rst_control.config import SceneConfig
+from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.simulator.pace import SimulationPace
 from rst_control.simulation.exposure import exposure, exposure_words
 from rst_control.simulation.pybullet_robot import PybulletRobot
@@ -28,14 +31,23 @@ class SimulatorDiagnostics:
         robot: What is simulated.
         pace: Counts lateness.
         period: Simulated time between two calls [s].
-        scene: With the bands of a triangulated sheet.
+        scene: With the bands of a triangulated sheet, and the grasp point until another is set.
+        known: Makes the subscriber to the grasp point that counts.
+        led_by: Nodes that are believed there.
     """
 
     def __init__(
-        self, robot: PybulletRobot, pace: SimulationPace, period: float, scene: SceneConfig
+        self,
+        robot: PybulletRobot,
+        pace: SimulationPace,
+        period: float,
+        scene: SceneConfig,
+        known: KnownPublishers,
+        led_by: Sequence[str],
     ) -> None:
         self._robot, self._pace, self._period = robot, pace, period
         self._scene = scene
+        known.subscribe("rst_control/grasp_point", PointStamped, self._on_grasp, led_by)
         self.priority = "none"  # what the system granted, in words
         self._topic = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=2)
         self._wall, self._busy = time.monotonic(), time.process_time()
@@ -71,6 +83,11 @@ class SimulatorDiagnostics:
         message = DiagnosticArray(status=[status, self._exposure(), strangers])
         message.header.stamp = rospy.Time.now()
         self._topic.publish(message)
+
+    def _on_grasp(self, message: PointStamped) -> None:
+        """Take over the point that the controller grasps at."""
+        p = message.point
+        self._scene = replace(self._scene, grasp_point=(p.x, p.y, p.z))
 
     def _exposure(self) -> DiagnosticStatus:
         """Whether the tissue is triangulated, and by how much it is or is not."""

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 
+from rst_control.config.plant import LatenessConfig
 from rst_control.ros.common.known_publishers import KnownPublishers
-from rst_control.ros.common.raw_messages import RawJointState
+from rst_control.ros.common.raw_messages import RawJointState, WrittenJointState, WrittenWrench
 from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
 from rst_control.ros.simulator.messages import Stamper, StateWriter
+from rst_control.simulation.plant.lateness import LateQueue
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.types import JOINTS, Cause, Reason, Setpoint, robot_fault
 
@@ -39,6 +41,8 @@ class SetpointInterface:
         is_real_time: Whether stamps of others are on the same clock.
         known: Makes the subscribers.
         led_by: Nodes that may lead the robot.
+        lateness: Of what comes and goes.
+        seed: Of its jitter.
     """
 
     def __init__(
@@ -49,10 +53,19 @@ class SetpointInterface:
         is_real_time: bool,
         known: KnownPublishers,
         led_by: Sequence[str],
+        lateness: LatenessConfig,
+        seed: int,
     ) -> None:
         self._robot, self._jobs, self._stamper = robot, jobs, stamper
         self._is_real_time = is_real_time
         self._writer, self._reader = StateWriter(stamper), JointStateReader(JOINTS)
+        random = np.random.default_rng(seed)
+        self._commands: LateQueue[Setpoint] = LateQueue(
+            lateness.command_delay, lateness.command_jitter, random
+        )
+        self._feedback: LateQueue[tuple[WrittenJointState, WrittenWrench]] = LateQueue(
+            lateness.feedback_delay, lateness.feedback_jitter, random
+        )
         self._told_grip: Repeated[bool] = Repeated(TELL_PERIOD)
         self._told_fault: Repeated[str] = Repeated(TELL_PERIOD)
         self._told_rest: Repeated[NDArray[np.float64]] = Repeated(TELL_PERIOD, np.array_equal)
@@ -74,13 +87,18 @@ class SetpointInterface:
         ]
 
     def lead(self) -> None:
-        """Set-points lead the robot; nothing is left to do between them."""
+        """Hand set-points that have arrived to the robot."""
+        for setpoint in self._commands.take(self._robot.now):
+            self._robot.servo_jp(setpoint)
 
     def publish(self) -> None:
         """Publish the state of the robot."""
         robot, now = self._robot, self._robot.now
-        self._joints.publish(self._writer.joints(now, robot.reading))
-        self._tension.publish(self._writer.wrench(now, robot.force))
+        joints = self._writer.joints(now, robot.reading)
+        self._feedback.put((joints, self._writer.wrench(now, robot.force)), now)
+        for joints, wrench in self._feedback.take(now):
+            self._joints.publish(joints)
+            self._tension.publish(wrench)
         rest = robot.rest
         if rest is not None and self._told_rest.is_due(rest, now):
             self._rest.publish(self._writer.rest(now, rest))
@@ -109,4 +127,5 @@ class SetpointInterface:
             return
         known = self._is_real_time and sample.stamp > NO_STAMP
         stamp = self._stamper.simulated(sample.stamp) if known else self._robot.now
-        self._robot.servo_jp(Setpoint(sample.position, sample.velocity, stamp))
+        setpoint = Setpoint(sample.position, sample.velocity, stamp)
+        self._commands.put(setpoint, self._robot.now)

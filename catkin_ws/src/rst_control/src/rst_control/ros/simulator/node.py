@@ -20,6 +20,7 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.config import URDF_FILE, SimulationConfig
+from rst_control.config.plant import LatenessConfig
 from rst_control.errors import RstError
 from rst_control.kinova.stand_in import StandInConfig, as_driven
 from rst_control.robot.setpoint_servo import ServoState
@@ -49,6 +50,9 @@ JOB_LIMIT = 5.0  # [s] for the loop to take up what a service asks for
 FINE_RATE = 1000.0  # [Hz] of the physics, from which the figures of motion are measured
 COARSE = "physics at %g Hz, below %g Hz: the shaft leaves the trocar further than a robot's would"
 NOT_OF_SIMULATION = ("kinova", "urdf", "rcm", "controller", "collision")  # drivers', controller's
+IN_TIME = LatenessConfig(
+    command_delay=0.0, command_jitter=0.0, feedback_delay=0.0, feedback_jitter=0.0
+)
 STRICT = "kinova_strict"  # the mode that stands in for the real drivers
 
 
@@ -95,7 +99,9 @@ class SimulatorNode:
         self._markers = SimulatorMarkers(config.scene.tissue, self._copy_state)
         period = self._steps * self.robot.time_step
         self.pace = SimulationPace(period, simulator.real_time_factor, time.monotonic, time.sleep)
-        self._diagnostics = SimulatorDiagnostics(self.robot, self.pace, period, config.scene)
+        self._diagnostics = SimulatorDiagnostics(
+            self.robot, self.pace, period, config.scene, self._known, simulator.led_by
+        )
         self._places = publish_places(config.scene)
 
     def run(self) -> None:
@@ -127,8 +133,17 @@ class SimulatorNode:
     ) -> RobotInterface:
         robot, jobs, stamper = self.robot, self._jobs, self._stamper
         if stand_in is None:
-            led_by = config.simulator.led_by
-            return SetpointInterface(robot, jobs, stamper, self._is_real_time, self._known, led_by)
+            led_by, is_lab = config.simulator.led_by, robot.plant is not None
+            return SetpointInterface(
+                robot,
+                jobs,
+                stamper,
+                self._is_real_time,
+                self._known,
+                led_by,
+                config.plant.lateness if is_lab else IN_TIME,
+                config.plant.seed,
+            )
         return DriverInterface(robot, jobs, stamper, config, stand_in)
 
     def _publish(self) -> None:

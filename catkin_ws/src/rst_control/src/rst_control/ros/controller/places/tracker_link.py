@@ -13,13 +13,14 @@ from geometry_msgs.msg import Point, PointStamped, PoseStamped, Quaternion
 from scipy.spatial.transform import Rotation
 
 from rst_control.config.tracking import TrackingConfig
+from rst_control.registration.frames import Array
 from rst_control.registration.tracked_grasp import TrackedGrasp
 from rst_control.registration.tracked_place import Report
 from rst_control.registration.trocar_following import TrocarFollowing
 from rst_control.ros.common.known_publishers import KnownPublishers, publisher_of
 from rst_control.ros.controller.diagnostics import make_status
 from rst_control.ros.controller.messages import RosClock, code_of
-from rst_control.ros.controller.places.frame_listener import Array, FrameListener
+from rst_control.ros.controller.places.frame_listener import FrameListener
 from rst_control.types import Cause
 
 NO_WAIT: Final = 0.0  # [s] in a topic's callback

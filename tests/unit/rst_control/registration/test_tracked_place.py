@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is not believed of a tracked place: old, ahead of time, jumping, far."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rst_control.config import load_motion_config
+from rst_control.registration.followed_trocar import TrackedTrocar
+from rst_control.registration.tracked_place import Report, SteadyPlace
+from rst_control.types import Cause, Reason
+
+CONFIG = load_motion_config().controller.tracking
+HOME = np.array([0.4, 0.0, 0.3])
+PERIOD = 0.02
+
+
+def steady(places, start=5.0):
+    """A place after reports at 50 Hz, and the time of the last."""
+    place, now = SteadyPlace(CONFIG.grasp_point, CONFIG.age, HOME), start
+    for each in places:
+        now += PERIOD
+        place.update(Report(np.array(each), now))
+    return place, now
+
+
+def refused(found, reason, words):
+    assert isinstance(found, Cause) and found.reason is reason
+    assert words in found.words and "allowed" in found.words
+
+
+def test_a_steady_place_is_the_mean_of_its_reports():
+    noise = np.random.default_rng(1).normal(scale=1e-4, size=(60, 3))
+    place, now = steady(HOME + np.array([0.01, 0.0, 0.0]) + noise)
+    count = int(CONFIG.grasp_point.steady_time / PERIOD)
+    np.testing.assert_allclose(
+        place.taken(now).place, HOME + np.array([0.01, 0.0, 0.0]), atol=5e-4 / np.sqrt(count)
+    )
+
+
+def test_nothing_tracked_is_no_place():
+    place = SteadyPlace(CONFIG.grasp_point, CONFIG.age, HOME)
+    assert place.taken(1.0).reason is Reason.TRACKER_STALE
+
+
+def test_a_place_of_a_moment_is_not_taken_yet():
+    place, now = steady([HOME] * 5)
+    refused(place.taken(now), Reason.TRACKER_STALE, "tracked for 0.08 s")
+
+
+def test_an_old_place_is_refused_with_its_age():
+    place, now = steady([HOME] * 60)
+    refused(place.taken(now + 0.5), Reason.TRACKER_STALE, "0.50 s old")
+
+
+def test_a_stamp_ahead_of_time_is_refused():
+    place, now = steady([HOME] * 60)
+    refused(place.taken(now - 0.3), Reason.TRACKER_STALE, "0.30 s ahead")
+
+
+def test_a_jump_is_refused_until_the_place_is_steady_again():
+    place, now = steady([HOME] * 60 + [HOME + np.array([0.0, 0.005, 0.0])])
+    refused(place.taken(now), Reason.TRACKER_JUMPED, "went 5.0 mm")
+    for _ in range(60):
+        now += PERIOD
+        place.update(Report(HOME + np.array([0.0, 0.005, 0.0]), now))
+    np.testing.assert_allclose(place.taken(now).place, HOME + np.array([0.0, 0.005, 0.0]))
+
+
+@pytest.mark.parametrize("away", [0.2, np.nan, np.inf])
+def test_a_far_place_is_refused_and_so_is_none(away):
+    place, now = steady([HOME + np.array([away, 0.0, 0.0])] * 60)
+    refused(place.taken(now), Reason.TRACKER_TOO_FAR, "mm from that of scene.yaml")
+
+
+# The trocar.
+
+
+def tracked(places, start=5.0):
+    trocar, now = TrackedTrocar(CONFIG, HOME), start
+    for each in places:
+        now += PERIOD
+        trocar.update(Report(np.array(each), now))
+    return trocar, now
+
+
+def breathing(time):
+    return HOME + np.array([0.0025 * (1.0 - np.cos(2.0 * np.pi * 0.25 * time)), 0.0, 0.0])
+
+
+def test_breathing_is_followed_without_delay():
+    """Within 0.1 mm at any time, between two reports and ahead of the newest, too."""
+    trocar, now, errors = TrackedTrocar(CONFIG, HOME), 0.0, []
+    for _ in range(500):
+        now += PERIOD
+        trocar.update(Report(breathing(now), now))
+        if now > 1.0:
+            for ahead in (0.0, 0.01, 0.03):
+                shift, _ = trocar.shift(now + ahead)
+                errors.append(np.linalg.norm(HOME + shift - breathing(now + ahead)))
+    assert trocar.objection(now) is None
+    assert max(errors) < 1e-4
+
+
+def test_nothing_heard_is_an_objection():
+    assert TrackedTrocar(CONFIG, HOME).objection(0.0).reason is Reason.TRACKER_STALE
+
+
+def test_silence_is_an_objection():
+    trocar, now = tracked([HOME] * 60)
+    assert trocar.objection(now) is None
+    refused(trocar.objection(now + 0.3), Reason.TRACKER_STALE, "0.30 s old")
+
+
+def test_a_jump_is_an_objection_until_reports_have_been_good_for_a_while():
+    trocar, now = tracked([HOME] * 60 + [HOME + np.array([0.0, 0.005, 0.0])])
+    refused(trocar.objection(now), Reason.TRACKER_JUMPED, "jumped by 5.0 mm")
+    for number in range(15):
+        now += PERIOD
+        trocar.update(Report(HOME + np.array([0.0, 0.005, 0.0]), now))
+        if number * PERIOD < CONFIG.age:
+            assert trocar.objection(now) is not None
+    assert trocar.objection(now) is None
+    np.testing.assert_allclose(trocar.shift(now)[0], [0.0, 0.005, 0.0], atol=1e-6)
+
+
+@pytest.mark.parametrize("away", [0.02, np.nan])
+def test_beyond_its_range_is_an_objection(away):
+    trocar, now = tracked([HOME] * 60)
+    trocar = TrackedTrocar(
+        replace(CONFIG, trocar=replace(CONFIG.trocar, jump=0.01, max_speed=0.1)), HOME
+    )
+    trocar.update(Report(HOME + np.array([away, 0.0, 0.0]), now))
+    refused(trocar.objection(now), Reason.TRACKER_TOO_FAR, "mm from that of scene.yaml")
+
+
+def test_an_older_report_changes_nothing():
+    trocar, now = tracked([HOME] * 60)
+    trocar.update(Report(HOME + np.array([0.02, 0.0, 0.0]), now - 0.1))
+    assert trocar.objection(now) is None

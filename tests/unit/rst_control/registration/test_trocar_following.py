@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A robot that follows its trocar: exact towards the moving trocar, at rest for the controller."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rst_control.kinematics.configuration import Configuration, planning_joints
+from rst_control.kinematics.rcm import rcm_state
+from rst_control.registration.tracked_place import Report
+from rst_control.registration.trocar import TrocarRegistrar
+from rst_control.registration.trocar_following import TrocarFollowing
+from rst_control.types import Reason, State
+from tests.unit.rst_control.support.executor_rig import PERIOD, Rig, shared
+
+MOST = 1e-4  # [m] of the shaft from the trocar while it breathes
+
+
+def following_settings():
+    config = shared()[0]
+    tracking = config.controller.tracking
+    trocar = replace(tracking.trocar, motion="followed")
+    tracking = replace(tracking, trocar=trocar)
+    return replace(config, controller=replace(config.controller, tracking=tracking))
+
+
+class FollowingRig(Rig):
+    """A rig whose trocar breathes, with a tracker at 50 Hz."""
+
+    def __init__(self, amplitude=0.0025):
+        super().__init__(config=following_settings())
+        self.amplitude, self.is_tracked, self.jump = amplitude, True, np.zeros(3)
+        self.home = np.array(self.config.scene.trocar)
+        self.true_robot = self.robot
+        self.robot = TrocarFollowing(
+            self.true_robot, self.config, shared()[1], lambda: self.executor.snapshot.mode.state
+        )
+        self.errors = []
+
+    def trocar(self):
+        phase = 2.0 * np.pi * 0.25 * (self.now - 10.0)
+        return self.home + np.array([self.amplitude * (1.0 - np.cos(phase)), 0.0, 0.0]) + self.jump
+
+    def tick(self):
+        if self.is_tracked and round(self.now / PERIOD) % 10 == 0:
+            self.robot.take(Report(self.trocar(), self.now))
+        setpoint = super().tick()
+        q, _ = planning_joints(self.true_robot.measured_js().position)
+        self.errors.append(rcm_state(Configuration(shared()[1], q), self.trocar()).error)
+        return setpoint
+
+
+def test_the_shaft_stays_in_a_trocar_that_breathes_at_rest_and_in_motion():
+    rig = FollowingRig()
+    rig.run(0.3).awake().run(1.0)
+    rig.errors.clear()
+    rig.run(5.0)  # at rest
+    rig.finish("tense")
+    assert max(rig.errors) < MOST
+
+
+def test_without_following_it_is_as_far_off_as_the_trocar_goes():
+    rig = FollowingRig()
+    rig.run(5.0)  # in standby nothing moves
+    assert max(rig.errors) > 0.004
+
+
+def test_the_controller_sees_a_robot_at_rest():
+    rig = FollowingRig()
+    rig.run(0.3).awake().run(1.0)
+    before = rig.view.measurement.position
+    rig.run(2.0)
+    np.testing.assert_allclose(rig.view.measurement.position, before, atol=1e-3)
+    assert np.abs(rig.view.measurement.velocity).max() < 2e-3
+
+
+@pytest.mark.parametrize("words", ["stop", "terminate"])
+def test_stop_and_terminate_end_it(words):
+    rig = FollowingRig()
+    rig.run(0.3).awake().run(1.0)
+    rig.say(words)
+    rig.run(0.3)
+    still = rig.true_robot.measured_js().position
+    rig.run(1.0)
+    np.testing.assert_allclose(rig.true_robot.measured_js().position, still, atol=1e-9)
+
+
+def test_after_a_stop_it_goes_on_from_where_it_was():
+    rig = FollowingRig()
+    rig.run(0.3).awake().run(1.0)
+    rig.say("stop")
+    rig.run(1.0)
+    before = rig.true_robot.measured_js().position
+    rig.awake()
+    joints = [before]
+    for _ in range(500):
+        rig.tick()
+        joints.append(rig.true_robot.measured_js().position)
+    speeds = np.abs(np.diff(joints, axis=0)).max() / PERIOD
+    assert 0.0 < speeds < 0.5  # no jump
+    rig.errors.clear()
+    rig.run(1.0)
+    assert max(rig.errors) < MOST
+
+
+@pytest.mark.parametrize(
+    ("fault", "reason"),
+    [
+        (lambda rig: setattr(rig, "is_tracked", False), Reason.TRACKER_STALE),
+        (lambda rig: setattr(rig, "jump", np.array([0.0, 0.006, 0.0])), Reason.TRACKER_JUMPED),
+        (lambda rig: setattr(rig, "amplitude", 0.006), Reason.TRACKER_TOO_FAR),
+    ],
+)
+@pytest.mark.parametrize("moving", [False, True])
+def test_a_tracker_that_is_not_believed_brakes_and_latches(fault, reason, moving):
+    rig = FollowingRig()
+    rig.run(0.3).awake()
+    if moving:
+        rig.say("tense")
+        rig.run(0.5)
+    if reason is Reason.TRACKER_TOO_FAR:  # it breathes deeper from a breath's end on
+        rig.until(lambda: np.linalg.norm(rig.trocar() - rig.home) < 1e-5)
+    fault(rig)
+    rig.until(lambda: rig.state is State.FAULTED, limit=5.0)
+    assert rig.view.latch.reason is reason
+    still = rig.true_robot.measured_js().position
+    rig.run(0.5)
+    np.testing.assert_allclose(rig.true_robot.measured_js().position, still, atol=1e-6)
+
+
+def test_without_a_tracker_nothing_begins():
+    rig = FollowingRig()
+    rig.is_tracked = False
+    rig.run(0.1)
+    assert "no trocar was tracked yet" in rig.refused("hey robot")
+
+
+def test_a_joint_that_reads_the_same_is_still_found():
+    """What the trocar adds must not hide a reading that is frozen."""
+    rig = FollowingRig()
+    rig.run(0.3).awake().run(1.0)
+    frozen = rig.true_robot.measured_js
+    first = frozen()
+    rig.true_robot.measured_js = lambda: replace(
+        frozen(), position=first.position, velocity=np.zeros(10)
+    )
+    rig.until(lambda: rig.state is State.FAULTED, limit=5.0)
+    assert rig.view.latch.reason is Reason.SENSOR_FAULT and "frozen" in rig.view.latch.words
+
+
+def test_a_trocar_that_is_followed_is_not_set_by_hand():
+    rig = FollowingRig()
+    rig.context.current = type(rig.context.current)(rig.config, shared()[1])
+    rig.run(0.3).awake()
+    answer = TrocarRegistrar(rig.context, rig.executor).ask(rig.home, "/test").result(0)
+    assert not answer.accepted and "followed from its tracker" in answer.message
