@@ -122,8 +122,3 @@ def test_set_points_and_feedback_come_late():
 def test_settings_that_contradict_each_other_are_refused(room, changes, key):
     with pytest.raises(ConfigError, match=key):
         replace(getattr(CONFIG.plant, room), **changes)
-
-
-def test_a_sensor_with_another_number_of_axes_is_refused():
-    with pytest.raises(ConfigError, match=r"force_sensor\.noise.*3 numbers"):
-        replace(CONFIG.plant, force_sensor=CONFIG.plant.torque_sensors)

@@ -21,7 +21,7 @@ class DrivesConfig:
     integral: Arm = number(0.0, 1.0, "")
     static_friction: Arm = number(0.0, 50.0, "N m")
     sliding_friction: Arm = number(0.0, 50.0, "N m")
-    stribeck_speed: float = number(1e-4, 1.0, "rad/s")
+    stribeck_speed: float = number(1e-4, 0.5, "rad/s")
     viscous_friction: Arm = number(0.0, 100.0, "N m s/rad")
     load_known: float = number(0.0, 1.0, "")
 
@@ -37,7 +37,7 @@ class DrivesConfig:
 class GearsConfig:
     """Gears that twist under their load."""
 
-    stiffness: Arm = number(100.0, 1e6, "N m/rad")
+    stiffness: Arm = number(1000.0, 1e6, "N m/rad")
     settle_time: float = number(0.001, 1.0, "s")
 
 
@@ -46,17 +46,26 @@ class EncodersConfig:
     """How positions and velocities are measured; of arm, pitch and jaws."""
 
     step: Ten = number(0.0, 0.01, "rad")
-    noise: Ten = number(0.0, 0.01, "rad")
+    noise: Ten = number(0.0, 5e-4, "rad")
     velocity_time: float = number(0.001, 0.5, "s")
 
 
 @dataclass(frozen=True, kw_only=True)
-class SensorErrorConfig:
-    """Noise of a reading, and a drift that wanders within a standard deviation."""
+class TorqueErrorConfig:
+    """Noise of a torque as read, and a drift that wanders within a standard deviation."""
 
-    noise: tuple[float, ...] = number(0.0, 10.0, "N m or N")
-    drift: tuple[float, ...] = number(0.0, 10.0, "N m or N")
-    drift_time: float = number(0.1, 1e5, "s")
+    noise: Arm = number(0.0, 10.0, "N m")
+    drift: Arm = number(0.0, 10.0, "N m")
+    drift_time: float = number(0.1, 1e4, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceErrorConfig:
+    """The same of a force."""
+
+    noise: Point = number(0.0, 0.2, "N")
+    drift: Point = number(0.0, 0.2, "N")
+    drift_time: float = number(0.1, 1e4, "s")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +85,7 @@ class BodyWallConfig:
     way: Point = number(-1.0, 1.0, "")
     stroke: float = number(0.0, 0.03, "m")
     rate: float = number(0.01, 2.0, "Hz")
-    stiffness: float = number(0.0, 1e5, "N/m")
+    stiffness: float = number(1.0, 1e5, "N/m")
     slack: float = number(0.0, 0.01, "m")
 
     def __post_init__(self) -> None:
@@ -101,16 +110,8 @@ class PlantConfig:
     drives: DrivesConfig
     gears: GearsConfig
     encoders: EncodersConfig
-    torque_sensors: SensorErrorConfig
-    force_sensor: SensorErrorConfig
+    torque_sensors: TorqueErrorConfig
+    force_sensor: ForceErrorConfig
     lateness: LatenessConfig
     body_wall: BodyWallConfig
     tool_play: ToolPlayConfig
-
-    def __post_init__(self) -> None:
-        """Check what no key shows alone."""
-        for name, count in (("torque_sensors", 7), ("force_sensor", 3)):
-            errors = getattr(self, name)
-            for key in ("noise", "drift"):
-                values = list(getattr(errors, key))
-                require(len(values) == count, f"{name}.{key}", values, f"{count} numbers")

@@ -18,6 +18,7 @@ TAKEN: Final = {  # by the command that the controller accepted
     "terminate": "asleep",
     "insert": "going in",
     "withdraw": "coming out",
+    "grasp here": "spot is marked",
 }
 TAKEN_OTHERWISE: Final = "accepted"  # of any other command
 
@@ -64,7 +65,7 @@ WHY: Final = {  # by reason code
     "voice_silent": "hearing is gone",
     "sensor_fault": "bad gauge",
     "unknown_frame": "unknown frame",
-    "tracker_stale": "tracker is blind",
+    "tracker_stale": "tracking is lost",
     "tracker_jumped": "tracker jumped",
     "tracker_too_far": "trocar is too far off",
     # braked and latched

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rst_control.config.plant import SensorErrorConfig
+from rst_control.config.plant import ForceErrorConfig, TorqueErrorConfig
 from rst_control.types import Vector
 
 
@@ -22,7 +22,9 @@ class DriftingSensor:
         random: Of both.
     """
 
-    def __init__(self, config: SensorErrorConfig, step: float, random: np.random.Generator) -> None:
+    def __init__(
+        self, config: TorqueErrorConfig | ForceErrorConfig, step: float, random: np.random.Generator
+    ) -> None:
         self._noise, self._random = np.array(config.noise), random
         self._kept = float(np.exp(-step / config.drift_time))
         self._gained = np.array(config.drift) * np.sqrt(1.0 - self._kept**2)
