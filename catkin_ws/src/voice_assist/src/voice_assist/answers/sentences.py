@@ -18,7 +18,7 @@ TAKEN: Final = {  # by the command that the controller accepted
     "terminate": "asleep",
     "insert": "going in",
     "withdraw": "coming out",
-    "grasp here": "spot is marked",
+    "grasp here": "place noted",
 }
 TAKEN_OTHERWISE: Final = "accepted"  # of any other command
 
