@@ -9,7 +9,6 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
-from types import TracebackType
 
 START_TIME = 8.0  # [s] allowed for the server to answer
 
@@ -64,12 +63,7 @@ class VirtualMicrophone:
             raise
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._close()
 
     def play(self, wav: Path, ahead_ms: int = 200) -> subprocess.Popen[bytes]:

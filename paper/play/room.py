@@ -9,7 +9,6 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 import soundfile
@@ -54,16 +53,11 @@ class PaperRoom:
         threading.Thread(target=self._feed, args=(self._player,), daemon=True).start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._player is not None:
             self._player.terminate()
             self._player.wait()
-        self.microphone.__exit__(kind, error, trace)
+        self.microphone.__exit__()
 
     def say(
         self, spoken: SpokenPhrase, file: Path, begins: Callable[[], None]

@@ -11,7 +11,7 @@ from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 
 ROOT = Path(__file__).resolve().parents[2]
-VOICE = "espeak-british"
+VOICE = "espeak-german"  # whose order of phrases grasps once
 COMMANDS = {"hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate"}
 
 

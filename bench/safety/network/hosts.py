@@ -10,7 +10,6 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 
 from bench.safety.network.relay import NAMESPACES, TUN, RelayLink, to_line
 
@@ -62,12 +61,7 @@ class Hosts:
             raise
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         for name in (self.robot, self.voice):
             if (NAMESPACES / name).exists():
                 _ip("netns", "del", name)

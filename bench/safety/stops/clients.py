@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pkgutil import extend_path
-from types import TracebackType
 
 WAYS = ("service", "topic", "cancel")
 CONNECT_TIME = 60.0  # [s] for all to find the controller on a loaded machine
@@ -49,12 +48,7 @@ class Clients:
         self._answers(self._pipes, CONNECT_TIME + self._count)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         for pipe in self._pipes:
             with suppress(OSError):
                 pipe.send(None)

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from queue import Empty, Full, Queue
-from types import TracebackType
 
 import rospy
 
@@ -45,12 +44,7 @@ class TopicSource:
         self._subscriber = rospy.Subscriber(self._config.name, AudioChunk, self._enqueue)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Unsubscribe."""
         if self._subscriber is not None:
             self._subscriber.unregister()

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from queue import Empty, Full, Queue, SimpleQueue
-from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,12 +99,7 @@ class Microphone:
         """Do nothing yet: the device is opened, and waited for, by reading."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Close the device."""
         self._close()
 
