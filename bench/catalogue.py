@@ -263,6 +263,7 @@ _COST = Area(
     "Cost of running",
     "The whole simulated system on this machine.",
     (
+        Part("system.cost", "Each node, and the start", "system.cost", code.SYSTEM),
         Part("system.loop", "The control loop under load", "system.loop", code.SYSTEM),
         Part("system.display", "The operator's page", "system.display", code.DISPLAY),
     ),

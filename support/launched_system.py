@@ -157,6 +157,15 @@ class System:
                     raise RuntimeError(f"the {part} was not ready within {READY_TIME:g} s")
             say(part)
 
+    def end_launch(self) -> None:
+        """End what was launched last, and leave roscore and the rest."""
+        with undisturbed():
+            end_group(self._launches.pop())
+
+    def pids(self) -> list[int]:
+        """Numbers of the processes that were started here: roscore, and each roslaunch."""
+        return [process.pid for process in self._launches]
+
     def is_running(self) -> bool:
         """Tell whether everything that was started is still there."""
         return all(process.poll() is None for process in self._launches)

@@ -7,20 +7,17 @@ The whole simulated system works on commands while nobody, one viewer and ten vi
 from __future__ import annotations
 
 import asyncio
-import json
 import os
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-import rosgraph
-import rosnode
 import rospy
-from aiohttp import ClientSession, ClientTimeout
 
 from bench.common.resumable import measured
-from bench.system.talking_system import Loop, Observer, talking_system, work
+from bench.system.processes import between, usage
+from bench.system.talking_system import Loop, Observer, own_master, talking, work
+from bench.system.viewers import looked_at
 from support.figures import Figure
 from support.launched_system import System
 from support.waiting import wait_until
@@ -28,7 +25,6 @@ from support.waiting import wait_until
 STAGES = (0, 1, 10, 0, 1, 10)  # viewers; twice, as other work on the machine comes and goes
 FULL = 120.0  # [s] over all stages
 SECONDS = float(os.environ.get("BENCH_SECONDS", FULL))
-TICKS = os.sysconf("SC_CLK_TCK")
 CORE_LIMIT = 5.0  # [%] of one core
 
 
@@ -51,10 +47,13 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
     Raises:
         RuntimeError: The system did not start, or a part of it ended.
     """
-    with talking_system(seconds, display=True, display_port="0") as (system, observer):
+    with (
+        own_master() as system,
+        talking(system, seconds, display=True, display_port="0") as observer,
+    ):
         page = str(wait_until(lambda: rospy.get_param("/display/page", ""), "the page"))
         length = seconds / len(STAGES)
-        stages = [asyncio.run(_watch(page, n, length, system, observer)) for n in STAGES]
+        stages = [_watch(page, n, length, system, observer) for n in STAGES]
     return [measured(seconds, "s", FULL), *_figures(stages)]
 
 
@@ -74,47 +73,15 @@ def _figures(stages: Sequence[Stage]) -> list[Figure]:
     return figures
 
 
-async def _watch(
-    page: str, viewers: int, seconds: float, system: System, observer: Observer
-) -> Stage:
-    looking = [asyncio.create_task(_view(page)) for _ in range(viewers)]
-    working = asyncio.create_task(asyncio.to_thread(work, system, observer, 1.0 + seconds))
-    await asyncio.sleep(1.0)  # all are connected
-    node = _pid("/display")
-    first, worked, began = observer.totals(), _processor_time(node), time.monotonic()
-    await working
-    last, took = observer.totals(), time.monotonic() - began
-    share = 100.0 * (_processor_time(node) - worked) / took
-    for viewer in looking:
-        viewer.cancel()
-    await asyncio.gather(*looking, return_exceptions=True)
-    return Stage(viewers, share, first, last)
+def _watch(page: str, viewers: int, seconds: float, system: System, observer: Observer) -> Stage:
+    seen: list[Stage] = []
 
+    def act() -> None:
+        first, used, began = observer.totals(), usage(system.pids()), time.monotonic()
+        work(system, observer, seconds)
+        last, took = observer.totals(), time.monotonic() - began
+        share = 100.0 * between(used, usage(system.pids()))["display"] / took
+        seen.append(Stage(viewers, share, first, last))
 
-async def _view(page: str) -> None:
-    """As the page does: take every event, and fetch every picture once."""
-    shown = 0
-    async with (
-        ClientSession(timeout=ClientTimeout()) as session,
-        session.get(f"{page}/events") as events,
-    ):
-        async for line in events.content:
-            if not line.startswith(b"data:"):
-                continue
-            picture = json.loads(line.removeprefix(b"data:"))["picture"]
-            if picture and picture["number"] != shown:
-                shown = picture["number"]
-                async with session.get(f"{page}/picture") as answer:
-                    await answer.read()
-
-
-def _pid(node: str) -> int:
-    address = rosnode.get_api_uri(rosgraph.Master("/bench"), node)
-    (_, _, pid) = rosnode.ServerProxy(address).getPid("/bench")
-    return int(pid)
-
-
-def _processor_time(pid: int) -> float:
-    """User and system time of a process [s]."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / TICKS
+    asyncio.run(looked_at(page, viewers, act))
+    return seen[0]

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.common.resumable import measured
-from bench.system.talking_system import talking_system, work
+from bench.system.talking_system import own_master, talking, work
 from support.figures import Figure
 
 FULL = 600.0  # [s]
@@ -30,7 +30,7 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
     Raises:
         RuntimeError: The system did not start, or a part of it ended.
     """
-    with talking_system(seconds) as (system, observer):
+    with own_master() as system, talking(system, seconds) as observer:
         first, heard, busy = observer.totals(), observer.utterances, _processor_time()
         given = work(system, observer, seconds, PAUSE)
         last, heard = observer.totals(), observer.utterances - heard

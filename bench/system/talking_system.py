@@ -6,7 +6,7 @@ from __future__ import annotations
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,11 +19,12 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rst_control.msg import ControllerState
 from rst_control.srv import Command
 from support.figures import ROOT
-from support.launched_system import System
+from support.launched_system import READY_TIME, System
 from support.theatre_sound import LEVEL, RATE, speak, theatre_noise
 from support.waiting import wait_until
 from voice_assist.msg import Mode, Utterance
 
+PAUSE = 0.05  # [s] between two tries of the first command
 SETTLE = 5.0  # [s] after the start that is not measured
 LEAD = 40.0  # [s] more of sound than measured, for the nodes to start in
 TALK = (
@@ -53,9 +54,10 @@ class Observer:
     """Keeps what the running system says of itself."""
 
     def __init__(self) -> None:
-        self.controller_ready, self.voice_ready = threading.Event(), threading.Event()
+        self.voice_ready = threading.Event()
         self.loop: Loop | None = None
         self.utterances = 0
+        self.first_command = self.first_sound = 0.0  # [s] from roslaunch on, taken and heard
         self.state: ControllerState | None = None
         self._subscribers = [
             rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics),
@@ -85,20 +87,32 @@ class Observer:
 
     def _on_state(self, state: ControllerState) -> None:
         self.state = state
-        self.controller_ready.set()
 
     def _on_utterance(self, _: Utterance) -> None:
         self.utterances += 1
 
 
 @contextmanager
-def talking_system(
-    seconds: float, **arguments: str | bool | Path
-) -> Iterator[tuple[System, Observer]]:
-    """The simulated system where people talk without a pause, ready and settled.
+def own_master() -> Iterator[System]:
+    """A ROS master of its own, with this process as a node."""
+    with (
+        tempfile.TemporaryDirectory() as name,
+        System(Path(name) / "launch.log", {}) as system,
+    ):
+        rospy.init_node("bench", anonymous=True, disable_signals=True)
+        yield system
+
+
+@contextmanager
+def talking(
+    system: System, seconds: float, is_silent: bool = False, **arguments: str | bool | Path
+) -> Iterator[Observer]:
+    """The simulated system where people talk without a pause, armed and settled.
 
     Args:
+        system: Its master.
         seconds: Of talk after it is ready [s].
+        is_silent: Nobody talks; there is theatre noise alone.
         arguments: Further launch arguments.
 
     Raises:
@@ -106,19 +120,39 @@ def talking_system(
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        with System(folder / "launch.log", {}) as system:
-            rospy.init_node("bench", anonymous=True, disable_signals=True)
-            observer = Observer()
-            system.launch(
-                ROOT / "launch" / "system.launch",
-                **{"sessions": folder, "session": "bench", "source": "wav"},
-                wav=_talk(folder / "talk.wav", seconds + LEAD),
-                **arguments,
-            )
-            parts = {"controller": observer.controller_ready, "voice node": observer.voice_ready}
-            system.wait_for(parts, lambda _: None)
-            time.sleep(SETTLE)
-            yield system, observer
+        talk = _talk(folder / "talk.wav", seconds + LEAD, () if is_silent else TALK)
+        observer, began = Observer(), time.monotonic()
+        system.launch(
+            ROOT / "launch" / "system.launch",
+            **{"sessions": folder, "session": "bench", "source": "wav"},
+            wav=talk,
+            **arguments,
+        )
+        _give_first_command(system)
+        observer.first_command = time.monotonic() - began
+        system.wait_for({"voice node": observer.voice_ready}, lambda _: None)
+        observer.first_sound = time.monotonic() - began
+        time.sleep(SETTLE)
+        yield observer
+        system.end_launch()
+
+
+def _give_first_command(system: System) -> None:
+    """Say "hey robot" by service until it is taken, as a person would who is in a hurry."""
+    command, end = rospy.ServiceProxy("rst_control/command", Command), time.monotonic() + READY_TIME
+    why = "nobody offers rst_control/command"
+    while time.monotonic() < end and system.is_running():
+        try:
+            command.wait_for_service(0.5)
+            answer = command(COMMANDS[0])
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            why = str(error)
+            continue
+        if answer.accepted:
+            return
+        why = answer.message
+        time.sleep(PAUSE)
+    raise RuntimeError(f"no command was taken: {why}")
 
 
 def work(system: System, observer: Observer, seconds: float, pause: float = 0.5) -> int:
@@ -145,12 +179,12 @@ def work(system: System, observer: Observer, seconds: float, pause: float = 0.5)
     return given
 
 
-def _talk(path: Path, seconds: float) -> Path:
-    """People who talk without a pause over theatre noise."""
+def _talk(path: Path, seconds: float, texts: Sequence[str]) -> Path:
+    """People who say texts without a pause over theatre noise; it alone where there are none."""
     sound = theatre_noise(seconds, 0.1 * LEVEL, seed=9)
-    words = [speak(text, "en-gb+m3", 170) for text in TALK]
+    words = [speak(text, "en-gb+m3", 170) for text in texts]
     at, n = 0, 0
-    while at < len(sound):
+    while words and at < len(sound):
         piece = sound[at : at + len(words[n % len(words)])]
         piece += words[n % len(words)][: len(piece)]
         at, n = at + len(piece) + RATE // 2, n + 1

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import PyKDL
 from numpy.typing import NDArray
@@ -10,13 +12,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def roll_pitch_yaw(R: Array) -> tuple[float, float, float]:
+def roll_pitch_yaw(R: Array) -> Array:
     """Angles about the fixed axes x, y and z [rad]; the inverse of `robot_model.rotation`."""
-    roll, pitch, yaw = PyKDL.Rotation(*R.ravel().tolist()).GetRPY()
-    return float(roll), float(pitch), float(yaw)
+    return np.array(PyKDL.Rotation(*R.ravel().tolist()).GetRPY())
 
 
-def quaternion(R: Array) -> tuple[float, float, float, float]:
+def quaternion(R: NDArray[np.floating[Any]]) -> tuple[float, float, float, float]:
     """Unit quaternion x, y, z, w."""
     x, y, z, w = PyKDL.Rotation(*R.ravel().tolist()).GetQuaternion()
     return float(x), float(y), float(z), float(w)
