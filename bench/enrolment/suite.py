@@ -20,8 +20,7 @@ import torch
 from bench.common.resumable import MINUTES, measured, share_of
 from bench.enrolment.cast import Surgeon, surgeons
 from bench.enrolment.pieces import Counts, EnrolmentPiece, is_done, piece
-from session_log.report.bounds import at_most
-from support.figures import RESULTS, Figure
+from support.figures import RESULTS, Figure, share
 
 REPETITIONS = tuple(int(n) for n in os.environ.get("REPETITIONS", "3,5,10").split(","))
 FEWEST = 20  # surgeons
@@ -82,15 +81,14 @@ def _of(
     of = f"{repetitions} repetitions"
     worst = sorted(pairs, key=lambda pair: _error([pair[0].tested]), reverse=True)
     worst = worst[: max(len(pairs) // 4, 1)]
-    before, after = (_error([p[i].tested for p in pairs]) for i in (0, 1))
     worst_before, worst_after = (_error([p[i].tested for p in worst]) for i in (0, 1))
     lost = _error([p[1].stranger for p in pairs]) - _error(strangers)
     figures = [
         Figure(f"{of}: surgeons", len(pairs), "", FEWEST, at_most=False),
-        _share(f"{of}: error of all, base", before, [p[0].tested for p in pairs]),
-        _share(f"{of}: error of all, profile", after, [p[1].tested for p in pairs]),
-        _share(f"{of}: worst quarter, base", worst_before, [p[0].tested for p in worst]),
-        _share(f"{of}: worst quarter, profile", worst_after, [p[1].tested for p in worst]),
+        _share(f"{of}: error of all, base", [p[0].tested for p in pairs]),
+        _share(f"{of}: error of all, profile", [p[1].tested for p in pairs]),
+        _share(f"{of}: worst quarter, base", [p[0].tested for p in worst]),
+        _share(f"{of}: worst quarter, profile", [p[1].tested for p in worst]),
         Figure(
             f"{of}: worst quarter, profile over base",
             worst_after / max(worst_before, 1e-9),
@@ -122,13 +120,12 @@ def _error(counts: Sequence[Counts]) -> float:
     return 1.0 - sum(c.right for c in counts) / max(n, 1)
 
 
-def _share(name: str, value: float, counts: Sequence[Counts]) -> Figure:
+def _share(name: str, counts: Sequence[Counts]) -> Figure:
     n = sum(c.n for c in counts)
     wrong = n - sum(c.right for c in counts)
-    note = f"({wrong} of {n}, at most {at_most(wrong, n):.3f} with 95 %)"
-    return Figure(name, value, "of commands", note=note)
+    return share(name, wrong, n, at_most=True)
 
 
 def _another(name: str, counts: Sequence[Counts]) -> Figure:
     n, wrong = sum(c.n for c in counts), sum(c.another for c in counts)
-    return Figure(name, wrong / max(n, 1), "of sounds", note=f"({wrong} of {n})")
+    return share(name, wrong, n, at_most=True)

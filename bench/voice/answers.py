@@ -20,8 +20,7 @@ from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.synthesis import DEV, SpokenClip, recorded, spoken
 from bench.voice.outcomes import motions
 from bench.voice.trials import STOP
-from session_log.report.bounds import at_least
-from support.figures import Figure
+from support.figures import Figure, share
 from voice_assist.answers.sentences import catalogue
 
 SEED = 29
@@ -45,9 +44,7 @@ def measure() -> list[Figure]:
 
 def _of(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
     stopped = [r for r in records if "stop" in r.heard.taken]
-    n = len(records)
-    note = f"({len(stopped)} of {n}, at least {at_least(len(stopped), n):.3f} with 95 %)"
-    figures = [Figure(f"{name}: stopped", len(stopped) / n, "of all", None, False, note)]
+    figures = [share(f"{name}: stopped", len(stopped), len(records))]
     times = [_delay(record) for record in stopped]
     if times:
         quantiles = {f"p{q}": float(np.percentile(times, q)) for q in (50, 99)}

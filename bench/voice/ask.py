@@ -22,10 +22,9 @@ from bench.voice.material.foreign_clips import by_espeak
 from bench.voice.material.held_out_voices import SyntheticVoice, foreigners, natives, spread
 from bench.voice.material.mixing import PER_CHUNK, StreamedTrial, stream_of, trials_of
 from bench.voice.material.synthesis import TALK, SpokenClip, recorded, spoken
-from bench.voice.outcomes import motions, rate
+from bench.voice.outcomes import motions
 from bench.voice.trials import MOTIONS
-from session_log.report.bounds import at_most
-from support.figures import Figure
+from support.figures import Figure, rate, share
 from voice_assist.types import RATE, Mode
 
 SEED = 23
@@ -100,8 +99,7 @@ def _of(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
 
 def _moved(name: str, moved: Sequence[SceneRecord], n: int, target: float | None = None) -> Figure:
     said = ", ".join(sorted({str(r.label["text"]) for r in moved}))
-    note = f"(of {n}, at most {at_most(len(moved), n):.4f} with 95 % {said})"
-    return Figure(f"{name}: false motions", len(moved), "", target, note=note)
+    return share(f"{name}: false motions", len(moved), n, target, at_most=True, note=said)
 
 
 def _plans() -> dict[str, list[AskTrial]]:

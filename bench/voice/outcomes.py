@@ -13,9 +13,8 @@ import numpy as np
 
 from bench.voice.hearing.pieces import SceneRecord
 from session_log.report.bounds import at_least, at_most
-from support.figures import Figure
+from support.figures import Figure, share
 from voice_assist.config import load_voice_config
-from voice_assist.evaluation.exact_bounds import rate_at_most
 
 # The sense in which a command moves: more pull, less pull, or an end to it all.
 SENSE = {
@@ -108,21 +107,21 @@ def voice(record: SceneRecord) -> str:
 
 def right(name: str, count: TrialTally, target: float | None = None) -> Figure:
     """Share that was right."""
-    note = f"({count.right} of {count.n}, at least {at_least(count.right, count.n):.4f} with 95 %)"
-    return Figure(f"{name}: right", count.right / count.n, "of all", target, False, note)
+    return share(f"{name}: right", count.right, count.n, in_percent(target))
 
 
 def others(name: str, count: TrialTally, targets: bool = False) -> list[Figure]:
     """Share of another command, and how many of these go against what was said."""
-    bound = at_most(count.wrong, count.n)
-    note = f"({count.wrong} of {count.n}, at most {bound:.4f} with 95 %)"
-    limit = 0.001 if targets else None
-    bound = at_most(count.opposite, count.n)
-    against = f"(of {count.n}, at most {bound:.4f} of all with 95 %)"
+    limit, none = (0.1, 0.0) if targets else (None, None)
     return [
-        Figure(f"{name}: another command", count.wrong / count.n, "of all", limit, note=note),
-        Figure(f"{name}: opposite", count.opposite, "", 0.0 if targets else None, note=against),
+        share(f"{name}: another command", count.wrong, count.n, limit, at_most=True),
+        share(f"{name}: opposite", count.opposite, count.n, none, at_most=True),
     ]
+
+
+def in_percent(target: float | None) -> float | None:
+    """A target for a share as one for a figure in per cent."""
+    return None if target is None else round(100.0 * target, 6)
 
 
 def latencies(records: Iterable[SceneRecord]) -> dict[str, list[float]]:
@@ -139,12 +138,6 @@ def latencies(records: Iterable[SceneRecord]) -> dict[str, list[float]]:
 def quantiles(times: Sequence[float]) -> dict[str, float]:
     """Percentiles of times."""
     return {f"p{q}": float(np.percentile(times, q)) for q in (50, 95, 99)}
-
-
-def rate(name: str, count: int, hours: float, target: float | None = None) -> Figure:
-    """Events per hour with the exact bound of a Poisson process."""
-    note = f"({count} in {hours:.2f} h, at most {rate_at_most(count, hours):.2f}/h with 95 %)"
-    return Figure(name, count / hours, "per h", target, note=note)
 
 
 def misses(records: Iterable[SceneRecord]) -> list[dict[str, Any]]:

@@ -18,10 +18,9 @@ from bench.voice.hearing.replay_stream import WAYS, Way
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.overlap import OverlapTrial, overlap_chunks
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded, spoken
-from bench.voice.outcomes import motions, rate
+from bench.voice.outcomes import in_percent, motions
 from bench.voice.trials import STOP
-from session_log.report.bounds import at_least
-from support.figures import Figure
+from support.figures import Figure, rate, share
 
 SEED = 11
 LEVELS = (12.0, 6.0, 0.0, -6.0)  # [dB] of the word over the talk
@@ -57,9 +56,7 @@ def _of(name: str, trial: OverlapTrial, records: Sequence[SceneRecord]) -> list[
     if trial.kind == "at once" and trial.level >= 0.0:
         target = 1.0
     stopped = [r for r in records if "stop" in r.heard.taken]
-    n = len(records)
-    note = f"({len(stopped)} of {n}, at least {at_least(len(stopped), n):.3f} with 95 %)"
-    figures = [Figure(f"{name}: stopped", len(stopped) / n, "of all", target, False, note)]
+    figures = [share(f"{name}: stopped", len(stopped), len(records), in_percent(target))]
     if trial.kind == "at once":
         return [*figures, _moved(name, records)]
     return figures + (_latency(name, stopped) if trial.is_moving and trial.way == "both" else [])

@@ -15,8 +15,9 @@ import torch
 
 from bench.voice.material.over_talk import LATEST, alarms, looks_at, over_talk, threshold_at
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded
+from bench.voice.outcomes import in_percent
 from bench.voice.trials import THIN
-from support.figures import ROOT, Figure
+from support.figures import ROOT, Figure, share
 from voice_assist.audio.sound_file import read_sound
 from voice_assist.spotter.overlap import PATH, WINDOW, OverlapNetwork, overlap_scorer, read_overlap
 from voice_assist.types import RATE, Samples
@@ -53,16 +54,8 @@ def measure() -> list[Figure]:
         for name, best in found.items():
             heard = int(np.sum(best >= threshold))
             goal = GOALS.get(name) if rate == GOAL_RATE else None
-            figures.append(
-                Figure(
-                    f"{name}, {rate:g} an hour",
-                    heard / len(best),
-                    "of all",
-                    goal,
-                    at_most=False,
-                    note=f"({heard} of {len(best)})",
-                )
-            )
+            title = f"{name}, {rate:g} an hour"
+            figures.append(share(title, heard, len(best), in_percent(goal)))
     return figures
 
 

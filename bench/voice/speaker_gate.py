@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from bench.voice.material.clips import SPEECH
 from session_log.report.bounds import at_least, at_most
-from support.figures import Figure
+from support.figures import Figure, share
 from support.theatre_sound import theatre_noise
 from voice_assist.audio.mixing import add_noise
 from voice_assist.config import load_voice_config
@@ -174,12 +174,9 @@ def _trials(
 def _rates(name: str, trials: Trials) -> list[Figure]:
     rate, threshold = trials.equal_error
     missed, count = int((trials.own < threshold).sum()), len(trials.own)
-    note = (
-        f"({trials.speakers} speakers, {count} own and {len(trials.other)} other trials; misses "
-        f"95 % sure between {100 * at_least(missed, count):.1f} and "
-        f"{100 * at_most(missed, count):.1f} %)"
-    )
-    return [Figure(f"equal error: {name}", 100.0 * rate, "%", WORST, note=note)]
+    note = f"{trials.speakers} speakers, {count} own and {len(trials.other)} other trials"
+    low, high = 100 * at_least(missed, count), 100 * at_most(missed, count)
+    return [Figure(f"equal error: {name}", 100.0 * rate, "%", WORST, True, note, low, high)]
 
 
 def _profiles(
@@ -209,9 +206,8 @@ def _profiles(
     figures = [Figure("voiceprints made", len(known), "", note=note)]
     for seconds, (own, missed, other, let_in) in counts.items():
         for what, k, n in (("own voice refused", missed, own), ("other let in", let_in, other)):
-            note = f"({k} of {n}, 95 % sure at most {100 * at_most(int(k), int(n)):.1f} %)"
             name = f"at its threshold, {seconds:g} s: {what}"
-            figures.append(Figure(name, 100.0 * k / n, "%", note=note))
+            figures.append(share(name, int(k), int(n), at_most=True))
     return figures
 
 

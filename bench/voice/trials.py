@@ -114,8 +114,8 @@ def _of_condition(condition: str, records: Sequence[SceneRecord]) -> list[Figure
         count, title = tally(some), f"{name}, {condition}"
         figures.append(right(title, count, TARGETS.get((condition, group))))
         if group == MOTIONS and condition == "quiet":
-            bound = at_least(count.right, count.n)
-            figures.append(Figure(f"{title}: right at least, 95 %", bound, "of all", 0.99, False))
+            bound = 100.0 * at_least(count.right, count.n)
+            figures.append(Figure(f"{title}: right at least, 95 %", bound, "%", 99.0, False))
         for command in group if len(group) > 1 else ():
             said = [r for r in some if r.label["text"] == command]
             if said:

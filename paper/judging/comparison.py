@@ -10,8 +10,7 @@ import numpy as np
 
 from paper.judging.outcomes import PhraseOutcome
 from paper.play.plan import MOTIONS
-from session_log.report.bounds import at_most
-from support.figures import Figure
+from support.figures import Figure, share
 
 Z = 1.96  # of a mean's interval with 95 %
 NOTES = {
@@ -41,13 +40,10 @@ def _of_input(name: str, outcomes: Sequence[PhraseOutcome]) -> list[Figure]:
     found = []
     if times:
         mean, half = float(np.mean(times)), Z * float(np.std(times)) / math.sqrt(len(times))
-        note = f"(n={len(times)}, {mean - half:.3f} to {mean + half:.3f} s; {NOTES[name]})"
-        found.append(Figure(f"{name}: time to motion, mean", mean, "s", note=note))
+        title, note = f"{name}: time to motion, mean", f"n={len(times)}; {NOTES[name]}"
+        found.append(Figure(title, mean, "s", None, True, note, mean - half, mean + half))
         p95 = float(np.percentile(times, 95))
         found.append(Figure(f"{name}: time to motion, p95", p95, "s"))
     for kind, count in (("refused by the robot", refused), ("wrong", wrong), ("missed", missed)):
-        bound = 100.0 * at_most(count, len(meant))
-        note = f"({count} of {len(meant)}, at most {bound:.1f} % with 95 %)"
-        share = 100.0 * count / len(meant)
-        found.append(Figure(f"{name}: commands {kind}", share, "%", note=note))
+        found.append(share(f"{name}: commands {kind}", count, len(meant), at_most=True))
     return found

@@ -13,8 +13,7 @@ import numpy as np
 from paper.config import PaperVoiceConfig
 from paper.judging.outcomes import PhraseOutcome
 from paper.play.plan import COMMANDS, MOTIONS, STOP
-from session_log.report.bounds import at_least, at_most
-from support.figures import Figure
+from support.figures import Figure, share
 
 SYNTHETIC = "synthetic voices"
 ACTION = {STOP: "receipt of it", **dict.fromkeys(MOTIONS, "first motion")}  # others: answer
@@ -93,7 +92,8 @@ def _of_command(r: CommandResult, paper: Mapping[str, float], hardware: str) -> 
     if not r.said:
         return []
     wrong = ", ".join(f"{n} x {what}" for what, n in r.others.most_common())
-    found = [_share(f"{r.command}: recognised", r.correct, r.said, wrong)]
+    taken = wrong and f"taken: {wrong}"
+    found = [share(f"{r.command}: recognised", r.correct, r.said, note=taken)]
     n = len(r.decided)
     if n:
         name = f"{r.command}: end of sound to decision"
@@ -135,7 +135,7 @@ def _shares(voices: Sequence[VoiceResult]) -> list[Figure]:
         said = [o for t in some for o in t.repetitions if o.command]
         if said:
             correct = sum(o.is_correct for o in said)
-            found.append(_share(f"{name}: commands recognised", correct, len(said)))
+            found.append(share(f"{name}: commands recognised", correct, len(said)))
     return found
 
 
@@ -146,20 +146,10 @@ def _talk(voices: Sequence[VoiceResult]) -> list[Figure]:
     found = []
     for name, kinds in (("a motion", MOTIONS), ("any command", COMMANDS)):
         wrong = [o for o in talk if set(kinds) & set(o.taken)]
-        words = "".join(f", {o.words!r} for {' and '.join(o.taken)}" for o in wrong)
-        bound = at_most(len(wrong), len(talk))
-        note = (
-            f"({len(wrong)} of {len(talk)}, at most {bound:.3f} with 95 %{words and ': '}{words})"
-        )
-        share = len(wrong) / len(talk)
-        found.append(Figure(f"talk taken for {name}", share, "of all", 0.0, note=note))
+        words = ", ".join(f"{o.words!r} for {' and '.join(o.taken)}" for o in wrong)
+        title = f"talk taken for {name}"
+        found.append(share(title, len(wrong), len(talk), 0.0, at_most=True, note=words))
     return found
-
-
-def _share(name: str, count: int, said: int, wrong: str = "") -> Figure:
-    bound = 100.0 * at_least(count, said)
-    note = f"({count} of {said}, at least {bound:.1f} % with 95 %{wrong and '; taken: '}{wrong})"
-    return Figure(name, 100.0 * count / said, "%", note=note)
 
 
 def _finite(values: Iterable[float]) -> tuple[float, ...]:

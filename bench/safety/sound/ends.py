@@ -9,8 +9,7 @@ import numpy as np
 
 from bench.safety.sound.kinds import VOICES, Sound
 from bench.voice.material import theatre_noise
-from session_log.report.bounds import at_least
-from support.figures import Figure
+from support.figures import Figure, share
 from support.theatre_sound import speak
 from voice_assist.audio.source import Framer
 from voice_assist.evaluation.evaluator import StreamClock
@@ -37,9 +36,7 @@ def figures(pipeline: Pipeline, clock: StreamClock) -> list[Figure]:
 
 
 def _share(name: str, heard: list[bool]) -> Figure:
-    count, trials = sum(heard), len(heard)
-    note = f"({count} of {trials}, at least {at_least(count, trials):.1%} with 95 %)"
-    return Figure(f'"stop" {name}: heard', count / trials, "of all", note=note)
+    return share(f'"stop" {name}: heard', sum(heard), len(heard))
 
 
 def _hears(

@@ -23,7 +23,7 @@ import numpy as np
 from bench.common.resumable import measured
 from bench.safety.sound import ends
 from bench.safety.sound.kinds import DEAF, KINDS, Block, Sound, frames
-from support.figures import Figure
+from support.figures import Figure, share
 from support.theatre_sound import speak
 from voice_assist.assembly import limit_torch, make_pipeline
 from voice_assist.audio.capture.input_check import SoundWatch
@@ -134,21 +134,20 @@ def figures(tally: SoundTally, moved: int) -> list[Figure]:
         Figure("bad sound: heard, armed", tally.seconds / 3600.0, "h"),
         Figure("bad sound: motions", moved, "", 0.0, note=_listed(of_kind)),
         Figure("bad sound: stops", _count(tally, "stop"), ""),
-        Figure(
+        share(
             '"stop" in a quiet room after it: heard',
-            heard / len(tally.stops),
-            "of all",
-            1.0,
-            at_most=False,
-            note=f"({heard} of {len(tally.stops)}; missed: {_listed(missed)})",
+            heard,
+            len(tally.stops),
+            100.0,
+            note=f"missed: {_listed(missed)}",
         ),
         Figure(
             "bad sound: named where nobody could be heard",
-            sum(tally.named[kind] for kind in DEAF) / deaf if deaf else 0.0,
-            "of all",
-            1.0,
+            100.0 * sum(tally.named[kind] for kind in DEAF) / deaf if deaf else 0.0,
+            "%",
+            100.0,
             at_most=False,
-            note=f"({', '.join(DEAF)}; {deaf} minutes)",
+            note=f"{', '.join(DEAF)}; {deaf} minutes",
         ),
         Figure("bad sound: other minutes named so", sum(falsely.values()), "", note=str(falsely)),
         Figure("bad sound: memory grown", max(tally.memory[-1] - settled, 0.0), "MiB", MEMORY),

@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import correlate
 
-from session_log.report.bounds import at_least
-from support.figures import Figure, percentiles
+from support.figures import Figure, percentiles, share
 from voice_assist.audio.mixing import end_of_speech
 from voice_assist.types import RATE, Samples
 
@@ -73,11 +72,8 @@ def figures(stops: Sequence[SpokenStop]) -> list[Figure]:
 def _of(name: str, stops: Sequence[SpokenStop]) -> list[Figure]:
     heard = [stop for stop in stops if stop.received is not None]
     missed = ", ".join(Path(stop.path).name for stop in stops if stop.received is None)
-    note = (
-        f"({len(heard)} of {len(stops)}, at least {at_least(len(heard), len(stops)):.1%} with 95 %"
-    )
-    note += f"; missed: {missed})" if missed else ")"
-    found = [Figure(f"{name}: heard", len(heard) / len(stops), "of all", note=note)]
+    note = missed and f"missed: {missed}"
+    found = [share(f"{name}: heard", len(heard), len(stops), note=note)]
     moving = [stop for stop in heard if stop.is_moving]
     found.append(Figure(f"{name}: came in motion", len(moving), "", note=f"(of {len(heard)})"))
     rested = [stop for stop in moving if np.isfinite([stop.setpoints, stop.joints]).all()]

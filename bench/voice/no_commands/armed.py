@@ -14,9 +14,9 @@ from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.mixing import chunks, trials_of
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded
-from bench.voice.outcomes import motions, rate
+from bench.voice.outcomes import motions
 from bench.voice.trials import STOP
-from support.figures import ROOT, Figure
+from support.figures import ROOT, Figure, rate
 
 WORDS, WAKE_WORDS, SENTENCES = "single words", "other devices' words", "talk without transcript"
 
@@ -64,9 +64,8 @@ def of_commands(
     taken = Counter(command for r in records for command in r.heard.taken)
     moved = sum(taken[command] for command in motions())
     which = ", ".join(f"{command}: {taken[command]}" for command in sorted(motions() & set(taken)))
-    bound = rate("", moved, hours).note
     figures = [
-        Figure(f"{name}: false motions", moved, "", motion, note=f"{bound} {which}".strip()),
+        rate(f"{name}: false motions", moved, hours, motion, note=which),
         rate(f"{name}: false stops", taken["stop"], hours, stop),
         rate(f"{name}: hey robot taken", taken["hey robot"], hours),
         rate(f"{name}: terminate taken", taken["terminate"], hours),

@@ -21,8 +21,7 @@ from bench.voice.hearing.fingerprint import outline
 from bench.voice.hearing.pieces import Label, SceneRecord
 from bench.voice.hearing.replay_stream import SoundScene
 from bench.voice.material import theatre_noise
-from support.figures import Figure
-from voice_assist.evaluation.exact_bounds import rate_at_most
+from support.figures import Figure, rate
 from voice_assist.types import RATE, Mode
 
 FULL = 10.0  # [h]
@@ -124,9 +123,8 @@ def _plan(kinds: Sequence[str]) -> list[NoiseChunk]:
 def _figure(name: str, records: Sequence[SceneRecord], target: float | None = None) -> Figure:
     taken = Counter(command for r in records for command in r.heard.taken)
     hours = _hours(records)
-    which = "".join(f", {command}: {count}" for command, count in taken.items())
-    note = f"(in {hours:.2f} h, at most {rate_at_most(taken.total(), hours):.2f}/h{which})"
-    return Figure(name, float(taken.total()), "commands", target, note=note)
+    which = ", ".join(f"{command}: {count}" for command, count in taken.items())
+    return rate(name, taken.total(), hours, target, note=which)
 
 
 def _hours(records: Sequence[SceneRecord]) -> float:

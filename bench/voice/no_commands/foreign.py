@@ -19,8 +19,7 @@ from bench.voice.material.mixing import StreamedTrial, chunks, trials_of
 from bench.voice.material.synthesis import SpokenClip, spoken
 from bench.voice.outcomes import motions, others, right, tally
 from bench.voice.trials import MOTIONS, STOP
-from session_log.report.bounds import at_most
-from support.figures import Figure
+from support.figures import Figure, share
 from voice_assist.training.data.voices import ACCENTS, FLITE, RHVOICE, espeak_variants
 
 SEED = 19
@@ -88,10 +87,9 @@ def _moved(name: str, records: Sequence[SceneRecord], target: float | None = Non
     """Share of some scenes in which a motion was taken."""
     moved = [r for r in records if not motions().isdisjoint(r.heard.taken)]
     without = [r for r in records if not motions().isdisjoint((*r.heard.taken, *_refused(r)))]
-    n, bound = len(records), at_most(len(moved), len(records))
-    note = f"({len(moved)} of {n}, at most {bound:.4f} with 95 %; without the verifier"
-    note += f" {len(without)}{_said(moved) and ': ' + _said(moved)})"
-    return Figure(f"{name}: taken as motion", len(moved) / n, "of all", target, note=note)
+    note = f"without the verifier {len(without)}{_said(moved) and ': ' + _said(moved)}"
+    title = f"{name}: taken as motion"
+    return share(title, len(moved), len(records), target, at_most=True, note=note)
 
 
 def _refused(record: SceneRecord) -> set[str]:

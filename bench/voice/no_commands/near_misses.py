@@ -18,10 +18,9 @@ from bench.voice.material.confusable_phrases import ALL, NAMED, TRAINED, plan
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.mixing import StreamedTrial, chunks, trials_of
 from bench.voice.material.synthesis import spoken
-from bench.voice.outcomes import motions
+from bench.voice.outcomes import in_percent, motions
 from bench.voice.trials import THIN
-from session_log.report.bounds import at_most
-from support.figures import Figure
+from support.figures import Figure, share
 from voice_assist.training.data.homophones import same_as_command
 
 FULL = 12  # voices per phrase at THIN=1
@@ -130,6 +129,4 @@ def _share(
         return Figure(name, 0.0, "")
     wrong = [r for r in records if not set(commands).isdisjoint(r.heard.taken)]
     said = ", ".join(sorted({f"{r.label['text']!r}" for r in wrong}))
-    bound = at_most(len(wrong), len(records))
-    note = f"({len(wrong)} of {len(records)}, at most {bound:.4f} with 95 %{said and ': ' + said})"
-    return Figure(name, len(wrong) / len(records), "of all", target, note=note)
+    return share(name, len(wrong), len(records), in_percent(target), at_most=True, note=said)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import linregress
 from scipy.stats import t as student
 
-from support.figures import Figure
+from support.figures import Figure, share
 
 EVERY = 2.5  # [s] from one command to the next
 SETTLED = 300.0  # [s] after which memory is compared with that at the end
@@ -66,7 +66,7 @@ def figures(found: SoakResult) -> list[Figure]:
         Figure("soak: lost samples", found.lost, "", 0.0),
         Figure("soak: frames that the queue would drop", found.dropped, "", 0.0),
         Figure("soak: most behind the stream", 1e3 * found.behind, "ms"),
-        Figure("soak: taken", right / found.said, "of all", note=f"({right} of {found.said})"),
+        share("soak: taken", right, found.said),
         Figure("soak: real-time factor", found.compute / found.seconds, ""),
     ]
 

@@ -65,14 +65,14 @@ def test_what_was_not_heard_is_named_and_gives_no_time():
     missed = replace(HEARD, path="two.wav", received=None, setpoints=np.inf, joints=np.inf)
     found = figures([HEARD, missed])
     heard = value(found, "human: heard")
-    assert heard.value == 0.5
+    assert heard.value == 50.0
     assert "two.wav" in heard.note and "one.wav" not in heard.note
     assert value(found, "arm and jaws at rest max").value == pytest.approx(70.0)
 
 
 def test_a_stop_after_the_motion_was_over_is_heard_and_gives_no_time():
     found = figures([HEARD, replace(HEARD, is_moving=False, joints=0.0)])
-    assert value(found, "human: heard").value == 1.0
+    assert value(found, "human: heard").value == 100.0
     assert value(found, "came in motion").value == 1
     assert value(found, "arm and jaws at rest p50").value == pytest.approx(70.0)
 
@@ -86,6 +86,6 @@ def test_a_robot_that_did_not_come_to_rest_shows():
 
 def test_people_and_synthetic_voices_are_told_apart():
     found = figures([HEARD, replace(HEARD, who="synthetic", received=None)])
-    assert value(found, "human: heard").value == 1.0
+    assert value(found, "human: heard").value == 100.0
     assert value(found, "synthetic: heard").value == 0.0
     assert not [f for f in found if "synthetic" in f.name and "at rest" in f.name]

@@ -102,7 +102,7 @@ def test_talk_that_was_taken_is_counted_and_named():
     found = named(told)
     assert found["talk taken for a motion"].value == 0.0
     wrong = found["talk taken for any command"]
-    assert wrong.value == 0.5 and "'rowboat' for hey robot" in wrong.note
+    assert wrong.value == 50.0 and "'rowboat' for hey robot" in wrong.note
     assert wrong.is_met is False
 
 
