@@ -19,6 +19,7 @@ from rst_control.commands.spec import Load
 from rst_control.config import load_motion_config
 from rst_control.execution.event_log import Event
 from rst_control.execution.executor import Executor
+from rst_control.execution.inbox import Inbox
 from rst_control.execution.motion import MotionMaker
 from rst_control.execution.orders import Order
 from rst_control.execution.setpoint import SetpointState
@@ -152,7 +153,7 @@ class Controller:
         """A copy that shares nothing that changes."""
         twin = _twin(self)
         executor = twin.executor = _twin(self.executor)
-        executor._orders, executor._stops, executor._changes = deque(), deque(), deque()
+        executor._inbox, executor._robot = Inbox(), _twin(executor._robot)
         waking = executor._fault_reset = _twin(executor._fault_reset)
         waking._objection, waking._refuse = executor._cannot_activate, executor._refuse
         executor._event_log = _twin(executor._event_log)
@@ -221,7 +222,7 @@ class Controller:
             return
         if found != "silent":
             self.executor.heartbeat(self.now)
-        was_seen = self.executor._measured is not None
+        was_seen = self.executor._robot.measurement is not None
         is_absent = found == "nobody" and was_seen  # once seen, a robot that is gone says so
         self.executor.tick(self.now, FOUND["gone" if is_absent else found])
 

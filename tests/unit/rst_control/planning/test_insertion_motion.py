@@ -160,7 +160,7 @@ def test_a_shaft_pushed_aside_part_way_in_brakes(away):
 def test_the_watch_sees_every_new_measurement_of_every_tick_of_a_motion(away):
     rig = Rig(start=away).awake()
     measured, judged = [], []
-    locate, watch = rig.executor._trocar_pose_of, rig.executor._watchdogs.motion
+    locate, watch = rig.executor._robot.trocar_pose_of, rig.executor._watchdogs.motion
 
     def located(joints):
         measured.append(locate(joints))
@@ -170,7 +170,7 @@ def test_the_watch_sees_every_new_measurement_of_every_tick_of_a_motion(away):
         judged.append(seen.trocar_pose)
         return watch(now, measurement, seen)
 
-    rig.executor._trocar_pose_of, rig.executor._watchdogs.motion = located, watched
+    rig.executor._robot.trocar_pose_of, rig.executor._watchdogs.motion = located, watched
     rig.finish_long("insert")
     assert len(judged) > 5000
     assert all(one is other for one, other in zip(judged, measured, strict=False))
@@ -180,7 +180,7 @@ def test_the_watch_sees_every_new_measurement_of_every_tick_of_a_motion(away):
 def test_a_shaft_whose_place_is_not_known_brakes(away, broken):
     rig = during(Rig(start=away), "approach", "insert")
     place = replace(rig.view.trocar_pose, error=broken, is_outside=False)
-    rig.executor._trocar_pose_of = lambda joints: place
+    rig.executor._robot.trocar_pose_of = lambda joints: place
     rig.rest()
     assert rig.state is State.FAULTED
     assert "off the trocar" in rig.view.mode.reason

@@ -125,7 +125,7 @@ def _slip(rig):
 
 
 def _crash(rig):
-    rig.executor._trocar_pose_of = raise_error
+    rig.executor._robot.trocar_pose_of = raise_error
 
 
 FAULTS = {
@@ -199,12 +199,12 @@ def test_hey_robot_is_refused_where_the_robot_cannot_clear_its_fault():
 
 def test_an_error_in_the_loop_brakes_and_a_second_one_leaves_holding_to_the_robot():
     rig = Rig().moving("reach")
-    locate = rig.executor._trocar_pose_of
+    locate = rig.executor._robot.trocar_pose_of
     _crash(rig)
     with pytest.raises(ArithmeticError):
         rig.tick()
     rig.executor.crashed(ArithmeticError("not a number"))
-    rig.executor._trocar_pose_of = locate
+    rig.executor._robot.trocar_pose_of = locate
     rig.tick()
     assert rig.state is State.STOPPING and "not a number" in rig.view.mode.reason
     assert rig.view.mode.cause.reason is Reason.LOOP_ERROR

@@ -131,7 +131,7 @@ def test_a_loop_that_fails_again_and_again_still_tells_its_state():
     def fail(joints):
         raise ArithmeticError("not a number")
 
-    rig.executor._trocar_pose_of = fail
+    rig.executor._robot.trocar_pose_of = fail
     before = rig.view.stamp
     for _ in range(5):
         with pytest.raises(ArithmeticError) as raised:

@@ -18,12 +18,14 @@ from rst_control.commands.spec import STOP, Role
 from rst_control.execution import state_machine
 from rst_control.execution.event_log import Event, EventKind, EventLog
 from rst_control.execution.fault_reset import FaultReset
+from rst_control.execution.inbox import Inbox
+from rst_control.execution.measured_robot import MeasuredRobot
 from rst_control.execution.motion import Motion
-from rst_control.execution.orders import OUTRUN, Order, Outcome, OutcomeKind
+from rst_control.execution.orders import Order, Outcome, OutcomeKind
 from rst_control.execution.setpoint import STILL, SetpointState
-from rst_control.execution.setting_plan import SettingPlan
+from rst_control.execution.setting_plan import change_by
 from rst_control.execution.snapshot import Change, ControllerSnapshot, take_snapshot
-from rst_control.planning.patient_surface import NOWHERE, TrocarPose
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.supervision.tension_trust import TensionTrust
 from rst_control.supervision.watchdogs import MonitoredMotion, Watchdogs
 from rst_control.types import (
@@ -33,7 +35,6 @@ from rst_control.types import (
     ControllerMode,
     Measurement,
     Reason,
-    Rejected,
     Setpoint,
     State,
     Vector,
@@ -41,7 +42,6 @@ from rst_control.types import (
 
 log = logging.getLogger("rosout.rst_control.executor")
 
-ORDERS_PER_TICK = 4  # however many callers there are, a tick stays short
 MAX_PERIODS = 5  # of the path that one late tick may catch up with
 
 
@@ -66,22 +66,14 @@ class Executor:
         period: float,
         tension_trust: TensionTrust,
     ) -> None:
-        self._watchdogs, self._trocar_pose_of = watchdogs, trocar_pose
-        self._tension_trust = tension_trust
+        self._watchdogs, self._inbox = watchdogs, Inbox()
+        self._robot = MeasuredRobot(watchdogs, trocar_pose, tension_trust)
         self._setpoint_state, self._period = setpoint_state, period
         self._now = 0.0
-        self._taken: Measurement | None = None  # the newest as it came
-        self._measured: Measurement | None = None  # the same with what is known against it
-        self._trocar_pose, self._max_rcm_error = NOWHERE, 0.0
         self._mode, self._mode_changes = ControllerMode(), 0
         self._event_log = EventLog()
         self._fault_reset = FaultReset(self._cannot_activate, clear_fault, self._refuse)
-        self._health: Cause | None = None
         self._heartbeat = -np.inf
-        self._orders: deque[Order] = deque()
-        self._stops: deque[tuple[Cause, float | None]] = deque()
-        self._older = 0  # orders still waiting that came before the last stop
-        self._changes: deque[Change] = deque()
         self._changed = 0  # how often what verification relies on was changed from outside
         self.latches = 0  # how often all that was commanded before has ended
         self.snapshot = ControllerSnapshot.at_start()
@@ -90,15 +82,15 @@ class Executor:
 
     def post(self, order: Order) -> None:
         """Hand over a verified command; the next tick answers it."""
-        self._orders.append(order)
+        self._inbox.orders.append(order)
 
     def stop(self, cause: Cause, received: float | None = None) -> None:
         """Brake, hold and latch from the next tick on; `received` [s] is in the event log."""
-        self._stops.append((cause, received))
+        self._inbox.stops.append((cause, received))
 
     def change(self, change: Change) -> None:
         """Let something that verification relies on be changed, within the next tick."""
-        self._changes.append(change)
+        self._inbox.changes.append(change)
 
     def heartbeat(self, now: float) -> None:
         """Note that the voice node is alive."""
@@ -133,7 +125,7 @@ class Executor:
         """
         periods = max(1, min(MAX_PERIODS, round((now - self._now) / self._period)))
         self._now = now
-        self._take_measurement(measured)
+        self._robot.update(now, measured, self._setpoint_state)
         self._take_stops()
         self._take_change()
         self._take_orders()
@@ -157,63 +149,34 @@ class Executor:
             self._end_order("failed", cause)
         self.snapshot = self._take_snapshot()  # the tick did not come to it
 
-    def _take_measurement(self, measured: Measurement | None) -> None:
-        if measured is not None and measured is not self._taken:
-            self._taken = measured
-            self._measured = measured = self._judge(measured)
-            self._trocar_pose = self._trocar_pose_of(measured.position)
-            if self._setpoint_state.motion is not None:
-                self._max_rcm_error = max(self._max_rcm_error, self._trocar_pose.rcm_error)
-        self._health = self._watchdogs.lost(self._now, measured)
-
-    def _judge(self, measured: Measurement) -> Measurement:
-        """Say what is known against the newest measurement."""
-        held, trust = self._setpoint_state.held, self._tension_trust
-        measured = trust.judge(measured, held)
-        self._watchdogs.update(measured, held, self._setpoint_state.pulled)
-        if words := self._watchdogs.tension_objection:
-            trust.distrust(words)
-        return measured
-
     def _take_stops(self) -> None:
-        while self._stops:
-            cause, received = self._stops.popleft()
+        for cause, received in self._inbox.take_stops():
             self._event_log.note(received or self._now, "stop_received", STOP, cause)
             self._fault_reset.drop(Cause(Reason.WITHDRAWN, "stopped"))
-            self._older = len(self._orders)
             self._latch(state_machine.stopped(self._mode, cause))
 
     def _take_change(self) -> None:
-        if not self._changes:
-            return
-        entry = self._changes.popleft()(self._take_snapshot())
-        if entry is not None:
-            self._note_change(entry)
+        if self._inbox.changes:
+            entry = self._inbox.changes.popleft()(self._take_snapshot())
+            if entry is not None:
+                self._note_change(entry)
 
     def _note_change(self, entry: Event) -> None:
         self._changed += 1
         self.events.append(entry)
-        if self._measured is not None:
-            self._trocar_pose = self._trocar_pose_of(self._measured.position)
+        self._robot.locate()
 
     def _set_up(self, order: Order) -> None:
-        plan = order.plan
-        if not isinstance(plan, SettingPlan):
-            words = f'"{order.command.phrase}" was not prepared'
-            self._refuse(order, Cause(Reason.CHECK_FAILED, words))
-            return
-        done = plan.change(self._take_snapshot(), order.caller)
+        done = change_by(order, self._take_snapshot())
         if isinstance(done, Cause):
             self._refuse(order, done)
             return
-        self._note_change(done[1])
+        self._note_change(done)
         self._event_log.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
 
     def _take_orders(self) -> None:
-        for _ in range(min(ORDERS_PER_TICK, len(self._orders))):
-            order = self._orders.popleft()
-            outrun = self._outrun(order)
+        for order, outrun in self._inbox.take_orders():
             refusal = mode_refusal(order.command, self._mode) or outrun
             if refusal is not None:
                 self._refuse(order, refusal)
@@ -228,15 +191,8 @@ class Executor:
             else:
                 self._start(order)
 
-    def _outrun(self, order: Order) -> Rejected | None:
-        """A stop is not cleared by a "hey robot" that came before it."""
-        is_older, self._older = self._older > 0, max(0, self._older - 1)
-        if not is_older or order.command.role is not Role.ACTIVATE:
-            return None
-        return Rejected(Reason.HALTED, OUTRUN)
-
     def _start(self, order: Order) -> None:
-        lost = self._health or self._watchdogs.owner(order.owner)
+        lost = self._robot.health or self._watchdogs.owner(order.owner)
         if lost is not None:
             self._refuse(order, lost)
             return
@@ -246,7 +202,7 @@ class Executor:
             return
         self._end_order("stopped", Cause(Reason.REPLACED, f'replaced by "{order.command.phrase}"'))
         if self._mode.state is not State.MOVING:
-            self._max_rcm_error = self._trocar_pose.rcm_error
+            self._robot.max_rcm_error = self._robot.trocar_pose.rcm_error
         self._event_log.order = order
         self._change(state_machine.started(self._mode))
         self._event_log.accept(self._now, order)
@@ -259,12 +215,12 @@ class Executor:
 
     def _cannot_activate(self) -> Cause | None:
         is_led = self._setpoint_state.motion is not None
-        return self._watchdogs.activation(self._now, self._measured, is_led)
+        return self._watchdogs.activation(self._now, self._robot.measurement, is_led)
 
     def _resume(self, order: Order | None) -> None:
         if order is None:
             return
-        was, measured, held = self._mode, self._measured, self._setpoint_state.held
+        was, measured, held = self._mode, self._robot.measurement, self._setpoint_state.held
         if (
             measured is not None
             and self._setpoint_state.motion is None
@@ -279,7 +235,7 @@ class Executor:
 
     def _move(self, motion: Motion, periods: int) -> Vector:
         self._watch(motion)
-        velocity = self._setpoint_state.advance(periods, self._measured, self._now)
+        velocity = self._setpoint_state.advance(periods, self._robot.measurement, self._now)
         if motion.failure and self._mode.state is State.MOVING:
             self._latch(state_machine.failed(self._mode))
         if motion.is_done:
@@ -294,21 +250,23 @@ class Executor:
         held = self._setpoint_state.held
         watched = MonitoredMotion(
             setpoint=np.zeros(JOINT_COUNT) if held is None else held,
-            trocar_pose=self._trocar_pose,
+            trocar_pose=self._robot.trocar_pose,
             raises_tension=motion.raises_tension,
             needs_grip=motion.needs_grip,
             overtime=motion.overtime(self._now),
             heartbeat_age=self._now - self._heartbeat if is_heard else None,
             owner=self.owner,
         )
-        self._fault(self._watchdogs.motion(self._now, self._measured, watched))
+        self._fault(self._watchdogs.motion(self._now, self._robot.measurement, watched))
 
     def _finish(self, motion: Motion) -> None:
         was = self._mode
         self._setpoint_state.finish()
         self._change(state_machine.at_rest(was))
         if was.state is State.MOVING:
-            self._note("motion_finished", self._event_log.command, f"tension {self._tension:.2f} N")
+            self._note(
+                "motion_finished", self._event_log.command, f"tension {self._robot.tension:.2f} N"
+            )
             self._end_order("succeeded", None)
             return
         ended = motion.failure or Cause(Reason.TERMINATED, "terminated")
@@ -319,7 +277,7 @@ class Executor:
         self._end_order("stopped" if is_asked_for else "failed", cause)
 
     def _rest(self) -> Vector:
-        measured = self._measured
+        measured = self._robot.measurement
         self._fault(self._watchdogs.master())
         lost = self._watchdogs.robot(self._now, measured)
         if lost is not None and lost.reason is not Reason.STALE:
@@ -348,10 +306,6 @@ class Executor:
     def _serial(self) -> int:
         return self._mode_changes + self._setpoint_state.changes + self._changed
 
-    @property
-    def _tension(self) -> float:
-        return self._measured.tension if self._measured else 0.0
-
     def _change(self, mode: ControllerMode) -> None:
         if mode != self._mode:
             self._mode = mode
@@ -375,10 +329,10 @@ class Executor:
             self._latch(mode)
 
     def _refuse(self, order: Order, cause: Cause) -> None:
-        self._event_log.refuse(self._now, order, cause, self._tension)
+        self._event_log.refuse(self._now, order, cause, self._robot.tension)
 
     def _end_order(self, kind: OutcomeKind, cause: Cause | None) -> None:
-        self._event_log.end(kind, cause, self._tension, self._max_rcm_error)
+        self._event_log.end(kind, cause, self._robot.tension, self._robot.max_rcm_error)
 
     def _note(self, kind: EventKind, command: str, why: Cause | str) -> None:
         self._event_log.note(self._now, kind, command, why)
@@ -388,7 +342,7 @@ class Executor:
             self._note("halted", self._event_log.command, self._mode.cause or "")
 
     def _take_snapshot(self) -> ControllerSnapshot:
-        parts = (self._setpoint_state, self._event_log, self._trocar_pose)
-        pulled = self._tension_trust.pulled(self._setpoint_state.held)
-        situation = (self._measured, self._health, pulled)
+        parts = (self._setpoint_state, self._event_log, self._robot.trocar_pose)
+        pulled = self._robot.pulled(self._setpoint_state.held)
+        situation = (self._robot.measurement, self._robot.health, pulled)
         return take_snapshot(self._now, self._mode, self._serial, *parts, *situation)
