@@ -120,8 +120,8 @@ report: setup ## SESSION=sessions/<time> or a folder of sessions: make the repor
 	    $(if $(LATEX),--latex) $(if $(JOBS),--jobs '$(JOBS)')
 
 # --offline: dependencies are checked against packages found, not against rosdep's database, which is fetched from elsewhere
-lint: .setup/dev ## style, types, layers, the packages' manifests and digests
-	@$(RUN) python docker/lock.py check && ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports \
+lint: .setup/dev ## style, spelling, types, layers, the packages' manifests and digests
+	@$(RUN) python docker/lock.py check && codespell && ruff check . && ruff format --check . && mypy && PYTHONPATH="$$(echo catkin_ws/src/*/src | tr ' ' :)" lint-imports \
 	    && catkin_lint --quiet --offline --strict -W2 catkin_ws/src
 
 clean: ## remove what setup and the tests made; sessions stay

@@ -12,6 +12,7 @@ import pytest
 import soundfile
 
 from support.launched_system import end_group, free_port
+from support.release import version
 from support.theatre_sound import RATE, speak
 from support.waiting import wait_until
 
@@ -116,8 +117,10 @@ def test_every_module_of_the_sources_is_installed(prefix):
 
 
 def test_the_installed_commands_name_their_version(run):
-    assert run("rosrun", "voice_assist", "voice_assist", "--version") == "voice_assist 0.1.0\n"
-    assert run("rosrun", "session_log", "session_log", "--version") == "session_log 0.1.0\n"
+    assert (
+        run("rosrun", "voice_assist", "voice_assist", "--version") == f"voice_assist {version()}\n"
+    )
+    assert run("rosrun", "session_log", "session_log", "--version") == f"session_log {version()}\n"
 
 
 def test_packages_under_local_are_not_seen(run, home, bare):

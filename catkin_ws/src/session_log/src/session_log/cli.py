@@ -22,12 +22,7 @@ from session_log.recording.recorder import SHARED
 from session_log.replay.command import add_replay_options
 from session_log.report.command import add_options
 from session_log.report.notes import Note, add_note
-from typed_config import (
-    ConfigError,
-    load_file,
-    package_folder,
-    package_version,
-)
+from typed_config import ConfigError, add_common_options, load_file, package_folder
 
 CONFIG = package_folder("session_log") / "config" / "report.yaml"
 
@@ -196,8 +191,7 @@ def _as_json(result: RecordingSummary) -> dict[str, object]:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="session_log", description=__doc__)
-    version = f"%(prog)s {package_version('session_log')}"
-    parser.add_argument("--version", action="version", version=version)
+    add_common_options(parser, "session_log")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     info = _command(commands, "info", _info, "say what a recording holds and what it lost")
     info.add_argument("--json", action="store_true", help="as JSON")

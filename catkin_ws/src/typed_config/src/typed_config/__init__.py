@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Settings that fail at start: YAML into frozen dataclasses, each key with its range and unit.
 
-And what else the packages share: where their files and recordings lie.
+And what else the packages share: where their files and recordings lie, versions, completion.
 """
 
+from typed_config.common_options import add_common_options
 from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
 from typed_config.loader import load_config, load_file, with_present_keys
@@ -28,6 +29,7 @@ __all__ = [
     "RECORDING",
     "ConfigError",
     "ResourceMissing",
+    "add_common_options",
     "choice",
     "flag",
     "integer",

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from typed_config import ConfigError, load_file, package_version
+from typed_config import ConfigError, add_common_options, load_file
 from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
 from voice_assist.errors import VoiceError
 from voice_assist.intent.mapper import Mapper
@@ -158,8 +158,7 @@ def _convert_model(options: argparse.Namespace) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voice_assist", description="Hear spoken commands.")
-    version = f"%(prog)s {package_version('voice_assist')}"
-    parser.add_argument("--version", action="version", version=version)
+    add_common_options(parser, "voice_assist")
     parser.add_argument("--config", type=Path, default=CONFIG_DIR, help="folder of the YAML files")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
     _add_listen(verbs)

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The command that reports long sentences finds them, and only them."""
+
+from __future__ import annotations
+
+from support.sentences import main, sentences, too_long
+
+LONG = "Word " + "word " * 24 + "end."
+
+
+def test_a_sentence_of_26_words_is_too_long_and_one_of_25_is_not():
+    assert [words for words, _ in too_long(f"Short. {LONG} Short.")] == [26]
+    assert not too_long("Word " + "word " * 23 + "end.")
+
+
+def test_code_headings_generated_parts_and_cells_do_not_count_as_sentences():
+    text = f"# {LONG}\n```\n{LONG}\n```\n<!-- generated: a -->\n{LONG}\n<!-- end of generated -->\n"
+    assert not too_long(text)
+    assert list(sentences("| one | two, [three](x.md) |\n|---|---|\n")) == ["one", "two, three"]
+
+
+def test_items_of_a_list_are_sentences_of_their_own():
+    assert list(sentences("A list:\n\n- one\n- two\n1. three")) == [
+        "A list:",
+        "one",
+        "two",
+        "three",
+    ]
+
+
+def test_the_command_names_page_words_and_beginning(capsys):
+    code = main([])
+    shown = capsys.readouterr().out
+    assert code in (0, 1) and shown.endswith("sentences have more than 25 words\n")

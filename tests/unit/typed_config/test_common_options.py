@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Both command lines complete their verbs in bash, and say which shells they know."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from session_log.cli import main as session_log
+from voice_assist.cli.main import main as voice_assist
+
+PROGRAMS = {"voice_assist": (voice_assist, "evaluate"), "session_log": (session_log, "replay")}
+
+
+def script(name, capsys):
+    with pytest.raises(SystemExit) as ended:
+        PROGRAMS[name][0](["--print-completion", "bash"])
+    assert ended.value.code == 0
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_bash_completes_the_verbs_of_the_command(name, capsys):
+    words = f"""
+    COMP_WORDS=({name} ''); COMP_CWORD=1; COMP_TYPE=9
+    eval "$(complete -p {name} | sed 's/.*-F \\([^ ]*\\).*/\\1/') {name} '' {name}"
+    printf '%s\\n' "${{COMPREPLY[@]}}"
+    """
+    done = subprocess.run(
+        ["bash", "--noprofile", "--norc"],
+        input=script(name, capsys) + words,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert PROGRAMS[name][1] in done.stdout.split(), done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_another_shell_is_refused_with_those_that_are_known(name, capsys):
+    with pytest.raises(SystemExit) as ended:
+        PROGRAMS[name][0](["--print-completion", "fish"])
+    assert ended.value.code == 2
+    assert "fish" in (shown := capsys.readouterr().err) and "bash" in shown
+
+
+def test_shtab_is_imported_only_for_this():
+    code = "import sys, typed_config, session_log.cli; assert 'shtab' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
