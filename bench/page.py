@@ -130,14 +130,14 @@ def _circumstances(result: Result, command: str) -> Iterator[str]:
 
 
 def readme(folder: Path = RESULTS) -> str:
-    """The README's figures, between their marks.
+    """The README's figures, between their marks; few columns, for it is read on phones as well.
 
     Raises:
         ValueError: A figure is not on file, or is there more than once.
     """
     rows = [_front_row(row, folder) for row in ROWS]
-    head = ["figure", "measured", "95 %", "unit", "target", "result", "voices", "measured by"]
-    return "\n".join([BEGIN, "", *_table([*head, "date"], rows), END])
+    head = ["figure", "unit", "measured", "target", "result"]
+    return "\n".join([BEGIN, "", *_table(head, rows), END])
 
 
 def _front_row(row: ReadmeRow, folder: Path) -> list[str]:
@@ -147,10 +147,10 @@ def _front_row(row: ReadmeRow, folder: Path) -> list[str]:
     if result is None or len(found) != 1:
         raise ValueError(f"{row.part}: {len(found)} figures {row.figure!r}, where one is wanted")
     (figure,) = found
-    date = str(result.machine.get("date", NOTHING))
-    stale = "" if result.is_current else " (older code)"
-    by, whose = f"`{row.part}`", result.voices(figure)
-    return [row.words, *_value(figure), _target(figure), _verdict(figure), whose, by, date + stale]
+    value, _, unit = _value(figure)
+    whose = result.voices(figure)
+    words = f"{row.words} ({whose})" if whose else row.words
+    return [words, unit, value, _target(figure), _verdict(figure)]
 
 
 # Cells.
