@@ -16,8 +16,8 @@ from voice_assist.audio.source import AudioSource, Clock, Report
 from voice_assist.audio.wav_file import WavFile
 from voice_assist.config import AudioConfig, SpotterConfig, VoiceConfig
 from voice_assist.errors import AudioError
-from voice_assist.pipeline.decider import StopInSound
 from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.pipeline.stop_decider import StopInSound
 from voice_assist.side_inputs import Observer, ignore
 from voice_assist.spotter.fusion import StopFusion
 from voice_assist.vad.detector import make_detector

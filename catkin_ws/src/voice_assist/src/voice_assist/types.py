@@ -52,6 +52,11 @@ class Frame:
     is_moving: bool = False  # the robot moved as it was captured, or may have; see RobotMotion
 
     @property
+    def stream_end(self) -> float:
+        """Its end by the count of samples [s]."""
+        return self.first_sample / RATE + self.duration
+
+    @property
     def duration(self) -> float:
         """Length of the block [s]."""
         return len(self.samples) / RATE

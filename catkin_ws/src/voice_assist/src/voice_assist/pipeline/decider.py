@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From the newest transcript of an utterance to a command, a refusal, or nothing yet.
 
-A stop is taken in `Decider.stop`, or in `Decider.spotted` where the spotter fired alone.
+A stop is taken in `StopDecider.stop`, or in `StopDecider.spotted` where the spotter fired alone.
 Every other command is taken in `Decider.command`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from voice_assist.config import CommandConfig, VoiceConfig
 from voice_assist.config.calibration import log_odds
@@ -16,48 +15,13 @@ from voice_assist.config.commands import AmountCommand
 from voice_assist.intent.early_decision import DecisionContext, EarlyDecision, too_unsure
 from voice_assist.intent.mapper import Mapper
 from voice_assist.intent.rejection_rules import RejectionRules, another_word, to_be_confirmed
-from voice_assist.text.normalize import contains, is_negated, normalize
-from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason, Samples
+from voice_assist.pipeline.stop_decider import RECOGNIZER, StopDecider, StopInSound, Verdict
+from voice_assist.types import Hypothesis, Match, Rejection, RejectionReason
 
 if TYPE_CHECKING:
     from voice_assist.pipeline.partial_decoding import PartialDecoder
     from voice_assist.spotter.fusion import StopFusion
-    from voice_assist.spotter.spotter import Spotted
     from voice_assist.vad.segmenter import PartialUtterance
-
-RECOGNIZER, SPOTTER = "recognizer", "spotter"  # who decided
-NEVER = 1000.0  # [nat] a `halt_score_threshold` that switches halts by score off
-
-
-class StopInSound(Protocol):
-    """The spotter over talk, asked about the sound of an utterance: how surely a stop is in it.
-
-    A sound has shape (n,), an answer is in nat.
-    """
-
-    def restart(self) -> None:
-        """What follows is another sound."""
-
-    def follow(self, sound: Samples) -> None:
-        """Take the sound so far, so that little is left to do when it is asked."""
-
-    def best(self, sound: Samples) -> float:
-        """Of all of the sound so far."""
-        ...
-
-    def newest(self, sound: Samples) -> float:
-        """Of its end alone."""
-        ...
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """What an utterance is taken for, before the dialogue acts on it."""
-
-    outcome: Match | NoMatch
-    hypothesis: Hypothesis
-    confidence: float
-    decided_by: str
 
 
 class Decider:
@@ -82,61 +46,46 @@ class Decider:
             rejection_rules: What keeps a motion from being taken.
             stop_in_sound: The spotter over talk; None: there is none.
         """
-        self._stop_in_sound = stop_in_sound
         self._config, self._recognizer_config = config, config.recognizer
-        self._mapper, self._decoder, self._stop_fusion = mapper, decoder, stop_fusion
+        self._mapper, self._decoder = mapper, decoder
         self._rejection_rules = rejection_rules
         early = config.recognizer.early
         self._early_decision = EarlyDecision(mapper, config.commands, early, stop_fusion)
-        commands = config.commands.commands
-        self._halts = {c.phrase: c for c in commands if c.is_halt}
-        self._halted_until = float("-inf")  # [s] clock time up to which sound has led to a halt
-        self._votes = 0  # transcripts in a row with a halt among their words, in motion
+        stop_rules = stop_fusion, self._early_decision, stop_in_sound
+        self.stops = StopDecider(config, mapper, decoder, *stop_rules)
 
     def reset(self) -> None:
         """Forget the stream so far."""
-        self._halted_until = float("-inf")
+        self.stops.reset()
         self.start_utterance()
 
     def start_utterance(self) -> None:
         """What is said next belongs to a new utterance."""
         self._early_decision.reset()
-        self._votes = 0
-        self.start_sound()
-
-    def start_sound(self) -> None:
-        """The utterance goes on without its sound so far."""
-        if self._stop_in_sound is not None:
-            self._stop_in_sound.restart()
-
-    def hear(self, sound: Samples) -> None:
-        """Take the utterance's sound so far, shape (n,), with each frame."""
-        if self._stop_in_sound is not None:
-            self._stop_in_sound.follow(sound)
+        self.stops.start_utterance()
 
     def accept(self, command: CommandConfig, partial: PartialUtterance) -> None:
         """Note that a command was taken from an utterance."""
         self._early_decision.accept(command.phrase)
         if command.is_halt:
-            self._votes = 0
-            self._halted_until = partial.utterance.speech_end + partial.quiet
+            self.stops.accept(partial)
 
     def __call__(
         self, transcript: Hypothesis, partial: PartialUtterance, context: DecisionContext
     ) -> Verdict | None:
         """Decide about the newest transcript; None: wait for more."""
-        if context.is_moving and (stop := self._stop_in_motion(transcript, partial)) is not None:
+        if context.is_moving and (stop := self.stops.in_motion(transcript, partial)) is not None:
             return stop
         outcome = self._early_decision(transcript, context)
-        stop = self.stop(outcome, transcript, partial, context)
+        stop = self.stops.stop(outcome, transcript, partial, context)
         is_over_at_rest = context.is_complete and not context.is_moving
         if stop is None and is_over_at_rest and not isinstance(outcome, Match):
-            stop = self._stop_over_talk(transcript, partial)
+            stop = self.stops.over_talk(transcript, partial)
         if stop is not None:
             return stop
         if isinstance(outcome, Match):
             is_motion = self._config.commands.get(outcome.command).is_motion
-            stop = self._stop_beside(transcript, partial) if is_motion else None
+            stop = self.stops.beside(transcript, partial) if is_motion else None
             return stop or self.command(outcome, transcript, partial)
         if outcome is not None:
             worth = self._recognizer_config.confidence.transcript
@@ -144,123 +93,6 @@ class Decider:
         if self._decoder.is_settled(partial):
             self._prepare(transcript, partial)
         return None
-
-    def stop(
-        self,
-        outcome: Match | NoMatch | None,
-        transcript: Hypothesis,
-        partial: PartialUtterance,
-        context: DecisionContext,
-    ) -> Verdict | None:
-        """A stop by the first way that holds; None: no stop.
-
-        1. The last part of the sound says it over the robot's own voice.
-        2. The transcript says it (confirmed by `StopFusion.confirms`).
-        3. The spotter or the scores are sure of it, where the transcript names no command.
-
-        The spotter alone stops by `spotted`.
-        """
-        worth = self._recognizer_config.confidence
-        part = self._decoder.part
-        least = self._config.audio.robot_speech.stop_over_speech_confidence
-        over = self._early_decision.said_over(part, least)
-        if over is not None and context.is_moving and not self._is_heard_over_talk(partial):
-            over = None
-        if part is not None and over is not None:
-            return Verdict(over, part, worth.transcript(log_odds(part.confidence)), RECOGNIZER)
-        confidence = worth.transcript(log_odds(transcript.confidence))
-        if isinstance(outcome, Match):
-            is_halt = outcome.command in self._halts
-            return Verdict(outcome, transcript, confidence, RECOGNIZER) if is_halt else None
-        unwritten = self._unwritten_stop(transcript, partial, context.spotted)
-        if unwritten is None:
-            return None
-        confidence = confidence if context.spotted is None else worth.spotter(context.spotted)
-        return Verdict(unwritten, transcript, confidence, SPOTTER)
-
-    def spotted(self, spotted: Spotted) -> Verdict | None:
-        """The stop that the spotter fired alone; None: the recogniser was quicker."""
-        if spotted.time - self._halted_until < self._config.spotter.rearm_after:
-            return None
-        transcript = self._decoder.transcript or Hypothesis("", 0.0, 0.0)
-        match = Match(self._stop_fusion.phrase, self._mapper(transcript.text).wer)
-        confidence = self._recognizer_config.confidence.spotter(spotted.score)
-        return Verdict(match, transcript, confidence, SPOTTER)
-
-    def _stop_in_motion(self, transcript: Hypothesis, partial: PartialUtterance) -> Verdict | None:
-        """A stop among the words of a transcript, while the robot moves.
-
-        The spotter over talk must have heard it, too. Without one, enough transcripts in a row
-        must hold it.
-        """
-        written = self._written_among(transcript)
-        self._votes = self._votes + 1 if written else 0
-        needed = self._config.moving.sentence_agreement if self._stop_in_sound is None else 1
-        if written is None or self._votes < needed or not self._is_heard_over_talk(partial):
-            return None
-        phrase, heard = written
-        worth = self._recognizer_config.confidence.transcript(log_odds(heard.confidence))
-        return Verdict(Match(phrase, self._mapper(heard.text).wer), heard, worth, RECOGNIZER)
-
-    def _is_heard_over_talk(self, partial: PartialUtterance) -> bool:
-        """Whether the spotter over talk heard a stop in the newest sound, or there is none."""
-        if self._stop_in_sound is None:
-            return True
-        score = self._stop_in_sound.newest(partial.utterance.samples)
-        return score >= self._config.moving.over_talk_agree
-
-    def _written_among(self, transcript: Hypothesis) -> tuple[str, Hypothesis] | None:
-        """A halt that stands among other words, and the transcript; None: there is none."""
-        least = self._config.moving.sentence_confidence
-        for heard in (self._decoder.part, transcript):
-            if heard is not None and heard.confidence >= least:
-                words = self._mapper.words(heard.text)
-                for phrase in self._halts:
-                    if contains(words, normalize(phrase)):
-                        return phrase, heard
-        return None
-
-    def _stop_over_talk(self, transcript: Hypothesis, partial: PartialUtterance) -> Verdict | None:
-        """A stop under other people's talk, at the end of the whole utterance.
-
-        Where the transcript has a halt among its words, somebody said it in a sentence: it is none.
-        """
-        words = self._mapper.words(transcript.text)
-        written = any(contains(words, normalize(halt)) for halt in self._halts)
-        if self._stop_in_sound is None or written or self._early_decision.has_halted:
-            return None
-        score = self._stop_in_sound.best(partial.utterance.samples)
-        if score < self._config.spotter.over_talk_alone:
-            return None
-        match = Match(self._stop_fusion.phrase, self._mapper(transcript.text).wer)
-        confidence = self._recognizer_config.confidence.spotter(score)
-        return Verdict(match, transcript, confidence, SPOTTER)
-
-    def _stop_beside(self, transcript: Hypothesis, partial: PartialUtterance) -> Verdict | None:
-        """What is said at the same time as a motion: a stop, or a reason to refuse the motion.
-
-        The motion would begin now, so the operating point of a moving robot counts for its sound.
-        """
-        moving = self._config.moving
-        if not moving.is_enabled:
-            return None
-        spotted = self._stop_fusion.best_since(partial.utterance.speech_start)
-        by_spotter = NEVER if spotted is None else moving.spotter_alone - spotted
-        missing = [(by_spotter, moving.spotter_alone - moving.refuse_spotter)]
-        if self._stop_in_sound is not None:
-            lacks = moving.over_talk_alone - self._stop_in_sound.best(partial.utterance.samples)
-            missing.append((lacks, moving.over_talk_alone - moving.refuse_over_talk))
-        if all(lacks > allowed for lacks, allowed in missing):
-            return None
-        lacks = min(lacks for lacks, _ in missing)
-        phrase = self._stop_fusion.phrase
-        stop = Match(phrase, self._mapper(transcript.text).wer)
-        outcome: Match | NoMatch = stop
-        if lacks > 0.0:
-            words = f"a {phrase!r} may be in the same sound: {lacks:.1f} nat short of one"
-            outcome = stop.rejected(Rejection(RejectionReason.SECOND_VOICE, words))
-        worth = self._recognizer_config.confidence.spotter(moving.spotter_alone - lacks)
-        return Verdict(outcome, transcript, worth, SPOTTER)
 
     def command(self, match: Match, transcript: Hypothesis, partial: PartialUtterance) -> Verdict:
         """A command that is no halt, or why it is not taken, by the scores of whole commands."""
@@ -332,30 +164,5 @@ class Decider:
     def _prepare(self, transcript: Hypothesis, partial: PartialUtterance) -> None:
         """Compute in the pause what a decision at its end will need."""
         match = self._mapper(transcript.text)
-        if isinstance(match, Match) and match.command not in self._halts:
+        if isinstance(match, Match) and match.command not in self.stops.halts:
             self.command(match, transcript, partial)
-
-    def _unwritten_stop(
-        self, transcript: Hypothesis, partial: PartialUtterance, spotted: float | None
-    ) -> Match | None:
-        """A halt that the transcript misses, but the spotter is sure of, or the scores are."""
-        if self._early_decision.has_halted or is_negated(normalize(transcript.text)):
-            return None
-        if self._stop_fusion.is_asking(spotted):
-            phrase = self._stop_fusion.phrase
-            ratio = self._decoder.scores(self._config.commands.fixed_phrases)[phrase]
-            if self._stop_fusion.overrules(spotted, ratio):
-                return Match(phrase, self._mapper(transcript.text).wer)
-        return self._scored_stop(transcript) if self._decoder.is_settled(partial) else None
-
-    def _scored_stop(self, transcript: Hypothesis) -> Match | None:
-        """A halt whose score alone is above its `halt_score_threshold`."""
-        halts = [h for h in self._halts.values() if h.halt_score_threshold < NEVER]
-        is_asked = halts and self._recognizer_config.second_opinion
-        if not is_asked or self._early_decision.has_decided:
-            return None
-        scores = self._decoder.scores(self._config.commands.fixed_phrases)
-        for halt in halts:
-            if scores[halt.phrase] > halt.halt_score_threshold:
-                return Match(halt.phrase, self._mapper(transcript.text).wer)
-        return None

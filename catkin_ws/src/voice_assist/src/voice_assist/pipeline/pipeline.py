@@ -26,8 +26,9 @@ from voice_assist.intent.early_decision import DecisionContext
 from voice_assist.intent.mapper import Mapper
 from voice_assist.intent.question import Question
 from voice_assist.intent.rejection_rules import RejectionRules
-from voice_assist.pipeline.decider import Decider, StopInSound, Verdict
+from voice_assist.pipeline.decider import Decider
 from voice_assist.pipeline.partial_decoding import PartialDecoder
+from voice_assist.pipeline.stop_decider import StopInSound, Verdict
 from voice_assist.side_inputs import Observer, SideInput, SideInputKind, ignore
 from voice_assist.spotter.fusion import StopFusion
 from voice_assist.spotter.spotter import Spotted
@@ -128,16 +129,14 @@ class Pipeline:
             events += self._decide_spotted(spotted, partial)
         if partial is None:
             return events
-        self._decider.hear(partial.utterance.samples)
-        if self._decoder(partial, frame, _end(frame), self._window_alone(frame)):
+        self._decider.stops.hear(partial.utterance.samples)
+        if self._decoder(partial, frame, frame.stream_end, self._window_alone(frame)):
             events += (*self._transcribed(frame), *self._decide(partial, frame))
-            self._forget_noise(partial, _end(frame))
+            self._forget_noise(partial, frame.stream_end)
         if partial.utterance.is_complete:
             events += (Partial("", frame.stamp),) if self._shown else ()
             self._start_utterance()
         return events
-
-    # --- stages
 
     def _check_stream(self, frame: Frame) -> tuple[Event, ...]:
         """Note progress, and begin anew after a gap in the stream."""
@@ -178,7 +177,7 @@ class Pipeline:
         is_whole = partial.is_whole and not self._decoder.is_window
         spotted = self._stop_fusion.best(frame.stamp + frame.duration)
         is_complete = partial.utterance.is_complete
-        where = _end(frame), partial.quiet, is_complete, is_whole, spotted, frame.is_moving
+        where = frame.stream_end, partial.quiet, is_complete, is_whole, spotted, frame.is_moving
         context = DecisionContext(*where)
         verdict = self._decider(transcript, partial, context)
         return () if verdict is None else (self._conclude(verdict, partial),)
@@ -187,7 +186,7 @@ class Pipeline:
         self, spotted: Spotted, partial: PartialUtterance | None
     ) -> tuple[Event, ...]:
         """The spotter fired alone; nothing new where the recogniser was quicker."""
-        verdict = self._decider.spotted(spotted)
+        verdict = self._decider.stops.spotted(spotted)
         if verdict is None:
             return ()
         silent = Utterance(frozen_samples(np.zeros(0)), spotted.time, spotted.time, False)
@@ -216,7 +215,7 @@ class Pipeline:
         if not utterance.is_complete:
             self._segmenter.restart(_KEPT_OF_PAUSE if self._decoder.is_settled(partial) else 0.0)
             self._decoder.restart(partial)
-            self._decider.start_sound()
+            self._decider.stops.start_sound()
         return UtteranceDecision(
             hypothesis=verdict.hypothesis,
             outcome=outcome,
@@ -270,7 +269,7 @@ class Pipeline:
         wordless = min(length, time - self._decoder.worded_at)
         if wordless > self._config.recognizer.early.noise_after:
             self._segmenter.forget(_KEPT_OF_NOISE)
-            self._decider.start_sound()
+            self._decider.stops.start_sound()
 
     def _start_utterance(self) -> None:
         self._decider.start_utterance()
@@ -342,18 +341,9 @@ class Pipeline:
         """Forget the stream so far, and keep the mode."""
         self._gap_watch = GapWatch()
         self._overload_recovery = OverloadRecovery()
-        self._denoiser.reset()
-        self._detector.reset()
-        self._endpointer.reset()
-        self._segmenter.reset()
-        self._stop_fusion.reset()
-        self._robot_speech.reset()
-        self._talk_gate.reset()
-        self._decider.reset()
+        of_sound = (self._denoiser, self._detector, self._endpointer, self._segmenter)
+        beside = (self._stop_fusion, self._robot_speech, self._talk_gate, self._decider)
+        for stage in (*of_sound, *beside):
+            stage.reset()
         self._question.close()
         self._start_utterance()
-
-
-def _end(frame: Frame) -> float:
-    """Stream time of a frame's end [s]."""
-    return frame.first_sample / RATE + frame.duration
