@@ -31,7 +31,7 @@ help: ## list the verbs
 	@touch $@
 
 # What tests, lint, benchmarks and training need beside
-.setup/dev: .setup/workspace docker/apt-packages-dev.txt requirements-dev.txt requirements-parquet.txt docker/javascript/package-lock.json
+.setup/dev: .setup/workspace docker/apt-packages-dev.txt requirements-dev.txt requirements-parquet.txt requirements-foxglove.txt docker/javascript/package-lock.json
 	@docker/setup.sh system docker/apt-packages-dev.txt
 	@docker/setup.sh python requirements-dev.txt
 	@docker/setup.sh javascript

@@ -20,7 +20,8 @@ from typing import Any, Final
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 LOCK: Final = ROOT / "docker" / "constraints.txt"
-FILES: Final = ("", "-dev", "-parquet", "-bench", "-train")  # of requirements*.txt, least first
+# Of requirements*.txt, least first
+FILES: Final = ("", "-dev", "-parquet", "-foxglove", "-bench", "-train")
 BUILDS: Final = ("cpu", "cuda")  # of torch
 PIN: Final = re.compile(r"([\w.-]+)(={2,3})(\S+)((?: --hash=sha256:[0-9a-f]{64})+)  # (.+)")
 HEADER: Final = """\

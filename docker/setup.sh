@@ -138,7 +138,7 @@ javascript_packages() {
 }
 
 # Packages of ours that stand in for other people's messages: what is found elsewhere is neither built nor found here.
-STAND_INS="control_msgs kortex_driver openrst_control"
+STAND_INS="audio_common_msgs control_msgs crtk_msgs kortex_driver openrst_control speech_recognition_msgs"
 
 # UNDERLAY: devel or install spaces of other catkin workspaces, separated by colons, to build upon; remembered.
 underlay() {

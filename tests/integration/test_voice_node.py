@@ -274,6 +274,22 @@ def test_an_audio_topic_of_another_rate_is_heard_and_its_end_reported(master, tm
     assert any("no sound on /audio_in for 2.0 s" in error for error in errors(seen))
 
 
+def test_the_sound_of_audio_common_is_heard_and_its_end_reported(master, tmp_path):
+    soundfile.write(tmp_path / "sound.wav", say("1.5 hey robot 1 stop"), 16_000)
+    play = f"play_data={tmp_path / 'sound.wav'}"
+    seen = watch(master, tmp_path, 10, [play], **{"audio/source": "audio_data"})
+    assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "stop"]
+    assert any("no sound on /audio/audio for 2.0 s" in error for error in errors(seen))
+
+
+def test_sound_of_another_format_is_named_and_not_heard(master, tmp_path):
+    soundfile.write(tmp_path / "sound.wav", say("1.5 hey robot 1 stop"), 16_000)
+    play, settings = f"play_data={tmp_path / 'sound.wav'}", {"audio/audio_data/channels": 2}
+    seen = watch(master, tmp_path, 7, [play], **{"audio/source": "audio_data"}, **settings)
+    assert "utterance" not in seen
+    assert any("0.50 times real time if it is 2 x 16000 Hz S16LE" in e for e in errors(seen))
+
+
 def test_what_a_recording_has_said_is_not_said_again_after_a_crash(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("hey robot 1 tense"), 16_000)
     settings = {"audio/wav/path": tmp_path / "sound.wav"}

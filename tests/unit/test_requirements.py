@@ -14,7 +14,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PRODUCT = ("catkin_ws/src", "demo", "support")
-OPTIONAL = {"pyarrow"}  # requirements-parquet.txt; the export says what to install
+OPTIONAL = {"pyarrow", "foxglove-sdk"}  # each has a file; who needs it says what to install
 # Files or needs of others; ruckig's module is in no list of importlib.metadata.
 NOT_IMPORTED = {"openwakeword", "tiktoken", "more-itertools", "tqdm", "ruckig"}
 
@@ -54,7 +54,9 @@ def test_users_install_nothing_that_the_product_does_not_need():
     assert named("requirements.txt") - needed == set()
 
 
-@pytest.mark.parametrize("file", ["requirements-dev.txt", "requirements-parquet.txt"])
+@pytest.mark.parametrize(
+    "file", ["requirements-dev.txt", "requirements-parquet.txt", "requirements-foxglove.txt"]
+)
 def test_no_package_is_pinned_in_two_files(file):
     assert not named(file) & named("requirements.txt")
 

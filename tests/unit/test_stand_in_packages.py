@@ -8,7 +8,14 @@ from pathlib import Path
 import pytest
 
 SETUP = Path(__file__).resolve().parents[2] / "docker" / "setup.sh"
-STAND_INS = ["control_msgs", "kortex_driver", "openrst_control"]
+STAND_INS = [
+    "audio_common_msgs",
+    "control_msgs",
+    "crtk_msgs",
+    "kortex_driver",
+    "openrst_control",
+    "speech_recognition_msgs",
+]
 
 
 def elsewhere(*spaces):

@@ -2,8 +2,8 @@
 """Serves the robot's commands and writes down all that the voice node does; for test_voice_node.py.
 
 Arguments: seconds to watch once the node is ready, file to write, then pairs: command=refuse,
-command=hang, service=missing, robot=speaking, which is told from the beginning on, or play=FILE,
-which is published on the topic audio_in.
+command=hang, service=missing, robot=speaking, which is told from the beginning on, play=FILE,
+which is published on the topic audio_in, or play_data=FILE, as other packages do on audio/audio.
 """
 
 import json
@@ -14,6 +14,7 @@ from pathlib import Path
 
 import rospy
 import soundfile
+from audio_common_msgs.msg import AudioData
 from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Bool, Empty, String, Time
@@ -42,10 +43,10 @@ def serve(behaviour):
     rospy.Service("rst_control/command", Command, answer)
 
 
-def play(path):
+def play(path, topic="audio_in", kind=AudioChunk):
     """Publish a sound file chunk by chunk in real time, as soon as somebody listens."""
     sound, rate = soundfile.read(path, dtype="int16")
-    publisher = rospy.Publisher("audio_in", AudioChunk, queue_size=100)
+    publisher = rospy.Publisher(topic, kind, queue_size=100)
     while publisher.get_num_connections() == 0 and not rospy.is_shutdown():
         time.sleep(0.05)
     start, size = time.time(), rate // 20
@@ -56,7 +57,8 @@ def play(path):
         due = start + (first + size) / rate
         chunk.header.stamp = rospy.Time.from_sec(due - size / rate)
         time.sleep(max(due - time.time(), 0.0))
-        publisher.publish(chunk)
+        is_ours = kind is AudioChunk
+        publisher.publish(chunk if is_ours else AudioData(sound[first : first + size].tobytes()))
 
 
 def main():
@@ -97,6 +99,9 @@ def main():
         rospy.Publisher("voice_assist/speaking", Bool, queue_size=1, latch=True).publish(True)
     if "play" in behaviour:
         threading.Thread(target=play, args=(behaviour["play"],), daemon=True).start()
+    if "play_data" in behaviour:
+        args = behaviour["play_data"], "audio/audio", AudioData
+        threading.Thread(target=play, args=args, daemon=True).start()
     Path(out + ".ready").touch()
     end = time.time() + START
     while time.time() < end and "mode" not in SEEN and not rospy.is_shutdown():

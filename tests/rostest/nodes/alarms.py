@@ -29,6 +29,8 @@ class Alarms(unittest.TestCase):
         cls.state = ControllerState(state="active", assistance_enabled=True)
         rospy.Subscriber("voice_assist/alarm", Alarm, lambda m: setattr(cls, "alarm", m))
         rospy.Subscriber("voice_assist/alarm_marker", Marker, lambda m: setattr(cls, "marker", m))
+        cls.heard = Marker()
+        rospy.Subscriber("voice_assist/heard_marker", Marker, lambda m: setattr(cls, "heard", m))
         cls.states = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
         cls.events = rospy.Publisher("rst_control/event", Event, queue_size=10)
         cls.said = rospy.Publisher("voice_assist/utterance", Utterance, queue_size=10)
@@ -82,10 +84,14 @@ class Alarms(unittest.TestCase):
     def test_5_words_of_a_command_that_was_not_taken_are_told(self):
         reason = "confidence 0.31, allowed: at least 0.50"
         said = Utterance(phrases=["tense"], wer=[0.0], nearest_command="tense", reason=reason)
+        said.transcript = "tense"
         said.reason_code = Utterance.UNSURE
         self.said.publish(said)
         wait_until(lambda: self.alarm.kind == "refusal")
         self.assertEqual(self.alarm.next_step, "Say it again, clearly.")
+        wait_until(lambda: self.heard.text == f'heard "tense"\nnot taken: {reason}')
+        self.assertEqual(self.heard.type, Marker.TEXT_VIEW_FACING)
+        self.assertGreater(self.heard.lifetime.to_sec(), 1.0)
         wait_until(lambda: self.alarm.kind == "")
         other = Utterance(phrases=["tense"], wer=[1.0], nearest_command="tense", reason="WER 1.0")
         other.reason_code = Utterance.NO_COMMAND

@@ -18,11 +18,12 @@ import yaml
 from demo.script import Script
 from paper.config import ExperimentConfig
 from rst_control.config import LimitsConfig, MotionConfig, SimulationConfig
+from rst_control.config.crtk import CrtkConfig
 from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.description.facts_config import RobotSettings
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.stand_in import StandInConfig
-from session_log.config import RecorderConfig, ReportConfig
+from session_log.config import FoxgloveConfig, RecorderConfig, ReportConfig
 from session_log.replay.config import ReplayConfig
 from typed_config import load_config
 from typed_config.fields import RULE, Rule
@@ -40,6 +41,7 @@ FOLDERS = {
 }
 WHOLE = {  # files that one call loads, as their program does at its start
     FOLDERS["rst_control"] / "gen3_openrst.yaml": RobotSettings,
+    FOLDERS["rst_control"] / "crtk.yaml": CrtkConfig,
     FOLDERS["rst_control"] / "kinova_bridge.yaml": BridgeConfig,
     FOLDERS["rst_control"] / "kinova_stand_in.yaml": StandInConfig,
     FOLDERS["rst_control"] / "kinova_limits.yaml": LimitsConfig,
@@ -53,6 +55,7 @@ WHOLE = {  # files that one call loads, as their program does at its start
     FOLDERS["voice_assist"] / "commands_es.yaml": CommandsConfig,
     FOLDERS["voice_assist"] / "endoscope_commands.yaml": CommandsConfig,
     FOLDERS["voice_assist"] / "theatre_commands.yaml": CommandsConfig,
+    FOLDERS["session_log"] / "foxglove.yaml": FoxgloveConfig,
     FOLDERS["session_log"] / "recorder.yaml": RecorderConfig,
     FOLDERS["session_log"] / "report.yaml": ReportConfig,
     FOLDERS["session_log"] / "replay.yaml": ReplayConfig,

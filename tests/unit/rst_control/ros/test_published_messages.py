@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Our stand-ins for other people's messages have their md5 sums, so that others accept them."""
 
+import audio_common_msgs.msg
 import control_msgs.msg
+import crtk_msgs.msg
 import kortex_driver.msg
 import openrst_control.srv
 import pytest
+import speech_recognition_msgs.msg
 
 # Each sum was found in code that others generated from the published definitions (ROS 1): rosserial
 # and roslisp headers of control_msgs, roslisp and JavaScript ones of kortex_driver. No generated
 # code of OpenRST is public: its sum is that of its published definition, "string message" asking
-# and "bool succeeded" answering.
+# and "bool succeeded" answering. Of the others: JavaScript messages of audio_common_msgs, rosserial
+# headers of speech_recognition_msgs and crtk_msgs. The sum of StringStamped was found as
+# that of robotnik_msgs/StringStamped, which has the same fields.
 PUBLISHED = {
     control_msgs.msg.JointTolerance: "f544fe9c16cf04547e135dd6063ff5be",
     control_msgs.msg.FollowJointTrajectoryAction: "bc4f9b743838566551c0390c65f1a248",
@@ -21,6 +26,11 @@ PUBLISHED = {
     control_msgs.msg.FollowJointTrajectoryActionFeedback: "d8920dc4eae9fc107e00999cce4be641",
     kortex_driver.msg.JointSpeed: "fd26fce9b45cd51d86512ba0cf80d2bd",
     kortex_driver.msg.Base_JointSpeeds: "f323c64d027d947f420c021696580eb4",
+    audio_common_msgs.msg.AudioData: "f43a8e1b362b75baa741461b46adc7e0",
+    audio_common_msgs.msg.AudioInfo: "9413d9b7029680d3b1db6ed0ae535f88",
+    crtk_msgs.msg.StringStamped: "5e3e46086181199270f1ac3a28a5977f",
+    crtk_msgs.msg.operating_state: "b1bd4021639d9d9c5fbfff78d6ff3158",
+    speech_recognition_msgs.msg.SpeechRecognitionCandidates: "8bf91ae2b1d4cbc38dce17013599f915",
     openrst_control.srv.openrst_request: "e911a08d7434cb6ed4be9e08553a1ced",
 }
 NAMES = {

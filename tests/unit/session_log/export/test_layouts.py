@@ -43,6 +43,7 @@ def test_every_topic_of_rviz_is_one_that_is_recorded():
     assert set(topics) == {
         *("/rst_control/markers", "/rst_control/preview"),
         *("/robot/tissue_markers", "/voice_assist/alarm_marker"),
+        "/voice_assist/heard_marker",
     }
     for topic, kind in topics.items():
         assert TYPES[topic] == kind.replace("rviz", "visualization_msgs")

@@ -36,12 +36,7 @@ class RecorderConfig:
 
     def __post_init__(self) -> None:
         """Check what no key's range can show."""
-        for index, pattern in enumerate(self.exclude):
-            try:
-                re.compile(pattern)
-            except re.error as error:
-                allowed = f"a regular expression; this one is none: {error}"
-                raise ConfigError(f"exclude[{index}]", pattern, allowed) from error
+        _require_patterns(self.exclude)
         for key in ("subscribe_early", "wait_for"):
             for index, topic in enumerate(getattr(self, key)):
                 is_topic = TOPIC.fullmatch(topic) is not None
@@ -49,6 +44,21 @@ class RecorderConfig:
         is_space = self.low_space == 0 or self.low_space >= LEAST_SPACE
         allowed = f"0, which warns never, or from {LEAST_SPACE} B on"
         require(is_space, "low_space", self.low_space, allowed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FoxgloveConfig:
+    """Where topics are served live, and which."""
+
+    address: str = text()
+    port: int = integer(0, 65535)
+    exclude: tuple[str, ...] = text()
+    discovery_period: float = number(0.1, 60.0, "s")
+    backlog: int = integer(16, 100_000, "messages")
+
+    def __post_init__(self) -> None:
+        """Check what no key's range can show."""
+        _require_patterns(self.exclude)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,3 +138,12 @@ def require_topics(topics: object) -> None:
     """
     for key, topic in vars(topics).items():
         require(TOPIC.fullmatch(topic) is not None, key, topic, "the whole name of a topic: /name")
+
+
+def _require_patterns(patterns: tuple[str, ...]) -> None:
+    for index, pattern in enumerate(patterns):
+        try:
+            re.compile(pattern)
+        except re.error as error:
+            allowed = f"a regular expression; this one is none: {error}"
+            raise ConfigError(f"exclude[{index}]", pattern, allowed) from error

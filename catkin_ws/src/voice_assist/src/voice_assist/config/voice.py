@@ -107,6 +107,18 @@ class TopicConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class AudioDataConfig:
+    """A topic of audio_common_msgs/AudioData in place of a microphone."""
+
+    name: str = text()
+    info: str = text(may_be_empty=True)
+    rate: int = integer(8_000, 192_000, "Hz")
+    channels: int = integer(1, 32)
+    sample_format: str = choice("S16LE", "S32LE", "F32LE")
+    lost_after: float = number(0.2, 60.0, "s")
+
+
+@dataclass(frozen=True, kw_only=True)
 class DenoiseConfig:
     """Noise reduction."""
 
@@ -147,12 +159,13 @@ class AudioConfig:
     """Everything before recognition."""
 
     RENAMED: ClassVar[Mapping[str, str]] = {"talkback": "robot_speech"}
-    source: str = choice("microphone", "wav", "topic")
+    source: str = choice("microphone", "wav", "topic", "audio_data")
     queue: int = integer(4, 100_000, "frames")
     deaf_after: float = number(0.1, 30.0, "s")
     microphone: MicrophoneConfig
     wav: WavConfig
     topic: TopicConfig
+    audio_data: AudioDataConfig
     denoise: DenoiseConfig
     vad: VadConfig
     robot_speech: RobotSpeechConfig

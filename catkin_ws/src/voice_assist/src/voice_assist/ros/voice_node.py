@@ -33,6 +33,7 @@ from voice_assist.profile.active import facts_of
 from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.microphone_service import MicrophoneService
 from voice_assist.ros.node_settings import is_restart, node_settings
+from voice_assist.ros.other_messages.audio_data_source import AudioDataSource
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
 from voice_assist.ros.question_service import HandAnswer, QuestionService
@@ -190,6 +191,8 @@ class VoiceNode:
     def _source(self) -> AudioSource:
         if self._config.audio.source == "topic":
             return TopicSource(self._config.audio.topic, self._health.note_trouble)
+        if self._config.audio.source == "audio_data":
+            return AudioDataSource(self._config.audio.audio_data, self._health.note_trouble)
         return make_source(self._config.audio, _now, self._over.wait, self._health.note_trouble)
 
     # --- thread 2: recognition

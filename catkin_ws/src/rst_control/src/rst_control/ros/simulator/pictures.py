@@ -16,7 +16,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage
 from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.config import SimulationConfig
-from rst_control.kinematics.rotations import quaternion
+from rst_control.ros.common.pose_message import pose_message
 from rst_control.simulation.camera_geometry import camera_matrix, camera_pose
 from rst_control.simulation.rendering.state import SceneSetup, SceneState
 from rst_control.simulation.rendering.worker import SceneLostError, SceneWorker
@@ -114,9 +114,6 @@ def endoscope_messages(config: SimulationConfig) -> tuple[CameraInfo, PoseStampe
     info.D, info.K, info.R = [0.0] * 5, K.ravel().tolist(), np.eye(3).ravel().tolist()
     info.P = np.hstack([K, np.zeros((3, 1))]).ravel().tolist()
     info.roi.x_offset, info.roi.width, info.roi.height = left, width, height
-    T, pose = camera_pose(endoscope), PoseStamped()
+    pose = PoseStamped(pose=pose_message(camera_pose(endoscope)))
     pose.header.frame_id = BASE
-    p, q = pose.pose.position, pose.pose.orientation
-    p.x, p.y, p.z = T[:3, 3].tolist()
-    q.x, q.y, q.z, q.w = quaternion(T[:3, :3])
     return info, pose

@@ -26,7 +26,9 @@ from voice_assist.config.alarms import AlarmMarkerConfig
 from voice_assist.msg import Alarm as AlarmMessage
 from voice_assist.msg import Utterance as UtteranceMessage
 
-MARKER = "alarm"  # name space of the marker
+MARKER, HEARD = "alarm", "heard"  # name spaces of the markers
+BELOW = 4.0  # heights of a letter from the alarm's line to what is heard
+HEARD_TAKEN, HEARD_OTHERWISE = (0.35, 0.8, 0.45, 1.0), (0.85, 0.85, 0.85, 1.0)  # RGBA
 
 
 def robot_state(message: ControllerState) -> RobotState:
@@ -79,6 +81,34 @@ def alarm_message(standing: Sequence[Standing], now: float) -> AlarmMessage:
     message.acknowledged = first.is_acknowledged
     message.others = [line(entry.alarm) for entry in standing[1:]]
     return message
+
+
+def heard_words(message: UtteranceMessage) -> str:
+    """What was heard and what it was taken for, or why not, in two lines."""
+    result = f"-> {message.command}" if message.command else f"not taken: {message.reason}"
+    return f'heard "{message.transcript.strip()}"\n{result}'
+
+
+def heard_marker(
+    words: str, is_taken: bool, config: AlarmMarkerConfig, shown_for: float, now: float
+) -> Marker:
+    """What is heard, as text for rviz and Foxglove below the alarm; it goes by itself.
+
+    Args:
+        words: To be shown.
+        is_taken: A command was taken.
+        config: Frame, place and size of the alarm's line.
+        shown_for: How long it stays [s].
+        now: Stamp [s].
+    """
+    marker = Marker(ns=HEARD, id=0, type=Marker.TEXT_VIEW_FACING, action=Marker.ADD, text=words)
+    marker.header.stamp, marker.header.frame_id = rospy.Time.from_sec(now), config.frame
+    marker.lifetime = rospy.Duration.from_sec(shown_for)
+    marker.pose.orientation.w = 1.0
+    x, y, z = config.place
+    marker.pose.position, marker.scale.z = Point(x, y, z - BELOW * config.letter), config.letter
+    marker.color = ColorRGBA(*(HEARD_TAKEN if is_taken else HEARD_OTHERWISE))
+    return marker
 
 
 def alarm_marker(

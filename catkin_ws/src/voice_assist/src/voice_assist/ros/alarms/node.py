@@ -15,7 +15,7 @@ from queue import Empty, Queue
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, String
 from std_msgs.msg import Empty as EmptyMessage
 from visualization_msgs.msg import Marker
 
@@ -69,10 +69,12 @@ class AlarmNode:
         self._marker = rospy.Publisher(
             "voice_assist/alarm_marker", Marker, queue_size=10, latch=True
         )
+        self._heard = rospy.Publisher("voice_assist/heard_marker", Marker, queue_size=10)
         self._subscribers = [
             self._listen("rst_control/state", ControllerState, self._on_state),
             self._listen("rst_control/event", Event, self._on_event),
             self._listen("voice_assist/utterance", Utterance, self._on_utterance),
+            self._listen("voice_assist/partial", String, self._on_partial),
             self._listen("/diagnostics", DiagnosticArray, self._on_diagnostics),
             self._listen("rst_control/stop", EmptyMessage, lambda _: self._hush()),
         ]
@@ -174,7 +176,16 @@ class AlarmNode:
         event = messages.controller_event(message)
         self._hand_over(lambda board, now: board.see_event(event, now))
 
+    def _on_partial(self, message: String) -> None:
+        self._show_heard(f'hears "{message.data.strip()}"', False)
+
+    def _show_heard(self, words: str, is_taken: bool) -> None:
+        shown_for = self._config.board.shown_for
+        marker = messages.heard_marker(words, is_taken, self._config.look, shown_for, _now())
+        self._heard.publish(marker)
+
     def _on_utterance(self, message: Utterance) -> None:
+        self._show_heard(messages.heard_words(message), bool(message.command))
         heard = messages.utterance(message)
         self._hand_over(lambda board, now: board.see_utterance(heard, now))
 

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The CRTK node: state, pose and twist of the arm; its state commands as those of any caller.
+
+It has no way of its own to the robot: it brakes by the stop topic, as anybody may, and asks for all
+else by the service `rst_control/command`.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from contextlib import suppress
+from queue import Empty, Full, Queue
+
+import numpy as np
+import rospy
+from crtk_msgs.msg import StringStamped
+from crtk_msgs.msg import operating_state as operating_state_message
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty as EmptyMessage
+from std_msgs.msg import Header
+
+from rst_control.config.crtk import CRTK_FILE, CrtkConfig
+from rst_control.errors import RobotModelError
+from rst_control.kinematics.robot_model import RobotModel, parse_robot
+from rst_control.msg import ControllerState
+from rst_control.robot.crtk import OperatingState, measured_tip, operating_state, state_command
+from rst_control.ros.common.pose_message import pose_message
+from rst_control.srv import Command
+from rst_control.types import BASE, JOINTS, Vector
+from typed_config import ConfigError
+from typed_config.ros.private_settings import private_settings
+from typed_config.ros.starting import starting
+
+NICE = 5  # it only shows
+WAITING = 5  # commands; of more the newest are refused
+ANSWER_WITHIN = 2.0  # [s] for the controller's service to be there
+AGAIN = 1.0  # [s] after which an unchanged state is sent anew
+
+
+class CrtkNode:
+    """Joins the controller's topics and service with CRTK's, which lie below `arm`.
+
+    Args:
+        config: Rates and ages.
+        model: The robot.
+        arm: Name space of CRTK's topics, such as "gen3".
+    """
+
+    def __init__(self, config: CrtkConfig, model: RobotModel, arm: str) -> None:
+        self._config, self._model = config, model
+        self._state = ControllerState()
+        self._state_at = self._joints_at = self._shown_at = self._told_at = float("-inf")
+        self._told: OperatingState | None = None
+        self._commands: Queue[str] = Queue(WAITING)
+        latched = {"queue_size": 10, "latch": True}
+        self._operating_state = rospy.Publisher(
+            f"{arm}/operating_state", operating_state_message, **latched
+        )
+        self._pose = rospy.Publisher(f"{arm}/measured_cp", PoseStamped, queue_size=1)
+        self._twist = rospy.Publisher(f"{arm}/measured_cv", TwistStamped, queue_size=1)
+        self._warning = rospy.Publisher(f"{arm}/warning", StringStamped, queue_size=10)
+        self._stop = rospy.Publisher("rst_control/stop", EmptyMessage, queue_size=10)
+        self._command = rospy.ServiceProxy("rst_control/command", Command)
+        self._subscribers = [
+            rospy.Subscriber("rst_control/state", ControllerState, self._on_state, queue_size=1),
+            rospy.Subscriber("joint_states", JointState, self._on_joints, queue_size=1),
+            rospy.Subscriber(f"{arm}/state_command", StringStamped, self._on_command),
+        ]
+
+    def run(self) -> None:
+        """Give commands and tell the state until ROS shuts down."""
+        while not rospy.is_shutdown():
+            self._tell()
+            with suppress(Empty):
+                self._give(self._commands.get(timeout=0.05))
+
+    # --- from the threads of rospy
+
+    def _on_state(self, message: ControllerState) -> None:
+        self._state, self._state_at = message, time.monotonic()
+
+    def _on_command(self, message: StringStamped) -> None:
+        follows = state_command(message.string)
+        if follows.brakes:
+            self._stop.publish(EmptyMessage())
+        if follows.refusal:
+            self._warn(follows.refusal)
+        elif follows.command:
+            try:
+                self._commands.put_nowait(follows.command)
+            except Full:
+                self._warn(f"{message.string}: refused; {WAITING} commands wait already")
+
+    def _on_joints(self, message: JointState) -> None:
+        now = time.monotonic()
+        if now - self._shown_at < 0.9 / self._config.rate:
+            self._joints_at = now
+            return
+        try:
+            joints, speeds = (_in_order(message, row) for row in ("position", "velocity"))
+        except ValueError as error:
+            rospy.logwarn_throttle(10.0, "crtk: %s", error)
+            return
+        self._joints_at = self._shown_at = now
+        pose, twist = measured_tip(self._model, joints, speeds)
+        header = Header(stamp=message.header.stamp, frame_id=BASE)
+        self._pose.publish(PoseStamped(header, pose_message(pose)))
+        moving = TwistStamped(header=header)
+        moving.twist.linear.x, moving.twist.linear.y, moving.twist.linear.z = twist[:3]
+        moving.twist.angular.x, moving.twist.angular.y, moving.twist.angular.z = twist[3:]
+        self._twist.publish(moving)
+
+    # --- from the node's own thread
+
+    def _tell(self) -> None:
+        """The state, where it changed or was not sent for a while."""
+        now, limit = time.monotonic(), self._config.old_after
+        is_heard, is_measured = now - self._state_at < limit, now - self._joints_at < limit
+        state = self._state.state if is_heard else ""
+        found = operating_state(state, self._state.assistance_enabled, is_measured)
+        if found == self._told and now - self._told_at < AGAIN:
+            return
+        self._told, self._told_at = found, now
+        message = operating_state_message()
+        message.header.stamp = rospy.Time.now()
+        message.state, message.is_homed = found.state, found.is_homed
+        message.is_busy = found.is_busy
+        self._operating_state.publish(message)
+
+    def _give(self, command: str) -> None:
+        """Ask the controller, as any caller; a refusal goes to CRTK's `warning`."""
+        try:
+            self._command.wait_for_service(ANSWER_WITHIN)
+            answer = self._command(command)
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            self._warn(f"{command}: {error}")
+            return
+        if not answer.accepted:
+            self._warn(f"{command}: refused; {answer.message}")
+
+    def _warn(self, words: str) -> None:
+        rospy.logwarn("crtk: %s", words)
+        message = StringStamped(string=words)
+        message.header.stamp = rospy.Time.now()
+        self._warning.publish(message)
+
+
+def _in_order(message: JointState, row: str) -> Vector:
+    """One row of joint states in the order of JOINTS.
+
+    Raises:
+        ValueError: A joint is missing, or a number is none.
+    """
+    values = dict(zip(message.name, getattr(message, row), strict=False))
+    missing = [name for name in JOINTS if name not in values]
+    if missing:
+        raise ValueError(f"joint states without {row} of {', '.join(missing)}")
+    found = np.array([values[name] for name in JOINTS], np.float64)
+    if not np.isfinite(found).all():
+        raise ValueError(f"joint states with a {row} that is no number")
+    return found
+
+
+def main() -> None:
+    """Run the CRTK node."""
+    os.setpriority(os.PRIO_PROCESS, 0, NICE)
+    with starting("crtk"):
+        try:
+            config = private_settings(CrtkConfig, CRTK_FILE)
+            model = parse_robot(rospy.get_param("robot_description"))
+            node = CrtkNode(config, model, rospy.get_param("~arm", "gen3"))
+        except (ConfigError, RobotModelError, KeyError) as error:
+            rospy.logfatal("crtk cannot start: %s", error)
+            sys.exit(2)
+    node.run()

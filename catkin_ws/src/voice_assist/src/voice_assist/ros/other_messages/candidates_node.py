@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Commands that were taken, for nodes that hear speech_recognition_msgs.
+
+What was refused is not passed on: who acts on these texts would act on it.
+"""
+
+from __future__ import annotations
+
+import rospy
+from speech_recognition_msgs.msg import SpeechRecognitionCandidates
+
+from typed_config.ros.starting import starting
+from voice_assist.msg import Utterance
+
+TOPIC = "speech_to_text"  # where the nodes of jsk_3rdparty listen
+
+
+def candidates(message: Utterance) -> SpeechRecognitionCandidates | None:
+    """The command, then what was written of it where that differs; None: no command was taken."""
+    if not message.command:
+        return None
+    written = message.transcript.strip()
+    texts = list(dict.fromkeys(text for text in (message.command, written) if text))
+    return SpeechRecognitionCandidates(
+        transcript=texts, confidence=[message.confidence] * len(texts)
+    )
+
+
+def main() -> None:
+    """Run the node."""
+    with starting("candidates", needs_clock=False):
+        results = rospy.Publisher(TOPIC, SpeechRecognitionCandidates, queue_size=20)
+
+        def pass_on(message: Utterance) -> None:
+            if (found := candidates(message)) is not None:
+                results.publish(found)
+
+        rospy.Subscriber("voice_assist/utterance", Utterance, pass_on)
+    rospy.spin()

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sound without stamps: its format is judged by its amount, gaps and silence are told."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from voice_assist.audio.capture.unstamped import SoundBlock, UnstampedStream
+from voice_assist.config import load_voice_config
+
+CONFIG = load_voice_config().audio.audio_data
+TICK = 0.032  # [s] of sound in a message
+RAMP = (np.arange(512) - 256).astype("<i2")
+SOUND = RAMP.tobytes()
+
+
+def taken(stream, seconds, data=SOUND, every=TICK, start=100.0):
+    """What a stream makes of messages that come for so many seconds."""
+    count = round(seconds / every)
+    return [stream.take(data, start + n * every) for n in range(count)]
+
+
+def test_right_sound_is_heard_after_a_second_as_it_was_sent():
+    results = taken(UnstampedStream(CONFIG), 3.0)
+    first = next(i for i, r in enumerate(results) if r != "")
+    assert 0.9 < first * TICK < 1.2 and all(isinstance(r, SoundBlock) for r in results[first:])
+    block = results[first]
+    assert block.samples.dtype == np.int16 and block.samples[:, 0].tolist() == RAMP.tolist()
+    assert block.lost == 0.0 and block.stamp == pytest.approx(100.0 + first * TICK - TICK)
+
+
+def test_a_publisher_that_tells_its_format_is_heard_at_once():
+    stream = UnstampedStream(CONFIG)
+    stream.inform(1, 16000, "S16LE", "WAVE")
+    assert isinstance(stream.take(RAMP.tobytes(), 5.0), SoundBlock)
+
+
+@pytest.mark.parametrize(
+    ("told", "named"),
+    [
+        ((2, 16000, "S16LE", "wave"), "2 x 16000 Hz S16LE wave"),
+        ((1, 44100, "S16LE", "wave"), "1 x 44100 Hz"),
+        ((1, 16000, "F32LE", "wave"), "F32LE"),
+        ((1, 16000, "S16LE", "mp3"), "mp3"),
+    ],
+)
+def test_another_format_that_is_told_is_named_and_never_heard(told, named):
+    stream = UnstampedStream(CONFIG)
+    stream.inform(*told)
+    results = taken(stream, 3.0)
+    assert all(isinstance(r, str) and named in r for r in results)
+    assert "allowed: 1 x 16000 Hz S16LE wave; it is not heard" in results[0]
+
+
+@pytest.mark.parametrize(
+    ("bytes_per_second", "ratio"),
+    [(16_000, "0.50"), (64_000, "2.00"), (88_200, "2.76")],
+)
+def test_another_amount_is_named_and_not_heard(bytes_per_second, ratio):
+    """Compressed by a half; two channels, or twice the rate; 44.1 kHz."""
+    data = bytes(2 * round(bytes_per_second * TICK / 2))
+    results = taken(UnstampedStream(CONFIG), 8.0, data)
+    assert not any(isinstance(r, SoundBlock) for r in results)
+    assert f"{ratio} times real time" in results[-1] and "compressed" in results[-1]
+
+
+@pytest.mark.parametrize(
+    ("data", "named"),
+    [
+        (b"", "0 bytes"),
+        (b"abc", "3 bytes in a message, allowed: a multiple of 2"),
+        (bytes(32_000), "1.0 s of sound in one message, allowed: 0.5 s"),
+    ],
+)
+def test_a_message_that_is_no_sound_is_named(data, named):
+    assert named in UnstampedStream(CONFIG).take(data, 1.0)
+
+
+@pytest.mark.parametrize("is_told", [False, True])
+def test_messages_that_went_missing_are_a_gap_of_their_length(is_told):
+    stream = UnstampedStream(CONFIG)
+    if is_told:
+        stream.inform(1, 16000, "S16LE", "wave")
+    taken(stream, 2.0)
+    end = 100.0 + (round(2.0 / TICK) - 1) * TICK
+    after = stream.take(RAMP.tobytes(), end + 0.5 + TICK)
+    assert after.lost == pytest.approx(0.5)
+    assert stream.take(RAMP.tobytes(), end + 0.5 + 2 * TICK).lost == 0.0
+
+
+def test_messages_that_come_late_and_in_a_heap_are_no_gap():
+    stream = UnstampedStream(CONFIG)
+    stream.inform(1, 16000, "S16LE", "wave")
+    taken(stream, 2.0)
+    blocks = [stream.take(RAMP.tobytes(), 102.0 + 0.16) for _ in range(5)]
+    blocks += [stream.take(RAMP.tobytes(), 102.16 + n * TICK) for n in range(1, 9)]
+    assert sum(b.lost for b in blocks) == 0.0
+
+
+def test_after_a_silence_the_stream_begins_anew_without_a_gap():
+    stream = UnstampedStream(CONFIG)
+    stream.inform(1, 16000, "S16LE", "wave")
+    taken(stream, 2.0)
+    stream.forget()
+    assert stream.take(RAMP.tobytes(), 500.0).lost == 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "heard"),
+    [
+        ("S32LE", np.array([1 << 30, -(1 << 31)], "<i4"), [0.5, -1.0]),
+        ("F32LE", np.array([0.25, np.nan, np.inf, 7.0], "<f4"), [0.25, 0.0, 0.0, 1.0]),
+    ],
+)
+def test_other_types_become_sound_within_full_scale(name, values, heard):
+    stream = UnstampedStream(replace(CONFIG, sample_format=name))
+    stream.inform(1, 16000, name, "wave")
+    assert stream.take(values.tobytes(), 1.0).samples[:, 0].tolist() == heard
+
+
+def test_channels_lie_beside_each_other():
+    stream = UnstampedStream(replace(CONFIG, channels=2))
+    stream.inform(2, 16000, "S16LE", "wave")
+    assert stream.take(RAMP.tobytes(), 1.0).samples.shape == (256, 2)
