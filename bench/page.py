@@ -136,7 +136,7 @@ def readme(folder: Path = RESULTS) -> str:
         ValueError: A figure is not on file, or is there more than once.
     """
     rows = [_front_row(row, folder) for row in ROWS]
-    head = ["figure", "unit", "measured", "target", "result"]
+    head = ["figure", "measured", "target", "result"]
     return "\n".join([BEGIN, "", *_table(head, rows), END])
 
 
@@ -150,7 +150,8 @@ def _front_row(row: ReadmeRow, folder: Path) -> list[str]:
     value, _, unit = _value(figure)
     whose = result.voices(figure)
     words = f"{row.words} ({whose})" if whose else row.words
-    return [words, unit, value, _target(figure), _verdict(figure)]
+    target = _target(figure).replace("at most", "≤").replace("at least", "≥")
+    return [words, f"{float(value.replace(',', '')):.3g} {unit}", target, _verdict(figure)]
 
 
 # Cells.
