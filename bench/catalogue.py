@@ -264,6 +264,7 @@ _COST = Area(
     "The whole simulated system on this machine.",
     (
         Part("system.cost", "Each node, and the start", "system.cost", code.SYSTEM),
+        Part("system.setup", "Set-up in a fresh clone", "system.setup", code.SET_UP),
         Part("system.loop", "The control loop under load", "system.loop", code.SYSTEM),
         Part("system.display", "The operator's page", "system.display", code.DISPLAY),
     ),

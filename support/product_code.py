@@ -16,7 +16,8 @@ from pathlib import Path
 
 import yaml
 
-PACKAGES = Path(__file__).resolve().parent.parent / "catkin_ws" / "src"
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ROOT / "catkin_ws" / "src"
 SETTINGS, NETWORKS = ".yaml", (".pt", ".npz")
 LENGTH = 16  # characters of a digest
 
@@ -56,12 +57,18 @@ ROBOT_NODES = (*SIMULATION, *_rooms("rst_control", "host", "ros"))
 SYSTEM = (*ROBOT_NODES, *HEARING, *VOICE_NODE, *RECORDING, *_rooms("session_log", "ros"))
 
 
+SET_UP = tuple(
+    f"/{file}" for file in ("docker/setup.sh", "docker/constraints.txt", "requirements.txt")
+)
+
+
 def identity(rooms: Sequence[str]) -> str:
     """Digest of rooms.
 
     Args:
         rooms: Folders and files of packages, such as "rst_control/planning", "rst_control/rcm.yaml"
-            (a file of settings) or "voice_assist/spotter.pt" (a network).
+            (a file of settings) or "voice_assist/spotter.pt" (a network); with a leading "/" a file
+            of the repository.
 
     Raises:
         FileNotFoundError: One is not there, or holds no code.
@@ -72,6 +79,8 @@ def identity(rooms: Sequence[str]) -> str:
 
 @cache
 def _of_room(room: str) -> tuple[str, ...]:
+    if room.startswith("/"):
+        return (_digest((ROOT / room.removeprefix("/")).read_bytes()),)
     package, _, name = room.partition("/")
     if name.endswith(NETWORKS):
         return (_digest((PACKAGES / package / "models" / name).read_bytes()),)
