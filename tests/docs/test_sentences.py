@@ -28,7 +28,10 @@ def test_items_of_a_list_are_sentences_of_their_own():
     ]
 
 
-def test_the_command_names_page_words_and_beginning(capsys):
-    code = main([])
+def test_the_command_names_page_words_and_beginning(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("support.sentences.ROOT", tmp_path)
+    (tmp_path / "page.md").write_text(LONG)
+    assert main([str(tmp_path / "page.md")]) == 1
     shown = capsys.readouterr().out
-    assert code in (0, 1) and shown.endswith("sentences have more than 25 words\n")
+    assert shown.startswith("page.md: 26 words: Word word")
+    assert shown.endswith("1 sentences have more than 25 words\n")
