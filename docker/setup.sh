@@ -99,7 +99,7 @@ to_fetch() {
 announce() {
     [ ! -x .venv/bin/python ] || return 0
     wished=$(torch_wished)
-    say "To fetch: 0.4 GB of Debian packages, 1.5 GB on disk, less what is installed; $(to_fetch "$wished")"
+    say "To fetch: 0.2 GB of Debian packages, 0.8 GB on disk, less what is installed; $(to_fetch "$wished")"
     [ "$wished" = cuda ] || echo "If the package index has no CPU build of torch: $(to_fetch cuda). TORCH=cpu refuses that."
 }
 
