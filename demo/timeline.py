@@ -50,7 +50,12 @@ class Timeline:
         self._state: ControllerState | None = None
         self._lock = threading.Lock()
         self._intended = rospy.Publisher("voice_assist/intended", String, queue_size=10)
-        self._live = Live(console=console, refresh_per_second=8, get_renderable=self._footer)
+        self._live = Live(
+            console=console,
+            refresh_per_second=8,
+            get_renderable=self._footer,
+            transient=not console.is_terminal,  # in a file it would only run into the next line
+        )
 
     def start_clock(self, zero: float) -> None:
         """Call a moment [s] the zero of the script, and forget what was seen before."""
