@@ -52,7 +52,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         "%Y-%m-%d_%H-%M-%S"
     )
     folder = folder.resolve()
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        console.print(f"The folder of the session cannot be made: {error}", style="red")
+        return 2
     try:
         results = _session(script, folder, options, console)
     except KeyboardInterrupt:

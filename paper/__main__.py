@@ -109,8 +109,8 @@ def _press_all(config: ExperimentConfig, repetitions: int, out: Path, console: C
 def _press(config: ExperimentConfig, repetitions: int, out: Path, console: Console) -> int:
     """Press one session."""
     folder = out / PEDAL
-    folder.mkdir(parents=True, exist_ok=True)
     try:
+        folder.mkdir(parents=True, exist_ok=True)
         keep(folder, pedal_session.run(config, repetitions, folder, console))
     except KeyboardInterrupt:
         return INTERRUPTED
@@ -169,8 +169,8 @@ def _play(
 ) -> int:
     """Play one session and judge it."""
     folder = out / voice.name
-    folder.mkdir(parents=True, exist_ok=True)
     try:
+        folder.mkdir(parents=True, exist_ok=True)
         session.run(voice, config, repetitions, folder, console)
         judge(folder, _report_config())
     except KeyboardInterrupt:

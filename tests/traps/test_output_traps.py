@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from demo.__main__ import main as demo
 from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message, MessageSource
 from voice_assist.audio.sound_file import read_sound
@@ -69,3 +70,9 @@ def test_a_terminal_that_knows_only_ascii_loses_no_command(command, session):
 def test_a_folder_in_the_place_of_a_sound_is_not_said_to_be_missing(tmp_path):
     with pytest.raises(AudioError, match=r": no file$"):
         read_sound(tmp_path)
+
+
+def test_a_demo_whose_folder_cannot_be_made_says_so_and_starts_nothing(tmp_path, capsys):
+    (tmp_path / "file").touch()
+    assert demo(["--out", str(tmp_path / "file" / "session")]) == 2
+    assert "The folder of the session cannot be made" in capsys.readouterr().out
