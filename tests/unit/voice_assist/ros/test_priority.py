@@ -11,6 +11,7 @@ HEAR_FIRST = """
 import os
 import threading
 from voice_assist.ros.priority import hear_first
+{become}
 words = hear_first()
 later = []
 thread = threading.Thread(target=lambda: later.append(os.getpriority(os.PRIO_PROCESS, 0)))
@@ -19,11 +20,11 @@ print(words, os.getpriority(os.PRIO_PROCESS, 0), later[0], sep=";")
 """
 
 
-def asked(user=None):
+def asked(become=""):
     env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     done = subprocess.run(
-        [sys.executable, "-c", HEAR_FIRST],
-        env=env, user=user, start_new_session=True, capture_output=True, text=True, check=True,
+        [sys.executable, "-c", HEAR_FIRST.format(become=become)],
+        env=env, start_new_session=True, capture_output=True, text=True, check=True,
     )  # fmt: skip
     return done.stdout.strip().split(";")
 
@@ -48,4 +49,4 @@ def test_root_goes_first():
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become somebody else")
 def test_who_may_not_goes_on_as_before():
     own = str(os.getpriority(os.PRIO_PROCESS, 0))
-    assert asked(user=65534) == ["none", own, own]
+    assert asked(become="os.setuid(65534)") == ["none", own, own]
