@@ -19,11 +19,11 @@ def require_known(config: CommandsConfig) -> None:
         CommandsError: Names the phrase's entry and what may be called.
     """
     for index, command in enumerate(config.commands):
-        key, has_amount = f"commands.commands[{index}].command", isinstance(command, AmountCommand)
-        called = command.called if has_amount else command.command
+        key = f"commands.commands[{index}].command"
+        called = command.called if isinstance(command, AmountCommand) else command.command
         if called and called not in _KNOWN:
             raise CommandsError(key, called, f'"" or one of {", ".join(_KNOWN)}')
-        if has_amount:
+        if isinstance(command, AmountCommand):
             units = [unit for amount in COMMANDS[called].amounts for unit in amount.spoken_units]
             allowed = " or ".join(units) or "no amount"
             if command.slot.unit not in units:
