@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
 
 import pytest
 
@@ -50,3 +51,18 @@ def test_the_changelog_has_the_parts_of_its_form():
     assert headings and set(headings) <= {
         *("### Added", "### Changed", "### Deprecated", "### Removed", "### Fixed", "### Security")
     }
+
+
+def test_every_source_file_bears_its_licence():
+    listed = subprocess.run(
+        ["git", "ls-files", "*.py", "*.sh", "*.launch", "*.test"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.splitlines()
+    files = [ROOT / name for name in listed if (ROOT / name).is_file()]
+    assert len(files) > 500
+    assert not [
+        f for f in files if "SPDX-License-Identifier: BSD-3-Clause" not in f.read_text()[:300]
+    ]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The recogniser: what the shipped checkpoint hears, and what it refuses to load."""
 
 import shutil

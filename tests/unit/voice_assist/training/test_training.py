@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Training: the trick of the small vocabulary, alignment, items, resuming, the split."""
 
 import numpy as np
