@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import importlib.util
+import subprocess
+import sys
 
 import pytest
 from numba.core.caching import InTreeCacheLocator
@@ -151,3 +153,20 @@ def test_a_full_disk_stops_no_kernel(package):
     index.unlink()
     index.mkdir()
     assert compiled_here(package) == 1
+
+
+WITHOUT_SCIPY = """
+import sys
+from rst_control.kernels import kernel
+def double(x):
+    return 2.0 * x
+assert kernel(double)(2.0) == 4.0
+print(*sorted(name for name in sys.modules if name.startswith("scipy.linalg")))
+"""
+
+
+def test_a_kernel_runs_without_the_import_of_scipys_linear_algebra(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(WITHOUT_SCIPY)
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []

@@ -12,6 +12,7 @@ What it has to compile itself goes to its own cache folder. Without a home it is
 from __future__ import annotations
 
 import hashlib
+import importlib
 import os
 from collections.abc import Callable
 from functools import cache
@@ -25,10 +26,31 @@ from numba.core.caching import (
     IndexDataCacheFile,
     InTreeCacheLocator,
 )
+from numba.np import linalg
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 SOURCES = Path(__file__).parent
 STAMP = SOURCES / "__pycache__" / "kernels.stamp"
+
+
+def _load_without_blas() -> None:
+    """Import numba's functions of arrays without scipy.linalg, in which they look for BLAS.
+
+    That import is a fifth of a node's start. No kernel multiplies matrices by BLAS; one that did
+    would not compile.
+    """
+
+    def find_none() -> None:
+        raise ImportError("kernels do without BLAS")
+
+    found, linalg.ensure_blas = linalg.ensure_blas, find_none
+    try:
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        linalg.ensure_blas = found
+
+
+_load_without_blas()
 
 
 def kernel(function: Function, error_model: str = "python") -> Function:
