@@ -78,3 +78,10 @@ def test_a_link_that_leads_nowhere_is_found():
     text = "# One two\n[a](#one-two) [b](#three) [c](README.md) [d](nothing.md) [e](https://x.org)"
     assert broken("README.md", text) == ["README.md: ](#three)", "README.md: ](nothing.md)"]
     assert anchors("# A `b`, c\n# A `b`, c\n") == {"a-b-c", "a-b-c-1"}
+
+
+def test_every_page_is_in_the_index():
+    index = ROOT / "docs" / "index.md"
+    listed = {(index.parent / m["path"]).resolve() for m in LINK.finditer(index.read_text("utf-8"))}
+    pages = {(ROOT / name) for name in tracked("docs/**.md", "*.md") if name.startswith("docs/")}
+    assert not sorted(str(page) for page in pages - listed - {index})
