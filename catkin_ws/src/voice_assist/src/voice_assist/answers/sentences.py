@@ -18,7 +18,7 @@ TAKEN: Final = {  # by the command that the controller accepted
     "terminate": "asleep",
     "insert": "going in",
     "withdraw": "coming out",
-    "grasp here": "place noted",
+    "grasp here": "remembered",
 }
 TAKEN_OTHERWISE: Final = "accepted"  # of any other command
 
