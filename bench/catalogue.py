@@ -58,6 +58,7 @@ _SITE = Area(
         Part("site.tension", "A tension sensor that fails", "site.tension", code.SIMULATION),
         Part("site.stops", "Losses on the way to the arm", "site.stops", code.KINOVA),
         Part("site.turns", "Joints without end stops", "site.turns", code.CONTROLLER),
+        Part("site.plant", "A plant that is not ideal", "site.plant", code.CONTROLLER),
         Part("site.near_limits", "Joints near their limits", "site.near_limits", code.CONTROLLER),
         Part(
             "site.mounting",

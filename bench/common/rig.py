@@ -19,6 +19,7 @@ from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.planning.planner import along
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
+from rst_control.robot.backend import RobotBackend
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.tissue.grasp_candidates import grasp_candidates, turned
 from rst_control.trajectory.path import Path
@@ -44,15 +45,16 @@ class Rig(LockStep):
         kind = LightRobot if is_light else PybulletRobot
         with quiet():
             self.robot: LightRobot | PybulletRobot = kind(settings, start=START)
+        self.link: RobotBackend = self.robot  # as the controller reaches it
         self.executor = make_executor(motion, context, self.robot.clear_fault)
         self.queue = CommandQueue(self.executor, context.verify, lambda: self.robot.now)
         self._gauge = context.trocar_pose
 
     def tick(self, each: Callable[[], None] = do_nothing) -> None:
         """One period of the control loop; `each` is called after every step of the physics."""
-        setpoint = self.executor.tick(self.robot.now, self.robot.measured_js())
+        setpoint = self.executor.tick(self.robot.now, self.link.measured_js())
         if setpoint is not None:
-            self.robot.servo_jp(setpoint)
+            self.link.servo_jp(setpoint)
         self.robot.advance(self.robot.now + self.period, each)
 
     def wake(self) -> None:

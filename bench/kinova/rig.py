@@ -18,6 +18,7 @@ from bench.common.quiet import quiet
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.assembly import make_executor
 from rst_control.config import CONFIG_FOLDER, URDF_FILE, MotionConfig, load_simulation_config
+from rst_control.config.plant import PlantConfig
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.kinova.brake_plan import LastCourse
 from rst_control.kinova.bridge import Bridge
@@ -28,8 +29,10 @@ from rst_control.kinova.homing import home
 from rst_control.kinova.stand_in import KinovaRobot, StandInConfig, as_driven, load_stand_in_config
 from rst_control.kinova.tool import ToolState
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
+from rst_control.robot.backend import RobotBackend
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.tension.gravity_check import RestTorques
+from rst_control.types import Measurement, Setpoint
 from typed_config import load_config, load_yaml, overlaid
 
 Loss = Literal["controller", "bridge", "feedback"]
@@ -50,15 +53,44 @@ def _quick_to_home(config: StandInConfig) -> StandInConfig:
     return replace(config, tool=replace(config.tool, homing_speed=1.4, homing_dwell=0.05))
 
 
+class BridgeLink(RobotBackend):
+    """The bridge with the clock of its rig."""
+
+    def __init__(self, rig: KinovaRig) -> None:
+        self._rig = rig
+
+    def measured_js(self) -> Measurement | None:
+        """What the bridge says."""
+        return self._rig.bridge.measured
+
+    def servo_jp(self, setpoint: Setpoint) -> None:
+        """Lead the bridge."""
+        self._rig.bridge.servo_jp(setpoint, self._rig.now)
+
+    def hold(self) -> None:
+        """Slow down and stay."""
+        self._rig.bridge.hold(self._rig.now)
+
+    def clear_fault(self) -> None:
+        """Take set-points again."""
+        self._rig.bridge.clear_fault(self._rig.now)
+
+
 class KinovaRig(LockStep):
     """The whole way from a command to the joints; a context manager.
 
     Args:
         motion: Settings of the controller.
         bridge: Settings of the bridge; its limits are those of `motion`.
+        plant: What is not ideal; None: all is.
     """
 
-    def __init__(self, motion: MotionConfig, bridge: KinovaConfig | None = None) -> None:
+    def __init__(
+        self,
+        motion: MotionConfig,
+        bridge: KinovaConfig | None = None,
+        plant: PlantConfig | None = None,
+    ) -> None:
         self.config, self.period = motion, 1.0 / motion.controller.rate
         stand_in, simulation = _quick_to_home(load_stand_in_config()), load_simulation_config()
         self._limits = simulation.limits  # the driver's own layers
@@ -67,6 +99,9 @@ class KinovaRig(LockStep):
             scene=motion.scene,
             simulator=as_driven(simulation.simulator, stand_in.tool),
         )
+        if plant is not None:
+            simulator = replace(settings.simulator, plant="lab")
+            settings = replace(settings, simulator=simulator, plant=plant)
         with quiet():
             self.robot = PybulletRobot(settings, start=START)
         self.drivers = KinovaRobot(stand_in, self._limits, self.robot)
@@ -75,6 +110,7 @@ class KinovaRig(LockStep):
             kinova.torques, URDF_FILE.read_text(encoding="utf-8"), motion.scene.gravity
         )
         self.bridge = Bridge(kinova, self, torques)
+        self.link: RobotBackend = BridgeLink(self)  # as the controller reaches it
         arm, tool = kinova.bridge.arm, kinova.bridge.tool
         self._read_arm = FeedbackReader(arm.joints, (1.0,) * 7, kinova.first_turns)
         self._read_tool = FeedbackReader(tool.joints, tool.signs, None)
@@ -115,13 +151,13 @@ class KinovaRig(LockStep):
 
     def tick(self, each: Callable[[], None] = do_nothing) -> None:
         """One period of the control loop; `each` is called after every step of the physics."""
-        setpoint = self.executor.tick(self.now, self.bridge.measured)
+        setpoint = self.executor.tick(self.now, self.link.measured_js())
         if self.lost == "controller":
             setpoint = None
         elif setpoint is not None:
-            self.bridge.servo_jp(setpoint, self.now)
+            self.link.servo_jp(setpoint)
         elif self._is_sending:
-            self.bridge.hold(self.now)
+            self.link.hold()
         self._is_sending = setpoint is not None and self.lost != "controller"
         for _ in range(round(self.period / STEP)):
             self.step()

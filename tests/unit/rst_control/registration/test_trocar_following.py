@@ -11,7 +11,7 @@ from rst_control.kinematics.rcm import rcm_state
 from rst_control.registration.tracked_place import Report
 from rst_control.registration.trocar import TrocarRegistrar
 from rst_control.registration.trocar_following import TrocarFollowing
-from rst_control.types import Reason, State
+from rst_control.types import Reason, Setpoint, State
 from tests.unit.rst_control.support.executor_rig import PERIOD, Rig, shared
 
 MOST = 1e-4  # [m] of the shaft from the trocar while it breathes
@@ -155,3 +155,39 @@ def test_a_trocar_that_is_followed_is_not_set_by_hand():
     rig.run(0.3).awake()
     answer = TrocarRegistrar(rig.context, rig.executor).ask(rig.home, "/test").result(0)
     assert not answer.accepted and "followed from its tracker" in answer.message
+
+
+class StillRobot:
+    """A robot that remembers what it was sent, and was measured once."""
+
+    def __init__(self, measured):
+        self.measured, self.sent = measured, []
+
+    def measured_js(self):
+        return self.measured
+
+    def servo_jp(self, setpoint):
+        self.sent.append(setpoint)
+
+    def hold(self):
+        """There is nothing to hold."""
+
+
+def test_a_stream_that_begins_anew_begins_where_the_robot_holds():
+    """It ended while the shaft was catching up; nobody said `hold`."""
+    config, model, _ = shared()
+    settings = following_settings()
+    robot = StillRobot(Rig().robot.measured_js())
+    following = TrocarFollowing(robot, settings, model, lambda: State.MOVING)
+    q, now = robot.measured.position, 10.0
+    for number in range(100):
+        now += PERIOD
+        following.take(Report(np.array(config.scene.trocar) + np.array([0.004, 0.0, 0.0]), now))
+        if number < 30:
+            following.servo_jp(Setpoint(q, np.zeros(10), now))
+    assert 5e-4 < np.linalg.norm(following.shift) < 3.9e-3  # under way
+    last = robot.sent[-1].position
+    robot.measured = replace(robot.measured, stamp=now, velocity=np.zeros(10))
+    assert np.abs(following.measured_js().velocity).max() == 0.0
+    following.servo_jp(Setpoint(q, np.zeros(10), now + PERIOD))
+    np.testing.assert_allclose(robot.sent[-1].position, last, atol=1e-12)

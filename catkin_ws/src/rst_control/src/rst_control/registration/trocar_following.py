@@ -29,7 +29,7 @@ from rst_control.types import JOINT_COUNT, Cause, Measurement, Reason, Setpoint,
 
 FOLLOWED_IN: Final = (State.ACTIVE, State.MOVING, State.STOPPING)
 CATCH_UP: Final = 0.1  # [s] in which a distance from the trocar is made up for
-LONGEST: Final = 0.02  # [s] between two set-points, as far as the shift goes on
+LONGEST: Final = 0.02  # [s] between two set-points of one stream
 NEAR: Final = 0.3  # share of the allowed distance, within which the shaft has caught up
 KEPT: Final = 0.5  # [s] of changes that are remembered
 
@@ -101,7 +101,9 @@ class TrocarFollowing(RobotBackend):
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Send a set-point, changed for the trocar as it is when the joints get there."""
         last = self._changes[-1]
-        span = min(max(setpoint.stamp - last.stamp, 0.0), LONGEST)
+        span = max(setpoint.stamp - last.stamp, 0.0)
+        if span > LONGEST:  # the stream begins anew, where the robot holds
+            span, self._speed = 0.0, np.zeros(3)
         self._go_on(setpoint.stamp, span)
         q, _ = planning_joints(setpoint.position)
         moved = robot_joints(shifted_joints(self._model, q, self._trocar, self.shift), 0.0)
@@ -158,6 +160,10 @@ class TrocarFollowing(RobotBackend):
         self.shift = self.shift + span * self._speed
 
     def _at(self, stamp: float) -> Change:
+        """The change at a time; once set-points have ended it stays as it is."""
+        last = self._changes[-1]
+        if stamp > last.stamp + LONGEST:
+            return Change(last.stamp, last.position, np.zeros(JOINT_COUNT))
         for change in reversed(self._changes):
             if change.stamp <= stamp:
                 return change

@@ -14,6 +14,7 @@ from rst_control.robot.backend import RobotBackend
 from rst_control.types import Measurement, Setpoint
 
 Item = TypeVar("Item")
+EARLY = 1e-9  # [s] by which a time may be rounded
 
 
 class LateQueue(Generic[Item]):
@@ -59,11 +60,13 @@ class LateRobot(RobotBackend):
     Args:
         robot: What is commanded and measured.
         config: Delays.
+        period: Between two measurements that the robot sends [s].
         seed: Of the jitter.
     """
 
-    def __init__(self, robot: Clocked, config: LatenessConfig, seed: int) -> None:
+    def __init__(self, robot: Clocked, config: LatenessConfig, period: float, seed: int) -> None:
         self._robot, random = robot, np.random.default_rng(seed)
+        self._period, self._due = period, robot.now
         self._commands: LateQueue[Setpoint | None] = LateQueue(
             config.command_delay, config.command_jitter, random
         )
@@ -80,8 +83,9 @@ class LateRobot(RobotBackend):
                 self._robot.hold()
             else:
                 self._robot.servo_jp(command)
-        measured = self._robot.measured_js()
+        measured = self._robot.measured_js() if now >= self._due - EARLY else None
         if measured is not None:
+            self._due += self._period
             self._feedback.put(measured, now)
         for measured in self._feedback.take(now):
             self._measured = replace(measured, stamp=now, sent=measured.stamp)
