@@ -13,15 +13,17 @@ import itertools
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field, replace
-from typing import Final
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.common.resumable import CACHE, code, digest, remembered
 from bench.common.rig import Rig
 from bench.kinova.rig import FILES, KinovaRig, kinova_motion
-from rst_control.config import CONFIG_FOLDER, MotionConfig, load_simulation_config
+from rst_control.config import CONFIG_FOLDER, PACKAGE, MotionConfig, load_simulation_config
 from rst_control.config.plant import PlantConfig
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.rcm import rcm_state
@@ -59,6 +61,7 @@ class Seen:
     tension: list[float] = field(default_factory=list)  # [N] off the target
     stop_ways: list[float] = field(default_factory=list)  # [m] of the tip
     triangulated: list[bool] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)  # of what is not triangulated
     needless: list[str] = field(default_factory=list)  # why
     seconds: float = 0.0
 
@@ -71,10 +74,15 @@ def measure() -> list[Figure]:
 
 
 def measured(job: tuple[str, str]) -> list[Figure]:
-    """Figures of one way of leading in one plant."""
+    """Figures of one way of leading in one plant; kept, so that a run may be interrupted."""
     lead, plant = job
-    with make_rig(lead, plant) as rig:
-        seen = Session(rig, lead == "velocities").run(SECONDS)
+
+    def carried_out() -> dict[str, Any]:
+        with make_rig(lead, plant) as rig:
+            return asdict(Session(rig, lead == "velocities").run(SECONDS))
+
+    key = digest(job, SECONDS, code(PACKAGE / "src"), code(Path(__file__).parents[1] / "common"))
+    seen = Seen(**remembered(CACHE / "site_plant" / f"{key}.json", carried_out))
     return figures_of(f"{lead}, {plant}", seen, is_fixed="breathing" not in plant)
 
 
@@ -182,7 +190,9 @@ class Session:
         if words == "tense":
             scene, force = rig.config.scene, rig.robot.true_force
             held = exposure(rig.robot.tissue, scene, force)
-            seen.triangulated.append(held is not None and not held.failures(scene.triangulation))
+            failures = held.failures(scene.triangulation) if held else ["nothing held"]
+            seen.triangulated.append(not failures)
+            seen.failures += failures
 
     def _needless(self, why: str) -> None:
         """Note it, and go on as a person would."""
@@ -288,7 +298,8 @@ def figures_of(name: str, seen: Seen, is_fixed: bool) -> list[Figure]:
     ]
     figures = [Figure(f"{name}: {what}", v, unit, goal, note=n) for what, v, unit, goal, n in rows]
     share = 100.0 * float(np.mean(seen.triangulated)) if seen.triangulated else float("nan")
-    count = f"({len(seen.triangulated)} grasps)"
+    failed = sorted({words.split(" ")[0] for words in seen.failures})
+    count = f"({len(seen.triangulated)} grasps{', failed: ' if failed else ''}{', '.join(failed)})"
     return [*figures, Figure(f"{name}: triangulated", share, "%", None, False, count)]
 
 
