@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A "stop" while the robot speaks an answer, and what the answers themselves are taken for.
 
-The subset is fixed: every third of the people of ../shared/speech/dev who say "stop"; where they
+The subset is fixed: every ninth of the people of ../shared/speech/dev who say "stop"; where they
 are absent, every native synthetic voice once. SHARE=0.2 takes the same fifth every time.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import product
 
 import numpy as np
 
@@ -24,10 +23,10 @@ from support.figures import Figure, share
 from voice_assist.answers.sentences import catalogue
 
 SEED = 29
-EVERY = 3  # of the people
-LEVELS = (12.0, 6.0, 0.0)  # [dB] of the word over the answer
+EVERY = 9  # of the people
 STATES = {False: "at rest", True: "moving"}
-ALONE = "answers alone"
+CONDITIONS = ((12.0, True), (6.0, True), (0.0, True), (6.0, False))  # [dB] of the word; moving
+ALONE = "answers alone, moving"
 
 
 def measure() -> list[Figure]:
@@ -73,16 +72,12 @@ def _plans() -> Iterator[tuple[str, list[AnswerTrial]]]:
     who = "human" if people else "synthetic"
     words: Sequence[SpokenClip] = people or spoken(spread(STOP, natives().present, 1, SEED))
     sentences = catalogue()
-    for is_moving in STATES:
-        state = STATES[is_moving]
-        quiet = [AnswerTrial(word, "", 0.0, i, is_moving) for i, word in enumerate(words)]
-        yield f'{who} "stop", nothing spoken, {state}', quiet
-    for level, is_moving in product(LEVELS, STATES):
+    quiet = [AnswerTrial(word, "", 0.0, i, True) for i, word in enumerate(words)]
+    yield f'{who} "stop", nothing spoken, moving', quiet
+    for level, is_moving in CONDITIONS:
         trials = [
             AnswerTrial(word, sentences[i % len(sentences)], level, i, is_moving)
             for i, word in enumerate(words)
         ]
         yield f'{who} "stop" {level:g} dB over an answer, {STATES[is_moving]}', trials
-    for is_moving in STATES:
-        alone = [AnswerTrial(None, text, 0.0, i, is_moving) for i, text in enumerate(sentences)]
-        yield f"{ALONE}, {STATES[is_moving]}", alone
+    yield ALONE, [AnswerTrial(None, text, 0.0, i, True) for i, text in enumerate(sentences)]

@@ -27,7 +27,7 @@ from voice_assist.types import RATE, Mode, Samples
 QUIET = 1.0  # [s] before and behind both
 NOISE_DB = -75.0  # [dB] of full scale, of that quiet
 PEAK = 0.5  # of an answer that sounds alone
-PER_CHUNK = 40  # trials
+PER_CHUNK = 30  # trials
 
 
 @dataclass(frozen=True)
