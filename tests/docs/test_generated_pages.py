@@ -8,7 +8,7 @@ import re
 import pytest
 import yaml
 
-from support.doc_pages import PACKAGES, ROOT, SOURCES, pages, read_settings, with_block
+from support.documents.pages import PACKAGES, ROOT, SOURCES, pages, read_settings, with_block
 
 SAMPLE = """# About the file.
 rate: 500.0   # [Hz] how often
@@ -25,7 +25,7 @@ last: yes     # [-] after the list
 
 @pytest.mark.parametrize("page", sorted(pages()), ids=lambda page: page.name)
 def test_a_page_is_what_code_and_settings_make_of_it(page):
-    assert page.read_text("utf-8") == pages()[page], "run: python -m support.doc_pages"
+    assert page.read_text("utf-8") == pages()[page], "run: python -m support.documents.pages"
 
 
 def test_keys_are_read_with_path_value_and_the_whole_comment():

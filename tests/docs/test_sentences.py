@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from support.sentences import main, sentences, too_long
+from support.documents.sentences import main, sentences, too_long
 
 LONG = "Word " + "word " * 24 + "end."
 
@@ -29,7 +29,7 @@ def test_items_of_a_list_are_sentences_of_their_own():
 
 
 def test_the_command_names_page_words_and_beginning(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("support.sentences.ROOT", tmp_path)
+    monkeypatch.setattr("support.documents.sentences.ROOT", tmp_path)
     (tmp_path / "page.md").write_text(LONG)
     assert main([str(tmp_path / "page.md")]) == 1
     shown = capsys.readouterr().out

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import soundfile
 
+from support.documents.release import version
 from support.launched_system import end_group, free_port
-from support.release import version
 from support.theatre_sound import RATE, speak
 from support.waiting import wait_until
 

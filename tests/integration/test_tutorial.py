@@ -108,10 +108,9 @@ def session():
 
 def give(hand, line):
     """Give a command once the motion before it has ended; again while the robot is starting."""
+    look = "rostopic echo -n 1 /rst_control/state"
     wait_until(
-        lambda: re.search(
-            "standby|active|halted", hand.do("rostopic echo -n 1 /rst_control/state/state")[1]
-        ),
+        lambda: re.search(r'^state: "(standby|active|halted)"', hand.do(look)[1], re.MULTILINE),
         "the motion ends",
     )
     code, printed = hand.do(line)

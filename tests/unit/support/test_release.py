@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-from support.release import ROOT, places, release, version
+from support.documents.release import ROOT, places, release, version
 
 
 def found(root):

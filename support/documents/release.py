@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`python -m support.release 1.0.0`: writes the version wherever it stands.
+"""`python -m support.documents.release 1.0.0`: writes the version wherever it stands.
 
 pyproject.toml is the place to read it. The manifests of the packages, CITATION.cff and the heading
 of the changelog follow.
@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-ROOT: Final = Path(__file__).resolve().parents[1]
+ROOT: Final = Path(__file__).resolve().parents[2]
 PACKAGES: Final = ("voice_assist", "rst_control", "session_log", "typed_config")
 VERSION: Final = re.compile(r"\d+\.\d+\.\d+")
 UNRELEASED: Final = "## [Unreleased]\n"
@@ -61,7 +61,7 @@ def release(new: str, day: str, root: Path = ROOT) -> None:
 
 def main() -> None:
     """Take the version from the command line."""
-    parser = argparse.ArgumentParser(prog="support.release", description=__doc__)
+    parser = argparse.ArgumentParser(prog="support.documents.release", description=__doc__)
     parser.add_argument("version", help="such as 1.0.0")
     new = parser.parse_args().version
     if not VERSION.fullmatch(new):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`python -m support.sentences [PAGE...]`: sentences of the documents that are too long.
+"""`python -m support.documents.sentences [PAGE...]`: sentences of the documents that are too long.
 
 A sentence has 25 words at most. Generated pages, code blocks and headings are left out; each cell
 of a table counts by itself. Ends with 1 where a sentence is longer.
@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-ROOT: Final = Path(__file__).resolve().parents[1]
+ROOT: Final = Path(__file__).resolve().parents[2]
 MOST: Final = 25  # words
 GENERATED: Final = ("docs/measured.md", "docs/reference/settings.md")
 _LEFT_OUT: Final = (

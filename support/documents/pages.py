@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`python -m support.doc_pages`: writes what the documents take from code and settings files.
+"""`python -m support.documents.pages`: writes what the documents take from code and settings files.
 
 Settings come from the comments of the YAML files, commands from `rst_control.commands.table`,
 alarms and reason codes from `voice_assist.alarms.catalogue`.
@@ -16,7 +16,7 @@ from typing import Final
 from rst_control.commands import table
 from voice_assist.alarms import catalogue
 
-ROOT: Final = Path(__file__).resolve().parents[1]
+ROOT: Final = Path(__file__).resolve().parents[2]
 SOURCES: Final = ROOT / "catkin_ws" / "src"
 REFERENCE: Final = ROOT / "docs" / "reference"
 PACKAGES: Final = ("voice_assist", "rst_control", "session_log")
@@ -80,9 +80,9 @@ def settings_page(sources: Path = SOURCES) -> str:
     """The page of all settings."""
     parts = [
         "# Settings",
-        "Generated from the comments of the YAML files by `python -m support.doc_pages`. Change "
-        "them in a copy of the file or of its folder. No key has a default elsewhere; a missing "
-        "or unknown key, another type or a value out of its range ends the node at start. "
+        "Generated from the comments of the YAML files by `python -m support.documents.pages`. "
+        "Change them in a copy of the file or of its folder. No key has a default elsewhere; a "
+        "missing or unknown key, another type or a value out of its range ends the node at start. "
         "`[unit]` stands before each meaning; `[-]` has none.",
     ]
     for package in PACKAGES:
