@@ -23,7 +23,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String, Time
 from std_srvs.srv import TriggerRequest
 
-from rst_control.admission.callers import MAX_CALLERS, MAX_NAME, CallLimiter, caller_name
+from rst_control.admission.callers import MAX_CALLERS, CallLimiter
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.commands.parser import MAX_LENGTH, is_stop, read_command, unknown
 from rst_control.commands.table import COMMANDS
@@ -37,6 +37,7 @@ from rst_control.srv import CommandRequest, FitTrocarRequest, SetTrocarRequest
 from rst_control.types import JOINTS
 from tests.fuzz.names import NAMES
 from tests.support.null_executor import Nobody
+from typed_config.node_names import MAX_NAME, caller_name
 from voice_assist.audio.source import FRAME, Framer
 from voice_assist.config import TopicConfig, load_voice_config
 from voice_assist.intent.mapper import Mapper
@@ -164,7 +165,7 @@ def fuzz_sound(data):
     if chunk.header.stamp.is_zero():
         return  # it gets the time of arrival, which only a node has
     troubles = []
-    source = TopicSource(TopicConfig(name="audio_in", lost_after=1.0), troubles.append)
+    source = TopicSource(TopicConfig(name="audio_in", lost_after=1.0), troubles.append, print)
     source._enqueue(chunk)
     heard = source._next()
     assert (heard is None) is (troubles != [""])

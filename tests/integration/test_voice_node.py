@@ -77,8 +77,9 @@ def errors(seen):
 def load(master, settings):
     """Put the package's settings on the parameter server, with some changed."""
     folder = ROOT / "catkin_ws" / "src" / "voice_assist" / "config"
-    names = ("audio", "recognizer", "spotter", "commands")
+    names = ("audio", "recognizer", "spotter", "commands", "believed")
     given = {name: yaml.safe_load((folder / f"{name}.yaml").read_text()) for name in names}
+    given["believed"]["audio"] = ["/witness"]
     given["spotter"]["is_enabled"] = False  # it was trained on words, and here tones are spoken
     for path, value in settings.items():
         *parents, key = path.split("/")
@@ -86,6 +87,7 @@ def load(master, settings):
         for parent in parents:
             branch = branch[parent]
         branch[key] = value if isinstance(value, (int, float)) else str(value)
+    given["launched"] = json.dumps(given)  # as its first start keeps it
     words = ["rosparam", "load", "-", "/voice_assist"]
     subprocess.run(words, env=master, input=yaml.safe_dump(given), text=True, check=True)
 

@@ -27,7 +27,7 @@ def test_the_system_reads_them(folder):
     overrides.write_text("{controller: {speed: {scale: 0.25}}}\n", "utf-8")
     found = parameters("system.launch", f"config:={folder}", f"controller_overrides:={overrides}")
     assert found["/controller/controller/speed/scale"] == 0.25
-    assert found["/checked_settings/voice"].startswith("7 files")
+    assert found["/checked_settings/voice"].startswith("8 files")
 
 
 def test_the_system_on_the_real_arm_reads_them(folder):

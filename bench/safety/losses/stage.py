@@ -72,7 +72,8 @@ def stage_for(victim: str, seed: int, log: Path) -> Iterator[LossStage]:
         if victim in SPOKEN:
             lead.room = stack.enter_context(SpeechSource())
         if victim == "voice":
-            parts.launch("voice", "/voice_assist", "voice.launch", source="topic")
+            voice = {"source": "topic", "audio_node": "/losses*"}
+            parts.launch("voice", "/voice_assist", "voice.launch", **voice)
         if victim == "recogniser":
             words = (sys.executable, "-m", "bench.safety.losses.voice", "__name:=voice_assist")
             parts.run("recogniser", "/voice_assist", words)

@@ -183,7 +183,8 @@ def _running() -> Iterator[_Trials]:
         parts.launch("robot", "/robot", "robot.launch")
         parts.launch("controller", "/controller", "controller.launch", on_recording_loss="ignore")
         room = stack.enter_context(_Sounds())
-        parts.launch("voice", "/voice_assist", "voice.launch", source="topic")
+        voice = {"source": "topic", "audio_node": "/spoken_stops_*"}
+        parts.launch("voice", "/voice_assist", "voice.launch", **voice)
 
         def is_there() -> bool:
             beats = time.monotonic() - watcher.heartbeat_at < FRESH

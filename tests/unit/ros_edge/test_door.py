@@ -6,6 +6,7 @@ import socket
 import struct
 import threading
 from io import BytesIO
+from types import SimpleNamespace
 
 import genpy
 import pytest
@@ -16,7 +17,6 @@ from rospy.impl.tcpros_pubsub import TCPROSSub
 from rospy.impl.tcpros_service import TCPService
 from std_msgs.msg import String
 
-from rst_control.admission import callers
 from rst_control.admission.callers import CallLimiter
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.config.callers import CallersConfig
@@ -33,6 +33,7 @@ from rst_control.ros.rospy_patches.message_framing import LONGEST_MESSAGE
 from rst_control.srv import SetTrocar
 from rst_control.supervision.heartbeat import Heartbeat
 from tests.support.null_executor import Nobody
+from typed_config.node_names import UNNAMED
 
 MEGA = 10_000_000
 
@@ -213,7 +214,7 @@ def test_a_text_that_was_cut_is_refused_by_its_length_unless_it_begins_as_a_stop
 def test_a_caller_without_a_name_is_an_unnamed_node(served):
     message = WordsRequest("dance")
     message._connection_header = None
-    assert callers.UNNAMED in served.call(message).message
+    assert UNNAMED in served.call(message).message
 
 
 class Actions(GuardedServer):
@@ -228,6 +229,9 @@ class Actions(GuardedServer):
         self.cancel_callback = lambda handle: None
         self.all_cancelled = []
         self._on_cancel_all = self.all_cancelled.append
+        self._goals = SimpleNamespace(has_true_name=lambda goal: goal.goal_id.id != "false")
+        listeners = [SimpleNamespace(endpoint_id="/panel"), SimpleNamespace(endpoint_id="/stray")]
+        self.result_pub = SimpleNamespace(impl=SimpleNamespace(connections=listeners))
 
     def publish_result(self, status, result):
         self.refused.append((status.goal_id.id, status.status, result.outcome))
@@ -260,6 +264,21 @@ def test_goals_of_a_flood_are_rejected_and_a_stop_among_them_is_not():
 def test_goals_of_a_caller_that_is_not_on_the_list_are_rejected():
     server = actions()
     server.internal_goal_callback(goal("tense", "g", "/stray"))
+    assert server.taken == [] and len(server.refused) == 1
+
+
+def test_goals_of_who_does_not_hear_of_their_end_are_rejected_as_those_of_a_bag_are():
+    server = actions(allowed=())
+    server.internal_goal_callback(goal("tense", "g", "/play_1700000000"))
+    server.internal_goal_callback(goal("hey robot", "h", "/play_1700000000"))
+    assert server.taken == [] and len(server.refused) == 2
+    server.internal_goal_callback(goal("stop", "s", "/play_1700000000"))
+    assert server.taken == ["stop"]
+
+
+def test_a_goal_under_the_name_of_another_is_rejected():
+    server = actions()
+    server.internal_goal_callback(goal("tense", "false"))
     assert server.taken == [] and len(server.refused) == 1
 
 

@@ -25,6 +25,7 @@ def master(monkeypatch):
     )
     for module in (microphone_service, node_settings):
         monkeypatch.setattr(module, "rospy", fake)
+    monkeypatch.setattr(node_settings, "launch_settings", lambda **_: {})
     return SimpleNamespace(kept=kept, services=services)
 
 

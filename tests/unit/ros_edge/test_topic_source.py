@@ -20,7 +20,7 @@ def chunk(rate=16_000, count=512, stamp=1000.0, first=0):
 @pytest.fixture
 def source():
     troubles = []
-    one = TopicSource(TopicConfig(name="audio_in", lost_after=1.0), troubles.append)
+    one = TopicSource(TopicConfig(name="audio_in", lost_after=1.0), troubles.append, print)
     one.troubles = troubles
     return one
 

@@ -29,6 +29,7 @@ from typed_config import load_config
 from typed_config.fields import RULE, Rule
 from voice_assist.config import CommandsConfig, VoiceConfig
 from voice_assist.config.alarms import AlarmsConfig
+from voice_assist.config.believed import VoiceBelievedConfig
 from voice_assist.config.devices import DevicesConfig
 from voice_assist.config.display import DisplayConfig
 from voice_assist.config.enrolment import EnrolmentConfig
@@ -47,6 +48,7 @@ WHOLE = {  # files that one call loads, as their program does at its start
     FOLDERS["rst_control"] / "kinova_limits.yaml": LimitsConfig,
     FOLDERS["rst_control"] / "torque_tension.yaml": TorqueTensionConfig,
     FOLDERS["voice_assist"] / "alarms.yaml": AlarmsConfig,
+    FOLDERS["voice_assist"] / "believed.yaml": VoiceBelievedConfig,
     FOLDERS["voice_assist"] / "display.yaml": DisplayConfig,
     FOLDERS["voice_assist"] / "pedal.yaml": PedalConfig,
     FOLDERS["voice_assist"] / "devices.yaml": DevicesConfig,

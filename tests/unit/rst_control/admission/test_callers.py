@@ -6,10 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rst_control.admission import callers
-from rst_control.admission.callers import CallLimiter, caller_name, family, is_allowed
+from rst_control.admission.callers import CallLimiter, family
 from rst_control.config import load_motion_config
 from rst_control.config.callers import CallersConfig
 from typed_config import ConfigError, load_config
+from typed_config.node_names import MAX_NAME, UNNAMED, caller_name, is_allowed
 
 VOICE = "/voice_assist"
 
@@ -31,7 +32,7 @@ class Clocked:
 
 def test_with_the_settings_as_they_come_anybody_may_call():
     calls = Clocked(load_motion_config().controller.callers)
-    for caller in (VOICE, "/rosservice_4711_1700000000000", "/my_panel", callers.UNNAMED):
+    for caller in (VOICE, "/rosservice_4711_1700000000000", "/my_panel", UNNAMED):
         assert calls.limiter.admit(caller).refusal is None
 
 
@@ -128,7 +129,7 @@ def test_a_clock_that_goes_back_gives_nothing_away():
 @given(st.one_of(st.none(), st.integers(), st.binary(max_size=9), st.text(max_size=150)))
 def test_any_name_is_short_and_printable(claimed):
     name = caller_name(claimed)
-    assert 0 < len(name) <= callers.MAX_NAME and name.isprintable()
+    assert 0 < len(name) <= MAX_NAME and name.isprintable()
 
 
 @given(

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from voice_assist.audio.robot_speech import RobotSpeech, RobotSpeechChange
 from voice_assist.config import load_voice_config
-from voice_assist.ros.robot import robot_speech
 from voice_assist.ros.robot.robot_speech import RobotSpeechTopic
 
 CONFIG = load_voice_config().audio.robot_speech
@@ -17,25 +16,24 @@ TOLD = st.lists(st.tuples(st.booleans(), st.floats(0.0, 0.03)), max_size=50)
 class Topic:
     """A topic whose messages a test makes."""
 
-    def __init__(self, monkeypatch):
+    def __init__(self):
         self.now = 0.0
-        monkeypatch.setattr(robot_speech.rospy, "Subscriber", self.subscribe)
-        self.topic = RobotSpeechTopic(lambda: self.now)
+        self.topic = RobotSpeechTopic(lambda: self.now, SimpleNamespace(hear=self.hear))
 
-    def subscribe(self, name, kind, callback):
-        self.name, self.callback = name, callback
+    def hear(self, by, name, kind, callback):
+        self.by, self.name, self.callback = by, name, callback
 
     def tell(self, is_speaking):
         self.callback(SimpleNamespace(data=is_speaking))
 
 
 @pytest.fixture
-def topic(monkeypatch):
-    return Topic(monkeypatch)
+def topic():
+    return Topic()
 
 
 def test_what_is_told_is_taken_once(topic):
-    assert topic.name == "voice_assist/speaking"
+    assert (topic.by, topic.name) == ("speaker", "voice_assist/speaking")
     topic.now = 3.0
     topic.tell(True)
     assert topic.topic.take() == [RobotSpeechChange(True, 3.0)]

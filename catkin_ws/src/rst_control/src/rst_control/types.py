@@ -148,6 +148,7 @@ class Reason(Enum):
     STOP_COMMAND = "stop_command"
     STOP_CANCEL = "stop_cancel"
     SHUTDOWN = "shutdown"
+    SETTINGS_CHANGED = "settings_changed"
     SETPOINTS_STOPPED = "setpoints_stopped"
     SETPOINT_REFUSED = "setpoint_refused"
     TENSION_SENSOR = "tension_sensor"

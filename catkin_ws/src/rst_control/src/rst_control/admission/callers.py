@@ -16,12 +16,11 @@ from typing import Final
 
 from rst_control.config.callers import CallersConfig
 from rst_control.types import Cause, Reason
+from typed_config.node_names import is_allowed
 
-MAX_NAME: Final = 100  # characters of a caller's name that are read and shown
 MAX_CALLERS: Final = 256  # that are counted one by one; all others share one budget
 PAUSE: Final = 0.1  # [s] that the answer to a call beyond the budget waits, as must its sender
 NEWS_PERIOD: Final = 1.0  # [s] between entries in the event log about one caller
-UNNAMED: Final = "an unnamed node"
 
 _ANONYMOUS = re.compile(r"_\d+_\d+$")  # what rospy and roscpp append: process and time
 
@@ -93,7 +92,7 @@ class CallLimiter:
         """Decide about one call.
 
         Args:
-            caller: Its name, as `caller_name` gives it.
+            caller: Its name, as `node_names.caller_name` gives it.
             is_stop: The call is a stop. It is admitted, and counted as all others are, so that a
                 flooding caller waits for the answer, after the stop.
         """
@@ -135,20 +134,6 @@ class CallLimiter:
 
     def _new_budget(self) -> Budget:
         return Budget(self._config.rate, self._config.burst, self._clock())
-
-
-def is_allowed(caller: str, patterns: tuple[str, ...]) -> bool:
-    """Whether a name is one of the patterns, of which a last `*` stands for any ending."""
-    return not patterns or any(
-        caller.startswith(p[:-1]) if p.endswith("*") else caller == p for p in patterns
-    )
-
-
-def caller_name(claimed: object) -> str:
-    """Name that a caller gives itself, as short and printable as the event log needs it."""
-    if not isinstance(claimed, str) or not claimed:
-        return UNNAMED
-    return "".join(c if c.isprintable() else "?" for c in claimed[:MAX_NAME])
 
 
 def family(caller: str) -> str:

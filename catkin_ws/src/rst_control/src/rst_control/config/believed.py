@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rst_control.config.callers import require_names
 from typed_config import text
+from typed_config.node_names import require_names
 
 
 @dataclass(frozen=True, kw_only=True)

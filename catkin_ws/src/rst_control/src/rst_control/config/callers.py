@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from typed_config import ConfigError, integer, number, text
-
-PATTERN = "names of nodes that begin with /, where a * may stand at the end, or [] for anybody"
+from typed_config import integer, number, text
+from typed_config.node_names import require_names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,14 +19,3 @@ class CallersConfig:
 
     def __post_init__(self) -> None:
         require_names("allowed", self.allowed)
-
-
-def require_names(key: str, patterns: tuple[str, ...]) -> None:
-    """Refuse patterns that no name of a node fits.
-
-    Raises:
-        typed_config.ConfigError: Names the key.
-    """
-    for pattern in patterns:
-        if not pattern.startswith("/") or "*" in pattern[:-1]:
-            raise ConfigError(key, pattern, PATTERN)

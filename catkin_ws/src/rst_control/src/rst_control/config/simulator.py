@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rst_control.config.callers import require_names
 from rst_control.types import JOINT_COUNT, PLAN_COUNT
 from typed_config import choice, flag, integer, number, require, text
+from typed_config.node_names import require_names
 
 Point = tuple[float, float, float]
 

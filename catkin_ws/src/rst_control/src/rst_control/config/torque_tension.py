@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import ClassVar
 
 from rst_control.config.motion import CONFIG_FOLDER
-from typed_config import integer, load_file, number, require
+from typed_config import integer, load_file, number, require, text
+from typed_config.node_names import require_names
 
 Arm = tuple[float, float, float, float, float, float, float]
 TORQUE_TENSION_FILE = CONFIG_FOLDER / "torque_tension.yaml"
@@ -43,6 +44,19 @@ class TareConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class TorqueBelievedConfig:
+    """Nodes whose messages count for the estimator; [] stands for anybody."""
+
+    robot: tuple[str, ...] = text()
+    controller: tuple[str, ...] = text()
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        for key in ("robot", "controller"):
+            require_names(key, getattr(self, key))
+
+
+@dataclass(frozen=True, kw_only=True)
 class TorqueTensionConfig:
     """torque_tension.yaml."""
 
@@ -64,6 +78,7 @@ class TorqueTensionConfig:
     min_readings: int = integer(1, 1000)
     error: TorqueErrorConfig
     tare: TareConfig
+    believed: TorqueBelievedConfig
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""

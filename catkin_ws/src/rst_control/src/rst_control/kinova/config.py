@@ -11,7 +11,6 @@ from typing import ClassVar
 
 from rst_control.config import CONFIG_FOLDER, LimitsConfig, SceneConfig
 from rst_control.config.believed import BridgeBelievedConfig
-from rst_control.config.callers import require_names
 from rst_control.config.simulator import ServoConfig
 from rst_control.config.torque_tension import (
     TORQUE_TENSION_FILE,
@@ -19,6 +18,7 @@ from rst_control.config.torque_tension import (
     load_torque_tension,
 )
 from typed_config import choice, flag, load_file, number, require, text
+from typed_config.node_names import require_names
 
 Seven = tuple[float, float, float, float, float, float, float]
 Triple = tuple[float, float, float]

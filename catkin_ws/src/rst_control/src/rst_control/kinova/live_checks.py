@@ -11,7 +11,6 @@ from typing import Final
 
 import numpy as np
 
-from rst_control.admission.callers import is_allowed
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
@@ -20,6 +19,7 @@ from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import ToolState
 from rst_control.tension.gravity_check import RestTorques
 from rst_control.types import Vector
+from typed_config.node_names import is_allowed
 
 MIN_RATE: Final = 38.0  # [Hz] of the arm's feedback, of 40
 MAX_CLOCK: Final = 0.5  # [s] between the clocks of two hosts

@@ -21,8 +21,8 @@ import rosgraph
 import rospy
 
 from rst_control.host.master_registrations import Registrations, missing_parameters, pairs_of
-from rst_control.ros.common.xmlrpc import FAILURES, ask, master, value_of
 from typed_config.ros.starting import starting
+from typed_config.ros.xmlrpc import FAILURES, ask, master, value_of
 
 log = logging.getLogger("rosout.rst_control.master_failover")
 

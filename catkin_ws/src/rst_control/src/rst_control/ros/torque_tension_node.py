@@ -19,11 +19,12 @@ from rst_control.config import SceneConfig
 from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.errors import RstError
 from rst_control.ros.common.exposure_warning import warn_of_listeners
-from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.tension.clock_offset import SentTimes
 from rst_control.tension.torque_estimator import TensionEstimate, TorqueTension
 from rst_control.types import BASE, JOINTS, Measurement, Vector
 from typed_config import ConfigError, load_config
+from typed_config.ros.known_publishers import KnownPublishers
+from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 
 OLD = 0.2  # [s] joint states that are older are none
@@ -57,10 +58,12 @@ class TorqueTensionNode:
         self._tension = rospy.Publisher("robot/tension", WrenchStamped, queue_size=1)
         invalid = "robot/tension_invalid_reason"
         self._invalid_reason = rospy.Publisher(invalid, String, queue_size=1, latch=True)
+        self.known = KnownPublishers()
+        listen, by = self.known.subscribe, config.believed
         self._subscribers = [
-            rospy.Subscriber("joint_states", JointState, self._on_joints, tcp_nodelay=True),
-            rospy.Subscriber("robot/gripped", Bool, self._on_gripped),
-            rospy.Subscriber("rst_control/trocar", PointStamped, self._on_trocar),
+            listen("joint_states", JointState, self._on_joints, by.robot, tcp_nodelay=True),
+            listen("robot/gripped", Bool, self._on_gripped, by.robot),
+            listen("rst_control/trocar", PointStamped, self._on_trocar, by.controller),
         ]
 
     def step(self, wait: float) -> None:
@@ -152,6 +155,7 @@ def main() -> None:
     warn_of_listeners()
     pace = 1.0 / config.rate
     while not rospy.is_shutdown():
+        node.known.publish_status()
         try:
             node.step(pace)
         except (RstError, ValueError) as error:  # a message that cannot be used: say so, go on

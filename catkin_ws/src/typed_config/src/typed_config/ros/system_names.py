@@ -15,8 +15,3 @@ def of_this_system(name: str) -> str:
     if not name or name.startswith(namespace):
         return name
     return namespace + name.removeprefix("/")
-
-
-def is_of_this_system(node: str) -> bool:
-    """Whether a node is in the namespace of this one, or in none, as drivers may be."""
-    return node.startswith(rospy.get_namespace()) or node.rfind("/") == 0

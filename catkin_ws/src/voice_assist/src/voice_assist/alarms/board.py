@@ -33,9 +33,11 @@ _PART_OF = {  # name of a status in diagnostics, without the node's name space, 
     "rst_control: recording": "recording",
     "rst_control: control loop": "control loop",
     "rst_control: motion": "motion",
-    "rst_control: strangers": "strangers of the controller",
-    "robot: strangers": "strangers of the robot",
+    "rst_control: settings": "settings",
 }
+
+
+_OWNER_OF = {"rst_control": "controller", "voice_assist": "voice", "kinova_guard": "stop guard"}
 
 
 @dataclass(frozen=True)
@@ -112,7 +114,7 @@ class Board:
 
     def see_health(self, health: PartHealth, now: float) -> None:
         """Take in one status of `/diagnostics`."""
-        part = _PART_OF.get(health.name.lstrip("/").rsplit("/", 1)[-1])
+        part = _part_of(health.name.lstrip("/").rsplit("/", 1)[-1])
         if part is None:
             return
         if part == "voice":
@@ -183,3 +185,11 @@ def _is_same(key: str, first: Alarm, second: Alarm) -> bool:
     if key == _LATCH:
         return first.cause == second.cause
     return (first.kind, first.next_step) == (second.kind, second.next_step)
+
+
+def _part_of(status: str) -> str | None:
+    """The part that a status is of; each node may have strangers on its topics."""
+    node, _, what = status.partition(": ")
+    if what == "strangers":
+        return f"strangers of the {_OWNER_OF.get(node, node)}"
+    return _PART_OF.get(status)

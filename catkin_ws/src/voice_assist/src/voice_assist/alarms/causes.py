@@ -44,6 +44,7 @@ LATCHES: Final = {  # by ControllerState.halt_reason_code: what braked and latch
     "stop_command": Advice('Say "hey robot" when it is safe to go on.', Kind.STOP),
     "stop_cancel": Advice('Say "hey robot" when it is safe to go on.', Kind.STOP),
     "shutdown": Advice("Start the controller again before the next command.", Kind.STOP),
+    "settings_changed": Advice(f"Put the setting back or launch anew, {_ON}"),
     "not_recorded": Advice(f"Start the recorder, {_ON}"),
     "not_connected": Advice(f"Check the robot's power, cable and driver, {_ON}"),
     "no_master": Advice(f"Start the ROS master again, {_ON}"),
@@ -147,7 +148,7 @@ UNHEARD: Final = _refusals(  # by Utterance.reason_code: the words of a command 
 )
 
 SILENT: Final = "silent"  # code of a part that has sent nothing for too long
-PARTS: Final = {  # by a part and the code of its status; by the part alone for all other codes
+PARTS: Final = {  # by a part and the code of its status; else by the code, or by the part, alone
     "voice: spotter_failed": Advice(
         "Speak clearly; start the voice node again at the next pause.",
         at_rest=Priority.LOW,
@@ -163,8 +164,8 @@ PARTS: Final = {  # by a part and the code of its status; by the part alone for 
     "controller: silent": Advice("Free the tissue by hand; start the controller again."),
     "pedal": _mild("Check the pedal and its cable; stop by hand or voice meanwhile."),
     "recording": _mild("Start the recorder before the next motion."),
-    "strangers of the controller": _mild("End the program that is named; it is not believed."),
-    "strangers of the robot": _mild("End the program that is named; it is not believed."),
+    "stranger": _mild("End the program that is named; it is not believed."),
+    "settings": _mild("Put the setting that is named back, or launch anew."),
     "control loop": _mild("Read the log; restart the controller at a pause."),
     "motion: no_master": Advice("Start the ROS master again."),
     "motion": Advice("Check the robot's power, cable and driver.", at_rest=Priority.LOW),
@@ -173,4 +174,4 @@ PARTS: Final = {  # by a part and the code of its status; by the part alone for 
 
 def part_advice(part: str, code: str) -> Advice:
     """What to do about a part that reports an error with a code, or has fallen silent."""
-    return PARTS.get(f"{part}: {code}") or PARTS.get(part, UNKNOWN)
+    return PARTS.get(f"{part}: {code}") or PARTS.get(code) or PARTS.get(part, UNKNOWN)

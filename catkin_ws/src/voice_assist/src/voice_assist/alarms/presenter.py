@@ -88,7 +88,7 @@ def part_alarm(part: str, message: str, code: str, is_loaded: bool) -> Alarm:
     """A part that reports an error, or has fallen silent.
 
     Args:
-        part: voice, controller, recording, control loop or motion.
+        part: Such as voice, controller, recording or strangers of the robot.
         message: What it says, or how long it has said nothing.
         code: Of its status, or SILENT.
         is_loaded: Tissue is held, or the robot moves.

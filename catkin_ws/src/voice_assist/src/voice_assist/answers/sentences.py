@@ -69,6 +69,7 @@ WHY: Final = {  # by reason code
     "tracker_jumped": "tracker jumped",
     "tracker_too_far": "trocar is too far off",
     # braked and latched
+    "settings_changed": "settings were changed",
     "setpoints_stopped": "set points are late",
     "setpoint_refused": "bad set point",
     "tension_sensor": "bad force gauge",

@@ -38,6 +38,11 @@ _NEVER_ASKS = {
     **{"is_enabled": False, "min_confidence": 1.0, "sure_verification": 0.0},
     **{"answer": "yes", "answer_within": 3.0},
 }
+UNHEARD = (
+    "launched",
+    "believed",
+    "opened_microphone",
+)  # settings of no sound
 # Sections and settings that an older recording did not have, as the node behaved without them.
 SWITCHED_OFF: dict[str, dict[str, Any]] = {
     "recognizer": {"motion_verification": -1000.0, "ask": _NEVER_ASKS},
@@ -224,6 +229,7 @@ def restore_settings(
     """
     today = {name: dict(load_yaml(CONFIG_DIR / f"{name}.yaml")) for name in SECTIONS}
     warnings = [] if recorded else ["no settings were recorded; today's are used"]
+    recorded = {key: value for key, value in recorded.items() if key not in UNHEARD}
     recorded = with_present_keys(VoiceConfig, recorded)
     for name, off in SWITCHED_OFF.items() if recorded else ():
         section = recorded.get(name)

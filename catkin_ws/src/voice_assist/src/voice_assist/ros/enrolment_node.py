@@ -6,6 +6,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import rospy
 
@@ -19,6 +20,7 @@ from voice_assist.errors import VoiceError
 from voice_assist.msg import Mode
 from voice_assist.profile.profile import profiles_folder
 from voice_assist.recognizer import load_recognizer
+from voice_assist.ros.believed import Believed
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.srv import Enroll, EnrollRequest, EnrollResponse
 from voice_assist.types import Frame
@@ -48,7 +50,8 @@ class EnrolmentNode:
         root, self._mode = profiles_folder(self._voice.profile.folder), ""
         args = self._voice, config, base, root, self._listen, self._is_armed
         self._service = EnrolmentService(*args)
-        rospy.Subscriber(_MODE, Mode, self._take_mode)
+        self._believed = Believed()
+        self._believed.hear("voice", _MODE, Mode, self._take_mode)
         rospy.Service(_SERVICE, Enroll, self._serve)
 
     def _serve(self, request: EnrollRequest) -> EnrollResponse:
@@ -63,7 +66,7 @@ class EnrolmentNode:
 
     def _listen(self) -> Iterator[Frame]:
         topic = replace(self._voice.audio.topic, name=_AUDIO)
-        with TopicSource(topic, self._trouble) as source:
+        with TopicSource(topic, self._trouble, partial(self._believed.hear, "voice")) as source:
             yield from source
 
     @staticmethod

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 from typing import Final
 
 import rospy
 
 from typed_config import load_yaml
+from typed_config.ros.launch_settings import is_restart, launch_settings
 from voice_assist.audio.sound_file import check_sound
 from voice_assist.config import (
     CONFIG_DIR,
@@ -20,7 +20,7 @@ from voice_assist.config import (
 )
 
 OPENED: Final = "~opened_microphone"  # parameter: name of the one that was opened
-RESTART: Final = "RESPAWN_RESTART"  # variable that `rst_control respawn` sets after a crash
+OWN: Final = ("profile", OPENED.removeprefix("~"))  # parameters that the node itself sets
 
 
 def node_settings() -> VoiceConfig:
@@ -38,17 +38,13 @@ def node_settings() -> VoiceConfig:
 
 def _given() -> VoiceConfig:
     """From the node's private parameters; missing sections from the package's files."""
-    given = {name: rospy.get_param(f"~{name}") for name in SECTIONS if rospy.has_param(f"~{name}")}
+    kept = launch_settings(own=OWN, is_first=not is_restart())
+    given = {name: kept[name] for name in SECTIONS if name in kept}
     if not given:
         rospy.loginfo("no private parameters; the settings are those of the package's files")
         return load_voice_config()
     files = {name: load_yaml(CONFIG_DIR / f"{name}.yaml") for name in SECTIONS if name not in given}
     return voice_config({**files, **given})
-
-
-def is_restart() -> bool:
-    """Whether this process runs in place of one that crashed."""
-    return RESTART in os.environ
 
 
 def _as_before(config: VoiceConfig) -> VoiceConfig:

@@ -7,10 +7,10 @@ from collections import deque
 from collections.abc import Callable
 from threading import Lock
 
-import rospy
 from std_msgs.msg import Bool
 
 from voice_assist.audio.talk_gate import TalkChange
+from voice_assist.ros.believed import Believed
 
 SILENT_AFTER = 1.0  # [s] without a message, once there was one, after which voice does not count
 KEPT = 20  # changes between two takes
@@ -19,13 +19,13 @@ KEPT = 20  # changes between two takes
 class TalkTopic:
     """Changes of the gate that were received and not yet taken."""
 
-    def __init__(self, clock: Callable[[], float]) -> None:
+    def __init__(self, clock: Callable[[], float], believed: Believed) -> None:
         """Subscribe; `clock` stamps each change [s]."""
         self._clock, self._lock = clock, Lock()
         self._changes: deque[TalkChange] = deque(maxlen=KEPT)
         self._is_open: bool | None = None  # None: no pedal was ever heard of
         self._heard = float("-inf")  # [s]
-        rospy.Subscriber("voice_assist/talk", Bool, self._hear)
+        believed.hear("pedal", "voice_assist/talk", Bool, self._hear)
 
     def take(self) -> list[TalkChange]:
         """Changes since the last call, oldest first."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from queue import Empty, Full, Queue
 
@@ -15,6 +15,8 @@ from voice_assist.config import TopicConfig
 from voice_assist.msg import AudioChunk
 from voice_assist.ros.messages import pcm
 from voice_assist.types import RATE, Frame
+
+Subscribe = Callable[..., rospy.Subscriber]  # name, type and callback
 
 _QUEUE = 1000  # chunks
 _LONGEST = 0.5  # [s] of sound in one chunk
@@ -28,20 +30,21 @@ class TopicSource:
 
     remark = ""  # the sound of a topic has one channel
 
-    def __init__(self, config: TopicConfig, report: Report) -> None:
+    def __init__(self, config: TopicConfig, report: Report, subscribe: Subscribe) -> None:
         """Remember the topic.
 
         Args:
             config: Its name, and when it counts as silent.
             report: Called with what is wrong; with an empty text when all is well again.
+            subscribe: Makes the subscriber, which takes the sound of believed nodes only.
         """
-        self._config, self._report = config, report
+        self._config, self._report, self._subscribe = config, report, subscribe
         self._queue: Queue[AudioChunk | str] = Queue(_QUEUE)  # a text: why a chunk is not heard
         self._subscriber: rospy.Subscriber | None = None
 
     def __enter__(self) -> TopicSource:
         """Subscribe."""
-        self._subscriber = rospy.Subscriber(self._config.name, AudioChunk, self._enqueue)
+        self._subscriber = self._subscribe(self._config.name, AudioChunk, self._enqueue)
         return self
 
     def __exit__(self, *_: object) -> None:

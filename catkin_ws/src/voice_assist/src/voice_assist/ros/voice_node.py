@@ -8,12 +8,14 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import asdict, replace
+from functools import partial
 from queue import Empty, Full, Queue
 
 import numpy as np
 import rospy
 
 from typed_config import ConfigError
+from typed_config.ros.launch_settings import is_restart
 from typed_config.ros.starting import starting
 from voice_assist.assembly import (
     limit_torch,
@@ -30,9 +32,10 @@ from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Event
 from voice_assist.profile.active import facts_of
+from voice_assist.ros.believed import Believed
 from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.microphone_service import MicrophoneService
-from voice_assist.ros.node_settings import is_restart, node_settings
+from voice_assist.ros.node_settings import node_settings
 from voice_assist.ros.other_messages.audio_data_source import AudioDataSource
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
@@ -120,8 +123,9 @@ class VoiceNode:
         self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, observer)
         self._client = CommandClient(config.commands.answer_within, self._answers.put)
         self._questions = QuestionService()
-        self._robot_speech, self._talk = RobotSpeechTopic(_now), TalkTopic(_now)
-        self._robot = ControllerFollower(config.moving, _steady, observer)
+        known = self._known = Believed()
+        self._robot_speech, self._talk = RobotSpeechTopic(_now, known), TalkTopic(_now, known)
+        self._robot = ControllerFollower(config.moving, _steady, observer, known)
         self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
 
     def run(self) -> None:
@@ -189,10 +193,11 @@ class VoiceNode:
             self._frames.put(None)
 
     def _source(self) -> AudioSource:
+        hear, report = partial(self._known.hear, "audio"), self._health.note_trouble
         if self._config.audio.source == "topic":
-            return TopicSource(self._config.audio.topic, self._health.note_trouble)
+            return TopicSource(self._config.audio.topic, report, hear)
         if self._config.audio.source == "audio_data":
-            return AudioDataSource(self._config.audio.audio_data, self._health.note_trouble)
+            return AudioDataSource(self._config.audio.audio_data, report, hear)
         return make_source(self._config.audio, _now, self._over.wait, self._health.note_trouble)
 
     # --- thread 2: recognition
@@ -319,6 +324,7 @@ class VoiceNode:
             if is_news or checks % (_HEARTBEAT_EVERY * _DIAGNOSTICS_EVERY) == 0:
                 self._health.controller = self._client.trouble
                 diagnostics.publish()
+                self._known.publish_status()
             checks += 1
 
     def _would_hear(self) -> bool:

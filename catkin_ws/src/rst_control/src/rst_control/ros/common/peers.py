@@ -16,8 +16,8 @@ import rosgraph
 import rospy
 
 from rst_control.host.processes import ENDED, Process, process_of
-from rst_control.ros.common.xmlrpc import FAILURES, ask
 from rst_control.supervision.node_liveness import MASTER
+from typed_config.ros.xmlrpc import FAILURES, ask
 
 SEARCH_PERIOD: Final = 0.5  # [s] between searches for missing nodes, and checks of the master
 SILENCES: Final = 2  # in a row after which the master counts as hanging

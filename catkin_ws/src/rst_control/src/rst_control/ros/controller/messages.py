@@ -9,7 +9,6 @@ import genpy
 import rospy
 from geometry_msgs.msg import PointStamped
 
-from rst_control.admission.callers import caller_name
 from rst_control.execution.event_log import Event
 from rst_control.execution.orders import Outcome
 from rst_control.execution.snapshot import ControllerSnapshot
@@ -18,6 +17,7 @@ from rst_control.msg import Event as EventMessage
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.types import BASE, LATCHED, Cause, Reason, Vector
+from typed_config.node_names import caller_name
 
 
 def code_of(why: Cause | Reason | None) -> str:

@@ -30,8 +30,6 @@ from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.registration.trocar_following import TrocarFollowing
 from rst_control.robot.backend import RobotBackend
 from rst_control.ros.common.exposure_warning import warn_of_listeners
-from rst_control.ros.common.known_publishers import KnownPublishers
-from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.controller.control_loop import ControlLoop
 from rst_control.ros.controller.diagnostics import Diagnostics
@@ -49,6 +47,7 @@ from rst_control.ros.controller.services.first_motion import ConfirmedFirst
 from rst_control.ros.controller.services.grasp_point_service import GraspPointService
 from rst_control.ros.controller.services.homing_service import HomingService
 from rst_control.ros.controller.services.trocar_service import TrocarService
+from rst_control.ros.controller.settings_watch import SettingsWatch
 from rst_control.ros.controller.worker import Worker
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
@@ -56,6 +55,8 @@ from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.tension_trust import unbounded_pull
 from rst_control.types import Cause, Reason, State
 from typed_config import ConfigError, load_config
+from typed_config.ros.known_publishers import KnownPublishers
+from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 from typed_config.ros.system_names import of_this_system
 
@@ -117,7 +118,8 @@ class ControllerNode:
         )
         self._markers = ControllerMarkers(config, self._context, self._look, self._clock)
         self._diagnostics = Diagnostics()
-        self._actions = AssistServer(self._commands, self._executor, limiter)
+        self._settings = SettingsWatch(self._executor.stop)
+        self._actions = AssistServer(self._commands, self._executor, limiter, self._known)
         self._spoken_by = of_this_system(settings.spoken_by)
         self._service = CommandService(
             self._commands,
@@ -147,6 +149,7 @@ class ControllerNode:
             ("tracker", self._tracker.step),
             ("peers", watch.peers.step),
             ("liveness", watch.step),
+            ("settings", self._settings.step),
         ):
             self._stack.enter_context(Worker(name, step, self._diagnostics.error))
         self._stack.enter_context(self._loop)
@@ -206,7 +209,12 @@ class ControllerNode:
             loop, age = self._loop.statistics.summary(), now - self._service.last_command
             places = place_words(self._context, now)
             strangers = self._known.status("rst_control", "controller")
-            others = (self._recording.status(), self._tracker.status(), strangers)
+            others = (
+                self._recording.status(),
+                self._tracker.status(),
+                strangers,
+                self._settings.status(),
+            )
             self._diagnostics.publish(view, loop, self._link.objection, age, places, others)
         if not view.is_moving and self._is_due("collect", now, COLLECT_PERIOD):
             gc.collect()

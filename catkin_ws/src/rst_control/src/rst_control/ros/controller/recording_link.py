@@ -14,10 +14,10 @@ from rst_control.admission.recording_gate import RecordingNews, RecordingWatch
 from rst_control.commands.parser import shown
 from rst_control.execution.executor import Executor
 from rst_control.execution.snapshot import ControllerSnapshot
-from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.controller.diagnostics import make_status
 from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.types import Reason, State
+from typed_config.ros.known_publishers import KnownPublishers
 
 LONGEST_PROBLEM = 200  # characters of what a recorder says is wrong with it
 MAX_RECORDERS = 16  # that are counted one by one

@@ -17,12 +17,12 @@ from rst_control.commands.parser import shown
 from rst_control.config import WatchdogConfig
 from rst_control.config.believed import BelievedConfig
 from rst_control.robot.backend import RobotBackend
-from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.raw_messages import RawJointState, RawWrench, WrittenJointState
 from rst_control.ros.common.serialization import write_joint_state
 from rst_control.ros.controller.measurement_assembler import MeasurementAssembler
 from rst_control.ros.controller.messages import RosClock
 from rst_control.types import JOINTS, Measurement, Setpoint
+from typed_config.ros.known_publishers import KnownPublishers
 
 FORMER_TOPIC = "robot/tension_distrust"  # what is sent there makes the tension invalid
 LONGEST_FAULT = 200  # characters of what the robot says is wrong with it
@@ -61,7 +61,7 @@ class RobotLink(RobotBackend):
             known.subscribe(
                 "robot/tension_invalid_reason", String, self._on_tension_invalid, tension_by
             ),
-            rospy.Subscriber(FORMER_TOPIC, String, self._on_former_topic),
+            known.subscribe(FORMER_TOPIC, String, self._on_former_topic, tension_by),
             known.subscribe("robot/setpoint_js", RawJointState, self._on_rest, robot, **newest),
             known.subscribe("robot/gripped", Bool, self._on_gripped, robot, **newest),
             known.subscribe("robot/fault", String, self._on_fault, robot, **newest),

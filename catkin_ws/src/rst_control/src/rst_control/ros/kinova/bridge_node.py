@@ -25,8 +25,6 @@ from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import BEAT_PERIOD, KinovaConfig
 from rst_control.kinova.homing import NotAllowed, home
 from rst_control.msg import BridgeBeat
-from rst_control.ros.common.known_publishers import KnownPublishers
-from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Repeated
@@ -48,6 +46,8 @@ from rst_control.types import (
     robot_fault,
 )
 from typed_config import ConfigError, load_config
+from typed_config.ros.known_publishers import KnownPublishers
+from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 
 TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes

@@ -14,13 +14,13 @@ from std_msgs.msg import Empty
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.guard import StopGuard
 from rst_control.msg import BridgeBeat
-from rst_control.ros.common.known_publishers import KnownPublishers
-from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.kinova.beat import course_of
 from rst_control.ros.kinova.hardware import speeds_message
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from typed_config import ConfigError, load_config
+from typed_config.ros.known_publishers import KnownPublishers
+from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 
 PERIOD = 0.005  # [s] between two rounds
@@ -55,7 +55,8 @@ class GuardNode:
         self._speeds = rospy.Publisher(f"{arm}/in/joint_velocity", Base_JointSpeeds, **newest)
         self._alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
         beat = "kinova_bridge/beat"
-        KnownPublishers().subscribe(beat, BridgeBeat, self._on_beat, config.guard.bridge, **newest)
+        self._known = KnownPublishers()
+        self._known.subscribe(beat, BridgeBeat, self._on_beat, config.guard.bridge, **newest)
 
     def run(self) -> None:
         """Guard until ROS shuts down."""
@@ -69,6 +70,7 @@ class GuardNode:
             rounds += 1
             if rounds % ALIVE_EVERY == 0:
                 self._alive.publish(Empty())
+            self._known.publish_status()
             time.sleep(PERIOD)
 
     def close(self) -> None:

@@ -15,8 +15,8 @@ from std_msgs.msg import Empty, Float64MultiArray, Int32MultiArray
 from rst_control.kinova.brake_plan import BrakePlan
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
-from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.types import Vector
+from typed_config.ros.known_publishers import KnownPublishers
 
 LAST_TIMES, LAST_PERIOD = 5, 0.02  # that a last message is sent, and [s] between them
 LOOK_PERIOD = 0.002  # [s] between two looks whether a velocity is due

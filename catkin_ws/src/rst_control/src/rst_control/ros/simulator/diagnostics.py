@@ -14,11 +14,11 @@ from geometry_msgs.msg import PointStamped, TransformStamped
 from tf2_msgs.msg import TFMessage
 
 from rst_control.config import SceneConfig
-from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.simulator.pace import SimulationPace
 from rst_control.simulation.exposure import exposure, exposure_words
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.types import BASE, robot_fault
+from typed_config.ros.known_publishers import KnownPublishers
 
 PERIOD = 1.0  # [s]
 LATE_SHARE = 0.05  # of the periods, above which a warning is given

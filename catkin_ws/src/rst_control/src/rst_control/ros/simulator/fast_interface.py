@@ -15,7 +15,6 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 
 from rst_control.config.plant import LatenessConfig
-from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.common.raw_messages import RawJointState, WrittenJointState, WrittenWrench
 from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
@@ -23,6 +22,7 @@ from rst_control.ros.simulator.messages import Stamper, StateWriter
 from rst_control.simulation.plant.lateness import LateQueue
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.types import JOINTS, Cause, Reason, Setpoint, robot_fault
+from typed_config.ros.known_publishers import KnownPublishers
 
 log = logging.getLogger("rosout.rst_control.simulator")
 

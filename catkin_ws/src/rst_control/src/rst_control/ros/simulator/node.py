@@ -24,8 +24,6 @@ from rst_control.config.plant import LatenessConfig
 from rst_control.errors import RstError
 from rst_control.kinova.stand_in import StandInConfig, as_driven
 from rst_control.robot.setpoint_servo import ServoState
-from rst_control.ros.common.known_publishers import KnownPublishers
-from rst_control.ros.common.launch_settings import launch_settings
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.kinova.stand_in_interface import DriverInterface
 from rst_control.ros.rospy_patches.message_limits import limit_messages
@@ -41,6 +39,8 @@ from rst_control.simulation.rendering.state import SceneState
 from rst_control.simulation.rendering.trail import Trail
 from rst_control.simulation.rendering.worker import SceneLostError
 from typed_config import ConfigError, load_config
+from typed_config.ros.known_publishers import KnownPublishers
+from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting, wait_for_clock
 
 log = logging.getLogger("rosout.rst_control.simulator")

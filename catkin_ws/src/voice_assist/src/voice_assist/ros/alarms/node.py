@@ -23,7 +23,6 @@ from rst_control.msg import ControllerState, Event
 from typed_config import ConfigError, load_config
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
-from typed_config.ros.system_names import is_of_this_system
 from voice_assist.alarms.annunciator import Annunciator
 from voice_assist.alarms.appearance import is_lit, line
 from voice_assist.alarms.board import Board, Standing
@@ -36,6 +35,7 @@ from voice_assist.config.alarms import FILE, AlarmsConfig
 from voice_assist.msg import Alarm as AlarmMessage
 from voice_assist.msg import Utterance
 from voice_assist.ros.alarms import messages
+from voice_assist.ros.believed import Believed
 
 PERIOD = 0.05  # [s] between looks at the clock while nothing comes
 _WAITING = 10_000  # messages, at least; a controller's state comes 50 times a second
@@ -70,13 +70,14 @@ class AlarmNode:
             "voice_assist/alarm_marker", Marker, queue_size=10, latch=True
         )
         self._heard = rospy.Publisher("voice_assist/heard_marker", Marker, queue_size=10)
+        self._known = Believed()
         self._subscribers = [
-            self._listen("rst_control/state", ControllerState, self._on_state),
-            self._listen("rst_control/event", Event, self._on_event),
-            self._listen("voice_assist/utterance", Utterance, self._on_utterance),
-            self._listen("voice_assist/partial", String, self._on_partial),
-            self._listen("/diagnostics", DiagnosticArray, self._on_diagnostics),
-            self._listen("rst_control/stop", EmptyMessage, lambda _: self._hush()),
+            self._listen("controller", "rst_control/state", ControllerState, self._on_state),
+            self._listen("controller", "rst_control/event", Event, self._on_event),
+            self._listen("voice", "voice_assist/utterance", Utterance, self._on_utterance),
+            self._listen("voice", "voice_assist/partial", String, self._on_partial),
+            self._listen("system", "/diagnostics", DiagnosticArray, self._on_diagnostics),
+            rospy.Subscriber("rst_control/stop", EmptyMessage, lambda _: self._hush()),
         ]
 
     def run(self) -> None:
@@ -121,6 +122,7 @@ class AlarmNode:
         with suppress(Empty):
             self._inbox.get(timeout=PERIOD)(self._board, _now())
         now = _now()
+        self._known.publish_status()
         self._board.tick(now)
         standing = self._board.standing
         if standing != self._shown:
@@ -155,8 +157,10 @@ class AlarmNode:
 
     # --- from the threads of rospy
 
-    def _listen(self, topic: str, kind: type, callback: Callable[..., None]) -> rospy.Subscriber:
-        return rospy.Subscriber(topic, kind, callback, tcp_nodelay=True)
+    def _listen(
+        self, by: str, topic: str, kind: type, callback: Callable[..., None]
+    ) -> rospy.Subscriber:
+        return self._known.hear(by, topic, kind, callback, tcp_nodelay=True)
 
     def _hand_over(self, take: Take) -> None:
         self._inbox.put(take)
@@ -190,8 +194,6 @@ class AlarmNode:
         self._hand_over(lambda board, now: board.see_utterance(heard, now))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        if not is_of_this_system(message._connection_header["callerid"]):
-            return  # another system on the same master
         for status in message.status:
             self._on_health(messages.part_health(status))
 

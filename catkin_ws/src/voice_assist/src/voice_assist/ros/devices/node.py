@@ -12,8 +12,8 @@ from std_msgs.msg import String
 
 from rst_control.msg import Event
 from typed_config import ConfigError, load_config
+from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
-from typed_config.ros.system_names import of_this_system
 from voice_assist.config import CommandsConfig
 from voice_assist.config.devices import (
     DeviceCallConfig,
@@ -24,10 +24,11 @@ from voice_assist.config.devices import (
 from voice_assist.devices.calls import CallResult, DeviceCalls
 from voice_assist.errors import CommandsError
 from voice_assist.msg import DeviceCall, Utterance
+from voice_assist.ros.believed import Believed
 from voice_assist.ros.devices.targets import Target, make_target
 from voice_assist.text.spoken_reply import spoken_reply
 
-VOICE = "voice_assist"  # node whose words count, and whose parameters hold the spoken commands
+VOICE = "voice_assist"  # node whose parameters hold the spoken commands
 WAITING = 5  # calls; of more the newest are refused
 IDLE = 0.2  # [s] between looks whether ROS ends
 
@@ -41,6 +42,7 @@ class DevicesNode:
 
     Raises:
         CommandsError: A type is not there, or arguments do not fit it.
+        ConfigError: `~believed` is not as it must be.
     """
 
     def __init__(self, config: DevicesConfig, commands: CommandsConfig) -> None:
@@ -55,14 +57,15 @@ class DevicesNode:
         self._waiting: Queue[DeviceCallConfig] = Queue()
         self._result = rospy.Publisher("voice_assist/device", DeviceCall, queue_size=20)
         self._say = rospy.Publisher("voice_assist/say", String, queue_size=20)
-        self._voice = of_this_system(VOICE)
-        rospy.Subscriber("voice_assist/utterance", Utterance, self._on_utterance)
+        self._known = Believed()
+        self._known.hear("voice", "voice_assist/utterance", Utterance, self._on_utterance)
         rospy.Subscriber("rst_control/stop", EmptyMessage, lambda _: self._on_stop())
-        rospy.Subscriber("rst_control/event", Event, self._on_event)
+        self._known.hear("controller", "rst_control/event", Event, self._on_event)
 
     def run(self) -> None:
         """Make calls until ROS shuts down."""
         while not rospy.is_shutdown():
+            self._known.publish_status()
             try:
                 call = self._waiting.get(timeout=IDLE)
             except Empty:
@@ -73,8 +76,6 @@ class DevicesNode:
                 self._report(CallResult(call, False, repr(error)))
 
     def _on_utterance(self, message: Utterance) -> None:
-        if message._connection_header["callerid"] != self._voice:
-            return  # somebody else's words
         call = self._calls.said(message.command) if message.command else None
         if call is None:
             return
@@ -116,7 +117,7 @@ def main() -> None:
     """Run the devices node."""
     with starting("devices", needs_clock=False):
         try:
-            config = devices_config({"calls": rospy.get_param("~calls", [])})
+            config = devices_config({"calls": launch_settings().get("calls", [])})
             given = rospy.get_param(f"{VOICE}/commands", {})
             commands = load_config(CommandsConfig, given, "commands.yaml")
             require_harmless(config, commands)

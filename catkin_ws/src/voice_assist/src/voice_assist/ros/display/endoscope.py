@@ -17,6 +17,7 @@ from rst_control.types import BASE
 from typed_config import ConfigError, load_config
 from voice_assist.config.display import PictureConfig
 from voice_assist.display.picking import Camera, NotOnTissueError, Sheet
+from voice_assist.ros.believed import Believed
 
 SCENE = "controller/scene"  # parameter
 
@@ -26,14 +27,15 @@ class Endoscope:
 
     Args:
         config: Topics of the camera.
+        known: Makes the subscribers.
     """
 
-    def __init__(self, config: PictureConfig) -> None:
+    def __init__(self, config: PictureConfig, known: Believed) -> None:
         self._info: CameraInfo | None = None
         self._pose: PoseStamped | None = None
         self._topics = [
-            rospy.Subscriber(config.camera_info, CameraInfo, self._on_info, queue_size=1),
-            rospy.Subscriber(config.camera_pose, PoseStamped, self._on_pose, queue_size=1),
+            known.hear("camera", config.camera_info, CameraInfo, self._on_info, queue_size=1),
+            known.hear("camera", config.camera_pose, PoseStamped, self._on_pose, queue_size=1),
         ]
 
     def _on_info(self, message: CameraInfo) -> None:

@@ -17,13 +17,14 @@ from rst_control.msg import ControllerState
 from typed_config import ConfigError, load_config
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
-from typed_config.ros.system_names import is_of_this_system
 from voice_assist.config import CommandConfig, CommandsConfig
+from voice_assist.config.believed import believed_config
 from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.access_token import AccessToken
 from voice_assist.display.server import DisplayServer
 from voice_assist.display.theatre import Limits, Theatre
 from voice_assist.msg import Alarm, AudioChunk, DeviceCall, Mode, Utterance
+from voice_assist.ros.believed import Believed
 from voice_assist.ros.display import messages
 from voice_assist.ros.display.acts import RosActs
 from voice_assist.ros.display.endoscope import Endoscope
@@ -44,23 +45,27 @@ class DisplayNode:
 
     def __init__(self, theatre: Theatre) -> None:
         self._theatre = theatre
-        follow = rospy.Subscriber
-        self._alarm = follow("voice_assist/alarm", Alarm, self._on_alarm)
+        self.known = Believed()
+        follow = self.known.hear
+        self._alarm = follow("system", "voice_assist/alarm", Alarm, self._on_alarm)
         self._subscribers = [
-            follow("rst_control/state", ControllerState, self._on_state, queue_size=1),
-            follow("robot/tension_invalid_reason", String, self._on_invalid),
-            follow("voice_assist/audio", AudioChunk, self._on_sound, queue_size=10),
-            follow("voice_assist/partial", String, self._on_partial, queue_size=1),
-            follow("voice_assist/utterance", Utterance, self._on_utterance, queue_size=10),
-            follow("voice_assist/device", DeviceCall, self._on_device, queue_size=10),
-            follow("voice_assist/mode", Mode, self._on_mode, queue_size=1),
-            follow("session_log/recording", String, self._on_recording, queue_size=1),
-            follow("session_log/file", String, self._on_file, queue_size=1),
-            follow("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20),
+            follow(
+                "controller", "rst_control/state", ControllerState, self._on_state, queue_size=1
+            ),
+            follow("system", "robot/tension_invalid_reason", String, self._on_invalid),
+            follow("voice", "voice_assist/audio", AudioChunk, self._on_sound, queue_size=10),
+            follow("voice", "voice_assist/partial", String, self._on_partial, queue_size=1),
+            follow("voice", "voice_assist/utterance", Utterance, self._on_utterance, queue_size=10),
+            follow("system", "voice_assist/device", DeviceCall, self._on_device, queue_size=10),
+            follow("voice", "voice_assist/mode", Mode, self._on_mode, queue_size=1),
+            follow("system", "session_log/recording", String, self._on_recording, queue_size=1),
+            follow("system", "session_log/file", String, self._on_file, queue_size=1),
+            follow("system", "/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20),
         ]
 
     def look_again(self) -> None:
-        """Take in what no topic says."""
+        """Take in what no topic says, and name who is not believed."""
+        self.known.publish_status()
         if not _is_connected(self._alarm):
             self._theatre.see_alarm(None)
         self._theatre.limits = Limits(
@@ -103,8 +108,6 @@ class DisplayNode:
         self._theatre.see_file(message.data)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        if not is_of_this_system(message._connection_header["callerid"]):
-            return  # another system on the same master
         for status in message.status:
             self._on_health(status)
 
@@ -148,7 +151,8 @@ async def serve(config: DisplayConfig) -> None:
     """
     theatre = Theatre(config.old_after, time.monotonic, time.time)
     token = AccessToken(time.monotonic)
-    node, acts = DisplayNode(theatre), RosActs(theatre, Endoscope(config.picture))
+    node = DisplayNode(theatre)
+    acts = RosActs(theatre, Endoscope(config.picture, node.known))
     async with DisplayServer(config, theatre, acts, token, rospy.logerr) as server:
         pictures = Pictures(config.picture, theatre, lambda: len(server.viewers) > 0)
         # printed, not logged: what is logged is recorded
@@ -169,6 +173,7 @@ def main() -> None:
     with starting("display", needs_clock=False):
         try:
             config = private_settings(DisplayConfig, FILE)
+            believed_config(rospy.get_param("~believed", None))
         except ConfigError as error:
             rospy.logfatal("%s", error)
             sys.exit(2)

@@ -14,6 +14,7 @@ from voice_assist.audio.capture.unstamped import SoundBlock, UnstampedStream
 from voice_assist.audio.resample import Resampler
 from voice_assist.audio.source import Framer, Report
 from voice_assist.config.voice import AudioDataConfig
+from voice_assist.ros.topic_source import Subscribe
 from voice_assist.types import RATE, Frame
 
 _QUEUE = 1000  # messages
@@ -25,23 +26,24 @@ class AudioDataSource:
 
     remark = ""
 
-    def __init__(self, config: AudioDataConfig, report: Report) -> None:
+    def __init__(self, config: AudioDataConfig, report: Report, subscribe: Subscribe) -> None:
         """Remember the topics.
 
         Args:
             config: Their names, the format, and when the sound counts as gone.
             report: Called with what is wrong; with an empty text when all is well again.
+            subscribe: Makes the subscribers, which take the sound of believed nodes only.
         """
-        self._config, self._report = config, report
+        self._config, self._report, self._subscribe = config, report, subscribe
         self._queue: Queue[tuple[bytes, float] | AudioInfo] = Queue(_QUEUE)
         self._subscribers: list[rospy.Subscriber] = []
 
     def __enter__(self) -> AudioDataSource:
         """Subscribe."""
         name, info = self._config.name, self._config.info
-        self._subscribers = [rospy.Subscriber(name, AudioData, self._enqueue)]
+        self._subscribers = [self._subscribe(name, AudioData, self._enqueue)]
         if info:
-            self._subscribers.append(rospy.Subscriber(info, AudioInfo, self._keep))
+            self._subscribers.append(self._subscribe(info, AudioInfo, self._keep))
         return self
 
     def __exit__(self, *_: object) -> None:

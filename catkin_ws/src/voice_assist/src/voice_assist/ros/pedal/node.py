@@ -19,11 +19,13 @@ from std_msgs.msg import Bool, Empty
 
 from rst_control.msg import ControllerState
 from typed_config import ConfigError
+from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 from voice_assist.config.pedal import PedalConfig, pedal_config
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pedal.evdev import DEVICES, EvdevReader, devices, find
 from voice_assist.pedal.pedals import STOP, PedalAction, Pedals, Send
+from voice_assist.ros.believed import Believed
 from voice_assist.ros.robot.command_client import CommandClient
 from voice_assist.ros.robot.robot_commands import require_pedal_commands
 
@@ -39,6 +41,9 @@ class PedalNode:
 
     Args:
         config: Device, and what each input does.
+
+    Raises:
+        ConfigError: `~believed` is not as it must be.
     """
 
     def __init__(self, config: PedalConfig) -> None:
@@ -51,13 +56,16 @@ class PedalNode:
         self._diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=2)
         self._client = CommandClient(ANSWER_WITHIN, _log_answer)
         self._joy: rospy.Subscriber | None = None
+        self._known = Believed()
         if self._pedals.has_dead_man:
-            rospy.Subscriber("rst_control/state", ControllerState, self._on_state, queue_size=1)
+            state = "rst_control/state"
+            self._known.hear("controller", state, ControllerState, self._on_state, queue_size=1)
 
     def run(self) -> None:
         """Follow the device until ROS shuts down."""
         if self._config.source == "joy":
-            self._joy = rospy.Subscriber(self._config.topic, Joy, self._on_joy, queue_size=50)
+            topic = self._config.topic
+            self._joy = self._known.hear("joy", topic, Joy, self._on_joy, queue_size=50)
         else:
             threading.Thread(target=self._read, name="pedal", daemon=True).start()
         rospy.on_shutdown(self._leave)
@@ -164,7 +172,8 @@ class PedalNode:
             status = DiagnosticStatus(level, f"{rospy.get_name()[1:]}: pedal", "", "", [])
             status.message = self._trouble or "there"
             status.hardware_id = self._config.device or self._config.topic
-        message = DiagnosticArray(status=[status])
+        strangers = self._known.status("pedal", "pedal")
+        message = DiagnosticArray(status=[status, strangers])
         message.header.stamp = rospy.Time.now()
         self._diagnostics.publish(message)
 
@@ -183,13 +192,14 @@ def main() -> None:
         return
     with starting("pedal", needs_clock=False):
         try:
-            given = {key: rospy.get_param(f"~{key}", None) for key in _KEYS}
-            config = pedal_config({k: v for k, v in given.items() if v is not None})
+            given = launch_settings()
+            config = pedal_config({key: given[key] for key in _KEYS if key in given})
             require_pedal_commands(config)
+            node = PedalNode(config)
         except ConfigError as error:
             rospy.logfatal("%s", error)
             sys.exit(2)
-    PedalNode(config).run()
+    node.run()
 
 
 _KEYS = tuple(PedalConfig.__dataclass_fields__)

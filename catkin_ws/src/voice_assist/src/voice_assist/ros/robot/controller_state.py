@@ -6,12 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import rospy
-
 from rst_control.msg import ControllerState
 from voice_assist.config.moving import MovingConfig
 from voice_assist.pipeline.robot_mode import RobotMode
 from voice_assist.pipeline.robot_motion import RobotMotion
+from voice_assist.ros.believed import Believed
 from voice_assist.side_inputs import Observer, SideInput, SideInputKind
 from voice_assist.types import Frame, Mode
 
@@ -25,14 +24,19 @@ class ControllerFollower:
         config: Settings of both rules.
         clock: A steady clock [s].
         observer: Gets each change of whether the robot moves, for a replay.
+        believed: Makes the subscriber, which takes the state of the controller only.
     """
 
     def __init__(
-        self, config: MovingConfig, clock: Callable[[], float], observer: Observer
+        self,
+        config: MovingConfig,
+        clock: Callable[[], float],
+        observer: Observer,
+        believed: Believed,
     ) -> None:
         self._motion, self._mode, self._clock = RobotMotion(config), RobotMode(config), clock
         self._observer, self._was_moving = observer, False
-        rospy.Subscriber(TOPIC, ControllerState, self._take, queue_size=1)
+        believed.hear("controller", TOPIC, ControllerState, self._take, queue_size=1)
 
     def _take(self, message: ControllerState) -> None:
         now = self._clock()

@@ -7,10 +7,10 @@ from collections import deque
 from collections.abc import Callable
 from threading import Lock
 
-import rospy
 from std_msgs.msg import Bool
 
 from voice_assist.audio.robot_speech import RobotSpeechChange
+from voice_assist.ros.believed import Believed
 
 _KEPT = 2  # reports between two takes: the newest, and the one that it changed
 
@@ -18,11 +18,11 @@ _KEPT = 2  # reports between two takes: the newest, and the one that it changed
 class RobotSpeechTopic:
     """Reports received and not yet taken."""
 
-    def __init__(self, clock: Callable[[], float]) -> None:
+    def __init__(self, clock: Callable[[], float], believed: Believed) -> None:
         """Subscribe; `clock` stamps each report [s]."""
         self._clock, self._lock = clock, Lock()
         self._reports: deque[RobotSpeechChange] = deque(maxlen=_KEPT)
-        rospy.Subscriber("voice_assist/speaking", Bool, self._hear)
+        believed.hear("speaker", "voice_assist/speaking", Bool, self._hear)
 
     def take(self) -> list[RobotSpeechChange]:
         """Reports since the last call, oldest first; a repeated report counts once."""

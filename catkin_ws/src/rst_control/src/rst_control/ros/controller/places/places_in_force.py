@@ -23,8 +23,8 @@ from rst_control.registration.trocar_context import (
     Origin,
     TrocarContext,
 )
-from rst_control.ros.common.launch_settings import IN_FORCE
 from rst_control.ros.controller.messages import RosClock, base_point
+from typed_config.ros.launch_settings import IN_FORCE
 
 NOT_TAKEN: Final = "places that were set before are not taken: %s; those of scene.yaml count"
 

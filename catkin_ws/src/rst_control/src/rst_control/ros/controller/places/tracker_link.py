@@ -17,11 +17,11 @@ from rst_control.registration.frames import Array
 from rst_control.registration.tracked_grasp import TrackedGrasp
 from rst_control.registration.tracked_place import Report
 from rst_control.registration.trocar_following import TrocarFollowing
-from rst_control.ros.common.known_publishers import KnownPublishers, publisher_of
 from rst_control.ros.controller.diagnostics import make_status
-from rst_control.ros.controller.messages import RosClock, code_of
+from rst_control.ros.controller.messages import RosClock, caller_of, code_of
 from rst_control.ros.controller.places.frame_listener import FrameListener
 from rst_control.types import Cause
+from typed_config.ros.known_publishers import KnownPublishers
 
 NO_WAIT: Final = 0.0  # [s] in a topic's callback
 PERIOD: Final = 0.2  # [s] between two looks whether a tracked grasp point may be set
@@ -107,7 +107,7 @@ class TrackerLink:
             if not 0.5 < norm < 2.0:  # no number is not
                 return
             pull = tuple((T[:3, :3] @ Rotation.from_quat(quaternion).as_matrix())[:, 2].tolist())
-        self._tracker = publisher_of(message)
+        self._tracker = caller_of(message)
         self._grasp.update(self._report(message, T, point, pull))
 
     def _on_trocar(self, message: PointStamped) -> None:

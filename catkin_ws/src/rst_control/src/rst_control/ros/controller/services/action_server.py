@@ -16,7 +16,7 @@ import rospy
 from actionlib import ServerGoalHandle
 from actionlib_msgs.msg import GoalID, GoalStatus
 
-from rst_control.admission.callers import UNNAMED, CallLimiter
+from rst_control.admission.callers import CallLimiter
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.commands.parser import is_stop, shown
 from rst_control.execution.executor import Executor
@@ -24,11 +24,14 @@ from rst_control.execution.orders import Outcome, Reply
 from rst_control.msg import AssistAction, AssistActionGoal
 from rst_control.ros.controller.messages import caller_of, feedback_message, result_message
 from rst_control.types import Cause, Reason
+from typed_config.node_names import UNNAMED
+from typed_config.ros.known_publishers import KnownPublishers
 
 OnGoal = Callable[[ServerGoalHandle], None]
 
 MAX_GOALS = 200  # that actionlib remembers; it forgets one 5 s after it has ended
 LONGEST_ID = 200  # characters of a goal's id
+SAY_AGAIN = 1.0  # [s] between two words on goals refused
 
 
 class GuardedServer(actionlib.ActionServer):
@@ -36,6 +39,7 @@ class GuardedServer(actionlib.ActionServer):
 
     Args:
         limiter: Knows who may command, and how often.
+        known: Knows whether a name that a goal claims is true.
         on_goal: Told every goal that is let in.
         on_cancel: Told every goal that is to be cancelled; a cancel is never turned away.
         on_cancel_all: Told every cancel that names no goal, also where none is under way.
@@ -44,20 +48,27 @@ class GuardedServer(actionlib.ActionServer):
     def __init__(
         self,
         limiter: CallLimiter,
+        known: KnownPublishers,
         on_goal: OnGoal,
         on_cancel: OnGoal,
         on_cancel_all: Callable[[GoalID], None],
     ) -> None:
         self._limiter, self._on_cancel_all = limiter, on_cancel_all
+        self._goals = known.watch()
         super().__init__("rst_control/execute", AssistAction, on_goal, on_cancel, auto_start=False)
+
+    def start(self) -> None:
+        """Begin to take goals."""
+        super().start()
+        self._goals.subscriber = self.goal_sub
 
     def internal_goal_callback(self, goal: AssistActionGoal) -> None:
         """Turn a goal away, or let actionlib take it."""
         goal.goal_id.stamp = _not_after_now(goal.goal_id.stamp)
         admission = self._limiter.admit(caller_of(goal), is_stop(goal.goal.command))
-        refusal = admission.refusal or self._too_much(goal.goal_id)
-        if admission.refusal is not None and admission.is_news:
-            rospy.logwarn("goal refused: %s", admission.refusal.words)
+        refusal = admission.refusal or self._unheard(goal) or self._too_much(goal.goal_id)
+        if refusal is not None:
+            rospy.logwarn_throttle(SAY_AGAIN, f"goal refused: {refusal.words}")
         if refusal is not None and not is_stop(goal.goal.command):
             status = GoalStatus(_short(goal.goal_id), GoalStatus.REJECTED, refusal.words)
             outcome = Outcome("refused", refusal.words, refusal.reason)
@@ -79,6 +90,16 @@ class GuardedServer(actionlib.ActionServer):
             goal_id = GoalID(goal_id.stamp, "")  # it still cancels all that is older
         super().internal_cancel_callback(goal_id)
 
+    def _unheard(self, goal: AssistActionGoal) -> Cause | None:
+        """Why a goal counts as nobody's: like a bag, its sender does not hear of its end."""
+        caller, listeners = caller_of(goal), list(self.result_pub.impl.connections)
+        if not self._goals.has_true_name(goal):
+            return Cause(Reason.MAY_NOT_COMMAND, f"the goal came from elsewhere than {caller} is")
+        if any(listener.endpoint_id == caller for listener in listeners):
+            return None
+        words = f"{caller} does not subscribe to the result of its goal; a bag that is played?"
+        return Cause(Reason.MAY_NOT_COMMAND, words)
+
     def _too_much(self, goal_id: GoalID) -> Cause | None:
         if len(goal_id.id) > LONGEST_ID:
             words = f"a goal id of {len(goal_id.id)} characters, allowed: {LONGEST_ID}"
@@ -91,13 +112,20 @@ class GuardedServer(actionlib.ActionServer):
 class AssistServer:
     """Translates between actionlib and the queue of commands."""
 
-    def __init__(self, commands: CommandQueue, executor: Executor, limiter: CallLimiter) -> None:
+    def __init__(
+        self,
+        commands: CommandQueue,
+        executor: Executor,
+        limiter: CallLimiter,
+        known: KnownPublishers,
+    ) -> None:
         self._commands, self._executor = commands, executor
         self._running: dict[str, ServerGoalHandle] = {}
         self._news: queue.SimpleQueue[tuple[ServerGoalHandle, Reply | Outcome]] = (
             queue.SimpleQueue()
         )
-        self._server = GuardedServer(limiter, self._on_goal, self._on_cancel, self._on_cancel_all)
+        callbacks = self._on_goal, self._on_cancel, self._on_cancel_all
+        self._server = GuardedServer(limiter, known, *callbacks)
 
     def start(self) -> rospy.Subscriber:
         """Begin to take goals; gives the subscriber by which they come."""

@@ -16,12 +16,12 @@ from rst_control.commands.parser import MAX_LENGTH, is_stop, read_command, unkno
 from rst_control.commands.spec import Role
 from rst_control.execution.executor import Executor
 from rst_control.execution.orders import Reply
-from rst_control.ros.common.known_publishers import KnownPublishers
 from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.ros.rospy_patches.message_framing import announced
 from rst_control.srv import Command, CommandRequest, CommandResponse
 from rst_control.supervision.heartbeat import Heartbeat
 from rst_control.types import Cause, Reason
+from typed_config.ros.known_publishers import KnownPublishers
 
 REPLY_TIME = 2.0  # [s] within which every command is answered, if only by NO_ANSWER
 _HEAD = 4  # bytes of the length before the words

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import pytest
 
-from rst_control.ros.common import launch_settings as module
-from rst_control.ros.common.launch_settings import differences, launch_settings
+from typed_config import ConfigError
+from typed_config.ros import launch_settings as module
+from typed_config.ros.launch_settings import differences, launch_settings
 
 
 @pytest.fixture
@@ -36,6 +37,28 @@ def test_a_later_start_takes_those_and_names_what_was_changed(server):
     assert launch_settings() == first
     assert len(said) == 3
     assert any("tension/limit is 24.0, at the launch 2.4" in words for words in said)
+
+
+def test_what_the_node_sets_itself_is_taken_as_it_is(server):
+    parameters, said = server
+    launch_settings(own=("rate",))
+    parameters["rate"] = 250.0
+    assert launch_settings(own=("rate",)) == {"tension": {"limit": 2.4}, "rate": 250.0}
+    assert not said
+
+
+def test_a_first_start_that_is_known_to_be_one_keeps_anew(server):
+    parameters, said = server
+    launch_settings()
+    parameters["rate"] = 250.0
+    assert launch_settings(is_first=True)["rate"] == 250.0
+    assert launch_settings()["rate"] == 250.0 and not said
+
+
+def test_after_a_crash_settings_that_nobody_kept_are_refused(server, monkeypatch):
+    monkeypatch.setenv(module.RESTART, "1")
+    with pytest.raises(ConfigError, match="launched is None, allowed: the settings of the launch"):
+        launch_settings()
 
 
 def test_equal_settings_differ_in_nothing():

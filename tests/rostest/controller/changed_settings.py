@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Somebody changes a setting on the parameter server while the system runs."""
+
+import sys
+import unittest
+
+import rospy
+import rostest
+
+from rst_control.msg import ReasonCode
+from tests.support.robot_client import RobotClient
+
+LIMIT = "controller/controller/tension/limit"
+
+
+class ChangedSettings(unittest.TestCase):
+    """The tests run in the order of their names and build on one robot."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = RobotClient()
+        cls.launched = rospy.get_param(LIMIT)
+        cls.robot.start_fresh()
+
+    @classmethod
+    def tearDownClass(cls):
+        rospy.set_param(LIMIT, cls.launched)
+        rospy.delete_param("robot/pause")
+        cls.robot.leave()
+
+    def test_1_a_changed_setting_latches_and_is_named(self):
+        rospy.set_param(LIMIT, 24.0)
+        self.robot.wait_for_state("halted")
+        self.assertEqual(self.robot.state.halt_reason_code, ReasonCode.SETTINGS_CHANGED)
+        self.assertIn(f"tension/limit is 24.0, at the launch {self.launched}", self.reason())
+
+    def test_2_who_has_read_it_may_go_on_with_those_of_the_launch(self):
+        self.robot.activate()
+        rospy.sleep(5.0)  # the server is looked at meanwhile
+        self.assertEqual(self.robot.state.state, "active")
+
+    def test_3_another_difference_latches_again(self):
+        rospy.set_param("robot/pause", 1.0)  # no section of the launch
+        rospy.set_param(LIMIT, 30.0)
+        self.robot.wait_for_state("halted")
+        self.assertIn("tension/limit is 30.0", self.reason())
+        self.assertNotIn("pause", self.reason())
+
+    def reason(self):
+        return self.robot.state.halt_reason
+
+
+if __name__ == "__main__":
+    rospy.init_node("changed_settings")
+    rostest.rosrun("rst_control", "changed_settings", ChangedSettings, sys.argv)
