@@ -28,6 +28,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"<!-- terminal: (\w+)(, refused)? -->\n```\n(.*?)```", re.DOTALL)
 ENDED = "ended with"
+START = 4 * PATIENCE  # [s] where the kinematics have to be compiled on a loaded machine
 PATIENT = "controller_overrides:=demo/overrides.yaml robot_overrides:=demo/robot_overrides.yaml"
 
 
@@ -46,6 +47,7 @@ class Terminal:
     def __init__(self, home, master, log):
         environment = {
             "HOME": str(home),
+            "XDG_CACHE_HOME": str(Path.home() / ".cache"),  # compiled kinematics, 20 s of work
             "PATH": "/usr/local/bin:/usr/bin:/bin",
             "ROS_MASTER_URI": master,
             "ROS_LOG_DIR": str(log),
@@ -83,7 +85,7 @@ class Terminal:
         return int(found[1]), self.printed[begin : begin + found.start()]
 
     def wait_for(self, words):
-        wait_until(lambda: words in self.printed or self.shell.poll() is not None, words)
+        wait_until(lambda: words in self.printed or self.shell.poll() is not None, words, START)
         assert words in self.printed, self.printed[-3000:]
 
     def close(self):
