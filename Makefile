@@ -12,7 +12,7 @@ RUN := unset PYTHONPATH PYTHONHOME ROS_HOSTNAME ROS_NAMESPACE; . catkin_ws/devel
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
 
-.PHONY: FORCE help setup install demo preflight check fast test bench figures fuzz evaluate train paper lint report clean
+.PHONY: FORCE help setup install demo film preflight check fast test bench figures fuzz evaluate train paper lint report clean
 
 help: ## list the verbs
 	@echo "Voice interface for surgical robot assistants. Say one of:"
@@ -46,6 +46,9 @@ install: setup ## PREFIX=/opt/voice_assist: an install space that runs without t
 
 demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you, ROBOT=kinova_strict leads it as Kinova's driver is led
 	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out "$$OUT")
+
+film: .setup/dev ## the same session as a GIF and as a video file with its sound and captions: film.gif and film.mp4 in OUT (sessions/film)
+	@$(RUN) out="$(if $(OUT),$$OUT,sessions/film)"; rm -f "$$out/session.mcap"; python -m demo --film --out "$$out" && python -m demo.film "$$out"
 
 preflight: setup ## checks of live Kinova and OpenRST drivers that move nothing; TROCAR="x y z" [SCENE=file LIMITS=file ROBOT=my_gen3]
 	@ip="$${ROS_IP:-127.0.0.1}"; $(RUN) export ROS_IP="$$ip"; python -m rst_control.ros.kinova.live_checks_cli $(if $(TROCAR),--trocar $(TROCAR)) \

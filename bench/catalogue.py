@@ -183,6 +183,7 @@ _HEARING = Area(
             code.HEARING,
             SYNTHETIC,
         ),
+        Part("voice.amounts", "Amounts in words", "voice.amounts", code.HEARING, SYNTHETIC),
         Part(
             "voice.armed",
             "Talk and single words, armed",

@@ -19,9 +19,10 @@ from rich.table import Table
 
 from demo.check import StepVerdict, verdicts, worst_rcm_error
 from demo.film import Camera, take_picture, write_film
-from demo.page import PagePicture
-from demo.script import Script, load_script
+from demo.page import PagePictures
+from demo.script import VOICES, Script, load_script
 from demo.sound import render
+from demo.theatre import Hands, settings, start_devices
 from demo.timeline import Timeline
 from demo.virtual_microphone import VirtualMicrophone
 from rst_control.simulation.rendering.window import window_obstacle
@@ -37,6 +38,13 @@ SCRIPTS = {  # of each way in which the simulated robot is led
 SOUND_TIME = 20.0  # [s] allowed for the first sound to be heard
 LISTEN_TIME = 20.0  # [s] allowed for the voice node to say that it listens
 WAV_LEAD = 12.0  # [s] of noise before the script where the voice node plays the file itself
+PAGE_AFTER = 1.5  # [s] after the beginning of a step that the page is photographed
+ANNOUNCED = {
+    "surgeon": 'surgeon says "{}"',
+    "people": 'people  says "{}"',
+    "pedal": 'a foot presses the pedal for "{}"',
+    "hand": 'by hand, to the service: "{}"',
+}
 TAIL = 2.0  # [s] recorded after the last step
 
 
@@ -110,6 +118,8 @@ def _session(
             source = {"source": "wav", "wav": wav}
         console.print(f"Starting the system (log: {folder / 'launch.log'})")
         source |= {"display": True, "display_port": "0"}  # any that is free
+        if script.has_devices:
+            source |= settings(folder)
         environment = microphone.environment if microphone else {}
         system = stack.enter_context(System(folder / "launch.log", environment))
         rospy.init_node("demo", anonymous=True, disable_signals=True)
@@ -120,8 +130,10 @@ def _session(
             system.launch_session(folder, gui=options.gui, **source)
         timeline = stack.enter_context(Timeline(console))
         _wait_until_ready(system, timeline)
-        page = PagePicture(folder / "page.png", timeline.say)
+        page, hands = PagePictures(folder, timeline.say), Hands(timeline.warn)
         stack.callback(page.close)
+        if script.has_devices:
+            stack.callback(start_devices().terminate)
         if options.microphone:
             return _listen(system, timeline)
         with timeline.first_sound(SOUND_TIME, is_file=microphone is None) as first_sound:
@@ -132,7 +144,7 @@ def _session(
             timeline.start_clock(first_sound() + lead)
         if options.film:
             stack.callback(Camera(timeline.warn).close)
-        _follow(script, system, timeline, page)
+        _follow(script, system, timeline, page, hands)
         worst = worst_rcm_error(timeline.observed)
         timeline.say(f"largest RCM error while moving: {worst * 1e6:.2g} um, from joint states")
         return verdicts(script, timeline.observed)
@@ -160,17 +172,22 @@ def _wait_until_ready(system: System, timeline: Timeline) -> None:
     system.wait_for(parts, lambda part: timeline.say(f"{part} ready", "green"))
 
 
-def _follow(script: Script, system: System, timeline: Timeline, page: PagePicture) -> None:
-    """Announce each step as it is spoken; take a picture at its end, and one of the page."""
+def _follow(
+    script: Script, system: System, timeline: Timeline, page: PagePictures, hands: Hands
+) -> None:
+    """Announce each step as it is spoken; take a picture at its end, some of them of the page."""
     take_picture(timeline.warn)
     for i, step in enumerate(script.steps):
         _wait_until(step.at, system, timeline)
-        timeline.intend("" if step.effect == "nothing" else step.say)
-        who = "surgeon" if step.speaker == "surgeon" else "people "
-        timeline.say(f'{who} says "{step.say}"', "bold white")
+        if step.speaker in VOICES:
+            timeline.intend("" if step.effect == "nothing" else step.say)
+        timeline.say(ANNOUNCED[step.speaker].format(step.say), "bold white")
+        hands.act(step)
         end = script.end_of(i)
+        if step.moment:
+            _wait_until(step.at + PAGE_AFTER, system, timeline)
+            page.take(step.moment)
         if step.effect in ("tense", "more", "less", "stopped", "released"):
-            page.take()
             _wait_until(end - 1.0, system, timeline)
             take_picture(timeline.warn)
         _wait_until(end, system, timeline)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from demo.script import Script, ScriptStep
+from demo.script import VOICES, Script, ScriptStep
 
 STEP = 0.02  # [N] least change of tension that counts as more or less
 SLACK = 0.05  # [N] tension that counts as none
@@ -40,12 +40,22 @@ class HeardUtterance:
     command: str  # empty: none
 
 
+@dataclass(frozen=True)
+class Done:
+    """A command that the robot accepted, or a call that a device carried out."""
+
+    time: float  # [s] since the first sound
+    what: str  # command or phrase
+    message: str  # the robot's reply; of a device empty
+
+
 @dataclass
 class Observed:
     """All that was seen of the session, in order of time."""
 
     states: list[ControllerSample] = field(default_factory=list)
     heard: list[HeardUtterance] = field(default_factory=list)
+    done: list[Done] = field(default_factory=list)
 
     def between(self, begin: float, end: float) -> list[ControllerSample]:
         """States within [begin, end)."""
@@ -73,7 +83,12 @@ def _judge(script: Script, index: int, observed: Observed) -> StepVerdict:
         return StepVerdict(step, False, "the controller said nothing")
     commands = [h.command for h in observed.heard if step.at <= h.time + EARLY < end and h.command]
     before = observed.between(step.at - 0.5, step.at) or states[:1]
+    done = [one for one in observed.done if step.at <= one.time < end]
+    if step.speaker not in VOICES:  # no word is heard, the robot's reply counts
+        commands = [step.say for one in done if step.say.startswith(one.what)]
     happened = _effect_seen(step, states, before[-1], commands)
+    if step.effect == "light":
+        happened = step.say in commands and any(one.what == step.say for one in done)
     last = states[-1]
     words = f"taken: {', '.join(commands) or 'nothing'}; then {last.state}, {last.tension:.2f} N"
     return StepVerdict(step, happened, words)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The operator's page of the session: its address, and one picture of it where a browser is."""
+"""The operator's page of the session: its address, and pictures of it where a browser is."""
 
 from __future__ import annotations
 
@@ -7,49 +7,66 @@ import asyncio
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from queue import Queue
 
 import rospy
 
-from support.browser import MISSING, find_browser, photograph
+from support.browser import MISSING, Browser, find_browser
 
 ADDRESS = "/display/page"  # parameter
+SCREENS = {"": (1920, 1080, "light"), "-phone": (390, 844, "dark")}  # pixels, by name of the file
 SHOWS_THE_SESSION = (
     "document.getElementById('state').textContent !== 'No news'"
     " && document.getElementById('picture').naturalWidth > 0"
     " && !document.getElementById('picture-words').textContent.startsWith('OLD')"
 )
+NOWHERE = "about:blank"  # between pictures: a page that is drawn all the time takes a core
 
 
-class PagePicture:
-    """Says where the page is; photographs it in a thread, as starting a browser takes seconds.
+class PagePictures:
+    """Says where the page is; photographs it from a thread, in one browser.
 
     Args:
-        file: PNG to write.
+        folder: For `page-<moment>.png` and `page-<moment>-phone.png`.
         say: Shows a line to the person.
     """
 
-    def __init__(self, file: Path, say: Callable[[str], None]) -> None:
-        self._file, self._say = file, say
+    def __init__(self, folder: Path, say: Callable[[str], None]) -> None:
+        self._folder, self._say = folder, say
         self._address = str(rospy.get_param(ADDRESS, ""))
+        self._moments: Queue[str] = Queue()
         self._thread: threading.Thread | None = None
         say(f"operator's page: {self._address or 'none; launch.log says why'}")
         if not find_browser():
-            say(f"no picture of the page: {MISSING}")
-
-    def take(self) -> None:
-        """Begin the picture; only the first call counts."""
-        if self._thread is None and self._address and find_browser():
-            self._thread = threading.Thread(target=self._photograph, name="page", daemon=True)
+            say(f"no pictures of the page: {MISSING}")
+        elif self._address:
+            self._thread = threading.Thread(target=self._run, name="page", daemon=True)
             self._thread.start()
 
+    def take(self, moment: str) -> None:
+        """Begin the picture of this moment."""
+        self._moments.put(moment)
+
     def close(self) -> None:
-        """Wait for the picture."""
+        """Wait for the pictures."""
         if self._thread is not None:
+            self._moments.put("")
             self._thread.join()
 
-    def _photograph(self) -> None:
+    def _run(self) -> None:
         try:
-            asyncio.run(photograph(self._address, self._file, SHOWS_THE_SESSION))
-            self._say(f"picture of the page: {self._file.name}")
+            asyncio.run(self._photograph())
         except (RuntimeError, OSError, TimeoutError) as error:
-            self._say(f"no picture of the page: {error}")
+            self._say(f"no pictures of the page: {error}")
+
+    async def _photograph(self) -> None:
+        async with Browser() as browser:
+            while moment := await asyncio.to_thread(self._moments.get):
+                await browser.open(self._address)
+                await browser.until(SHOWS_THE_SESSION)
+                for ending, screen in SCREENS.items():
+                    await browser.set_screen(*screen)
+                    await asyncio.sleep(0.3)  # for the page to be laid out anew
+                    await browser.picture(self._folder / f"page-{moment}{ending}.png")
+                await browser.open(NOWHERE)
+                self._say(f"picture of the page: page-{moment}.png")

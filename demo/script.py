@@ -27,7 +27,9 @@ EFFECTS = (
     "cleared",
     "released",
     "standby",
+    "light",
 )
+VOICES = ("surgeon", "people")  # whoever else acts makes no sound
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,12 +45,19 @@ class ScriptSpeech:
 
 @dataclass(frozen=True, kw_only=True)
 class ScriptStep:
-    """One thing said and what must come of it."""
+    """One thing said, pressed or sent by hand, and what must come of it."""
 
     at: float = number(0.0, 600.0, "s")
-    speaker: str = choice("surgeon", "people")
+    speaker: str = choice(*VOICES, "pedal", "hand")
     say: str = text()
     effect: str = choice(*EFFECTS)
+
+    @property
+    def moment(self) -> str:
+        """Name of the picture of the page that this step gives; empty: none."""
+        if self.speaker == "pedal":
+            return "pedal"
+        return self.effect if self.effect in ("tense", "light", "stopped") else ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +67,11 @@ class Script:
     speech: ScriptSpeech
     duration: float = number(1.0, 600.0, "s")
     steps: tuple[ScriptStep, ...] = items(1)
+
+    @property
+    def has_devices(self) -> bool:
+        """Whether a device of the theatre is asked for something."""
+        return any(step.effect == "light" for step in self.steps)
 
     def end_of(self, index: int) -> float:
         """Time by which the effect of a step must be seen [s]."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from demo.script import Script, ScriptSpeech
+from demo.script import VOICES, Script, ScriptSpeech
 from support.theatre_sound import LEVEL, RATE, speak, theatre_noise
 
 
@@ -26,6 +26,8 @@ def render(script: Script, lead: float = 0.0) -> NDArray[np.float32]:
     speech: ScriptSpeech = script.speech
     sound = theatre_noise(lead + script.duration, LEVEL * 10 ** (-speech.snr_db / 20), speech.seed)
     for step in script.steps:
+        if step.speaker not in VOICES:
+            continue
         voice = speech.surgeon if step.speaker == "surgeon" else speech.people
         words = speak(step.say, voice, speech.words_per_minute)
         first = int((lead + step.at) * RATE)

@@ -14,11 +14,11 @@ from rich.live import Live
 from rich.text import Text
 from std_msgs.msg import String
 
-from demo.check import ControllerSample, HeardUtterance, Observed
+from demo.check import ControllerSample, Done, HeardUtterance, Observed
 from demo.first_sound import FirstSound
 from demo.live_line import live_line
 from rst_control.msg import ControllerState, Event
-from voice_assist.msg import AudioChunk, Mode, Utterance
+from voice_assist.msg import AudioChunk, DeviceCall, Mode, Utterance
 
 VOICE = "voice_assist: voice"  # the voice node's status of itself
 MOTION = "rst_control: motion"  # the controller's status of the robot
@@ -102,6 +102,7 @@ class Timeline:
             rospy.Subscriber("voice_assist/mode", Mode, self._on_mode),
             rospy.Subscriber("rst_control/state", ControllerState, self._on_state),
             rospy.Subscriber("rst_control/event", Event, self._on_event),
+            rospy.Subscriber("voice_assist/device", DeviceCall, self._on_device),
             rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics),
             rospy.Subscriber("session_log/file", String, self._on_file),
         ]
@@ -140,11 +141,21 @@ class Timeline:
             self.say(f'heard   "{message.transcript}"  no command: {message.reason}', "dim magenta")
 
     def _on_event(self, message: Event) -> None:
+        if message.kind == "accepted":
+            with self._lock:
+                self.observed.done.append(Done(self.now(), message.command, message.message))
         kind = message.kind.replace("_", " ")
         self.say(
             f"robot   {kind}: {message.command}. {message.message}",
             COLOURS.get(message.kind, "white"),
         )
+
+    def _on_device(self, message: DeviceCall) -> None:
+        if message.is_done:
+            with self._lock:
+                self.observed.done.append(Done(self.now(), message.phrase, ""))
+        result = "done" if message.is_done else f"failed: {message.message}"
+        self.say(f"device  {message.phrase}: {result}", "green" if message.is_done else "yellow")
 
     def _on_partial(self, message: String) -> None:
         self._partial = message.data

@@ -13,7 +13,7 @@ import numpy as np
 from voice_assist.assembly import make_pipeline, make_recognizer
 from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.audio.source import FRAME, Framer
-from voice_assist.config import VoiceConfig, load_voice_config
+from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import StreamClock
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.recognizer.recognizer import Recognizer
@@ -109,9 +109,15 @@ class SceneListener:
     lengthens nothing.
     """
 
-    def __init__(self, model: str) -> None:
-        """Load the recogniser once; it must be loadable under that name."""
-        self._config = load_voice_config(recognizer__model=model)
+    def __init__(self, model: str, **changes: Any) -> None:
+        """Load the recogniser once; it must be loadable under that name.
+
+        Args:
+            model: That listens.
+            **changes: Of the settings, as `load_voice_config` takes them.
+        """
+        self._changes = {"recognizer__model": model, **changes}
+        self._config = load_voice_config(**self._changes)
         self._recognizer = make_recognizer(self._config)
         self._clock = StreamClock(time.process_time)
         self._pipelines: dict[tuple[Way, bool], Pipeline] = {}
@@ -144,7 +150,13 @@ class SceneListener:
 
     def _pipeline(self, way: Way, asks: bool) -> Pipeline:
         if (way, asks) not in self._pipelines:
-            config = _of_way(self._config, way, asks)
+            config = self._config
+            if way == "recogniser" or asks:
+                config = load_voice_config(
+                    recognizer__ask__is_enabled=asks,
+                    spotter__is_enabled=way != "recogniser",
+                    **self._changes,
+                )
             recognizer: Recognizer = Deaf() if way == "spotter" else self._recognizer
             pipeline = make_pipeline(config, self._clock, recognizer)
             noise = np.random.default_rng(0).standard_normal(2 * RATE)
@@ -156,16 +168,6 @@ class SceneListener:
 def whole_frames(sound: Samples) -> Samples:
     """Sound with silence behind it to whole frames. From shape (n,) to (m,), m >= n."""
     return np.pad(sound, (0, -len(sound) % FRAME))
-
-
-def _of_way(config: VoiceConfig, way: Way, asks: bool) -> VoiceConfig:
-    if way != "recogniser" and not asks:
-        return config
-    return load_voice_config(
-        recognizer__model=config.recognizer.model,
-        recognizer__ask__is_enabled=asks,
-        spotter__is_enabled=way != "recogniser",
-    )
 
 
 def _said(decision: UtteranceDecision, began: float) -> SceneDecision:

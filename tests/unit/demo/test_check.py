@@ -3,19 +3,28 @@ from pathlib import Path
 
 import pytest
 
-from demo.check import ControllerSample, HeardUtterance, Observed, verdicts, worst_rcm_error
+from demo.check import (
+    ControllerSample,
+    Done,
+    HeardUtterance,
+    Observed,
+    verdicts,
+    worst_rcm_error,
+)
 from demo.script import Script, ScriptSpeech, ScriptStep, load_script
+from demo.sound import render
 from typed_config import ConfigError
 
+ROOT = Path(__file__).resolve().parents[3]
 SPEECH = ScriptSpeech(surgeon="en", people="en", words_per_minute=150, snr_db=15.0, seed=1)
 
 
-def session(say, effect, heard, before, after, moving=()):
+def session(say, effect, heard, before, after, moving=(), speaker="surgeon"):
     """One step at 1 s within 5 s: state before it, path speeds while it runs, state after it."""
     script = Script(
         speech=SPEECH,
         duration=5.0,
-        steps=(ScriptStep(at=1.0, speaker="surgeon", say=say, effect=effect),),
+        steps=(ScriptStep(at=1.0, speaker=speaker, say=say, effect=effect),),
     )
     observed = Observed()
     base = {
@@ -99,3 +108,48 @@ def test_steps_out_of_order_are_refused(tmp_path):
     file.write_text(shipped.read_text().replace("at: 2.0,", "at: 60.5,"))
     with pytest.raises(ConfigError, match="rising order"):
         load_script(file)
+
+
+@pytest.mark.parametrize(
+    ("speaker", "say", "done", "happened"),
+    [
+        ("pedal", "pull more", [Done(1.2, "pull more", "pulls more")], True),
+        ("hand", "pull more 0.2 N", [Done(1.2, "pull more", "pulls more")], True),
+        ("hand", "pull more 0.2 N", [Done(1.2, "pull less", "pulls less")], False),
+        ("pedal", "pull more", [Done(0.5, "pull more", "of the step before")], False),
+        ("pedal", "pull more", [], False),
+    ],
+)
+def test_what_nobody_says_is_judged_by_what_the_robot_accepted(speaker, say, done, happened):
+    script, observed = session(say, "more", None, {}, {"tension": 0.8}, (0.01,), speaker)
+    observed.done += done
+    assert verdicts(script, observed)[0].happened is happened
+
+
+@pytest.mark.parametrize(
+    ("heard", "done", "happened"),
+    [
+        ("light on", [Done(1.4, "light on", "")], True),
+        ("light on", [], False),
+        (None, [Done(1.4, "light on", "")], False),
+    ],
+)
+def test_a_light_is_heard_and_switched(heard, done, happened):
+    script, observed = session("light on", "light", heard, {}, {})
+    observed.done += done
+    assert script.has_devices and verdicts(script, observed)[0].happened is happened
+
+
+def test_a_pedal_and_a_hand_make_no_sound():
+    script, _ = session("pull more", "more", None, {}, {}, speaker="pedal")
+    spoken, _ = session("pull more", "more", None, {}, {})
+    after = slice(16_000, 32_000)
+    power = [float((render(one)[after] ** 2).mean()) for one in (script, spoken)]
+    assert power[0] < 0.2 * power[1]
+
+
+def test_the_shipped_demo_has_every_way_and_four_pictures_of_the_page():
+    script = load_script(ROOT / "demo" / "session.yaml")
+    assert {step.speaker for step in script.steps} == {"surgeon", "people", "pedal", "hand"}
+    moments = [step.moment for step in script.steps if step.moment]
+    assert moments == ["tense", "light", "pedal", "stopped"]
