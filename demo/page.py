@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from queue import Queue
 
@@ -15,11 +16,12 @@ from support.browser import MISSING, Browser, find_browser
 
 ADDRESS = "/display/page"  # parameter
 SCREENS = {"": (1920, 1080, "light"), "-phone": (390, 844, "dark")}  # pixels, by name of the file
-SHOWS_THE_SESSION = (
-    "document.getElementById('state').textContent !== 'No news'"
-    " && document.getElementById('picture').naturalWidth > 0"
+SHOWS_THE_SESSION = "document.getElementById('state').textContent !== 'No news'"
+SHOWS_THE_SCENE = (
+    "document.getElementById('picture').naturalWidth > 0"
     " && !document.getElementById('picture-words').textContent.startsWith('OLD')"
 )
+PATIENCE = 3.0  # [s] for the scene, which a busy machine draws late; the moment would be over
 NOWHERE = "about:blank"  # between pictures: a page that is drawn all the time takes a core
 
 
@@ -64,6 +66,8 @@ class PagePictures:
             while moment := await asyncio.to_thread(self._moments.get):
                 await browser.open(self._address)
                 await browser.until(SHOWS_THE_SESSION)
+                with suppress(RuntimeError):
+                    await browser.until(SHOWS_THE_SCENE, PATIENCE)
                 for ending, screen in SCREENS.items():
                     await browser.set_screen(*screen)
                     await asyncio.sleep(0.3)  # for the page to be laid out anew
