@@ -41,9 +41,12 @@ COMMIT = 80  # messages in one, as the recorder's of 50 ms
 
 
 class Story:
-    """Produces the messages in order of time."""
+    """Produces the messages in order of time; `begins` [s] shifts all of it, stamps included."""
 
-    def __init__(self, duration: float = END, rate: int = 500, seed: int = 1) -> None:
+    def __init__(
+        self, duration: float = END, rate: int = 500, seed: int = 1, begins: float = 0.0
+    ) -> None:
+        self.start = START + int(begins * 1e9)  # [ns]
         self.rng = np.random.default_rng(seed)
         self.duration, self.rate = duration, rate
         self.sources: dict[str, MessageSource] = {}
@@ -57,10 +60,10 @@ class Story:
         message = class_of(datatype)()
         if hasattr(message, "header"):
             message.header.seq = self.counts.get(topic, 0) + 1
-            set_time(message.header.stamp, time)
+            self.set_time(message.header.stamp, time)
         for name, value in fields.items():
             if isinstance(value, float) and hasattr(getattr(message, name), "secs"):
-                set_time(getattr(message, name), value)
+                self.set_time(getattr(message, name), value)
             else:
                 setattr(message, name, value)
         self.put(time, topic, serialise(message))
@@ -68,8 +71,12 @@ class Story:
     def put(self, time: float, topic: str, data: bytes) -> None:
         """Add a message as bytes."""
         self.counts[topic] = self.counts.get(topic, 0) + 1
-        stamp = START + int(time * 1e9)
+        stamp = self.start + int(time * 1e9)
         self.messages.append(Message(self.sources[topic], data, stamp, self.counts[topic]))
+
+    def set_time(self, stamp: Any, seconds: float) -> None:
+        """Set a time field [s since the beginning]."""
+        stamp.secs, stamp.nsecs = divmod(self.start + int(seconds * 1e9), 1_000_000_000)
 
     def build(self) -> Iterator[Message]:
         """Make all messages, in the order of time."""
@@ -78,7 +85,7 @@ class Story:
         self.fast()
         self.states()
         self.others()
-        cut = START + int(self.duration * 1e9)
+        cut = self.start + int(self.duration * 1e9)
         kept = [m for m in self.messages if m.log_time <= cut]
         return numbered(sorted(kept, key=lambda m: m.log_time))
 
@@ -166,7 +173,7 @@ class Story:
             wrench.wrench.force.z = tension(time) + self.rng.normal(0, 0.01)
             for message in (js, wrench):
                 message.header.seq = k + 1
-                set_time(message.header.stamp, time)
+                self.set_time(message.header.stamp, time)
             data = serialise(js)
             self.put(time, "/joint_states", data)
             self.put(time + 0.0003, "/robot/servo_jp", data)
@@ -241,7 +248,7 @@ class Story:
         self.sources["/rst_control/trocar"] = source_of(
             "/rst_control/trocar", "geometry_msgs/PointStamped"
         )
-        set_time(message.header.stamp, time)
+        self.set_time(message.header.stamp, time)
         message.point = point
         self.put(time, "/rst_control/trocar", serialise(message))
 
@@ -269,11 +276,6 @@ def numbered(messages: Iterable[Message]) -> Iterator[Message]:
         topic = message.source.topic
         counts[topic] = counts.get(topic, 0) + 1
         yield message._replace(sequence=counts[topic])
-
-
-def set_time(stamp: Any, seconds: float) -> None:
-    """Set a stamp to a time of the story [s]."""
-    stamp.secs, stamp.nsecs = divmod(START + int(seconds * 1e9), 1_000_000_000)
 
 
 def write_session(path: Path, **options: Any) -> list[Message]:

@@ -105,13 +105,11 @@ def reading() -> list[Figure]:
 
 def write_long(path: Path, turns: int) -> None:
     """Write the story several times over, in commits as the recorder makes them."""
-    story = list(Story().build())
     with SessionWriter(path) as writer:
         for turn in range(turns):
-            shift = int(turn * END * 1e9)
-            for k, m in enumerate(story):
+            for k, m in enumerate(Story(begins=turn * END).build()):
                 count = m.sequence + turn * 100_000
-                writer.add(Message(m.source, m.data, m.log_time + shift, count))
+                writer.add(Message(m.source, m.data, m.log_time, count))
                 if k % COMMIT == 0:
                     writer.commit()
         writer.commit()
