@@ -15,7 +15,7 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 from rospy.exceptions import TransportTerminated
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from rospy.impl.tcpros_service import TCPService
-from std_msgs.msg import String
+from std_msgs.msg import Empty, String
 
 from rst_control.admission.callers import CallLimiter
 from rst_control.admission.command_queue import CommandQueue
@@ -183,7 +183,8 @@ def served():
         CallersConfig(allowed=("/panel", "/long"), rate=1.0, burst=5), lambda: 0.0
     )
     service._spoken_by, service._heartbeat = "/voice_assist", Heartbeat(0.5)
-    nobody.call = service._on_command
+    service._executor = nobody
+    nobody.call, nobody.hear_stop = service._on_command, service._on_stop
     return nobody
 
 
@@ -203,6 +204,14 @@ def test_whoever_is_not_on_the_list_is_refused_and_may_stop(served):
     assert served.orders == []
     assert served.call(request("stop", "/stray")).accepted
     assert served.stops == ['"stop" from /stray']
+
+
+def test_a_stop_by_topic_says_who_sent_it_and_that_of_the_voice_node_is_by_voice(served):
+    for sender in ("/voice_assist", "/panel"):
+        message = Empty()
+        message._connection_header = {"callerid": sender}
+        served.hear_stop(message)
+    assert served.stops == ["stopped by voice", "stop topic, from /panel"]
 
 
 def test_a_text_that_was_cut_is_refused_by_its_length_unless_it_begins_as_a_stop(served):

@@ -53,7 +53,7 @@ ENTRIES: Final = (
         Earcon.STOP,
         Kind.STOP,
         "a person or a program stopped the robot; it brakes, holds and is latched",
-        "stop topic, from /voice_assist",
+        "stopped by voice",
         'Say "hey robot" when it is safe to go on.',
     ),
     _entry(

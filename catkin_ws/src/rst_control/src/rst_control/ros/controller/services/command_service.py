@@ -130,8 +130,9 @@ class CommandService:
         return self._heartbeat.objection(time.monotonic())
 
     def _on_stop(self, message: Empty) -> None:
-        cause = Cause(Reason.STOP_TOPIC, f"stop topic, from {caller_of(message)}")
-        self._executor.stop(cause, time.monotonic())
+        received, sender = time.monotonic(), caller_of(message)
+        words = "stopped by voice" if sender == self._spoken_by else f"stop topic, from {sender}"
+        self._executor.stop(Cause(Reason.STOP_TOPIC, words), received)
 
     def _on_heartbeat(self, message: Time) -> None:
         sent, now = message.data.to_sec(), time.monotonic()
