@@ -30,8 +30,15 @@ def table(text):
     return found
 
 
+def ageless(text):
+    """The page without the words on the code's age, which change with each change of the code."""
+    for words in page.AGES.values():
+        text = text.replace(words, "")
+    return text
+
+
 def test_the_page_is_made_of_the_results_on_file():
-    assert page.text() == TEXT, "make figures"
+    assert ageless(page.text()) == ageless(TEXT), "make figures"
 
 
 def test_the_readmes_figures_are_made_of_the_results_on_file():

@@ -62,7 +62,7 @@ def main() -> None:
     """Run the node on the topic `audio_in`, with the settings of the package's files."""
     parts: dict[str, Any] = {
         "make_recognizer": lambda config: Failing(make_recognizer(config)),
-        "_load_config": _config,
+        "node_settings": _config,
     }
     for name, part in parts.items():
         setattr(voice_node, name, part)

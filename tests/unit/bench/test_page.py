@@ -88,7 +88,7 @@ def test_the_readme_needs_its_marks_and_figures_that_are_there_once(tmp_path, mo
         with pytest.raises(ValueError, match="where one is wanted"):
             page.readme(tmp_path)
     on_file(tmp_path, SHARE)
-    assert "| so much | 90 | at least 60.58 | % | at least 95 |" in page.readme(tmp_path)
+    assert "| so much (human) | 90 % | ≥ 95 | **missed** |" in page.readme(tmp_path)
 
 
 def test_every_area_has_a_part():

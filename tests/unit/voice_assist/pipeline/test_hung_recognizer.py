@@ -30,7 +30,6 @@ for package in (rst_control, voice_assist):  # pytest's paths hide the generated
     package.__path__ = extend_path(package.__path__, package.__name__)
 node = import_module("voice_assist.ros.voice_node")
 diagnostics = import_module("voice_assist.ros.diagnostics")
-controller_state = import_module("voice_assist.ros.robot.controller_state")
 
 BEATS = 5  # heartbeats that show that they go on
 CONFIG = load_voice_config()
@@ -109,8 +108,9 @@ class Room:
             "HangWatch": lambda allowed: HangWatch(allowed, dict),  # nobody lacks a processor
             "Publishers": lambda: self,
             "CommandClient": lambda *_: caller,
-            "RobotSpeechTopic": lambda _: SimpleNamespace(take=list),
-            "TalkTopic": lambda _: SimpleNamespace(take=list),
+            "Believed": lambda: SimpleNamespace(hear=quiet, publish_status=quiet),
+            "RobotSpeechTopic": lambda *_: SimpleNamespace(take=list),
+            "TalkTopic": lambda *_: SimpleNamespace(take=list),
             "QuestionService": lambda: SimpleNamespace(start=quiet, take=list),
             "VoiceDiagnostics": self.diagnostics,
             "make_recognizer": lambda _: self.recognizer,
@@ -120,7 +120,6 @@ class Room:
         }
         for name, value in replaced.items():
             monkeypatch.setattr(node, name, value)
-        monkeypatch.setattr(controller_state, "rospy", SimpleNamespace(Subscriber=quiet))
         self.node = node.VoiceNode(load_voice_config())
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
