@@ -14,7 +14,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PRODUCT = ("catkin_ws/src", "demo", "support")
-OPTIONAL = {"pyarrow", "foxglove-sdk", "imageio-ffmpeg"}  # each has a file; who needs it says what to install
+# Each has a file; the part that needs it says what to install
+OPTIONAL = {"pyarrow", "foxglove-sdk", "imageio-ffmpeg"}
 # Files or needs of others; ruckig's module is in no list of importlib.metadata.
 NOT_IMPORTED = {"openwakeword", "tiktoken", "more-itertools", "tqdm", "ruckig"}
 
