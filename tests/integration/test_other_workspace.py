@@ -35,17 +35,14 @@ def catkin_make(workspace, *words, **environment):
 
 @pytest.fixture
 def workspace(tmp_path):
-    """With every other package copied, and the others linked: one build shows both."""
+    """With half of the packages copied, and the others linked: one build shows both."""
     (tmp_path / "ws" / "src").mkdir(parents=True)
-    for number, package in enumerate(PACKAGES):
+    for package in PACKAGES:
         to = tmp_path / "ws" / "src" / package.name
-        if number % 2:
+        if package.name < "s":
             shutil.copytree(package, to, symlinks=True)
         else:
             to.symlink_to(package)
-    assert (tmp_path / "ws/src/voice_assist").is_symlink() != (
-        tmp_path / "ws/src/rst_control"
-    ).is_symlink(), "both that have code are linked, or both copied"
     return tmp_path / "ws"
 
 

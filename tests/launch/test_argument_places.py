@@ -40,7 +40,7 @@ def sample(tmp_path_factory):
         elif word == "@file":
             kept.write_text("{of_this_test: {file: 1}}\n", "utf-8")
         elif not kept.exists():
-            for package in ("rst_control", "voice_assist"):
+            for package in ("rst_control", "voice_assist", "session_log"):
                 shutil.copytree(PACKAGES / package / "config", kept, dirs_exist_ok=True)
             for file in kept.glob("*.yaml"):
                 with file.open("a", encoding="utf-8") as text:

@@ -13,7 +13,7 @@ from rst_control.simulation.pybullet_robot import PybulletRobot
 from typed_config import load_config, load_yaml, overlaid
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples" / "ur5e_openrst"
-SECTIONS = ("limits", "scene", "simulator")
+SECTIONS = ("limits", "scene", "simulator", "plant")
 
 
 def test_an_arm_of_six_joints_is_simulated_from_its_own_urdf():

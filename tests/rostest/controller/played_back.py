@@ -79,12 +79,19 @@ class PlayedBack(unittest.TestCase):
     def named(self):
         return " ".join(self.strangers.values())
 
+    def unnamed(self):
+        """Topics of which no stranger is named."""
+        return [topic for topic in self.known if f"{topic} from " not in self.named()]
+
     def assert_it_moves_nothing(self, state, **options):
         before = self.joints.position
         with playing(self.messages, **options):
-            self.robot.wait(lambda: all(f"{topic} from " in self.named() for topic in self.known))
+            try:
+                self.robot.wait(lambda: not self.unnamed())
+            except AssertionError as error:
+                raise AssertionError(f"{self.unnamed()}: {error}") from None
             rospy.sleep(PLAYED)
-            self.assertEqual(self.robot.state.state, state)
+            self.assertEqual(self.robot.state.state, state, self.robot.state.halt_reason)
             now = self.joints.position
             drift = max(abs(a - b) for a, b in zip(before, now, strict=True))
             self.assertLess(drift, 1e-4)

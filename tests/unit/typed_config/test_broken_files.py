@@ -139,7 +139,7 @@ def test_a_key_given_twice_is_refused_wherever_it_stands(path, tmp_path):
         else:
             failures.append(f"{shown(place)} twice is accepted")
     assert not failures, "\n".join(failures)
-    assert len(seen) >= 3
+    assert len(seen) >= 2
 
 
 @files
