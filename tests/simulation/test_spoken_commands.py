@@ -38,7 +38,7 @@ def spoken(folder, text, voice):
 @pytest.mark.parametrize(("command", "voice"), zip(COMMANDS, itertools.cycle(VOICES)))
 def test_a_spoken_command_is_taken_for_what_it_is(evaluator, tmp_path, command, voice):
     outcome = evaluator(spoken(tmp_path, command, voice))
-    assert [t.command for t in outcome.taken] == [command], outcome.heard
+    assert [t.command for t in outcome.taken] == [command], (outcome.heard, outcome.why)
 
 
 @pytest.mark.parametrize("text", TALK)

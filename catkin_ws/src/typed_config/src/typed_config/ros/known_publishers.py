@@ -21,7 +21,7 @@ from typed_config.node_names import caller_name, is_allowed
 from typed_config.ros.system_names import of_this_system
 from typed_config.ros.xmlrpc import FAILURES, ask
 
-MAX_STRANGERS: Final = 16  # that are named at once
+MAX_STRANGERS: Final = 64  # that are named at once
 CODE: Final = "stranger"  # `reason_code` of the status
 ASK_AGAIN: Final = 0.5  # [s] before a master that did not answer, or knew nothing, is asked again
 DIAGNOSTICS_PERIOD: Final = 1.0  # [s]
