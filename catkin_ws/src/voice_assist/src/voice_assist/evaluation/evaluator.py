@@ -116,6 +116,7 @@ class Evaluator:
         mode: str,
         noises: Sequence[Samples] = (),
         snr_db: float = 0.0,
+        timer: Callable[[], float] = time.perf_counter,
     ) -> None:
         """Build the pipeline.
 
@@ -124,8 +125,9 @@ class Evaluator:
             mode: One of MODES, in which every clip is heard, whatever was said in it before.
             noises: One of them, chosen by the row, is added to each clip.
             snr_db: Level of the clip's speech above the noise [dB].
+            timer: Measures the work [s].
         """
-        self._clock = StreamClock()
+        self._clock = StreamClock(timer)
         self._pipeline = make_pipeline(self._clock)
         self._is_moving = mode == MOVING
         self._mode = Mode.ACTIVE if self._is_moving else Mode(mode)
