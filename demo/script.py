@@ -29,7 +29,7 @@ EFFECTS = (
     "standby",
     "light",
 )
-VOICES = ("surgeon", "people")  # whoever else acts makes no sound
+VOICES = ("surgeon", "people")  # other callers make no sound
 
 
 @dataclass(frozen=True, kw_only=True)

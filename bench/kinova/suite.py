@@ -30,7 +30,7 @@ LOOKS = 5  # steps of the physics between two looks at shaft and tension
 REST = 2e-3  # [rad/s] joints slower than this are at rest
 SETS_OFF = 2e-3  # [rad/s] of any joint: the motion has begun
 TARGETS = {"tense": 1.0, "pull more": 1.25, "pull less": 1.0}  # [N]
-SETTLED = 0.3  # [s] after a command has ended, in which the tension is still looked at
+SETTLED = 0.3  # [s] after a command has ended, in which the tension is still measured
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Subscribers that believe the nodes they know; all others are named, and nothing else.
 
-A name in ROS 1 is a claim. So the master is asked where the node of that name is, and a message
-counts only where it came from there. What the master is told nobody checks: this guards against a
+A name in ROS 1 is a claim. So the master is asked where the node of that name is. A message counts
+only where it came from there. Nobody checks what nodes report to the master. This guards against a
 forgotten script, a bag being played or a second system, and against no attacker.
 """
 
