@@ -11,11 +11,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import rospy
+import yaml
 from sensor_msgs.msg import Joy
 
 from demo.script import ScriptStep
 from rst_control.srv import Command
-from typed_config import load_file
+from typed_config import load_file, load_yaml
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.pedal import PedalConfig
 
@@ -29,6 +30,8 @@ def settings(folder: Path) -> dict[str, str | bool | Path]:
     config = folder / "config"
     shutil.copytree(CONFIG_DIR, config, dirs_exist_ok=True)
     shutil.copy(config / "theatre_commands.yaml", config / "commands.yaml")
+    believed = load_yaml(CONFIG_DIR / "believed.yaml") | {"joy": ["/demo_*"]}  # `Hands`
+    (config / "believed.yaml").write_text(yaml.safe_dump(believed), encoding="utf-8")
     return {"config": config, "pedal": True, "devices": True}
 
 
