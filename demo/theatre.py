@@ -11,12 +11,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import rospy
-import yaml
 from sensor_msgs.msg import Joy
 
 from demo.script import ScriptStep
 from rst_control.srv import Command
-from typed_config import load_file, load_yaml
+from support.own_settings import copy_settings
+from typed_config import load_file
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.pedal import PedalConfig
 
@@ -27,11 +27,8 @@ BUTTONS = 8  # of the pedal that is played
 
 def settings(folder: Path) -> dict[str, str | bool | Path]:
     """Launch arguments of a session with pedal and devices; its settings are written beside it."""
-    config = folder / "config"
-    shutil.copytree(CONFIG_DIR, config, dirs_exist_ok=True)
+    config = copy_settings(folder / "config", "/demo_*")
     shutil.copy(config / "theatre_commands.yaml", config / "commands.yaml")
-    believed = load_yaml(CONFIG_DIR / "believed.yaml") | {"joy": ["/demo_*"]}  # `Hands`
-    (config / "believed.yaml").write_text(yaml.safe_dump(believed), encoding="utf-8")
     return {"config": config, "pedal": True, "devices": True}
 
 

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import shutil
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -22,8 +21,8 @@ from paper.play.plan import COMMANDS, MOTIONS, STOP, PhrasePlan, Planned
 from paper.play.session import tension_limits
 from paper.play.watch import Happened, SessionWatch
 from support.launched_system import READY_TIME, System
+from support.own_settings import copy_settings
 from support.waiting import wait_until
-from voice_assist.config import CONFIG_DIR
 
 HELD = 0.1  # [s] that a press lasts
 SETTINGS = "settings"  # folder of the session's
@@ -48,7 +47,7 @@ def run(
         system = stack.enter_context(System(folder / "launch.log", {}))
         rospy.init_node("paper", anonymous=True, disable_signals=True)
         watch = stack.enter_context(SessionWatch())
-        settings = _settings(folder / SETTINGS)
+        settings = own_settings(folder / SETTINGS)
         system.launch_session(folder, source="topic", pedal=True, config=settings)
         system.wait_for(watch.ready, lambda part: console.print(f"  {part} ready"))
         # the controller is ready before its robot is
@@ -56,10 +55,9 @@ def run(
         return _PedalSession(watch, plan, config, console).play()
 
 
-def _settings(folder: Path) -> Path:
+def own_settings(folder: Path) -> Path:
     """The package's settings with a button for each command."""
-    shutil.copytree(CONFIG_DIR, folder, dirs_exist_ok=True)
-    file = folder / "pedal.yaml"
+    file = copy_settings(folder, "/paper_*") / "pedal.yaml"
     given = yaml.safe_load(file.read_text(encoding="utf-8"))
     given["bindings"] = [
         {"input": f"button {i}", "above": 0.5, "does": "command", "command": command}
