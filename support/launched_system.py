@@ -143,7 +143,7 @@ class System:
 
         Args:
             parts: Name of each part, and what is set when it is ready.
-            say: Told the name of each part when it is ready.
+            say: Gets the name of each part when it is ready.
 
         Raises:
             RuntimeError: A node ended, or a part was not ready in time.

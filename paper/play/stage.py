@@ -75,7 +75,7 @@ def stage(
     Args:
         config: Settings.
         folder: Of the session; made if missing.
-        say: Told what has come up.
+        say: Gets the name of what has come up.
 
     Raises:
         RuntimeError: A part does not come up.

@@ -21,7 +21,7 @@ from support.launched_system import STOP_TIME, free_port
 from support.waiting import wait_until
 
 START_TIME = 60.0  # [s] for a part to come up
-SIGNALS = {  # by which a part is lost; the last two mean something to losses_voice.py alone
+SIGNALS = {  # by which a part is lost; the last two mean something to losses/voice.py alone
     "SIGKILL": signal.SIGKILL,
     "SIGSTOP": signal.SIGSTOP,
     "hang": signal.SIGUSR1,

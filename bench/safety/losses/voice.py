@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The voice node with a recogniser that hangs on SIGUSR1 and crashes on SIGUSR2, for losses.py.
+"""The voice node with a recogniser that hangs on SIGUSR1 and crashes on SIGUSR2.
 
 When it does, at its next look at some sound, it says so on the topic `losses/failed`.
 """

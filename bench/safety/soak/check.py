@@ -248,7 +248,7 @@ class Checker:
         self._check_rest(moment)
 
     def _placed(self, position: Array) -> TrocarPose:
-        """TrocarPose of the true joints, measured anew where they have moved."""
+        """Where the tool truly is towards the trocar, measured anew where joints have moved."""
         if self._place is None or not np.array_equal(position, self._place[0]):
             self._place = position, self.trocar_pose(position)
         return self._place[1]

@@ -38,7 +38,7 @@ def test_a_homed_tool_in_position_control_may_move(tool):
         (1, "not homed (it says CONNECTED)"),
         (2, "in READY, needed: POSITION_CONTROL"),
         (4, "in TORQUE_CONTROL, needed: POSITION_CONTROL"),
-        (7, "never told its state"),
+        (7, "never reported its state"),
     ],
 )
 def test_any_other_state_is_refused_by_name(tool, state, words):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A pull with a tension that is only roughly known: slowly, until it is reached.
 
-The control of `tension.py` finds the tissue's stiffness from small changes of a sensor. An estimate
+`TensionControl` finds the tissue's stiffness from small changes of a sensor. An estimate
 from joint torques has errors as large as these changes. So here the tension only says when to stop.
 """
 

@@ -42,7 +42,7 @@ class SetpointState:
 
     @property
     def pulled(self) -> float | None:
-        """PathPosition on the pull's path while tissue is pulled harder [m]; None: it is not."""
+        """Place on the pull's path while tissue is pulled harder [m]; None: it is not."""
         motion = self.motion
         if motion is None or not (motion.needs_grip and motion.raises_tension):
             return None

@@ -101,7 +101,7 @@ def warnings(master: str, found: Iterable[Listener], own: set[int]) -> list[str]
             continue
         if listener.port == port:
             words.append(
-                f"the ROS master listens on {listener}: whoever reaches this host can command the "
+                f"the ROS master listens on {listener}: all who reach this host can command the "
                 f"robot, for ROS 1 asks nobody who he is; {REMEDY}"
             )
         elif listener.inode in own:

@@ -79,7 +79,7 @@ class Respawner:
             except subprocess.TimeoutExpired:
                 continue
         if not self._is_asked_to_end:
-            _say(f"whoever started this is gone; {self._command[0]} is asked to end")
+            _say(f"the process that started this is gone; {self._command[0]} is asked to end")
             self.end(signal.SIGINT, None)
         try:
             return child.wait(PATIENCE)

@@ -47,7 +47,7 @@ def home(
             raise HomingFailed(name, "was refused")
         if not wait(lambda wanted=wanted: state() in wanted, STATE_TIME):  # type: ignore[misc]
             now = state()
-            told = "told no state" if now is None else f"left it in {now.name}"
+            found = "reported no state" if now is None else f"left it in {now.name}"
             needed = " or ".join(one.name for one in wanted)
-            raise HomingFailed(name, f"{told}, needed: {needed}")
+            raise HomingFailed(name, f"{found}, needed: {needed}")
     return "OpenRST is homed, and in position control"

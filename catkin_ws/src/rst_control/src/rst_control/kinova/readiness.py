@@ -12,7 +12,7 @@ from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import Tool
 from rst_control.tension.gravity_check import RestTorques
 
-STARTING: Final = "the arm's driver never told its joints: is it running?"
+STARTING: Final = "the arm's driver never reported its joints: is it running?"
 NO_GUARD: Final = "the stop guard was never heard: start the node kinova_guard"
 
 

@@ -35,7 +35,7 @@ HOMING = (
     ("calibrate", (ToolState.READY,)),
     ("pos_control_on", (ToolState.POSITION_CONTROL,)),
 )
-UNKNOWN = "OpenRST never told its state: is its node running?"
+UNKNOWN = "OpenRST never reported its state: is its node running?"
 
 
 class Tool:
@@ -81,7 +81,7 @@ class Tool:
         if self.state is not ToolState.POSITION_CONTROL:
             return f"OpenRST is in {self.state.name}, needed: POSITION_CONTROL"
         if self.feedback is None:
-            return "OpenRST never told its joints"
+            return "OpenRST never reported its joints"
         age, allowed = now - self.feedback.stamp, self._config.feedback_age
         if age > allowed:
             return f"joints of OpenRST {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"

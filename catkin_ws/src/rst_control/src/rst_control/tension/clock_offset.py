@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""When a reading was taken, on the clock of whoever receives it.
+"""When a reading was taken, on the receiver's clock.
 
 Messages come late and in bunches, so the time between two arrivals says little about the time
 between two readings; what is computed from it, such as an acceleration, would be far off. The
-sender's stamps tell it, but by a clock that may be set at any moment.
+sender's stamps say it, but by a clock that may be set at any moment.
 """
 
 from __future__ import annotations

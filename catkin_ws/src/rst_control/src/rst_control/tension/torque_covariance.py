@@ -42,8 +42,8 @@ class TorqueErrors:
     ) -> Array:
         """Covariance of the torques beyond the model.
 
-        It does not look at these torques: were a joint that happens to read more trusted less,
-        all pulls would be told too small. Instead it reckons with `loads` on the jaws and shaft.
+        It does not depend on these torques. Were a joint that happens to read more trusted less,
+        all pulls would be estimated too small. Instead it assumes `loads` on the jaws and shaft.
 
         Args:
             q: Planning configuration [rad]. Shape (9,).

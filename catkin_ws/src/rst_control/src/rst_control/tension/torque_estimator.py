@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tissue's pull on the jaws, told from the torques of the arm's joints.
+"""The tissue's pull on the jaws, estimated from the torques of the arm's joints.
 
 What the torques show beyond gravity and inertia comes from the tissue at the jaws and from the
 trocar on the shaft. Both are solved for at once, the first along the known way of the pull, the
 second as two forces across the shaft, so that a shaft that leans on its trocar does not read as
-tension. Friction along the shaft acts where the pull acts and cannot be told from it.
+tension. Friction along the shaft acts where the pull acts and cannot be separated from it.
 
 Weighted least squares with all known errors, or Gauss-Markov: A. C. Aitken, On Least Squares and
 Linear Combination of Observations, Proc. Royal Society of Edinburgh 55, 1936.
@@ -46,7 +46,7 @@ class TensionEstimate:
 
 
 class TorqueTension:
-    """Filters torques and tells tension from them; one reading after the other.
+    """Filters torques and estimates the tension from them, one reading after the other.
 
     The answer is late by `delay`: the filter's.
 

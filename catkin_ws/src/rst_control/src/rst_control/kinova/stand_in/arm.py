@@ -192,7 +192,7 @@ class SimulatedArm:
         self._wanted, self.mode = wanted, ArmMode.SPEEDS
 
     def _stop(self, now: float) -> None:
-        self._brake(self._limits.acceleration, "the arm was told to stop", now)
+        self._brake(self._limits.acceleration, "the arm was asked to stop", now)
 
     def _brake(self, deceleration: Vector, why: str, now: float) -> None:
         self._abort(why, now)

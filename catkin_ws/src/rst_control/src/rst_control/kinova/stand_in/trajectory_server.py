@@ -60,7 +60,7 @@ class TrajectoryServer:
             goal.reject()
             return
         if self.state is not ServerState.IDLE:
-            log.warning("there is an active goal already; the arm is told to stop")
+            log.warning("there is an active goal already; the arm is asked to stop")
             yield from self._stop()
         self._goal = goal  # the old one is forgotten: nobody answers it any more
         goal.accept()
@@ -126,7 +126,7 @@ class TrajectoryServer:
         if is_expected and goal.state is GoalState.ACTIVE:
             self.state, self._started = ServerState.EXECUTION, self.now
         elif self.state is ServerState.EXECUTION_PENDING and goal.state is GoalState.PREEMPTING:
-            log.info("the trajectory started but was cancelled: the arm is told to stop")
+            log.info("the trajectory started but was cancelled: the arm is asked to stop")
             self._arm.stop()
 
     def _on_end(self, goal: GoalHandle) -> None:

@@ -89,7 +89,7 @@ class MeasurementAssembler:
         """
         joints = self.joints
         if joints is not None and self.gripped is None:
-            words = "the robot has not told yet whether its jaws hold anything"
+            words = "the robot has not reported yet whether its jaws hold anything"
             self._objection = Cause(Reason.JOINT_MESSAGES, words)
         elif joints is not None and joints is not self._seen:
             self._seen = joints

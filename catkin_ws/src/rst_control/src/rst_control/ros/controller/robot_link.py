@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The robot as the controller reaches it: set-points out; joint states, tension, grip, faults in.
 
-Callbacks only keep the newest bytes; the loop reads them when it needs them. `robot_messages.py`
+Callbacks only keep the newest bytes; the loop reads them when it needs them. `MeasurementAssembler`
 says which of them are believed.
 """
 

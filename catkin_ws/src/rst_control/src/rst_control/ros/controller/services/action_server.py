@@ -40,9 +40,9 @@ class GuardedServer(actionlib.ActionServer):
     Args:
         limiter: Knows who may command, and how often.
         known: Knows whether a name that a goal claims is true.
-        on_goal: Told every goal that is let in.
-        on_cancel: Told every goal that is to be cancelled; a cancel is never turned away.
-        on_cancel_all: Told every cancel that names no goal, also where none is under way.
+        on_goal: Gets every goal that is let in.
+        on_cancel: Gets every goal that is to be cancelled; a cancel is never turned away.
+        on_cancel_all: Gets every cancel that names no goal, also where none is under way.
     """
 
     def __init__(
@@ -133,7 +133,7 @@ class AssistServer:
         return self._server.goal_sub
 
     def publish_feedback(self) -> None:
-        """Tell every running goal how far it is."""
+        """Send every running goal how far it is."""
         running = list(self._running.values())
         if running:
             feedback = feedback_message(self._executor.snapshot)
