@@ -14,7 +14,7 @@ class Nobody:
         self.orders: list[object] = []
         self.refusals: list[tuple[str, str]] = []
 
-    def stop(self, cause: Cause, received: float | None = None) -> None:
+    def stop(self, cause: Cause, received: float | None = None, caller: str = "") -> None:
         """Note a stop."""
         self.stops.append(cause.words)
 

@@ -316,11 +316,12 @@ def test_pull_less_eases_a_tension_over_its_limit(amounts):
     assert rig.finish("pull less", **amounts).tension < limit
 
 
-def test_the_diary_tells_when_a_stop_came_not_when_it_was_taken_up():
+def test_the_event_of_a_stop_says_when_it_came_not_when_it_was_taken_up_and_from_whom():
     rig = Rig().awake()
     came = rig.now + 0.0007
-    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"), came)
+    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"), came, "/pedal")
     rig.tick()
-    told = next(entry for entry in rig.executor.events if entry.kind == "stop_received")
-    assert told.stamp == came < rig.now
+    event = next(entry for entry in rig.executor.events if entry.kind == "stop_received")
+    assert event.stamp == came < rig.now
+    assert event.caller == "/pedal"
     assert rig.state is State.HALTED

@@ -69,6 +69,7 @@ class ReportTopics:
     mode: str = text()
     audio: str = text()
     event: str = text()
+    device: str = text()
     state: str = text()
     tension: str = text()
     joint_states: str = text()

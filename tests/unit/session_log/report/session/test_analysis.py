@@ -77,6 +77,38 @@ def test_a_stop_acts_when_it_is_received_and_counts_once_by_both_ways(report_con
     assert (row.command, row.action) == ("stop", 5.26)
 
 
+def test_a_stop_that_a_spotter_sends_within_the_word_is_that_word(report_config):
+    events = [
+        RecordedEvent(4.9, "stop_received", "stop", "stopped by voice", caller="/voice_assist"),
+        RecordedEvent(5.31, "stop_received", "stop", "by topic", caller="/voice_assist"),
+        RecordedEvent(5.32, "stop_received", "stop", "by service", caller="/voice_assist"),
+    ]
+    (row,) = rows_of(report_config, [heard("stop", 5.0, 5.3)], events)
+    assert row.heard is not None and row.action == 4.9
+    assert row.decision_latency == row.action_latency == pytest.approx(-0.1)
+
+
+@pytest.mark.parametrize(("time", "caller"), [(4.9, "/pedal"), (4.2, "/voice_assist")])
+def test_a_stop_of_another_or_before_the_word_is_another_stop(report_config, time, caller):
+    events = [
+        RecordedEvent(time, "stop_received", "stop", "", caller=caller),
+        RecordedEvent(5.31, "stop_received", "stop", "", caller="/voice_assist"),
+    ]
+    rows = rows_of(report_config, [heard("stop", 5.0, 5.3)], events)
+    assert [(row.heard is None, row.action, row.caller) for row in rows] == [
+        (True, time, caller),
+        (False, 5.31, "/voice_assist"),
+    ]
+
+
+@pytest.mark.parametrize(("kind", "words"), [("accepted", "/light"), ("refused", "/light, dark")])
+def test_what_a_device_answers_is_the_answer_to_its_word(report_config, kind, words):
+    data = session([heard("light on", 1.0, 1.2)])
+    data.device_calls.append(RecordedEvent(1.3, kind, "light on", words, caller="devices"))
+    (row,) = analysis.command_rows(data, report_config)
+    assert (row.outcome, row.message, row.caller) == (kind, words, "devices")
+
+
 def test_a_refusal_has_no_action(report_config):
     events = [RecordedEvent(1.1, "refused", "release", "nothing grasped")]
     (row,) = rows_of(report_config, [heard("release", 0.8, 1.0)], events)

@@ -106,3 +106,18 @@ def test_an_empty_recording_has_nothing(tmp_path, report_config):
     write_session(tmp_path / "s.mcap", duration=-1.0)
     data = extract(SessionReader(tmp_path / "s.mcap"), report_config)
     assert data.heard == [] and data.joints is None and data.recording.messages == 0
+
+
+def test_what_came_of_a_call_to_a_device_is_kept(tmp_path, report_config):
+    story = Story()
+    call = {"phrase": "light on", "target": "/theatre/light"}
+    for time, is_done, message in ((1.0, True, ""), (2.0, False, "no answer in 1 s")):
+        fields = {**call, "is_done": is_done, "message": message}
+        story.say(time, "/voice_assist/device", "voice_assist/DeviceCall", **fields)
+    write(tmp_path / "s.mcap", story.messages)
+    calls = extract(SessionReader(tmp_path / "s.mcap"), report_config).device_calls
+    assert [(c.kind, c.command, c.message) for c in calls] == [
+        ("accepted", "light on", "/theatre/light"),
+        ("refused", "light on", "/theatre/light, no answer in 1 s"),
+    ]
+    assert calls[1].time - calls[0].time == pytest.approx(1.0)

@@ -100,7 +100,7 @@ class CommandQueue:
             self._refuse(pending, refusal or request)
         elif request.command.role is Role.STOP:
             cause = Cause(Reason.STOP_COMMAND, f'"stop" from {caller}')
-            self._executor.stop(cause, self._clock())
+            self._executor.stop(cause, self._clock(), caller)
             pending.reply.set_result(Reply(True, request.command.reply))
             pending.ended.set_result(Outcome("succeeded", ""))
         elif request.command.is_by_hand_only and is_by_voice:

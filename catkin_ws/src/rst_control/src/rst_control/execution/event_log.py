@@ -36,7 +36,7 @@ class Event:
     command: str
     message: str
     reason: Reason | None = None  # of what was refused, stopped, halted, given up or cleared
-    caller: str = ""  # node that asked, for what was accepted or refused
+    caller: str = ""  # node that asked, for what was accepted, refused or a stop
 
 
 class EventLog:

@@ -84,9 +84,15 @@ class Executor:
         """Hand over a verified command; the next tick answers it."""
         self._inbox.orders.append(order)
 
-    def stop(self, cause: Cause, received: float | None = None) -> None:
-        """Brake, hold and latch from the next tick on; `received` [s] is in the event log."""
-        self._inbox.stops.append((cause, received))
+    def stop(self, cause: Cause, received: float | None = None, caller: str = "") -> None:
+        """Brake, hold and latch from the next tick on.
+
+        Args:
+            cause: Why.
+            received: When it came [s], for the event log; None: at that tick.
+            caller: Node that asked for it, for the event log; empty: none did.
+        """
+        self._inbox.stops.append((cause, received, caller))
 
     def change(self, change: Change) -> None:
         """Let something that verification relies on be changed, within the next tick."""
@@ -150,8 +156,8 @@ class Executor:
         self.snapshot = self._take_snapshot()  # the tick did not come to it
 
     def _take_stops(self) -> None:
-        for cause, received in self._inbox.take_stops():
-            self._event_log.note(received or self._now, "stop_received", STOP, cause)
+        for cause, received, caller in self._inbox.take_stops():
+            self._event_log.note(received or self._now, "stop_received", STOP, cause, caller)
             self._fault_reset.drop(Cause(Reason.WITHDRAWN, "stopped"))
             self._latch(state_machine.stopped(self._mode, cause))
 

@@ -19,17 +19,17 @@ class Inbox:
 
     Attributes:
         orders: Verified commands.
-        stops: Cause, and when it was received [s]; None: not known.
+        stops: Cause, when it was received [s] (None: not known), and who asked for it.
         changes: Of what verification relies on.
     """
 
     def __init__(self) -> None:
         self.orders: deque[Order] = deque()
-        self.stops: deque[tuple[Cause, float | None]] = deque()
+        self.stops: deque[tuple[Cause, float | None, str]] = deque()
         self.changes: deque[Change] = deque()
         self._older = 0  # orders still waiting that came before the last stop
 
-    def take_stops(self) -> Iterator[tuple[Cause, float | None]]:
+    def take_stops(self) -> Iterator[tuple[Cause, float | None, str]]:
         """All stops."""
         while self.stops:
             stop = self.stops.popleft()

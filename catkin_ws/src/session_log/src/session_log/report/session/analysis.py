@@ -38,13 +38,17 @@ class CommandRow:
 
     @property
     def time(self) -> float:
-        """When it was decided, or answered if it was not spoken [s]."""
-        return self.heard.decision if self.heard else self.answered or 0.0
+        """When it was decided, or answered if it was not spoken [s].
+
+        A spotter sends a stop by itself, before the utterance is decided.
+        """
+        times = (self.heard.decision if self.heard else None, self.answered)
+        return min((time for time in times if time is not None), default=0.0)
 
     @property
     def decision_latency(self) -> float:
         """From the end of speech to the decision [s]; nan if not spoken."""
-        return self.heard.decision - self.heard.speech_end if self.heard else math.nan
+        return self.time - self.heard.speech_end if self.heard else math.nan
 
     @property
     def action_latency(self) -> float:
@@ -92,7 +96,7 @@ def statistics(values: Iterable[float] | Track) -> Statistics:
 
 def command_rows(data: SessionData, config: ReportConfig) -> list[CommandRow]:
     """Join what was heard with what the controller answered and did, in order of time."""
-    answers = sorted(filter(_is_answer, data.events), key=lambda e: e.time)
+    answers = sorted(filter(_is_answer, data.events + data.device_calls), key=lambda e: e.time)
     rows = []
     for heard in sorted((h for h in data.heard if h.command), key=lambda h: h.decision):
         mine = _answers_to(heard, answers, config.match_window)
@@ -138,7 +142,18 @@ def _answers_to(
     since, until = heard.decision - CLOCK_SLACK, heard.decision + window
     candidates = [a for a in answers if since <= a.time <= until]
     first = next((a for a in candidates if _command_of(a) == heard.command), None)
-    return [a for a in candidates if first and (a is first or _belongs(first, a))]
+    if first is None:
+        return []
+    sooner = [
+        a for a in answers if heard.speech_start <= a.time < since and _is_same_stop(first, a)
+    ]
+    return sooner + [a for a in candidates if a is first or _belongs(first, a)]
+
+
+def _is_same_stop(first: RecordedEvent, sooner: RecordedEvent) -> bool:
+    """Tell whether a node stopped the robot in the same word, before it had decided on it all."""
+    is_stop = _command_of(first) == STOP and sooner.kind == "stop_received"
+    return is_stop and sooner.caller == first.caller != ""
 
 
 def _is_answer(event: RecordedEvent) -> bool:

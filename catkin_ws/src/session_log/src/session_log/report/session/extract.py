@@ -93,6 +93,7 @@ class _Extractor:
             topics.utterance: self._utterance,
             topics.mode: self._mode,
             topics.event: self._event,
+            topics.device: self._device,
             topics.picture: self._picture,
             topics.diagnostics: self._diagnostics,
             topics.intended: self._intended,
@@ -201,6 +202,11 @@ class _Extractor:
         self._data.events.append(
             RecordedEvent(time, m.kind, m.command, m.message, code, getattr(m, "caller", ""))
         )
+
+    def _device(self, m: Any) -> None:
+        time, kind = self._time(m.header.stamp), "accepted" if m.is_done else "refused"
+        words = ", ".join(filter(None, (m.target, m.message)))
+        self._data.device_calls.append(RecordedEvent(time, kind, m.phrase, words, caller="devices"))
 
     def _state(self, batch: Batch, time: Track) -> None:
         state, moving = batch.column("state"), np.isin(batch.column("state"), MOVING)

@@ -52,7 +52,7 @@ class RecordedTrocar:
 
 @dataclass(frozen=True)
 class RecordedEvent:
-    """One event of the controller."""
+    """One event of the controller, or what came of a call to a device."""
 
     time: float  # [s]
     kind: str
@@ -136,6 +136,7 @@ class SessionData:
     recording: RecordingSummary
     heard: list[RecordedUtterance] = field(default_factory=list)
     events: list[RecordedEvent] = field(default_factory=list)
+    device_calls: list[RecordedEvent] = field(default_factory=list)  # accepted or refused
     modes: list[Span] = field(default_factory=list)
     states: list[Span] = field(default_factory=list)
     phases: list[Span] = field(default_factory=list)

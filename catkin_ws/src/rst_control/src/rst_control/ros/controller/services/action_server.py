@@ -182,12 +182,13 @@ class AssistServer:
     def _on_cancel(self, goal: ServerGoalHandle) -> None:
         received, command = time.monotonic(), shown(goal.get_goal().command, 40)
         words = f'stop by cancelling the action "{command}"'
-        self._executor.stop(Cause(Reason.STOP_CANCEL, words), received)
+        self._executor.stop(Cause(Reason.STOP_CANCEL, words), received, caller_of(goal.goal))
 
     def _on_cancel_all(self, goal_id: GoalID) -> None:
         received = time.monotonic()
-        words = f"stop by cancelling all actions, from {caller_of(goal_id)}"
-        self._executor.stop(Cause(Reason.STOP_CANCEL, words), received)
+        caller = caller_of(goal_id)
+        words = f"stop by cancelling all actions, from {caller}"
+        self._executor.stop(Cause(Reason.STOP_CANCEL, words), received, caller)
 
 
 def _short(goal_id: GoalID) -> GoalID:
