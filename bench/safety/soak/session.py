@@ -109,7 +109,7 @@ class SoakSession:
         if event.kind in ("say", "talk"):
             self._hear(event)
         elif event.kind == "stop":
-            self.stop(Cause(Reason.STOP_TOPIC, "stop topic, from the soak"))
+            self.stop(Cause(Reason.STOP_TOPIC, "stopped by the soak"))
         elif event.kind == "hand":
             self._note_given(event.words)
             amounts = {"tension": event.tension, "distance": event.distance}

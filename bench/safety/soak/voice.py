@@ -54,7 +54,7 @@ class SoakVoice:
         self.state = done.state
         for action in done.actions:
             if isinstance(action, Halt):
-                self._executor.stop(Cause(Reason.STOP_TOPIC, f"stop topic, from {NODE}"))
+                self._executor.stop(Cause(Reason.STOP_TOPIC, "stopped by voice"))
                 self._calls.clear()
             elif isinstance(action, Call):
                 self._calls.append(action.command)

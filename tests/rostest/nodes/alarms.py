@@ -16,7 +16,7 @@ from support.waiting import wait_until
 from voice_assist.msg import Alarm, Utterance
 from voice_assist.text.phonetic_distance import can_pronounce
 
-STOP = "stop topic, from /voice_assist"
+STOP = "stopped by voice"
 OVER = "tension 2.50 N, allowed 2.40 N"
 
 

@@ -211,7 +211,7 @@ def test_a_stop_by_topic_says_who_sent_it_and_that_of_the_voice_node_is_by_voice
         message = Empty()
         message._connection_header = {"callerid": sender}
         served.hear_stop(message)
-    assert served.stops == ["stopped by voice", "stop topic, from /panel"]
+    assert served.stops == ["stopped by voice", "stopped by /panel"]
 
 
 def test_a_text_that_was_cut_is_refused_by_its_length_unless_it_begins_as_a_stop(served):

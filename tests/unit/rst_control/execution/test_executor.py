@@ -326,3 +326,18 @@ def test_a_late_tick_catches_up_with_time_but_never_by_much():
     rig.robot._updated = rig.now
     rig.tick()
     assert np.linalg.norm(rig.sent[-1].position - rig.sent[-2].position) < 6 * step
+
+
+def test_an_amount_is_shown_with_its_command_and_one_that_is_not_given_is_not():
+    rig = holding()
+    assert rig.view.command == "tense"
+    rig.finish("Pull  LESS 0.1N")
+    assert rig.view.command == "pull less 0.1 N"
+    rig.finish("pull more", distance=5e-4)
+    assert rig.view.command == "pull more 0.5 mm"
+    said = [e.command for e in rig.executor.events if e.kind == "motion_started"]
+    assert said[-2:] == ["pull less 0.1 N", "pull more 0.5 mm"]
+    rig.refused("release 1 mm")
+    assert rig.view.command == "pull more 0.5 mm"
+    rig.finish("release")
+    assert rig.view.command == "release"

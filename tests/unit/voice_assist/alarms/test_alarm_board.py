@@ -25,7 +25,7 @@ from voice_assist.alarms.types import (
 from voice_assist.config.alarms import FILE, AlarmsConfig
 
 CONFIG = load_file(AlarmsConfig, FILE)
-STOPPED = "stop topic, from /voice_assist"
+STOPPED = "stopped by voice"
 OVER = "tension 2.50 N, allowed 2.40 N"
 LOST = "robot not connected"
 OFF = "joint_4 0.060 rad off its set-point"

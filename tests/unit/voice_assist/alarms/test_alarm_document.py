@@ -22,7 +22,7 @@ from voice_assist.config import CONFIG_DIR
 from voice_assist.config.alarms import FILE, AlarmsConfig
 
 ROOT = Path(__file__).resolve().parents[4]
-STOP = latch_alarm("stop topic, from /voice_assist", "stop_topic", is_loaded=False)
+STOP = latch_alarm("stopped by voice", "stop_topic", is_loaded=False)
 FAULT = latch_alarm("tension 2.50 N, allowed 2.40 N", "over_tension", is_loaded=True)
 
 

@@ -37,7 +37,7 @@ def stiffen(rig):
 
 
 def stop(rig):
-    rig.executor.stop(Cause(Reason.STOP_TOPIC, "stop topic, from /voice_assist"))
+    rig.executor.stop(Cause(Reason.STOP_TOPIC, "stopped by voice"))
 
 
 def stop_by_word(rig):

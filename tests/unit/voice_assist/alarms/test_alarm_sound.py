@@ -24,7 +24,7 @@ from voice_assist.types import RATE
 SOON = 10.0  # [s] that a thread may take on a busy machine
 CONFIG = load_file(AlarmsConfig, FILE).sound
 HIGH = latch_alarm("tension 2.50 N, allowed 2.40 N", "over_tension", is_loaded=True)
-STOP = latch_alarm("stop topic, from /voice_assist", "stop_topic", is_loaded=False)
+STOP = latch_alarm("stopped by voice", "stop_topic", is_loaded=False)
 REFUSAL = Alarm(Kind.REFUSAL, Priority.LOW, "busy", "Wait.", Earcon.REFUSAL)
 
 

@@ -76,7 +76,8 @@ def test_what_is_refused_is_answered_by_its_code():
 
 
 def test_what_is_taken_is_answered_by_its_command_and_a_question_asks_for_it():
-    for command, sentence in (("pull more", "drawing further"), ("look left", "accepted")):
+    said = {"pull more": "drawing further", "tense 1.5 N": "taking hold", "look left": "accepted"}
+    for command, sentence in said.items():
         assert event_alarm(ControllerEvent("accepted", command, ""), False).answer == sentence
         asked = UtteranceReport("", "nearly sure", "nearly_sure", command, 0.0)
         assert unheard_alarm(asked).answer == taken(command) == sentence

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -65,6 +66,34 @@ def test_latency_runs_from_the_end_of_speech_to_the_start_of_motion(report_confi
     (row,) = rows_of(report_config, [heard("tense", 10.0, 10.3)], events)
     assert row.decision_latency == pytest.approx(0.3)
     assert row.action_latency == pytest.approx(0.42)
+
+
+def test_what_is_called_otherwise_than_it_is_said_is_joined_by_who_called(report_config):
+    said, called = "pull two millimetres more", "pull more 2 mm"
+    spoken = replace(heard(said, 10.0, 10.3), publisher="/voice_assist")
+    others = RecordedEvent(10.305, "accepted", "pull less", "by hand", caller="/hand")
+    events = [
+        others,
+        RecordedEvent(10.31, "accepted", called, "ok", caller="/voice_assist"),
+        RecordedEvent(10.42, "motion_started", called, ""),
+    ]
+    row, by_hand = rows_of(report_config, [spoken], events)
+    assert (row.command, row.outcome, row.message) == (said, "accepted", "ok")
+    assert row.action_latency == pytest.approx(0.42)
+    assert (by_hand.command, by_hand.heard, by_hand.caller) == ("pull less", None, "/hand")
+
+
+def test_an_answer_to_another_phrase_of_the_same_voice_is_not_taken_from_it(report_config):
+    light = replace(heard("light on", 10.0, 10.3), publisher="/voice_assist")
+    more = replace(heard("pull more", 10.6, 10.7), publisher="/voice_assist")
+    events = [RecordedEvent(10.71, "accepted", "pull more", "ok", caller="/voice_assist")]
+    data = session([light, more], events)
+    data.phrases = ("light on", "pull more")
+    rows = analysis.command_rows(data, report_config)
+    assert [(r.command, r.outcome) for r in rows] == [
+        ("light on", "no answer"),
+        ("pull more", "accepted"),
+    ]
 
 
 def test_a_stop_acts_when_it_is_received_and_counts_once_by_both_ways(report_config):
@@ -215,7 +244,7 @@ def test_the_end_of_the_program_is_no_command_of_anybody(report_config):
         RecordedEvent(
             5.0, "stop_received", "stop", "the controller is being shut down", "shutdown"
         ),
-        RecordedEvent(3.0, "stop_received", "stop", "stop topic, from /pedal", "stop_topic"),
+        RecordedEvent(3.0, "stop_received", "stop", "stopped by /pedal", "stop_topic"),
     ]
     rows = rows_of(report_config, [], events)
     assert [(row.command, row.heard, row.time) for row in rows] == [("stop", None, 3.0)]

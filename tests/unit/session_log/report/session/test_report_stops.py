@@ -6,7 +6,7 @@ import pytest
 from session_log.report.session.session_data import RecordedEvent, Span
 from session_log.report.session.stops import UNREPORTED, stops, stops_table
 
-TOPIC = "stop topic, from /voice_assist"
+TOPIC = "stopped by voice"
 OVER = "tension 2.50 N, allowed 2.40 N"
 
 

@@ -27,9 +27,9 @@ RULES = (
     WordRule("stop", BOTH, ANY, None),
 )
 PULLING = RobotPart("moving", "pull", "tense", 0.4, True, True, "", "")
-HALTED = RobotPart("halted", "hold", "tense", 1.0, True, True, "stop topic, from /display", "")
+HALTED = RobotPart("halted", "hold", "tense", 1.0, True, True, "stopped by /display", "")
 TISSUE = TissuePart(0.62, 1.0, 2.3e-5, 0.121)
-STOPPED = AlarmPart("stop", 2, "stop topic, from /display", 'say "hey robot" to go on')
+STOPPED = AlarmPart("stop", 2, "stopped by /display", 'say "hey robot" to go on')
 
 
 class Clock:

@@ -60,7 +60,7 @@ class FirstMotion:
             return decision
         self._shown, self._confirmed = (plan, measured.position), None
         self._show(plan)
-        words = ASK.format(command=plan.command.phrase, words=plan.words)
+        words = ASK.format(command=plan.command_words, words=plan.words)
         return Rejected(Reason.NOT_CONFIRMED, words)
 
     def confirm(self) -> Reply:
@@ -70,13 +70,13 @@ class FirstMotion:
         if self._shown is None:
             return Reply(False, NOTHING, Reason.NOT_CONFIRMED)
         self._confirmed = self._clock()
-        command = self._shown[0].command.phrase
+        command = self._shown[0].command_words
         return Reply(True, f'confirmed: say "{command}" again within {VALID_FOR:.0f} s')
 
     def _is_confirmed(self, plan: Plan, place: Vector) -> bool:
         if self._shown is None or self._confirmed is None:
             return False
         shown, where = self._shown
-        is_same = shown.command == plan.command
+        is_same = shown.command_words == plan.command_words
         is_near = float(np.abs(place - where).max()) <= SAME_PLACE
         return is_same and is_near and self._clock() - self._confirmed <= VALID_FOR

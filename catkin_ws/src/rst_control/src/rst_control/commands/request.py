@@ -35,6 +35,12 @@ class Request:
             if not amount.allows(getattr(self, amount.name)):
                 raise ValueError(f"{amount.name} must be a number from {amount.minimum:g} up")
 
+    @property
+    def amount(self) -> str:
+        """What was given with the command, such as "2 mm"; empty: as configured."""
+        given = (f"{self.distance * 1e3:g} mm" if self.distance else "",)
+        return ", ".join(filter(None, (f"{self.tension:g} N" if self.tension else "", *given)))
+
 
 @dataclass(frozen=True, eq=False)
 class Situation:
@@ -65,6 +71,12 @@ class Plan:
     words: str  # what will be done, for people
     phases: tuple[Phase, ...] = ()
     grasp: Grasp | None = None  # to remember when this plan starts; None after "release"
+    amount: str = ""  # given with the command, such as "2 mm"; empty: as configured
+
+    @property
+    def command_words(self) -> str:
+        """The command with its amount, such as "pull more 2 mm"."""
+        return f"{self.command.phrase} {self.amount}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,4 +114,5 @@ class PlanningContext:
 
     def accept(self, words: str, phases: Sequence[Phase], grasp: Grasp | None = None) -> Accepted:
         """Accept the request with its plan."""
-        return Accepted(Plan(self.request.command, words, tuple(phases), grasp))
+        request = self.request
+        return Accepted(Plan(request.command, words, tuple(phases), grasp, request.amount))

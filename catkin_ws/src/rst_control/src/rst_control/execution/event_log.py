@@ -70,7 +70,7 @@ class EventLog:
 
     def accept(self, now: float, order: Order) -> None:
         """Answer that it is done or will be."""
-        self.command = order.command.phrase
+        self.command = order.plan.command_words
         self.note(now, "accepted", self.command, order.plan.words, order.caller)
         order.reply(Reply(True, order.plan.words))
 
@@ -83,7 +83,7 @@ class EventLog:
             cause: Why.
             tension: Present [N].
         """
-        self.note_refusal(now, order.command.phrase, cause, order.caller)
+        self.note_refusal(now, order.plan.command_words, cause, order.caller)
         order.reply(Reply.refused(cause))
         order.ended(Outcome("refused", cause.words, cause.reason, tension))
 

@@ -206,13 +206,14 @@ class Executor:
         if refusal is not None:
             self._refuse(order, refusal)
             return
-        self._end_order("stopped", Cause(Reason.REPLACED, f'replaced by "{order.command.phrase}"'))
+        replaced = f'replaced by "{order.plan.command_words}"'
+        self._end_order("stopped", Cause(Reason.REPLACED, replaced))
         if self._mode.state is not State.MOVING:
             self._robot.max_rcm_error = self._robot.trocar_pose.rcm_error
         self._event_log.order = order
         self._change(state_machine.started(self._mode))
         self._event_log.accept(self._now, order)
-        self._note("motion_started", order.command.phrase, order.plan.words)
+        self._note("motion_started", order.plan.command_words, order.plan.words)
 
     def _terminate(self, order: Order) -> None:
         self._event_log.accept(self._now, order)

@@ -115,8 +115,9 @@ UNSPOKEN: Final = frozenset(  # codes after which nothing is said
 
 
 def taken(command: str) -> str:
-    """What is said of a command that was accepted, or that is asked for."""
-    return TAKEN.get(command, TAKEN_OTHERWISE)
+    """What is said of a command that was accepted, or that is asked for, whatever its amount."""
+    named = (said for one, said in TAKEN.items() if f"{command} ".startswith(f"{one} "))
+    return next(named, TAKEN_OTHERWISE)
 
 
 def why(code: str) -> str:

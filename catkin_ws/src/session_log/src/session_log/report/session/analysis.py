@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,7 +99,7 @@ def command_rows(data: SessionData, config: ReportConfig) -> list[CommandRow]:
     answers = sorted(filter(_is_answer, data.events + data.device_calls), key=lambda e: e.time)
     rows = []
     for heard in sorted((h for h in data.heard if h.command), key=lambda h: h.decision):
-        mine = _answers_to(heard, answers, config.match_window)
+        mine = _answers_to(heard, answers, data.phrases, config.match_window)
         answers = [a for a in answers if a not in mine]
         rows.append(_row(data, config, heard.command, heard, mine))
     while answers:
@@ -137,11 +137,14 @@ def loop_timing(loop: Intervals, late_factor: float) -> LoopTiming:
 
 
 def _answers_to(
-    heard: RecordedUtterance, answers: list[RecordedEvent], window: float
+    heard: RecordedUtterance, answers: list[RecordedEvent], phrases: Collection[str], window: float
 ) -> list[RecordedEvent]:
+    """Answers to the words of a phrase; one that is called otherwise is known by who called."""
     since, until = heard.decision - CLOCK_SLACK, heard.decision + window
     candidates = [a for a in answers if since <= a.time <= until]
-    first = next((a for a in candidates if _command_of(a) == heard.command), None)
+    called = (a for a in candidates if a.caller == heard.publisher and a.command not in phrases)
+    named = (a for a in candidates if _command_of(a) == heard.command)
+    first = next(named, next(called, None) if heard.publisher else None)
     if first is None:
         return []
     sooner = [
@@ -184,7 +187,7 @@ def _row(
     refused = next((a for a in answers if a.kind == "refused"), None)
     outcome = "refused" if refused else "accepted"
     message = next((a.message for a in answers if a.message), "")
-    action = None if refused else _action(data, config, command, first.time)
+    action = None if refused else _action(data, config, _command_of(first), first.time)
     return CommandRow(command, heard, first.time, outcome, message, action, first.caller)
 
 

@@ -83,6 +83,7 @@ class _Extractor:
         self._decoder = Decoder()
         self._origin: int | None = None  # [ns]
         self._now = 0.0  # [s] log time of the message that is decoded
+        self._publisher = ""  # node that sent it
         self._end = 0  # [ns] log time of the latest message
         self._health: dict[str, NodeHealth] = {}
         self._picture_step = self._picture_count = 0
@@ -151,6 +152,7 @@ class _Extractor:
     def _decode(self, take: Callable[[Any], None], message: Message) -> None:
         topic = message.source.topic
         self._now = self._relative(message.log_time)
+        self._publisher = message.source.publisher
         try:
             self._decoder.read(message, take)
         except MissingField as error:
@@ -182,6 +184,7 @@ class _Extractor:
             mode=m.mode,
             decided_by=m.decided_by,
             is_partial=bool(m.is_partial),
+            publisher=self._publisher,
         )
         self._data.heard.append(heard)
         if self._sounds is not None:

@@ -31,6 +31,7 @@ class RecordedUtterance:
     mode: str
     decided_by: str
     is_partial: bool
+    publisher: str = ""  # node that said so; older recordings have none
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ const RETRY = 1000; // [ms] before a connection that was refused is tried again
 const SILENT = 3000; // [ms] without an event after which the connection is made anew
 const ACT_WITHIN = 4000; // [ms] for an act to be answered
 const PICKED_FOR = 6000; // [ms] that a click into the picture stays marked
+const MANY = 10; // words, above which they are drawn smaller
 const QUIET = -60, LOUD = -3; // [dB] ends of the level bar, and what clips
 const SHAPES = { standby: "circle", active: "disc", moving: "arrow", stopping: "bars", halted: "square", faulted: "warning" };
 const NAMES = { standby: "Standby", active: "Ready", moving: "Moving", stopping: "Stopping", halted: "Halted", faulted: "Fault" };
@@ -87,13 +88,15 @@ function drawRobot(since, limit) {
   say("why", robot.halt_reason || (robot.state === "standby" ? `${held}; say "hey robot" to begin` : held));
   const isUnderWay = robot.state === "moving" || robot.state === "stopping";
   const phase = PHASES[robot.phase] || robot.phase;
-  say("phase", isUnderWay ? phase : robot.command ? `Last: ${robot.command}` : "At rest");
+  say("phase", isUnderWay ? [robot.command, phase].filter(Boolean).join(": ") : robot.command ? `Last: ${robot.command}` : "At rest");
   say("remaining", isUnderWay && robot.remaining !== null ? `about ${robot.remaining.toFixed(1)} s` : "");
   bar("progress", isUnderWay ? robot.progress : 0, Math.round(100 * robot.progress), `${phase}, ${Math.round(100 * robot.progress)} %`);
   const words = robot.words.join("|");
   if (byId("words").dataset.words !== words) {
     byId("words").dataset.words = words;
-    byId("words").replaceChildren(...robot.words.map((word) => Object.assign(document.createElement("b"), { textContent: word })));
+    byId("words").classList.toggle("is-many", robot.words.length > MANY);
+    const texts = robot.words.map((word) => word.replace(/\{\w+\}/, "…")); // any amount of that kind
+    byId("words").replaceChildren(...texts.map((textContent) => Object.assign(document.createElement("b"), { textContent })));
   }
   tell("state", `${name}. ${isUnderWay ? phase : robot.halt_reason}`);
 }

@@ -131,8 +131,8 @@ class CommandService:
 
     def _on_stop(self, message: Empty) -> None:
         received, sender = time.monotonic(), caller_of(message)
-        words = "stopped by voice" if sender == self._spoken_by else f"stop topic, from {sender}"
-        self._executor.stop(Cause(Reason.STOP_TOPIC, words), received, sender)
+        who = "voice" if sender == self._spoken_by else sender
+        self._executor.stop(Cause(Reason.STOP_TOPIC, f"stopped by {who}"), received, sender)
 
     def _on_heartbeat(self, message: Time) -> None:
         sent, now = message.data.to_sec(), time.monotonic()
