@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from voice_assist.assembly import make_pipeline
+from voice_assist.assembly import make_pipeline, make_recognizer
 from voice_assist.audio.sound_file import read_sound
 from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import Evaluator, LabelledClip
@@ -22,12 +22,44 @@ TALK = (
 )
 
 
+STALL = 1.2  # [s]
+
+
+class Stalling:
+    """A recogniser on a machine that stalls in one decoder pass; also the clock of its work.
+
+    It counts the work alone: what other programs take of the machine is no delay of the pipeline.
+    """
+
+    def __init__(self, recognizer):
+        self._recognizer, self._stalled = recognizer, 0.0
+        self.start()
+
+    def start(self, stalls_at=None):
+        self.passes, self._stalls_at = 0, stalls_at
+
+    def now(self):
+        return time.process_time() + self._stalled
+
+    def transcribe(self, *sound):
+        self.passes += 1
+        self._stalled += STALL * (self.passes == self._stalls_at)
+        return self._recognizer.transcribe(*sound)
+
+    def __getattr__(self, name):
+        return getattr(self._recognizer, name)
+
+
 @pytest.fixture(scope="module")
-def evaluator():
-    config = load_voice_config()
-    # By the work alone: what other programs take of the machine is no delay of the pipeline.
-    timer = time.process_time
-    return Evaluator(lambda clock: make_pipeline(config, clock), Mode.ACTIVE.value, timer=timer)
+def recognizer():
+    return Stalling(make_recognizer(load_voice_config()))
+
+
+@pytest.fixture(scope="module")
+def evaluator(recognizer):
+    config, timer = load_voice_config(), recognizer.now
+    make = lambda clock: make_pipeline(config, clock, recognizer)  # noqa: E731
+    return Evaluator(make, Mode.ACTIVE.value, timer=timer)
 
 
 def spoken(folder, text, voice):
@@ -42,6 +74,18 @@ def spoken(folder, text, voice):
 def test_a_spoken_command_is_taken_for_what_it_is(evaluator, tmp_path, command, voice):
     outcome = evaluator(spoken(tmp_path, command, voice))
     assert [t.command for t in outcome.taken] == [command], (outcome.heard, outcome.why)
+
+
+def test_a_stall_in_any_pass_delays_a_command_and_refuses_none(evaluator, recognizer, tmp_path):
+    clip = spoken(tmp_path, "pull less", "en-us")
+    recognizer.start()
+    evaluator(clip)
+    passes = recognizer.passes
+    assert passes > 4
+    for stalls_at in range(1, passes + 1):
+        recognizer.start(stalls_at)
+        outcome = evaluator(clip)
+        assert [t.command for t in outcome.taken] == ["pull less"], (stalls_at, outcome.why)
 
 
 @pytest.mark.parametrize("text", TALK)

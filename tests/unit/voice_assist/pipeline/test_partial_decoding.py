@@ -100,6 +100,18 @@ def test_far_behind_the_stream_only_the_end_is_looked_at():
     assert rig.looks == 1
 
 
+def test_a_transcript_is_not_current_where_the_end_of_the_word_came_too_late_for_a_pass():
+    rig = Rig()
+    for is_speech in [True] * 5:
+        rig.feed(is_speech)
+    rig.late = 1.0
+    assert [rig.feed(False) for _ in range(5)] == [False] * 4 + [True]
+    assert not rig.hearing.is_current
+    rig.late = 0.0
+    assert rig.feed(False) and rig.hearing.is_current
+    assert rig.looks == 2
+
+
 def test_long_utterances_are_heard_through_a_window():
     rig = Rig()
     for _ in range(4):

@@ -69,6 +69,7 @@ class PartialDecoder:
         self.transcript: Hypothesis | None = None  # newest
         self.part: Hypothesis | None = None  # of the last part alone, at the same moment
         self.is_window = False  # it is only of the utterance's last part
+        self.is_current = False  # it was made now, or there was no speech since
         self.worded_at = float("-inf")  # [s] stream time of the newest pass that found a word
         self._decoded_at: float | None = None  # [s] stream time of the newest pass
         self._has_news = False  # there was speech since the newest pass
@@ -107,6 +108,7 @@ class PartialDecoder:
         is_new = self._is_due(partial, frame, time, is_turn)
         if is_new:
             self._decode(partial, time, part, frame.is_moving)
+        self.is_current = is_new or not self._has_news
         return self.transcript is not None and (is_new or is_turn)
 
     def is_settled(self, partial: PartialUtterance) -> bool:
