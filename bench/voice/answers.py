@@ -8,6 +8,7 @@ are absent, every native synthetic voice once. SHARE=0.2 takes the same fifth ev
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,8 +26,8 @@ from voice_assist.answers.sentences import catalogue
 SEED = 29
 EVERY = 9  # of the people
 STATES = {False: "at rest", True: "moving"}
-CONDITIONS = ((12.0, True), (6.0, True), (0.0, True), (6.0, False))  # [dB] of the word; moving
-ALONE = "answers alone, moving"
+CONDITIONS = ((12.0, False), (6.0, False), (0.0, False), (6.0, True))  # [dB] of the word; moving
+ALONE = "answers alone, at rest"
 
 
 def measure() -> list[Figure]:
@@ -74,10 +75,12 @@ def _plans() -> Iterator[tuple[str, list[AnswerTrial]]]:
     sentences = catalogue()
     quiet = [AnswerTrial(word, "", 0.0, i, True) for i, word in enumerate(words)]
     yield f'{who} "stop", nothing spoken, moving', quiet
+    at_rest = [replace(trial, is_moving=False) for trial in quiet]
+    yield f'{who} "stop", nothing spoken, at rest', at_rest
     for level, is_moving in CONDITIONS:
         trials = [
             AnswerTrial(word, sentences[i % len(sentences)], level, i, is_moving)
             for i, word in enumerate(words)
         ]
         yield f'{who} "stop" {level:g} dB over an answer, {STATES[is_moving]}', trials
-    yield ALONE, [AnswerTrial(None, text, 0.0, i, True) for i, text in enumerate(sentences)]
+    yield ALONE, [AnswerTrial(None, text, 0.0, i, False) for i, text in enumerate(sentences)]

@@ -109,6 +109,7 @@ class Alarms(unittest.TestCase):
     def test_7_what_was_taken_is_said_and_announced_and_a_stop_silences(self):
         if not can_pronounce():
             raise unittest.SkipTest("espeak-ng is not installed")
+        self.be("active", held=True)
         spoke, times = [], []
         speaking = rospy.Subscriber("voice_assist/speaking", Bool, lambda m: spoke.append(m.data))
         stop = rospy.Publisher("rst_control/stop", Empty, queue_size=1)
@@ -116,11 +117,19 @@ class Alarms(unittest.TestCase):
         wait_until(lambda: self.accept(times) or len(spoke) >= 2)
         self.assertEqual(spoke[:2], [True, False])
         wait_until(lambda: len(spoke) % 2 == 0)
+        self.be("moving", held=True)
+        rospy.sleep(0.3)
+        self.assert_unsaid("pull less", spoke)
+        self.be("active", held=True)
         stop.publish(Empty())
         rospy.sleep(0.3)
+        self.assert_unsaid("release", spoke)
+
+    def assert_unsaid(self, command, spoke):
+        """A command that is accepted is shown, and nothing is said of it."""
         count = len(spoke)
-        self.events.publish(Event(kind="accepted", command="release", message="x"))
-        wait_until(lambda: "release" in self.alarm.cause + "".join(self.alarm.others))
+        self.events.publish(Event(kind="accepted", command=command, message="x"))
+        wait_until(lambda: command in self.alarm.cause + "".join(self.alarm.others))
         rospy.sleep(1.0)
         self.assertEqual(len(spoke), count)
 

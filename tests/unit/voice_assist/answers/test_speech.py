@@ -151,6 +151,25 @@ def test_a_stop_ends_an_answer_and_none_follows_for_a_while(loudspeaker, monkeyp
         assert loudspeaker.log.count("ready") == 1
 
 
+def test_a_motion_ends_an_answer_and_none_begins_until_the_robot_rests(loudspeaker, monkeypatch):
+    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    loudspeaker.hangs = True
+    with loudspeaker.answers() as answers, played(loudspeaker, answers) as player:
+        wait_until(lambda: answers.duration("ready") > 0.0)
+        player.offer(TAKEN)
+        wait_until(lambda: "ready" in loudspeaker.log)
+        player.is_muted = True
+        wait_until(lambda: False in loudspeaker.log)
+        assert loudspeaker.log[-4:] == [True, "ready", "cut", False]
+        player.offer(replace(TAKEN, earcon=Earcon.REFUSAL))
+        player.offer(replace(TAKEN, earcon=Earcon.STOP, priority=Priority.MEDIUM, answer=""))
+        wait_until(lambda: loudspeaker.log[-1] is Earcon.STOP)
+        assert loudspeaker.log.count("ready") == 1
+        loudspeaker.hangs, player.is_muted = False, False
+        player.offer(TAKEN)
+        wait_until(lambda: loudspeaker.log[-3:] == [True, "ready", False])
+
+
 @pytest.mark.parametrize(
     ("programs", "changes", "named"),
     [

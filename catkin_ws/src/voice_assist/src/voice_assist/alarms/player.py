@@ -66,6 +66,7 @@ class Player:
         self._changed = threading.Condition()
         self._next: Alarm | None = None
         self._is_over = False
+        self.is_muted = False  # while it is true nothing is said, and what is being said ends
         self.trouble = ""
         self._thread = threading.Thread(target=self._run, name="alarm player", daemon=True)
 
@@ -125,7 +126,7 @@ class Player:
             self._report(trouble)
 
     def _is_hushed(self) -> bool:
-        return time.monotonic() < self._quiet_until
+        return self.is_muted or time.monotonic() < self._quiet_until
 
     def _is_cut(self, playing: Alarm) -> bool:
         coming = self._next

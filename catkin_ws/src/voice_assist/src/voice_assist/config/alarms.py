@@ -35,6 +35,7 @@ class SpeechConfig:
     words_per_minute: float = number(80.0, 450.0, "")
     kokoro_styles: str = text(may_be_empty=True)
     volume_db: float = number(-60.0, 0.0, "dB")
+    in_motion: bool = flag()
     quiet_after_stop: float = number(0.5, 60.0, "s")
 
 

@@ -28,7 +28,7 @@ from voice_assist.alarms.appearance import is_lit, line
 from voice_assist.alarms.board import Board, Standing
 from voice_assist.alarms.player import Player
 from voice_assist.alarms.sound_output import ProgramOutput
-from voice_assist.alarms.types import PartHealth, Priority
+from voice_assist.alarms.types import IN_MOTION, PartHealth, Priority
 from voice_assist.answers.speech import SpokenAnswers
 from voice_assist.config import CommandsConfig
 from voice_assist.config.alarms import FILE, AlarmsConfig
@@ -167,6 +167,7 @@ class AlarmNode:
 
     def _on_state(self, message: ControllerState) -> None:
         state = messages.robot_state(message)
+        self._mute(state.state in IN_MOTION)
         self._hand_over(lambda board, now: board.see_state(state, now))
 
     def _hush(self) -> None:
@@ -174,9 +175,16 @@ class AlarmNode:
         if self._player is not None:
             self._player.hush()
 
+    def _mute(self, is_moving: bool) -> None:
+        """While the robot moves nothing is said, for a "stop" would be heard later."""
+        if self._player is not None and not self._config.speech.in_motion:
+            self._player.is_muted = is_moving
+
     def _on_event(self, message: Event) -> None:
         if message.kind == "stop_received":
             self._hush()
+        elif message.kind == "motion_started":  # it comes with "accepted", before the first state
+            self._mute(is_moving=True)
         event = messages.controller_event(message)
         self._hand_over(lambda board, now: board.see_event(event, now))
 
