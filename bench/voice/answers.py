@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A "stop" while the robot speaks an answer, and what the answers themselves are taken for.
 
-The subset is fixed: every ninth of the people of ../shared/speech/dev who say "stop"; where they
+The subset is fixed: every third of the people of ../shared/speech/dev who say "stop"; where they
 are absent, every native synthetic voice once. SHARE=0.2 takes the same fifth every time.
 """
 
@@ -24,7 +24,7 @@ from support.figures import Figure, share
 from voice_assist.answers.sentences import catalogue
 
 SEED = 29
-EVERY = 9  # of the people
+EVERY = 3  # of the people
 STATES = {False: "at rest", True: "moving"}
 CONDITIONS = ((12.0, False), (6.0, False), (0.0, False), (6.0, True))  # [dB] of the word; moving
 ALONE = "answers alone, at rest"
