@@ -28,8 +28,8 @@ def heard(text, confidence=0.8):
     return Hypothesis(text, math.log(confidence), 0.0)
 
 
-def at(time, quiet=0.0, is_complete=False, is_whole=True, is_current=True):
-    return DecisionContext(time, quiet, is_complete, is_whole, is_current=is_current)
+def at(time, quiet=0.0, is_complete=False, is_whole=True):
+    return DecisionContext(time, quiet, is_complete, is_whole)
 
 
 def test_stop_needs_two_readings_in_a_row(judge):
@@ -45,12 +45,6 @@ def test_one_sure_reading_of_stop_is_enough(judge):
 
 def test_one_reading_of_stop_is_enough_in_a_pause(judge):
     assert judge(heard("stop"), at(0.5, quiet=0.16)).command == "stop"
-
-
-def test_in_a_pause_a_transcript_that_lacks_the_end_of_the_word_is_no_command_but_a_stop(judge):
-    assert judge(heard("tense"), at(0.5, quiet=0.16, is_current=False)) is None
-    assert judge(heard("tense"), at(0.6, quiet=0.2)).command == "tense"
-    assert judge(heard("stop"), at(0.9, quiet=0.16, is_current=False)).command == "stop"
 
 
 def test_unsure_readings_of_stop_do_not_count(judge):

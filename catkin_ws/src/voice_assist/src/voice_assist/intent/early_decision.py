@@ -31,7 +31,6 @@ class DecisionContext:
         None  # [nat] the spotter's best score recently; None: no spotter listens
     )
     is_moving: bool = False  # the robot moves, or may: a "stop" in a sentence is one
-    is_current: bool = True  # False: the transcript lacks the end of what was said
 
 
 class EarlyDecision:
@@ -141,7 +140,7 @@ class EarlyDecision:
         config = self._config
         if not config.is_enabled or not isinstance(outcome, Match) or not context.is_whole:
             return False
-        if self.has_decided or not context.is_current or self._mapper.can_grow(heard.text):
+        if self.has_decided or self._mapper.can_grow(heard.text):
             return False
         is_still = context.time - self._unchanged_since >= config.unchanged_for - _SLACK
         return is_still or self._is_pause(context)

@@ -69,7 +69,6 @@ class PartialDecoder:
         self.transcript: Hypothesis | None = None  # newest
         self.part: Hypothesis | None = None  # of the last part alone, at the same moment
         self.is_window = False  # it is only of the utterance's last part
-        self.is_current = False  # it was made now, or there was no speech since
         self.worded_at = float("-inf")  # [s] stream time of the newest pass that found a word
         self._decoded_at: float | None = None  # [s] stream time of the newest pass
         self._has_news = False  # there was speech since the newest pass
@@ -108,7 +107,6 @@ class PartialDecoder:
         is_new = self._is_due(partial, frame, time, is_turn)
         if is_new:
             self._decode(partial, time, part, frame.is_moving)
-        self.is_current = is_new or not self._has_news
         return self.transcript is not None and (is_new or is_turn)
 
     def is_settled(self, partial: PartialUtterance) -> bool:
@@ -140,13 +138,15 @@ class PartialDecoder:
             return self._has_news
         if not (self._config.is_enabled and self._has_news):
             return False
+        if is_turn:  # behind, too: what is decided now must be of all the sound
+            return True
         if self._clock() - frame.stamp - frame.duration > self._config.max_backlog:
             self._observer(SideInput(SideInputKind.BEHIND, frame.first_sample))
             return False
         decoded_at = time if self._decoded_at is None else self._decoded_at
         since = time - decoded_at + _SLACK
-        if is_turn or self.is_settled(partial) or since < self._config.partial_interval:
-            return is_turn or self.is_settled(partial)
+        if self.is_settled(partial) or since < self._config.partial_interval:
+            return self.is_settled(partial)
         cost = 0.0 if frame.is_moving else min(self._costs)
         if cost > self._config.partial_interval and since < cost / _BUSY:
             self._observer(SideInput(SideInputKind.BEHIND, frame.first_sample))

@@ -178,7 +178,7 @@ class Pipeline:
         spotted = self._stop_fusion.best(frame.stamp + frame.duration)
         is_complete = partial.utterance.is_complete
         where = frame.stream_end, partial.quiet, is_complete, is_whole, spotted, frame.is_moving
-        context = DecisionContext(*where, self._decoder.is_current)
+        context = DecisionContext(*where)
         verdict = self._decider(transcript, partial, context)
         return () if verdict is None else (self._conclude(verdict, partial),)
 
