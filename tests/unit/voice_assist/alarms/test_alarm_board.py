@@ -247,6 +247,12 @@ def test_a_lost_recording_is_low_and_goes_when_it_is_back():
     assert scene.health("rst_control: recording", "").first is None
 
 
+def test_a_lost_pedal_has_its_own_next_step():
+    scene = Scene().health("pedal: pedal", "nobody publishes joy any more")
+    assert scene.first.priority is Priority.LOW and "pedal" in scene.first.next_step
+    assert scene.health("pedal: pedal", "").first is None
+
+
 def test_a_fault_that_gets_worse_is_told_again():
     scene = Scene().health("rst_control: recording", "not recorded: x")
     scene.be(is_tissue_held=True)

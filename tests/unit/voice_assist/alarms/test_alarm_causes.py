@@ -14,7 +14,6 @@ from rst_control.execution.orders import Outcome, Reply
 from rst_control.types import ROBOT_FAULTS, Cause, Reason, robot_fault
 from tests.unit.voice_assist.audio.test_input_check import DEAFENING, LONG, watched
 from voice_assist.alarms.causes import (
-    ENDED_AS_ASKED,
     GIVE_UPS,
     LATCHES,
     NO_REASON,
@@ -29,6 +28,7 @@ from voice_assist.alarms.presenter import event_alarm, latch_alarm
 from voice_assist.alarms.types import ControllerEvent, Kind
 from voice_assist.types import HearingFault, RejectionReason
 
+ENDED_AS_ASKED = ("terminated", "replaced")  # motions that end without an alarm
 PACKAGE = Path(rst_control.types.__file__).parent
 MESSAGES = PACKAGE.parents[1] / "msg"
 SOURCES = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}

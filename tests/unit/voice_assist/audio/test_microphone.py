@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from support.waiting import wait_until
+from voice_assist.audio.capture import microphone as microphone_module
 from voice_assist.audio.capture.microphone import Microphone
 from voice_assist.audio.capture.portaudio import Device, choose
 from voice_assist.config import load_voice_config
@@ -256,3 +257,17 @@ def test_a_working_microphone_is_left_for_the_chosen_one_at_once_with_a_gap():
     person.wait(1)
     assert sound.opened == [BUILT_IN.name, USB.name]
     assert len(heard) == 7 and heard[3] > 3 * 512
+
+
+def test_a_choice_whose_caller_was_refused_for_lack_of_an_answer_is_not_made_later(monkeypatch):
+    monkeypatch.setattr(microphone_module, "_CHOICE_TIME", 0.01)
+    answers = []
+
+    def on_wait(microphone, number):
+        if number == 1:
+            answers.append(microphone.change("usb"))
+
+    sound = FakeSound([[BUILT_IN, USB]], [blocks(4)] * 2)
+    listen(sound, attempts=3, on_wait=on_wait)
+    assert "the microphone before stays" in answers[0]
+    assert set(sound.opened) == {BUILT_IN.name}

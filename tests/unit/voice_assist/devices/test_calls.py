@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which calls follow words and stops; and which settings are no harmless calls."""
 
+from itertools import islice
+
 import pytest
 
 from typed_config import ConfigError, load_config, load_yaml
 from voice_assist.config import CONFIG_DIR, CommandsConfig
 from voice_assist.config.devices import devices_config, require_harmless
-from voice_assist.devices.calls import DeviceCalls
+from voice_assist.devices.calls import MAX_WAITING, DeviceCalls
 
 FILE = load_yaml(CONFIG_DIR / "devices.yaml")
 COMMANDS = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "theatre_commands.yaml"))
@@ -29,8 +31,19 @@ def made(*calls):
     return devices_config({"calls": list(calls)})
 
 
-def phrases(calls):
-    return [one.phrase for one in calls]
+def begun(calls, count=100):
+    """Phrases of the calls that are made now, in their order."""
+    return [one.phrase for one in islice(iter(lambda: calls.next(0.0), None), count)]
+
+
+def make(calls, *words):
+    for word in words:
+        assert calls.said(word) is None
+        assert begun(calls) == [word]
+
+
+PRESSURE = (call("higher pressure", on_stop="pressure down"), call("pressure down"))
+LIGHT = (call("light on", on_stop="go dark"), call("go dark"))
 
 
 def test_the_examples_calls_are_harmless():
@@ -39,32 +52,61 @@ def test_the_examples_calls_are_harmless():
 
 def test_a_word_makes_its_call_and_no_other_word_makes_one():
     calls = DeviceCalls(devices_config(FILE))
-    assert calls.said("light on").values == {"data": True}
+    assert calls.said("light on") is None
+    assert calls.next(0.0).values == {"data": True}
     for word in ("stop", "tense", "light", "", "raise"):
         assert calls.said(word) is None
+        assert calls.next(0.0) is None
+
+
+def test_too_many_calls_are_refused_by_number():
+    calls = DeviceCalls(made(*LIGHT))
+    refused = [calls.said("light on") for _ in range(MAX_WAITING + 1)]
+    assert refused[:-1] == [None] * MAX_WAITING
+    assert (refused[-1].is_done, refused[-1].words) == (False, "5 calls wait already, allowed: 5")
+    assert begun(calls) == ["light on"] * MAX_WAITING
 
 
 def test_a_stop_undoes_what_says_so_once_the_newest_first():
-    calls = DeviceCalls(
-        made(
-            call("higher pressure", on_stop="pressure down"),
-            call("pressure down"),
-            call("light on", on_stop="go dark"),
-            call("go dark"),
-        )
-    )
+    calls = DeviceCalls(made(*PRESSURE, *LIGHT))
     assert calls.stopped() == ()
-    for word in ("higher pressure", "higher pressure", "light on"):
-        calls.said(word)
-    assert phrases(calls.stopped()) == ["go dark", "pressure down"]
+    make(calls, "higher pressure", "higher pressure", "light on")
     assert calls.stopped() == ()
+    assert begun(calls) == ["go dark", "pressure down"]
+    assert calls.stopped() == ()
+    assert begun(calls) == []
+
+
+def test_a_stop_that_is_reported_twice_undoes_all_of_it_once():
+    calls = DeviceCalls(made(*PRESSURE, *LIGHT))
+    make(calls, "higher pressure", "light on")
+    calls.stopped()
+    assert begun(calls, 1) == ["go dark"]
+    assert calls.stopped() == ()  # the stop topic first, then the controller's event
+    assert begun(calls) == ["pressure down"]
+
+
+def test_what_waits_at_a_stop_is_dropped_and_not_undone():
+    calls = DeviceCalls(made(*PRESSURE, *LIGHT))
+    calls.said("higher pressure")
+    (dropped,) = calls.stopped()
+    assert (dropped.call.phrase, dropped.is_done) == ("higher pressure", False)
+    assert begun(calls) == []
+
+
+def test_a_stop_undoes_what_was_about_to_be_undone_by_a_word():
+    calls = DeviceCalls(made(*LIGHT))
+    make(calls, "light on")
+    calls.said("go dark")
+    assert calls.stopped() == ()
+    assert begun(calls) == ["go dark"]
 
 
 def test_what_was_undone_by_a_word_is_not_undone_again():
-    calls = DeviceCalls(made(call("light on", on_stop="go dark"), call("go dark")))
-    calls.said("light on")
-    calls.said("go dark")
+    calls = DeviceCalls(made(*LIGHT))
+    make(calls, "light on", "go dark")
     assert calls.stopped() == ()
+    assert begun(calls) == []
 
 
 @pytest.mark.parametrize(

@@ -42,8 +42,9 @@ def called(words, mode):
     for frame in Framer().push(frozen_samples(sound.astype(np.float32)), 100.0):
         clock.now = frame.stamp + frame.duration
         for event in pipeline(frame):
-            if isinstance(event, UtteranceDecision) and (call := calls.said(event.command)):
-                made.append(call.phrase)
+            if isinstance(event, UtteranceDecision):
+                calls.said(event.command)
+                made += [call.phrase for call in iter(lambda: calls.next(0.0), None)]
     return made
 
 

@@ -15,7 +15,7 @@ from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.profile import spellings
 from voice_assist.profile.manifest import Take
 from voice_assist.profile.profile import create_profile
-from voice_assist.profile.spellings import MOST, learn_spellings, overlay
+from voice_assist.profile.spellings import MAX_SPELLINGS, learn_spellings, overlay
 from voice_assist.types import Call, Match, Mode, NoMatch, UtteranceDecision, frozen_samples
 
 FILES = {"commands_de.yaml": "de", "commands_es.yaml": "es", "endoscope_commands.yaml": "en-us"}
@@ -85,7 +85,7 @@ def test_nothing_is_learned_of_silence_or_of_what_is_right_already():
 def test_only_the_most_frequent_are_kept():
     texts = [f"{word} and the rest" for word in ("one", "owl", "red", "sky", "toy", "fur", "gym")]
     told, refused = learn(spannen=texts)
-    assert len(told.commands[0].learned) == MOST and "more frequent" in refused[0].why
+    assert len(told.commands[0].learned) == MAX_SPELLINGS and "more frequent" in refused[0].why
 
 
 def test_the_profile_keeps_them_and_they_are_laid_over_the_commands():

@@ -34,9 +34,8 @@ _PART_OF = {  # name of a status in diagnostics, without the node's name space, 
     "rst_control: control loop": "control loop",
     "rst_control: motion": "motion",
     "rst_control: settings": "settings",
+    "pedal: pedal": "pedal",
 }
-
-
 _OWNER_OF = {"rst_control": "controller", "voice_assist": "voice", "kinova_guard": "stop guard"}
 
 

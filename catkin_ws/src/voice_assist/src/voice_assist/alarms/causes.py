@@ -75,7 +75,6 @@ GIVE_UPS: Final = {  # by the code of an event at_rest: a motion that could not 
     "caught_tissue": _mild('Say "release", then give it once more.'),
     "tension_sensor": _mild('Say "pull more" to pull by distance, or "release".'),
 }
-ENDED_AS_ASKED: Final = ("terminated", "replaced")  # motions that end without an alarm
 
 REFUSALS: Final = _refusals(  # by the code of an event refused, trocar_refused or grasp_refused
     {

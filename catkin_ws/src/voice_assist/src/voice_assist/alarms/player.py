@@ -112,11 +112,11 @@ class Player:
             self._report(f"no answer is spoken: {words}")
 
     def _play(self, alarm: Alarm) -> None:
-        trouble = ""
+        trouble, voice = "", self._voice  # which `_prepare` may take away meanwhile
         try:
             self._output.play(alarm.earcon, lambda: self._is_cut(alarm))
-            if alarm.answer and self._voice is not None:
-                self._voice.say(alarm.answer, lambda: self._is_hushed() or self._is_cut(alarm))
+            if alarm.answer and voice is not None:
+                voice.say(alarm.answer, lambda: self._is_hushed() or self._is_cut(alarm))
         except AudioError as error:
             trouble = str(error)
         except Exception as error:  # top of the thread: alarms go on being seen

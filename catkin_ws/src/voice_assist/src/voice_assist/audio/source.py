@@ -51,11 +51,6 @@ class Framer:
         self._stamp = 0.0  # [s] of the first sample in the rest
         self._next = 0  # index of the first sample in the rest
 
-    @property
-    def next_sample(self) -> int:
-        """Index of the sample that follows all those pushed."""
-        return self._next + len(self._rest)
-
     def push(self, samples: NDArray[np.generic], stamp: float) -> Iterator[Frame]:
         """Add a block and give the frames that are complete.
 

@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Settings: one frozen dataclass per YAML file."""
 
-from voice_assist.config.commands import (
-    CommandConfig,
-    CommandsConfig,
-)
+from voice_assist.config.commands import CommandConfig, CommandsConfig
+from voice_assist.config.moving import MovingConfig
 from voice_assist.config.voice import (
     CONFIG_DIR,
     SECTIONS,
@@ -12,7 +10,6 @@ from voice_assist.config.voice import (
     DenoiseConfig,
     EarlyConfig,
     MicrophoneConfig,
-    MovingConfig,
     SpotterConfig,
     TopicConfig,
     VadConfig,

@@ -86,5 +86,4 @@ def load_enrolment_config(folder: str | Path = CONFIG_DIR) -> EnrolmentConfig:
     Raises:
         typed_config.ConfigError: The file or a key is not as it must be.
     """
-    path = Path(folder) / "enrolment.yaml"
-    return load_file(EnrolmentConfig, path)
+    return load_file(EnrolmentConfig, Path(folder) / "enrolment.yaml")

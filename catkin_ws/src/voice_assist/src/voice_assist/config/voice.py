@@ -20,48 +20,16 @@ from typed_config import (
     text,
 )
 from voice_assist.config.calibration import Calibration
-from voice_assist.config.commands import NEVER_SURE, CommandConfig, CommandsConfig
+from voice_assist.config.commands import NEVER_SURE, CommandsConfig
 from voice_assist.config.moving import MovingConfig
 from voice_assist.config.profile import ProfileConfig
 from voice_assist.config.speaker import SpeakerConfig
 from voice_assist.errors import CommandsError
 
-__all__ = [
-    "CONFIG_DIR",
-    "SECTIONS",
-    "AskConfig",
-    "AudioConfig",
-    "CommandConfig",
-    "CommandsConfig",
-    "ConfidenceConfig",
-    "DenoiseConfig",
-    "EarlyConfig",
-    "MicrophoneConfig",
-    "MovingConfig",
-    "ProfileConfig",
-    "RecognizerConfig",
-    "RobotSpeechConfig",
-    "SpeakerConfig",
-    "SpotterConfig",
-    "TopicConfig",
-    "VadConfig",
-    "VoiceConfig",
-    "WavConfig",
-    "load_voice_config",
-    "voice_config",
-]
-
 CONFIG_DIR = package_folder("voice_assist") / "config"
 LOWEST_PITCH = 10.0  # [Hz] below it there is no sound to remove
-SECTIONS = (
-    "audio",
-    "recognizer",
-    "spotter",
-    "speaker",
-    "profile",
-    "commands",
-    "moving",
-)  # each a file and a key
+# Each a file and a key.
+SECTIONS = ("audio", "recognizer", "spotter", "speaker", "profile", "commands", "moving")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -305,7 +273,7 @@ def load_voice_config(folder: str | Path = CONFIG_DIR, **changes: Any) -> VoiceC
         typed_config.ConfigError: A file or a key is not as it must be.
         CommandsError: The commands contradict each other.
     """
-    data = {name: _load_one(Path(folder), name) for name in SECTIONS}
+    data = {name: dict(load_yaml(Path(folder) / f"{name}.yaml")) for name in SECTIONS}
     for path, value in changes.items():
         *parents, key = path.split("__")
         branch: dict[str, Any] = data
@@ -318,7 +286,3 @@ def load_voice_config(folder: str | Path = CONFIG_DIR, **changes: Any) -> VoiceC
 def voice_config(data: Mapping[str, Any]) -> VoiceConfig:
     """Build the settings from a mapping, as the parameter server gives it."""
     return load_config(VoiceConfig, data)
-
-
-def _load_one(folder: Path, name: str) -> dict[str, Any]:
-    return dict(load_yaml(folder / f"{name}.yaml"))

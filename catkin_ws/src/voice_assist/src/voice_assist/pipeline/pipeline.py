@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from voice_assist.audio.denoise import Denoiser
 from voice_assist.audio.robot_speech import RobotSpeech, RobotSpeechChange
-from voice_assist.audio.source import GapWatch
+from voice_assist.audio.source import Clock, GapWatch
 from voice_assist.audio.talk_gate import TalkChange, TalkGate
 from voice_assist.config import VoiceConfig
 from voice_assist.intent.dialogue import (
@@ -59,7 +58,6 @@ if TYPE_CHECKING:
     from voice_assist.speaker.gate import Gate
 
 Event = Partial | UtteranceDecision | Lost
-Clock = Callable[[], float]
 
 _PROGRESS = RATE  # samples between two notes of how far recognition has come
 _KEPT_OF_NOISE = 0.5  # [s] before a decoder pass that found nothing, which may begin a word
@@ -275,8 +273,6 @@ class Pipeline:
         self._decider.start_utterance()
         self._decoder.reset()
         self._shown = ""
-
-    # --- inputs besides sound
 
     @property
     def state(self) -> DialogueState:

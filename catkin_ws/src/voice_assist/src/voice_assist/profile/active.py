@@ -67,8 +67,6 @@ def personalise(config: ProfileConfig, base: Recognizer) -> Recognizer:
         raise VoiceProfileError(f"profile {profile.name!r} {found}, {allowed}; {again}")
     if not profile.has(model_file.NAME):
         return base
-    from voice_assist.recognizer.embedded import EmbeddedRecognizer
-
     if not isinstance(base, EmbeddedRecognizer):
         allowed = "the embedded model, or one trained by make train"
         raise VoiceProfileError(

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
 
 NAME = "spellings.json"  # in a profile
-LEAST = 8  # letters that all takes with a spelling have together: a short word has to come twice
-MOST = 6  # spellings of one command
+MIN_LETTERS = 8  # of a spelling in all takes together: a short word has to come twice
+MAX_SPELLINGS = 6  # spellings of one command
 AROUND = 0.25  # [s] of quiet around the speech of a take
 
 
@@ -75,8 +75,8 @@ def learn_spellings(
     found: dict[str, list[str]] = {phrase: [] for phrase in written}
     for phrase, spelling, count in _candidates(written):
         why = _too_rare(spelling, count) or _of_another(phrase, spelling, written)
-        if not why and len(found[phrase]) >= MOST:
-            why = f"{MOST} others are more frequent"
+        if not why and len(found[phrase]) >= MAX_SPELLINGS:
+            why = f"{MAX_SPELLINGS} others are more frequent"
         if not why:
             why = _why_not(commands, phrase, spelling, language)
         if why:
@@ -91,10 +91,7 @@ def learn_spellings(
 
 
 def put_spellings(
-    profile: VoiceProfile,
-    recognizer: Recognizer,
-    commands: CommandsConfig,
-    language: str = ENGLISH,
+    profile: VoiceProfile, recognizer: Recognizer, commands: CommandsConfig
 ) -> tuple[Refused, ...]:
     """Learn from the takes of a profile, and keep what was learned there.
 
@@ -102,7 +99,6 @@ def put_spellings(
         profile: With takes of commands.
         recognizer: As it will hear the person: with the adapted weights, where there are some.
         commands: That exist.
-        language: Whose sounds espeak-ng gives the phrases.
 
     Returns:
         What was not learned.
@@ -115,7 +111,7 @@ def put_spellings(
         if take.kind == COMMAND and take.phrase in commands.phrases:
             heard = recognizer.transcribe(speech_of(profile.sound(take), AROUND))
             written.setdefault(take.phrase, []).append(heard.text)
-    learned, refused = learn_spellings(written, commands, language)
+    learned, refused = learn_spellings(written, commands)
     profile.put(NAME, to_bytes(learned))
     return refused
 
@@ -163,8 +159,9 @@ def _candidates(written: Mapping[str, Sequence[str]]) -> list[tuple[str, str, in
 
 def _too_rare(spelling: str, count: int) -> str:
     letters = count * len(spelling.replace(" ", ""))
-    allowed = f"allowed: {LEAST} letters in all takes together, and more"
-    return "" if letters >= LEAST else f"written {count} times with {letters} letters, {allowed}"
+    allowed = f"allowed: {MIN_LETTERS} letters in all takes together, and more"
+    rare = f"written {count} times with {letters} letters, {allowed}"
+    return "" if letters >= MIN_LETTERS else rare
 
 
 def _of_another(phrase: str, spelling: str, written: Mapping[str, Sequence[str]]) -> str:

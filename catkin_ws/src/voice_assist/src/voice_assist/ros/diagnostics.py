@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -40,9 +40,9 @@ class VoiceHealth:
     dropped: int = 0  # frames
     lost: int = 0  # samples
     real_time_factor: float = 0.0
-    frame_done: float = field(default=float("-inf"))  # [s] when the last frame was worked off
+    frame_done: float = float("-inf")  # [s] when the last frame was worked off
     behind: float = 0.0  # [s] of that frame then
-    commanded: float = field(default=float("-inf"))  # [s] when the last command was taken
+    commanded: float = float("-inf")  # [s] when the last command was taken
     last_command: str = ""
 
     def note_trouble(self, trouble: str, fault: HearingFault = HearingFault.NO_SOUND) -> None:

@@ -16,7 +16,7 @@ from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
 from voice_assist.enrolment.remote_session import ActionResult, EnrolmentService
-from voice_assist.errors import VoiceError
+from voice_assist.errors import AudioError, VoiceError
 from voice_assist.msg import Mode
 from voice_assist.profile.profile import profiles_folder
 from voice_assist.recognizer import load_recognizer
@@ -66,13 +66,14 @@ class EnrolmentNode:
 
     def _listen(self) -> Iterator[Frame]:
         topic = replace(self._voice.audio.topic, name=_AUDIO)
-        with TopicSource(topic, self._trouble, partial(self._believed.hear, "voice")) as source:
+        with TopicSource(topic, _raise, partial(self._believed.hear, "voice")) as source:
             yield from source
 
-    @staticmethod
-    def _trouble(trouble: str) -> None:
-        if trouble:
-            rospy.logwarn("%s", trouble)
+
+def _raise(trouble: str) -> None:
+    """Let a take fail without sound: its caller waits for it."""
+    if trouble:
+        raise AudioError(trouble)
 
 
 def _response(result: ActionResult) -> EnrollResponse:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import Future
-from concurrent.futures import TimeoutError as NoReply
 from dataclasses import dataclass, field
 from queue import Empty, Queue
 
@@ -52,7 +51,7 @@ class QuestionService:
         self._given.put(given)
         try:
             has_stood = given.stood.result(WITHIN)
-        except NoReply:
+        except TimeoutError:
             if given.stood.cancel():
                 return AnswerQuestionResponse(False, "recognition does not answer")
             has_stood = given.stood.result(WITHIN)

@@ -19,6 +19,8 @@ from voice_assist.training.data.texts import COMMANDS
 from voice_assist.training.precision import cheap_numbers
 from voice_assist.types import RATE, Samples
 
+QUIET = 0.25  # [s] before and behind a clip
+LONGEST = 163_200  # samples that are read; the encoder has 512 positions of 320
 LETTERS = 24  # decoded at most; longer texts cannot come out as a command
 
 
@@ -53,16 +55,16 @@ def greedy(model: WhisperCtc, mel: Tensor, letters: int = LETTERS) -> list[str]:
 
 
 @torch.inference_mode()
-def transcripts(model: WhisperCtc, sounds: Sequence[Samples], quiet: float = 0.25) -> list[str]:
+def transcripts(model: WhisperCtc, sounds: Sequence[Samples]) -> list[str]:
     """Greedy transcripts of clips of any lengths, each amid a little quiet."""
     order = sorted(range(len(sounds)), key=lambda i: len(sounds[i]))
     written = [""] * len(sounds)
     for start in range(0, len(order), 32):
         chosen = order[start : start + 32]
-        longest = min(max(len(sounds[i]) for i in chosen) + int(2 * quiet * RATE), 163200)
+        longest = min(max(len(sounds[i]) for i in chosen) + int(2 * QUIET * RATE), LONGEST)
         batch = np.random.default_rng(0).normal(0, 1e-4, (len(chosen), longest))
         for row, index in zip(batch, chosen, strict=True):
-            first = int(quiet * RATE)
+            first = int(QUIET * RATE)
             kept = sounds[index][: longest - first]
             row[first : first + len(kept)] += kept
         with cheap_numbers():
@@ -84,10 +86,10 @@ def tally(clips: Sequence[TrainingClip], written: Sequence[str]) -> TranscriptTa
 
 
 def in_noise(
-    clips: Sequence[TrainingClip], snr: float | None, around: Surroundings, seed: int = 5
+    clips: Sequence[TrainingClip], snr: float | None, around: Surroundings
 ) -> list[Samples]:
-    """Clips as float32, with background at a signal-to-noise ratio [dB]."""
-    rng = np.random.default_rng(seed)
+    """Clips as float32, with background at a signal-to-noise ratio [dB]; None: without."""
+    rng = np.random.default_rng(5)
     sounds = []
     for clip in clips:
         sound: Samples = clip.samples.astype(np.float32) / np.float32(32768)

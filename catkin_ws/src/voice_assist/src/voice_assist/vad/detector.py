@@ -13,6 +13,7 @@ from voice_assist.types import Frame, Samples
 _STEEPNESS = 0.5  # [1/dB] of the probability around the margin
 _FALL = 0.3  # share of the way down to a quieter room that the floor goes per frame
 _RISE_DB = 0.06  # [dB] per frame that the floor rises, about 2 dB/s
+_MIN_FLOOR_DB = -60.0  # of full scale: a quieter room counts as this
 _START_FRAMES = 5  # the first frames set the floor
 
 
@@ -31,14 +32,13 @@ class Detector(Protocol):
 class EnergyDetector:
     """Takes for speech what is clearly louder than the room has been."""
 
-    def __init__(self, margin_db: float, quietest_db: float = -60.0) -> None:
+    def __init__(self, margin_db: float) -> None:
         """Start in an unknown room.
 
         Args:
             margin_db: Above the room's level at which the probability is 0.5 [dB].
-            quietest_db: Level of full scale below which nothing is speech [dB].
         """
-        self._margin, self._quietest = margin_db, quietest_db
+        self._margin = margin_db
         self.reset()
 
     def reset(self) -> None:
@@ -51,9 +51,9 @@ class EnergyDetector:
         level = level_db(samples)
         self._frames += 1
         if self._frames <= _START_FRAMES:
-            self._floor = max(min(self._floor, level), self._quietest)
+            self._floor = max(min(self._floor, level), _MIN_FLOOR_DB)
         elif level < self._floor:
-            self._floor = max(self._floor + _FALL * (level - self._floor), self._quietest)
+            self._floor = max(self._floor + _FALL * (level - self._floor), _MIN_FLOOR_DB)
         else:
             self._floor += min(_RISE_DB, level - self._floor)
         reference = self._floor + self._margin
@@ -95,7 +95,7 @@ REST = 0.2  # [s] of quiet ones, longer than the closure of a consonant
 
 
 class OverloadRecovery:
-    """Is shown one frame after the other."""
+    """Finds the end of an overload, after which the detector starts anew; follows a stream."""
 
     def __init__(self) -> None:
         self._loud = 0.0  # [s]
@@ -108,5 +108,5 @@ class OverloadRecovery:
         self._quiet = self._quiet + frame.duration if level <= QUIET_DB else 0.0
         if self._quiet < REST:
             return False
-        was_deafened, self._loud = self._loud >= LONG, 0.0
-        return was_deafened
+        was_overloaded, self._loud = self._loud >= LONG, 0.0
+        return was_overloaded

@@ -8,7 +8,7 @@ opened. From then on only that one is opened, until a person chooses another.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from queue import Empty, Full, Queue, SimpleQueue
 
@@ -41,7 +41,7 @@ class _Block:
 @dataclass(frozen=True)
 class _Choice:
     name: str
-    answer: SimpleQueue[str] = field(default_factory=SimpleQueue)  # what is wrong; empty: nothing
+    answer: Future[str] = field(default_factory=Future)  # what is wrong; empty: nothing
 
 
 class Microphone:
@@ -91,9 +91,12 @@ class Microphone:
         """
         choice = _Choice(name)
         self._choices.put(choice)
-        with suppress(Empty):
-            return choice.answer.get(timeout=_CHOICE_TIME)
-        return f"the choice was not looked at within {_CHOICE_TIME:g} s"
+        try:
+            return choice.answer.result(_CHOICE_TIME)
+        except TimeoutError:
+            if choice.answer.cancel():
+                return f"no answer within {_CHOICE_TIME:g} s; the microphone before stays"
+            return choice.answer.result()
 
     def __enter__(self) -> Microphone:
         """Do nothing yet: the device is opened, and waited for, by reading."""
@@ -137,11 +140,13 @@ class Microphone:
     def _take_choices(self, devices: list[Device]) -> None:
         while not self._choices.empty():
             choice = self._choices.get()
+            if not choice.answer.set_running_or_notify_cancel():
+                continue  # the caller waits no longer, and was refused
             try:
                 self.name, self._is_kept = choose(choice.name, devices).name, True
-                choice.answer.put("")
+                choice.answer.set_result("")
             except DeviceError as error:
-                choice.answer.put(str(error))
+                choice.answer.set_result(str(error))
 
     def _close(self) -> None:
         if self._stream is not None:
@@ -161,7 +166,7 @@ class Microphone:
         """Frames until the device is lost, or another is chosen.
 
         Raises:
-            DeviceError: It is.
+            DeviceError: It is lost.
         """
         if self._stream is None:
             raise DeviceError("not open", device.name)

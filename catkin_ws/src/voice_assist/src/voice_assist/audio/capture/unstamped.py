@@ -21,7 +21,7 @@ LONGEST: Final = 0.5  # [s] of sound in one message
 GAP: Final = 0.25  # [s] that sound may be late before it counts as lost
 JUDGED_AFTER: Final = 1.0  # [s] of arrival from which the amount is judged
 FORGOTTEN: Final = 5.0  # [s] of arrival that are judged at once
-LEAST, MOST = 0.8, 1.25  # sound that comes, in times real time
+MIN_RATIO, MAX_RATIO = 0.8, 1.25  # sound that comes, in times real time
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +59,8 @@ class UnstampedStream:
         config = self._config
         found = f"{channels} x {rate} Hz {sample_format} {coding_format}".strip()
         wanted = f"{config.channels} x {config.rate} Hz {config.sample_format} wave"
-        is_same = (channels, rate, sample_format) == (
-            *(config.channels, config.rate, config.sample_format),
-        )
+        expected = config.channels, config.rate, config.sample_format
+        is_same = (channels, rate, sample_format) == expected
         self._is_confirmed = is_same and coding_format.lower() in RAW
         self._wrong_info = "" if self._is_confirmed else f"sound is {found}, allowed: {wanted}"
 
@@ -116,14 +115,14 @@ class UnstampedStream:
         ratio = self._came / elapsed
         if elapsed > FORGOTTEN:
             self._since, self._came = now - 0.5 * elapsed, 0.5 * self._came
-        self._is_judged = LEAST <= ratio <= MOST
+        self._is_judged = MIN_RATIO <= ratio <= MAX_RATIO
         if self._is_judged:
             return ""
         config = self._config
+        form = f"{config.channels} x {config.rate} Hz {config.sample_format}"
         return (
-            f"sound comes at {ratio:.2f} times real time if it is {config.channels} x "
-            f"{config.rate} Hz {config.sample_format}, allowed: {LEAST:g} to {MOST:g}; is it "
-            "compressed, or of another format? It is not heard"
+            f"sound comes at {ratio:.2f} times real time if it is {form}, allowed: {MIN_RATIO:g} "
+            f"to {MAX_RATIO:g}; is it compressed, or of another format? It is not heard"
         )
 
 

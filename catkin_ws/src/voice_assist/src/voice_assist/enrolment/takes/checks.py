@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voice_assist.audio.source import level_db
 from voice_assist.config.enrolment import CheckConfig
 from voice_assist.intent.mapper import Mapper
 from voice_assist.profile.loudness import BLOCK, level_and_snr, speech_of, spoken_blocks
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 _FULL = 0.999  # of full scale; at and above it a sample counts as clipped
 _AROUND = 0.25  # [s] of sound in front of and behind the speech that recognition hears
-_QUIETEST = 1e-10  # power, -100 dB
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,7 @@ class TakeCheck:
         seconds = float(is_speech.sum()) * BLOCK / RATE
         if kind == ROOM:
             clipped = self._clipped(samples)
-            whole = 10.0 * float(np.log10(max(float(np.mean(samples**2)), _QUIETEST)))
-            return Checked(seconds, whole, 0.0, "", clipped)
+            return Checked(seconds, level_db(samples), 0.0, "", clipped)
         problems = (*self._clipped(samples), *self._level(level, snr))
         if kind == TALK:
             problems += self._talk(seconds, len(samples) / RATE)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import sys
-from queue import Empty, Queue
 
 import rospy
 from std_msgs.msg import Empty as EmptyMessage
@@ -15,12 +14,7 @@ from typed_config import ConfigError, load_config
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 from voice_assist.config import CommandsConfig
-from voice_assist.config.devices import (
-    DeviceCallConfig,
-    DevicesConfig,
-    devices_config,
-    require_harmless,
-)
+from voice_assist.config.devices import DevicesConfig, devices_config, require_harmless
 from voice_assist.devices.calls import CallResult, DeviceCalls
 from voice_assist.errors import CommandsError
 from voice_assist.msg import DeviceCall, Utterance
@@ -29,7 +23,6 @@ from voice_assist.ros.devices.targets import Target, make_target
 from voice_assist.text.spoken_reply import spoken_reply
 
 VOICE = "voice_assist"  # node whose parameters hold the spoken commands
-WAITING = 5  # calls; of more the newest are refused
 IDLE = 0.2  # [s] between looks whether ROS ends
 
 
@@ -54,7 +47,6 @@ class DevicesNode:
             except CommandsError as error:
                 raise error.under(f"devices.calls[{index}]") from None
         self._calls = DeviceCalls(config)
-        self._waiting: Queue[DeviceCallConfig] = Queue()
         self._result = rospy.Publisher("voice_assist/device", DeviceCall, queue_size=20)
         self._say = rospy.Publisher("voice_assist/say", String, queue_size=20)
         self._known = Believed()
@@ -66,9 +58,7 @@ class DevicesNode:
         """Make calls until ROS shuts down."""
         while not rospy.is_shutdown():
             self._known.publish_status()
-            try:
-                call = self._waiting.get(timeout=IDLE)
-            except Empty:
+            if (call := self._calls.next(IDLE)) is None:
                 continue
             try:
                 self._report(self._targets[call.phrase].call())
@@ -76,25 +66,16 @@ class DevicesNode:
                 self._report(CallResult(call, False, repr(error)))
 
     def _on_utterance(self, message: Utterance) -> None:
-        call = self._calls.said(message.command) if message.command else None
-        if call is None:
-            return
-        if self._waiting.qsize() >= WAITING:
-            self._report(CallResult(call, False, f"{WAITING} calls are waiting already"))
-        else:
-            self._waiting.put(call)
+        if (refused := self._calls.said(message.command)) is not None:
+            self._report(refused)
 
     def _on_event(self, message: Event) -> None:
         if message.kind == "stop_received":
             self._on_stop()
 
     def _on_stop(self) -> None:
-        """What was asked for and not done yet is dropped; what was is undone."""
-        undoing = self._calls.stopped()
-        while not self._waiting.empty():
-            self._report(CallResult(self._waiting.get_nowait(), False, "dropped by a stop"))
-        for call in undoing:
-            self._waiting.put(call)
+        for dropped in self._calls.stopped():
+            self._report(dropped)
 
     def _report(self, result: CallResult) -> None:
         """Say, show and record what came of a call."""

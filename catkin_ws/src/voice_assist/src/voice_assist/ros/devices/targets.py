@@ -62,16 +62,16 @@ class _Service:
         try:
             return answers.get(timeout=self._config.within)
         except Empty:
-            return _result(self._config, False, f"no answer within {self._config.within:g} s")
+            return CallResult(self._config, False, f"no answer within {self._config.within:g} s")
 
     def _ask(self) -> CallResult:
         proxy = rospy.ServiceProxy(self._config.target, self._kind)
         try:
             response = proxy(self._request)
         except (rospy.ServiceException, rospy.ROSException, OSError) as error:
-            return _result(self._config, False, str(error))
+            return CallResult(self._config, False, str(error))
         says = [getattr(response, name) for name in ANSWER_FIELDS if hasattr(response, name)]
-        return _result(self._config, all(says), str(getattr(response, "message", "")))
+        return CallResult(self._config, all(says), str(getattr(response, "message", "")))
 
 
 class _Topic:
@@ -83,9 +83,9 @@ class _Topic:
 
     def call(self) -> CallResult:
         if not _wait(lambda: self._topic.get_num_connections() > 0, self._config.within):
-            return _result(self._config, False, f"nobody listens to {self._config.target}")
+            return CallResult(self._config, False, f"nobody listens to {self._config.target}")
         self._topic.publish(self._message)
-        return _result(self._config, True, "sent")
+        return CallResult(self._config, True, "sent")
 
 
 class _Action:
@@ -108,7 +108,7 @@ class _Action:
     def call(self) -> CallResult:
         end = time.monotonic() + self._config.within
         if not _wait(lambda: self._topic.get_num_connections() > 0, self._config.within):
-            return _result(self._config, False, f"nobody serves {self._config.target}")
+            return CallResult(self._config, False, f"nobody serves {self._config.target}")
         self._count += 1
         goal_id = GoalID(id=f"{rospy.get_name()}-{self._config.phrase}-{self._count}")
         goal_id.stamp = self._goal.header.stamp = rospy.Time.now()
@@ -121,10 +121,10 @@ class _Action:
                 break
             if result.status.goal_id.id == goal_id.id:
                 is_done = result.status.status == GoalStatus.SUCCEEDED
-                return _result(self._config, is_done, result.status.text)
+                return CallResult(self._config, is_done, result.status.text)
         self._cancel.publish(goal_id)
         words = f"no result within {self._config.within:g} s; cancelled"
-        return _result(self._config, False, words)
+        return CallResult(self._config, False, words)
 
 
 _KINDS: Mapping[str, Callable[[DeviceCallConfig], Target]] = {
@@ -140,10 +140,6 @@ def _publisher(target: str, kind: type) -> rospy.Publisher:
     if (target, kind) not in _publishers:
         _publishers[target, kind] = rospy.Publisher(target, kind, queue_size=10)
     return _publishers[target, kind]
-
-
-def _result(config: DeviceCallConfig, is_done: bool, words: str) -> CallResult:
-    return CallResult(config, is_done, words)
 
 
 def _wait(is_there: Callable[[], bool], within: float) -> bool:

@@ -103,9 +103,9 @@ class PedalNode:
                     for values in reader:
                         with self._lock:
                             self._take(values)
-            except OSError as error:
+            except Exception as error:  # top of the thread: what is not read counts as released
                 with self._lock:
-                    self._lost(str(error))
+                    self._lost(str(error) or repr(error))
             rospy.rostime.wallsleep(self._config.look_again)
 
     def _on_state(self, message: ControllerState) -> None:

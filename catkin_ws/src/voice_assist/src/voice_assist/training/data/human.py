@@ -27,7 +27,6 @@ class ManifestRow:
     transcript: str
     speaker: str
     seconds: float
-    licence: str
     source: str
     split: str
 
@@ -107,7 +106,6 @@ def _row(folder: Path, line: dict[str, str]) -> ManifestRow:
         line["transcript"],
         line["speaker"],
         float(line["seconds"]),
-        line["licence"],
         line["source"],
         line["split"],
     )

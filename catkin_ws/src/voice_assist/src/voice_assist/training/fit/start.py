@@ -41,9 +41,9 @@ class Start:
     stages: Sequence[TrainingStage]
 
 
-def start_anew(dims: ModelDimensions = SMALL) -> Start:
+def start_anew() -> Start:
     """An untrained model; its weights depend on torch's seed."""
-    model = WhisperCtc(dims)
+    model = WhisperCtc(SMALL)
     model.initialise()
     return Start(model, STAGES)
 
