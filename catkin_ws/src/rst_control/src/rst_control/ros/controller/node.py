@@ -106,16 +106,6 @@ class ControllerNode:
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
         limiter = CallLimiter(_in_any_namespace(settings.callers), time.monotonic)
-        self._trocar = TrocarService(self._context, self._executor, self._places, limiter)
-        frames = FrameListener(self._clock, settings.tracking.frame_age)
-        self._grasp_point = GraspPointService(grasp_point, self._places, frames, limiter)
-        follows = settings.tracking.trocar.motion == FOLLOWED
-        following = TrocarFollowing(self._link, config, model, self._state_of) if follows else None
-        self._robot: RobotBackend = following or self._link
-        tracked = TrackedGrasp(settings.tracking, self._context, grasp_point)
-        self._tracker = TrackerLink(
-            settings.tracking, self._known, frames, self._clock, tracked, following
-        )
         self._markers = ControllerMarkers(config, self._context, self._look, self._clock)
         self._diagnostics = Diagnostics()
         self._settings = SettingsWatch(self._executor.stop)
@@ -133,6 +123,27 @@ class ControllerNode:
         self._due = dict.fromkeys(("feedback", "diagnostics", "collect"), 0.0)
         self._is_sending = False
         self._stack = ExitStack()
+        self._join_places(config, model, grasp_point, limiter)
+
+    def _join_places(
+        self,
+        config: MotionConfig,
+        model: RobotModel,
+        grasp_point: GraspPointRegistrar,
+        limiter: CallLimiter,
+    ) -> None:
+        """What sets trocar and grasp point by hand, and what follows them."""
+        settings = config.controller
+        self._trocar = TrocarService(self._context, self._executor, self._places, limiter)
+        frames = FrameListener(self._clock, settings.tracking.frame_age)
+        self._grasp_point = GraspPointService(grasp_point, self._places, frames, limiter)
+        follows = settings.tracking.trocar.motion == FOLLOWED
+        following = TrocarFollowing(self._link, config, model, self._state_of) if follows else None
+        self._robot: RobotBackend = following or self._link
+        tracked = TrackedGrasp(settings.tracking, self._context, grasp_point)
+        self._tracker = TrackerLink(
+            settings.tracking, self._known, frames, self._clock, tracked, following
+        )
 
     def __enter__(self) -> ControllerNode:
         self._executor.tick(time.monotonic(), None)  # so that the first state has a time of its own
