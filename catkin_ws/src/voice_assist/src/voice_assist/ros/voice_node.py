@@ -28,7 +28,6 @@ from voice_assist.audio.capture.input_check import SoundWatch, at_full_scale
 from voice_assist.audio.source import AudioSource, level_db
 from voice_assist.config import VoiceConfig
 from voice_assist.errors import VoiceError
-from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Event
 from voice_assist.profile.active import facts_of
@@ -39,31 +38,20 @@ from voice_assist.ros.node_settings import node_settings
 from voice_assist.ros.other_messages.audio_data_source import AudioDataSource
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
-from voice_assist.ros.question_service import HandAnswer, QuestionService
 from voice_assist.ros.recognition_watch import RecognitionWatch
-from voice_assist.ros.robot.command_client import CommandClient
-from voice_assist.ros.robot.controller_state import ControllerFollower
+from voice_assist.ros.robot.robot_acts import RobotActs
 from voice_assist.ros.robot.robot_commands import require_known
-from voice_assist.ros.robot.robot_speech import RobotSpeechTopic
-from voice_assist.ros.talk_topic import TalkTopic
 from voice_assist.ros.topic_source import TopicSource
 from voice_assist.side_inputs import SideInput, SideInputKind
 from voice_assist.spotter.spotter import Spotted, Spotting
 from voice_assist.spotter.thread import SpotterThread
-from voice_assist.text.spoken_reply import spoken_reply
 from voice_assist.types import (
     RATE,
-    Action,
-    Ask,
-    Call,
     Frame,
-    Halt,
     Lost,
     Match,
-    Mode,
     Partial,
     Samples,
-    SetMode,
     UtteranceDecision,
     frozen_samples,
 )
@@ -90,7 +78,7 @@ def main() -> None:
 
 
 class VoiceNode:
-    """Joins the source, the pipeline and the robot's controller."""
+    """Joins the source, the pipeline and what is done to the robot."""
 
     def __init__(self, config: VoiceConfig) -> None:
         """Load the model and announce the topics."""
@@ -103,9 +91,7 @@ class VoiceNode:
             rospy.set_param("~profile", asdict(pinned))
             rospy.loginfo("profile %(profile)s %(profile_sha256).12s", of_profile)
         self._frames: Queue[Frame | None] = Queue(config.audio.queue)
-        self._answers: Queue[Answered] = Queue()
         self._over = threading.Event()
-        self._stopped = float("-inf")  # [s] when the newest stop was sent
         self._busy_since: float | None = None  # [s] steady clock, at the frame under recognition
         self._publish = Publishers()
         self._health = VoiceHealth(
@@ -121,19 +107,13 @@ class VoiceNode:
         rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
         observer = self._publish.circumstance
         self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, observer)
-        self._client = CommandClient(config.commands.answer_within, self._answers.put)
-        self._questions = QuestionService()
-        known = self._known = Believed()
-        self._robot_speech, self._talk = RobotSpeechTopic(_now, known), TalkTopic(_now, known)
-        self._robot = ControllerFollower(config.moving, _steady, observer, known)
-        self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
+        self._known = Believed()
+        self._robot = RobotActs(config, self._pipeline, self._publish, self._known, _now)
 
     def run(self) -> None:
         """Hear until ROS shuts down, or the recording ends where the settings say so."""
-        state = self._pipeline.state
-        self._publish.mode(state.mode, state.reason, _now())
         rospy.on_shutdown(self._over.set)
-        self._questions.start()
+        self._robot.start()
         if self._spotter is not None:
             self._spotter.start()
         for target in (self._listen, self._hear, self._beat):
@@ -153,7 +133,7 @@ class VoiceNode:
             name = target.__name__.strip("_")
             self._health.failure = f"{name}: {error}"
             if not rospy.is_shutdown():
-                self._hold()
+                self._robot.hold()
             expected = isinstance(error, VoiceError)
             rospy.logfatal("%s", self._health.failure, exc_info=not expected)
             rospy.signal_shutdown(self._health.failure)
@@ -206,7 +186,7 @@ class VoiceNode:
         limit_torch(self._config)
         self._pipeline.warm_up(_noise())  # what is done only once must not look like a hang
         while not self._over.is_set():
-            self._take_reports()
+            self._robot.take_reports()
             try:
                 frame = self._frames.get(timeout=HEARTBEAT)
             except Empty:
@@ -225,7 +205,7 @@ class VoiceNode:
     def _take(self, event: Event) -> None:
         if isinstance(event, UtteranceDecision):
             for action in event.actions:
-                self._do(action)
+                self._robot.do(action)
             self._publish.utterance(event, _now())
             if isinstance(event.outcome, Match):
                 self._health.commanded, self._health.last_command = _now(), event.outcome.command
@@ -234,61 +214,6 @@ class VoiceNode:
         elif isinstance(event, Lost):
             self._health.lost += event.samples
             rospy.logwarn("%d samples of sound were lost", event.samples)
-
-    def _do(self, action: Action) -> None:
-        if isinstance(action, Halt):
-            self._stop()
-        elif isinstance(action, Call):
-            is_repeatable = action.command in self._repeatable
-            self._robot.send(is_motion=not is_repeatable)
-            self._client.call(action.command, is_repeatable)
-        elif isinstance(action, Ask):
-            self._publish.reply(spoken_reply(f"{action.command}?", self._config.commands.phrases))
-        elif isinstance(action, SetMode):
-            self._robot.arm(action.mode is Mode.ACTIVE)
-            self._publish.mode(action.mode, action.reason, _now())
-
-    def _stop(self) -> None:
-        self._stopped = _now()
-        self._hold()
-
-    def _hold(self) -> None:
-        """Stop; where hearing failed, a stop that is spotted later is sent, too."""
-        self._publish.stop()
-        self._client.forget()
-        self._robot.drop()
-
-    def _take_reports(self) -> None:
-        for spoke in self._robot_speech.take():
-            self._pipeline.robot_spoke(spoke)
-        for change in self._talk.take():
-            self._pipeline.talk_changed(change)
-        while not self._answers.empty():
-            self._take_answer(self._answers.get())
-        for given in self._questions.take():
-            self._take_answer_by_hand(given)
-        if (mode := self._robot.mode()) is not None:
-            for action in self._pipeline.follow(mode):
-                self._do(action)
-
-    def _take_answer(self, answered: Answered) -> None:
-        self._robot.answer(is_motion=answered.command not in self._repeatable)
-        if reply := spoken_reply(answered.message, self._config.commands.phrases):
-            self._publish.reply(reply)
-        if answered.is_accepted:
-            rospy.loginfo("%s: %s", answered.command, answered.message)
-        else:
-            rospy.logwarn("%s refused: %s", answered.command, answered.message)
-        for action in self._pipeline.answer(answered):
-            self._do(action)
-
-    def _take_answer_by_hand(self, given: HandAnswer) -> None:
-        actions = self._pipeline.answer_by_hand(given.command, given.is_yes)
-        if actions is not None:
-            rospy.loginfo("%s? %s, by hand", given.command, "yes" if given.is_yes else "no")
-        for action in actions or ():
-            self._do(action)
-        given.stood.set_result(actions is not None)
 
     # --- thread 3: the second way to a stop
 
@@ -304,8 +229,8 @@ class VoiceNode:
 
     def _spotted(self, spotted: Spotted) -> None:
         """Stop at once, unless recognition just did; the pipeline takes the spotted word later."""
-        if _now() - self._stopped >= self._config.spotter.rearm_after:
-            self._stop()
+        if _now() - self._robot.stopped >= self._config.spotter.rearm_after:
+            self._robot.stop()
         rospy.loginfo("the spotter heard %r: %.1f nat", self._config.spotter.phrase, spotted.score)
 
     def _spotter_failed(self, error: Exception) -> None:
@@ -322,7 +247,7 @@ class VoiceNode:
             if checks % _HEARTBEAT_EVERY == 0 and self._would_hear():
                 self._publish.heartbeat(_now())
             if is_news or checks % (_HEARTBEAT_EVERY * _DIAGNOSTICS_EVERY) == 0:
-                self._health.controller = self._client.trouble
+                self._health.controller = self._robot.trouble
                 diagnostics.publish()
                 self._known.publish_status()
             checks += 1
@@ -335,7 +260,7 @@ class VoiceNode:
         status = self._watch(self._busy_since, _steady(), _now())
         self._health.hang = status.hang
         if status.hang and status.is_news:
-            self._hold()
+            self._robot.hold()
             rospy.logerr("%s; the robot is stopped", status.hang)
         if status.spotted is not None:
             self._spotted(Spotted(_now(), status.spotted))
