@@ -47,7 +47,7 @@ def shell(tmp_path_factory):
     shutil.copytree(CONFIG / "voice_assist/config", folder / "my_voice")
     for mine, ours in (("my_limits", "kinova_limits"), ("my_scene", "scene")):
         shutil.copy(CONFIG / f"rst_control/config/{ours}.yaml", folder / f"{mine}.yaml")
-    environment = {
+    given = {
         **os.environ,
         "PATH": f"{PROGRAMS}:{os.environ['PATH']}",
         "PYTHONPATH": f"{ROOT}:{os.environ['PYTHONPATH']}",
@@ -55,7 +55,9 @@ def shell(tmp_path_factory):
         "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}",
     }
 
-    def shell(line):
+    def shell(line, **more):
+        """`CHECKED` has the launch files' own checks run, too."""
+        environment = {**given, **more}
         done = subprocess.run(
             ["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True
         )
@@ -99,7 +101,7 @@ def _is_started(place, reading):
 def test_a_misspelt_argument_of_a_line_is_refused_with_the_one_that_was_meant(shell, line):
     name = line.partition(":=")[0].split()[-1]
     misspelt = name + name[-1]
-    code, printed, said = shell(line.replace(f"{name}:=", f"{misspelt}:=", 1))
+    code, printed, said = shell(line.replace(f"{name}:=", f"{misspelt}:=", 1), CHECKED="1")
     assert (code, printed) == (1, "")
     assert f"'{misspelt}'" in said and f"did you mean {name}:= ?" in said
 

@@ -7,6 +7,8 @@ import pytest
 from roslaunch.config import load_config_default
 from roslaunch.core import RLException
 
+from tests.support.launch_reading import read
+
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
 FILES = sorted(LAUNCH.glob("*.launch"))
 LIMITS = LAUNCH.parent / "catkin_ws/src/rst_control/config/kinova_limits.yaml"
@@ -14,29 +16,24 @@ TROCAR = ["trocar_x:=0.406", "trocar_y:=-0.024", "trocar_z:=0.415"]
 ASKED = {"kinova": [*TROCAR, f"limits:={LIMITS}", "simulate:=true"]}  # what has no default
 
 
-def nodes(file):
-    arguments = ASKED.get(file.stem, [])
-    return load_config_default([(str(file), arguments)], None, verbose=False).nodes
-
-
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_without_an_address_no_file_is_launched(file, monkeypatch):
     for name in ("ROS_IP", "ROS_HOSTNAME"):
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(RLException, match="Cannot load command parameter"):
-        nodes(file)
+        load_config_default([(str(file), ASKED.get(file.stem, []))], None, verbose=False)
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_every_node_gets_the_address_of_the_shell(file, monkeypatch):
     monkeypatch.setenv("ROS_IP", "127.0.0.1")
-    found = nodes(file)
+    found = read([str(file), *ASKED.get(file.stem, [])]).nodes
     assert found
-    for node in found:
-        assert dict(node.env_args)["ROS_IP"] == "127.0.0.1", node.name
+    for name, node in found.items():
+        assert node.environment["ROS_IP"] == "127.0.0.1", name
 
 
 def test_who_sets_an_address_gets_it(monkeypatch):
     monkeypatch.setenv("ROS_IP", "10.7.0.2")
-    for node in nodes(LAUNCH / "system.launch"):
-        assert dict(node.env_args)["ROS_IP"] == "10.7.0.2", node.name
+    for name, node in read([str(LAUNCH / "system.launch")]).nodes.items():
+        assert node.environment["ROS_IP"] == "10.7.0.2", name

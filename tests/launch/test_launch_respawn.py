@@ -4,25 +4,26 @@
 from pathlib import Path
 
 import pytest
-from roslaunch.config import load_config_default
+
+from tests.support.launch_reading import read
 
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
 KEPT = ("controller", "robot", "voice_assist")
 
 
-def nodes(file, *arguments):
-    config = load_config_default([(str(LAUNCH / file), list(arguments))], None, verbose=False)
-    return {node.name: node for node in config.nodes}
+@pytest.fixture(scope="module")
+def nodes():
+    return read([str(LAUNCH / "system.launch")]).nodes
 
 
 @pytest.mark.parametrize("name", KEPT)
-def test_who_crashes_is_started_anew_and_who_ends_otherwise_ends_the_launch(name):
-    node = nodes("system.launch")[name]
-    assert Path(node.launch_prefix).name == "respawn" and Path(node.launch_prefix).is_file()
+def test_who_crashes_is_started_anew_and_who_ends_otherwise_ends_the_launch(nodes, name):
+    node = nodes[f"/{name}"]
+    assert Path(node.prefix).name == "respawn" and Path(node.prefix).is_file()
     assert node.required and not node.respawn
 
 
 @pytest.mark.parametrize("name", ["alarms", "master_failover"])
-def test_who_moves_nothing_is_respawned(name):
-    node = nodes("system.launch")[name]
+def test_who_moves_nothing_is_respawned(nodes, name):
+    node = nodes[f"/{name}"]
     assert node.respawn and not node.required

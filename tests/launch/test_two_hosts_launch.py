@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 import rosgraph.network
 import yaml
-from roslaunch.config import load_config_default
 from roslaunch.core import is_machine_local
 
 from rst_control.config import load_motion_config
+from tests.support.launch_reading import loaded
 
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
 ON_ROBOT = {"robot", "robot_state_publisher", "controller", "master_failover", "recorder"}
@@ -19,8 +19,7 @@ ADDRESSES = ("robot_address:=203.0.113.1", "voice_address:=203.0.113.2")  # RFC 
 
 def launched(*arguments):
     """The launch file as `roslaunch` reads it, each node with its machine."""
-    file = (str(LAUNCH / "two_hosts.launch"), list(arguments))
-    config = load_config_default([file], None, verbose=False)
+    config = loaded([str(LAUNCH / "two_hosts.launch"), *arguments])
     config.assign_machines()
     return config
 

@@ -16,6 +16,7 @@ class Node:
     """What roslaunch would do to start one node."""
 
     required: bool
+    respawn: bool
     prefix: str
     environment: dict[str, str]
     remaps: dict[str, str]
@@ -35,8 +36,13 @@ class Reading:
     nodes: dict[str, Node]
 
 
-def read(words, runs_commands=False):
-    """Read the words behind `roslaunch`; raises RLException where roslaunch would end."""
+def loaded(words, runs_commands=False):
+    """Roslaunch's own configuration of the words behind `roslaunch`.
+
+    A parameter that a command gives has the words of the command, which is run only where asked
+    for: checking the settings anew takes longer than all the rest. Raises RLException where
+    roslaunch would end.
+    """
 
     class Loader(xmlloader.XmlLoader):
         def param_value(self, *given):
@@ -47,7 +53,12 @@ def read(words, runs_commands=False):
 
     _, files = roslaunch._get_optparse().parse_args(list(words))
     files = [(file, list(words)) for file in rlutil.resolve_launch_arguments(files)]
-    found = config.load_config_default(files, None, loader=Loader(), verbose=False)
+    return config.load_config_default(files, None, loader=Loader(), verbose=False)
+
+
+def read(words, runs_commands=False):
+    """What the words behind `roslaunch` would set and start; see `loaded`."""
+    found = loaded(words, runs_commands)
     parameters = {name: parameter.value for name, parameter in found.params.items()}
     return Reading(
         parameters,
@@ -60,6 +71,7 @@ def _node(found, node):
     about = ("address", "user", "env_loader", "timeout")
     return Node(
         bool(node.required),
+        bool(node.respawn),
         node.launch_prefix or "",
         dict(node.env_args),
         dict(node.remap_args),
