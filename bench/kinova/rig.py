@@ -173,10 +173,8 @@ class KinovaRig(LockStep):
         if count % 8 == 0:
             self._report_tool(now)
         is_silent = self.lost in ("feedback", "bridge")  # of the last nobody would hear
-        arm = None if count % 25 or is_silent else self.drivers.arm_feedback()
-        if arm is not None:
-            values = {"position": arm.position, "velocity": arm.velocity, "effort": arm.effort}
-            self.bridge.on_arm(self._read_arm.read(self.arm_names, values, now))
+        if count % 25 == 0 and not is_silent:
+            self._report_arm(now)
         if count % 20 == 0:
             self.bridge.on_guard(now)
         if count % 5 == 0 and self.lost != "bridge":
@@ -198,6 +196,20 @@ class KinovaRig(LockStep):
             self.send_speeds(speeds)
         elif self.guard.is_stop_due(now):
             self.stop()
+
+    def _report_arm(self, now: float) -> None:
+        """The arm's own state and its joints; its limits where the bridge does not know them."""
+        report, arm, watch = (
+            self.drivers.arm_report(),
+            self.drivers.arm_feedback(),
+            self.bridge.watch,
+        )
+        if report is None or arm is None:
+            return
+        watch.limits = watch.limits or self.drivers.soft_limits()
+        self.bridge.on_arm_report(report)
+        values = {"position": arm.position, "velocity": arm.velocity, "effort": arm.effort}
+        self.bridge.on_arm(self._read_arm.read(self.arm_names, values, now))
 
     def _report_tool(self, now: float) -> None:
         self.bridge.tool.tell_state(int(self.drivers.tool.state))

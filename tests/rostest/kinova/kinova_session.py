@@ -11,6 +11,7 @@ import numpy as np
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
+from kortex_driver.msg import BaseCyclic_Feedback, BaseFeedback
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, String
 from std_srvs.srv import Trigger
@@ -28,13 +29,22 @@ RCM = 1e-3  # [m] the limit; how far the arm lags depends on when the machine le
 MODEL = load_robot()
 
 
+READY, MANUALLY_CONTROLLED = 7, 9  # states of the arm
+
+
+def report(state):
+    """What the arm says of itself after somebody used its web page."""
+    base = BaseFeedback(active_state=state, active_state_connection_identifier=8)
+    return BaseCyclic_Feedback(base=base)
+
+
 class KinovaSession(unittest.TestCase):
     """In the order of their names, on one robot."""
 
     @classmethod
     def setUpClass(cls):
         cls.fault, cls.truth, cls.gripped, cls.preview = None, [], False, None
-        cls.lead = ""
+        cls.lead, cls.arm = "", {}
         rospy.Subscriber("robot/fault", String, lambda m: setattr(cls, "fault", m.data))
         rospy.Subscriber("simulation/joint_states", JointState, cls.on_truth, tcp_nodelay=True)
         rospy.Subscriber("simulation/gripped", Bool, lambda m: setattr(cls, "gripped", m.data))
@@ -44,6 +54,8 @@ class KinovaSession(unittest.TestCase):
         rospy.Subscriber("/diagnostics", DiagnosticArray, cls.on_diagnostics)
         cls.robot = RobotClient()
         cls.confirm = rospy.ServiceProxy("rst_control/confirm", Trigger)
+        cls.at_the_arm = rospy.Publisher("simulation/arm_state", BaseCyclic_Feedback, queue_size=1)
+        cls.emergency_stop = rospy.Publisher("my_gen3/in/emergency_stop", Empty, queue_size=1)
         cls.home_tool = rospy.ServiceProxy("robot/home_tool", Trigger)
 
     @classmethod
@@ -55,7 +67,8 @@ class KinovaSession(unittest.TestCase):
     def on_diagnostics(cls, message):
         for status in message.status:
             if status.name == "robot: kinova bridge":
-                cls.lead = {v.key: v.value for v in status.values}["lead"]
+                cls.arm = {v.key: v.value for v in status.values}
+                cls.lead = cls.arm["lead"]
 
     def on_stop(self, _):
         self.stops += 1
@@ -81,6 +94,27 @@ class KinovaSession(unittest.TestCase):
         reply = self.home_tool()
         self.assertTrue(reply.success, reply.message)
         self.robot.wait(lambda: self.fault == "")
+        self.robot.activate()
+
+    def test_2a_what_the_arm_says_of_itself_is_recorded(self):
+        self.robot.wait(lambda: self.arm.get("arm: firmware"))
+        self.assertEqual(self.arm["arm: faults"], "none")
+        self.assertIn("1.00 1.00", self.arm["arm: soft acceleration [rad/s^2]"])
+
+    def test_2b_hey_robot_is_refused_while_somebody_else_has_the_arm(self):
+        rospy.sleep(0.5)  # the bridge began to lead the arm
+        self.at_the_arm.publish(report(MANUALLY_CONTROLLED))
+        self.robot.wait_for_state("faulted")
+        self.assertEqual(self.robot.state.halt_reason_code, "arm_in_use")
+        self.assertIn("connection 8", self.robot.refused("hey robot"))
+        self.at_the_arm.publish(report(READY))
+        self.robot.activate()
+
+    def test_2c_an_emergency_stop_at_rest_latches_is_named_and_is_cleared(self):
+        self.emergency_stop.publish()
+        self.robot.wait_for_state("faulted")
+        self.assertEqual(self.robot.state.halt_reason_code, "arm_fault")
+        self.assertIn("base: emergency stop", self.robot.state.halt_reason)
         self.robot.activate()
 
     def test_3_the_first_motion_is_shown_and_has_to_be_confirmed(self):
@@ -126,6 +160,16 @@ class KinovaSession(unittest.TestCase):
         before = self.truth[-1][0]
         rospy.sleep(1.0)
         np.testing.assert_allclose(self.truth[-1][0][:7], before[:7], atol=1e-3)
+
+    def test_6a_an_emergency_stop_in_motion_is_named_as_one(self):
+        self.robot.activate()
+        self.robot.say("tense")
+        self.robot.wait(lambda: self.true_speed() > 0.02)
+        self.emergency_stop.publish()
+        self.robot.wait_for_state("faulted")
+        self.assertEqual(self.robot.state.halt_reason_code, "arm_fault")
+        self.assertIn("base: emergency stop", self.robot.state.halt_reason)
+        self.robot.wait(lambda: self.true_speed() < 1e-3, 2.0)
 
     def test_7_after_hey_robot_it_is_active_and_ends(self):
         self.robot.activate()

@@ -5,9 +5,11 @@ tool that is where it was sent: both on a clock that tests move on."""
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 
 import numpy as np
 
+from rst_control.kinova.arm_state import ArmReport, ArmState, SoftLimits
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import ToolState
@@ -31,7 +33,8 @@ class FakeHardware:
         self.under_way = deque()
         self.wanted = np.zeros(7)
         self.speeds, self.tools, self.stops, self.clears = [], [], [], 0
-        self.tells_arm = self.tells_tool = self.guards = True
+        self.tells_arm = self.tells_tool = self.guards = self.tells_report = True
+        self.report = ArmReport(ArmState.SERVOING_READY, 1, now)
         self.bridge = None
         self.steps = 0
         self.each = lambda: None
@@ -58,6 +61,7 @@ class FakeHardware:
         self.bridge = Bridge(config, self)
         self.bridge.tool.tell_state(ToolState.POSITION_CONTROL.value)
         self.bridge.tool.is_homed = True
+        self.bridge.watch.limits = SoftLimits(np.full(7, 0.87), ACCELERATION)
         self.tell()
         return self.bridge
 
@@ -70,6 +74,8 @@ class FakeHardware:
             self.bridge.on_tool(JointFeedback(self.tool_joints, np.zeros(3), np.zeros(3), self.now))
         if self.guards:
             self.bridge.on_guard(self.now)
+        if self.tells_report:
+            self.bridge.on_arm_report(replace(self.report, stamp=self.now))
         if self.tells_arm:
             seen = self.arm + self.offset
             self.bridge.on_arm(JointFeedback(seen, self.speed.copy(), np.zeros(7), self.now))

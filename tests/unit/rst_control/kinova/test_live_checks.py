@@ -10,6 +10,7 @@ import pytest
 
 from bench.kinova.rig import KinovaRig, kinova_motion
 from rst_control.config import URDF_FILE
+from rst_control.kinova.arm_state import ArmState, Banks
 from rst_control.kinova.feedback import FeedbackReader
 from rst_control.kinova.live_checks import LiveChecks, Observed, table
 
@@ -47,6 +48,9 @@ def seen(rig, kinova):
     return Observed(
         SECONDS,
         arm=feedback(rig, kinova, 1000),
+        reports=[rig.drivers.arm_report()],
+        limits=rig.drivers.soft_limits(),
+        firmware="2.5.2",
         clock=0.01,
         tool_state=3,
         guard_beats=50,
@@ -88,6 +92,10 @@ def with_other(seen, topic, node):
     return replace(seen, publishers={**PUBLISHERS, topic: [*PUBLISHERS.get(topic, []), node]})
 
 
+def with_report(seen, **fields):
+    return replace(seen, reports=[*seen.reports, replace(seen.reports[0], **fields)])
+
+
 FAULTS = {
     "arm reports its joints": [
         lambda s: replace(s, arm=(), bad_feedback="joint state without joint_3"),
@@ -96,6 +104,18 @@ FAULTS = {
     "no state is late": [lambda s: replace(s, arm=[*s.arm[:20], *s.arm[24:]])],
     "states are new ones": [
         lambda s: replace(s, arm=[replace(s.arm[0], stamp=a.stamp) for a in s.arm])
+    ],
+    "arm is ready and nobody has it": [
+        lambda s: replace(s, reports=()),
+        lambda s: with_report(s, state=ArmState.IN_FAULT),
+        lambda s: with_report(s, base=Banks(0x800000)),
+        lambda s: with_report(s, state=ArmState.SERVOING_MANUALLY_CONTROLLED, connection=8),
+        lambda s: with_report(s, state=ArmState.INITIALIZATION),
+    ],
+    "arm's soft limits are enough": [
+        lambda s: replace(s, limits=None),
+        lambda s: replace(s, limits=replace(s.limits, acceleration=np.full(7, 0.5))),
+        lambda s: replace(s, limits=replace(s.limits, speed=np.full(7, 0.1))),
     ],
     "clocks of the hosts agree": [lambda s: replace(s, clock=-3600.0)],
     "one believed driver reports": [
@@ -143,6 +163,12 @@ def test_a_reply_that_the_driver_lost_shows(rig, kinova, checks, seen):
     rig.drivers.lose_reply(0.3)
     found = failed(checks(replace(seen, arm=[*before, *feedback(rig, kinova, 600)])))
     assert set(found) == {"arm reports its joints", "no state is late"}
+
+
+def test_warnings_of_the_arm_are_shown_and_refuse_nothing(checks, seen):
+    results = checks(with_report(seen, warnings=("base: maximum ambient temperature",)))
+    assert failed(results) == {}
+    assert "warnings: base: maximum ambient temperature" in table(results)
 
 
 def test_of_silent_drivers_and_a_silent_master_nothing_is_said_to_be_well(checks):

@@ -5,6 +5,7 @@ import audio_common_msgs.msg
 import control_msgs.msg
 import crtk_msgs.msg
 import kortex_driver.msg
+import kortex_driver.srv
 import openrst_control.srv
 import pytest
 import speech_recognition_msgs.msg
@@ -26,6 +27,9 @@ PUBLISHED = {
     control_msgs.msg.FollowJointTrajectoryActionFeedback: "d8920dc4eae9fc107e00999cce4be641",
     kortex_driver.msg.JointSpeed: "fd26fce9b45cd51d86512ba0cf80d2bd",
     kortex_driver.msg.Base_JointSpeeds: "f323c64d027d947f420c021696580eb4",
+    kortex_driver.msg.BaseCyclic_Feedback: "5f56809f61aebc2804399d7366b38f65",
+    kortex_driver.srv.GetKinematicSoftLimits: "8372b01bbf6aa0f718ce44248decf90a",
+    kortex_driver.srv.GetFirmwareBundleVersions: "8a198c1bd1965cc2d1e06f5a3548e004",
     audio_common_msgs.msg.AudioData: "f43a8e1b362b75baa741461b46adc7e0",
     audio_common_msgs.msg.AudioInfo: "9413d9b7029680d3b1db6ed0ae535f88",
     crtk_msgs.msg.StringStamped: "5e3e46086181199270f1ac3a28a5977f",
@@ -36,6 +40,7 @@ PUBLISHED = {
 NAMES = {
     control_msgs.msg.FollowJointTrajectoryAction: "control_msgs/FollowJointTrajectoryAction",
     kortex_driver.msg.Base_JointSpeeds: "kortex_driver/Base_JointSpeeds",
+    kortex_driver.msg.BaseCyclic_Feedback: "kortex_driver/BaseCyclic_Feedback",
     openrst_control.srv.openrst_request: "openrst_control/openrst_request",
 }
 

@@ -143,6 +143,10 @@ class Reason(Enum):
     TRACKER_STALE = "tracker_stale"
     TRACKER_JUMPED = "tracker_jumped"
     TRACKER_TOO_FAR = "tracker_too_far"
+    ARM_FAULT = "arm_fault"
+    ARM_IN_USE = "arm_in_use"
+    ARM_NOT_READY = "arm_not_ready"
+    ARM_LIMITS = "arm_limits"
     # a motion is braked and latched
     STOP_TOPIC = "stop_topic"
     STOP_COMMAND = "stop_command"
@@ -203,6 +207,10 @@ ROBOT_FAULTS = (
     Reason.TRACKER_STALE,
     Reason.TRACKER_JUMPED,
     Reason.TRACKER_TOO_FAR,
+    Reason.ARM_FAULT,
+    Reason.ARM_IN_USE,
+    Reason.ARM_NOT_READY,
+    Reason.ARM_LIMITS,
 )
 
 

@@ -8,11 +8,13 @@ at rest. A stop by the controller brakes along its path by velocities. Set-point
 old feedback, a guard that is silent and a tool that lost its homing slow the arm down along the
 curve it was on, then stop it: the driver's own stop would take the shaft off the trocar. After a
 time in which this did not run, the arm is braked as its guard brakes it. A joint that does not
-follow stops the arm by the driver's own stop at once. All of these but `hold` latch.
+follow, a fault of the arm and another hand on it stop the arm by the driver's own stop at once. All
+of these but `hold` latch.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
@@ -20,17 +22,17 @@ from typing import Protocol
 import numpy as np
 
 from rst_control.kinematics.configuration import planning_joints, robot_joints
-from rst_control.kinematics.joint_limits import active_layer
+from rst_control.kinova.arm_state import ArmReport, ArmWatch
 from rst_control.kinova.brake_plan import BrakePlan, LastCourse
-from rst_control.kinova.config import ARM_COUNT, BEAT_PERIOD, KinovaConfig
+from rst_control.kinova.config import ARM_COUNT, BEAT_PERIOD, KinovaConfig, bridge_limits
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.readiness import Readiness
 from rst_control.kinova.tool import Grip, Tool
 from rst_control.kinova.velocity_follower import Follower
 from rst_control.kinova.velocity_ramp import next_due
-from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, warm_up
+from rst_control.robot.setpoint_servo import Servo, ServoState, warm_up
 from rst_control.tension.gravity_check import RestTorques
-from rst_control.types import JOINTS, Measurement, Setpoint, Vector
+from rst_control.types import Measurement, Setpoint, Vector
 
 
 class Hardware(Protocol):
@@ -70,6 +72,7 @@ class BridgeHealth:
     lag: float  # [s] as seen
     off: float  # [rad] of the joint furthest off its course
     latest: float  # [s] by which a velocity came late, at most
+    arm: Mapping[str, str]  # what the arm says of itself, in words
 
 
 class Bridge:
@@ -89,7 +92,8 @@ class Bridge:
         warm_up(self._config.servo, self._limits)
         self._follower = Follower(self._config.arm, self._limits.speed[:ARM_COUNT])
         self.tool = Tool(self._config.tool, self._config.grip)
-        self._ready = Readiness(self._config, self.tool, torques)
+        self.watch = ArmWatch(self._config.arm, self._limits.speed[:ARM_COUNT])
+        self._ready = Readiness(self._config, self.tool, self.watch, torques)
         self._grip = Grip(self._config.grip)
         self._has_contact = False
         self._servo: Servo | None = None  # None: the joints are not known yet
@@ -129,6 +133,15 @@ class Bridge:
             fault=self.fault(feedback.stamp),
             sent_to=self._held(),
         )
+
+    def on_arm_report(self, report: ArmReport) -> None:
+        """Take in what the arm says of itself; a fault and another hand latch, at rest too."""
+        is_moved = self.last_course is not None and bool(self.last_course.sent.any())
+        cause = self.watch.update(report, self._lead is not Lead.NOBODY, is_moved)
+        if cause is not None and self._servo is not None:
+            self._servo.fail(cause.coded, report.stamp)
+            if self._lead is Lead.COURSE:
+                self._stop(report.stamp)
 
     def on_tool(self, feedback: JointFeedback) -> None:
         """Take in joints of the tool."""
@@ -221,7 +234,8 @@ class Bridge:
         state = "unknown" if self.tool.state is None else self.tool.state.name
         words = f"{state}, {'homed' if self.tool.is_homed else 'not homed'}"
         latest, self._latest = self._latest, 0.0
-        return BridgeHealth(self._lead, words, self._follower.lag, self._follower.off, latest)
+        arm, follower = self.watch.words, self._follower
+        return BridgeHealth(self._lead, words, follower.lag, follower.off, latest, arm)
 
     # The loop.
 
@@ -331,19 +345,3 @@ class Bridge:
             return
         if arm is not None and float(np.abs(arm.velocity).max()) <= config.rest_speed:
             self._lead, self._goals = Lead.NOBODY, None
-
-
-def bridge_limits(config: KinovaConfig) -> ServoLimits:
-    """Limits of the ten joints of the active layer; the tool's by its own settings, too."""
-    limits, tool = config.limits, config.bridge.tool
-    layer = active_layer(limits)
-    span = np.array([limits.pitch, limits.finger, limits.finger])
-    signs = np.array(tool.signs)
-    ends = np.array([signs * tool.lower, signs * tool.upper])
-    lower, upper = np.maximum(-span, ends.min(axis=0)), np.minimum(span, ends.max(axis=0))
-    return ServoLimits(
-        names=JOINTS,
-        lower=np.concatenate([limits.arm_lower, lower]),
-        upper=np.concatenate([limits.arm_upper, upper]),
-        speed=np.array([*layer.arm_velocity, *[layer.tool_velocity] * 3]),
-    )

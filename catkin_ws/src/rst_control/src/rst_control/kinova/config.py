@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+import numpy as np
+
 from rst_control.config import CONFIG_FOLDER, LimitsConfig, SceneConfig
 from rst_control.config.believed import BridgeBelievedConfig
 from rst_control.config.simulator import ServoConfig
@@ -17,6 +19,9 @@ from rst_control.config.torque_tension import (
     TorqueTensionConfig,
     load_torque_tension,
 )
+from rst_control.kinematics.joint_limits import active_layer
+from rst_control.robot.setpoint_servo import ServoLimits
+from rst_control.types import JOINTS
 from typed_config import choice, flag, load_file, number, require, text
 from typed_config.node_names import require_names
 
@@ -46,6 +51,9 @@ class ArmConfig:
     settle_time: float = number(0.05, 5.0, "s")
     feedback_age: float = number(0.01, 0.5, "s")
     rest_speed: float = number(1e-4, 0.1, "rad/s")
+    reports_state: bool = flag()
+    state_age: float = number(0.05, 5.0, "s")
+    reports_limits: bool = flag()
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
@@ -168,4 +176,20 @@ def load_kinova_config(folder: Path = CONFIG_FOLDER) -> KinovaConfig:
         scene=load_file(SceneConfig, scene),
         bridge=load_file(BridgeConfig, bridge),
         torques=load_torque_tension(folder / TORQUE_TENSION_FILE.name),
+    )
+
+
+def bridge_limits(config: KinovaConfig) -> ServoLimits:
+    """Limits of the ten joints of the active layer; the tool's by its own settings, too."""
+    limits, tool = config.limits, config.bridge.tool
+    layer = active_layer(limits)
+    span = np.array([limits.pitch, limits.finger, limits.finger])
+    signs = np.array(tool.signs)
+    ends = np.array([signs * tool.lower, signs * tool.upper])
+    lower, upper = np.maximum(-span, ends.min(axis=0)), np.minimum(span, ends.max(axis=0))
+    return ServoLimits(
+        names=JOINTS,
+        lower=np.concatenate([limits.arm_lower, lower]),
+        upper=np.concatenate([limits.arm_upper, upper]),
+        speed=np.array([*layer.arm_velocity, *[layer.tool_velocity] * 3]),
     )

@@ -14,7 +14,8 @@ import numpy as np
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
-from rst_control.kinova.config import ARM_COUNT, KinovaConfig
+from rst_control.kinova.arm_state import ArmReport, SoftLimits
+from rst_control.kinova.config import ARM_COUNT, KinovaConfig, bridge_limits
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import ToolState
 from rst_control.tension.gravity_check import RestTorques
@@ -39,6 +40,9 @@ class Observed:
     seconds: float
     arm: Sequence[JointFeedback] = ()  # in the turn of home, by when each came
     bad_feedback: str = ""  # why the newest one that was unusable was so
+    reports: Sequence[ArmReport] = ()  # of the arm's own state, by when each came
+    limits: SoftLimits | None = None  # soft limits of the arm
+    firmware: str = ""  # of the arm
     clock: float | None = None  # [s] of the newest stamp behind this host's clock
     tool: JointFeedback | None = None
     tool_state: int | None = None
@@ -74,6 +78,7 @@ class LiveChecks:
         self._config, self._trocar, self._tolerance = config, trocar, tolerance
         self._description = description
         self._arm, self._tool = config.bridge.arm, config.bridge.tool
+        self._speed = bridge_limits(config).speed[:ARM_COUNT]  # [rad/s] of the plans, at most
 
     def __call__(self, seen: Observed) -> list[CheckResult]:
         """The table of what was observed."""
@@ -81,6 +86,9 @@ class LiveChecks:
             self._feedback,
             self._gaps,
             self._changes,
+            self._state,
+            self._soft_limits,
+            self._firmware,
             self._clock,
             self._source,
             self._listens,
@@ -121,6 +129,34 @@ class LiveChecks:
         changes = any(not np.array_equal(a, b) for a, b in pairwise(rows))
         found = "they differ" if changes else f"all {len(rows)} are equal to the last bit"
         return CheckResult(name, changes, found, "the driver repeats itself: start it anew")
+
+    def _state(self, seen: Observed) -> CheckResult:
+        name, topic = "arm is ready and nobody has it", f"{self._arm.namespace}/base_feedback"
+        if not self._arm.reports_state:
+            return CheckResult(name, None, "arm.reports_state is false: not read")
+        if not seen.reports:
+            return CheckResult(name, False, f"nothing on {topic}", "step 2: the driver's version")
+        found = [report.objection() for report in seen.reports]
+        causes = [cause.words for cause in found if cause is not None]
+        words = causes[-1] if causes else f"{seen.reports[-1].state_name}, no fault"
+        warned = "; ".join(seen.reports[-1].warnings)
+        step = "the arm's web page names it and clears it; close that page, put joysticks away"
+        words += f"; warnings: {warned}" if warned else ""
+        return CheckResult(name, not causes, words, step)
+
+    def _soft_limits(self, seen: Observed) -> CheckResult:
+        name = "arm's soft limits are enough"
+        if not self._arm.reports_limits:
+            return CheckResult(name, None, "arm.reports_limits is false: not read")
+        step = "step 2: set them on the web page, or lower arm.acceleration and the plans' limits"
+        if seen.limits is None:
+            return CheckResult(name, False, "the driver does not say them", step)
+        objection = seen.limits.objection(self._arm, self._speed)
+        return CheckResult(name, objection is None, objection.words if objection else "yes", step)
+
+    def _firmware(self, seen: Observed) -> CheckResult:
+        name = "arm's firmware is known"
+        return CheckResult(name, bool(seen.firmware) or None, seen.firmware or "not said")
 
     def _clock(self, seen: Observed) -> CheckResult:
         name = "clocks of the hosts agree"

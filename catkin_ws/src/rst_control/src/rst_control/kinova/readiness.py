@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from rst_control.kinova.arm_state import ArmWatch
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import Tool
@@ -22,11 +23,14 @@ class Readiness:
     Args:
         config: How old each may be.
         tool: Of the arm.
+        watch: Judges what the arm reports of itself.
         torques: Compared with gravity's before the first motion; None: nothing is compared.
     """
 
-    def __init__(self, config: BridgeConfig, tool: Tool, torques: RestTorques | None) -> None:
-        self._config, self._tool, self.torques = config, tool, torques
+    def __init__(
+        self, config: BridgeConfig, tool: Tool, watch: ArmWatch, torques: RestTorques | None
+    ) -> None:
+        self._config, self._tool, self._watch, self.torques = config, tool, watch, torques
         self.arm: JointFeedback | None = None
         self.guard = -np.inf  # [s] of the guard's last beat
 
@@ -50,6 +54,8 @@ class Readiness:
         age, allowed = now - self.arm.stamp, self._config.arm.feedback_age
         if age > allowed:
             return f"joints of the arm {age * 1e3:.0f} ms old, allowed {allowed * 1e3:.0f} ms"
+        if (cause := self._watch.objection(now)) is not None:
+            return cause.coded
         torques = self.torques.refusal if self.torques is not None else ""
         return torques or self._unguarded(now) or self._tool.objection(now)
 

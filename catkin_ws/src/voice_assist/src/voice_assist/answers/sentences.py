@@ -68,6 +68,10 @@ WHY: Final = {  # by reason code
     "tracker_stale": "tracking is lost",
     "tracker_jumped": "tracker jumped",
     "tracker_too_far": "trocar is too far off",
+    "arm_fault": "arm has a fault",
+    "arm_in_use": "arm is in other hands",
+    "arm_not_ready": "arm is not ready",
+    "arm_limits": "arm limits are too low",
     # braked and latched
     "settings_changed": "settings were changed",
     "setpoints_stopped": "set points are late",

@@ -11,19 +11,24 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.errors import RstError
+from rst_control.kinova.arm_state import ArmReport, ArmState, Banks
 from rst_control.kinova.stand_in.config import DriverConfig
 from rst_control.kinova.stand_in.joint_ramps import fastest_towards_limits, ramped
 from rst_control.kinova.stand_in.waypoints import ArmLimits, Course, Waypoint, objections
 
 log = logging.getLogger("rosout.rst_control.kinova_stand_in")
 
+DRIVER: Final = 1  # connection of the driver
+EMERGENCY: Final = Banks(1 << 23)
+JOINT_FAULT: Final = Banks(1 << 4)
 Vector = NDArray[np.float64]
 STILL = 1e-9  # [rad/s] below which a joint stands
 
@@ -56,6 +61,15 @@ class ArmMode(Enum):
     STOPPING = "stopping"
 
 
+STATES: Final = {
+    ArmMode.HOLDING: ArmState.SERVOING_READY,
+    ArmMode.PREPROCESSING: ArmState.SERVOING_READY,
+    ArmMode.TRAJECTORY: ArmState.SERVOING_PLAYING_SEQUENCE,
+    ArmMode.SPEEDS: ArmState.SERVOING_MANUALLY_CONTROLLED,
+    ArmMode.STOPPING: ArmState.SERVOING_MANUALLY_CONTROLLED,
+}
+
+
 class ArmRefused(RstError):
     """The arm does not do what it was called for."""
 
@@ -73,6 +87,8 @@ class SimulatedArm:
         self._config, self._limits = config, limits
         self.position, self.velocity = np.array(position, dtype=float), np.zeros(len(position))
         self.mode, self.fault = ArmMode.HOLDING, ""
+        self._banks = Banks()  # of its base, while it is in fault
+        self._by_hand: ArmReport | None = None  # what other hands make it report instead
         self._braking = limits.acceleration
         self._wanted = np.zeros(len(position))
         self._course: Course | None = None
@@ -125,18 +141,35 @@ class SimulatedArm:
 
     def emergency_stop(self) -> None:
         """Slow down as hard as it can, stay, and take no motion until the faults are cleared."""
-        self._orders.append(lambda now: self.fail("emergency stop", now))
+        self._orders.append(lambda now: self.fail("emergency stop", now, EMERGENCY))
 
-    def fail(self, reason: str, now: float) -> None:
+    def fail(self, reason: str, now: float, banks: Banks = JOINT_FAULT) -> None:
         """Latch a fault; the first reason is kept."""
         if not self.fault:
             log.warning("the arm is in fault: %s", reason)
+            self._banks = banks
         self.fault = self.fault or reason
         self._brake(self._limits.braking, f"the arm is in fault: {self.fault}", now)
 
     def clear_faults(self) -> None:
         """Take motion again."""
-        self.fault = ""
+        self.fault, self._banks = "", Banks()
+        if self._by_hand is not None and self._by_hand.faults:
+            self._by_hand = None
+
+    def interfere(self, report: ArmReport, now: float) -> None:
+        """What happens at the arm itself: a fault, its web page, a joystick; ready ends it."""
+        self._by_hand = None if report.state == ArmState.SERVOING_READY else report
+        if report.faults:
+            self.fail("; ".join(report.faults), now, report.base)
+
+    def report(self, now: float) -> ArmReport:
+        """What it says of itself."""
+        if self._by_hand is not None and (self._by_hand.faults or not self.fault):
+            return replace(self._by_hand, stamp=now)
+        state = ArmState.IN_FAULT if self.fault else STATES[self.mode]
+        joints = (Banks(),) * len(self.position)
+        return ArmReport(state, DRIVER, now, self._banks, joints)
 
     def place(self, position: Vector) -> None:
         """Hold where the joints really are [rad], shape (7,); after a fault moved them there."""

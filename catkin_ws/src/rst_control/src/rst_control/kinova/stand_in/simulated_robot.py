@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rst_control.config import LimitLayer, LimitsConfig, SimulatorConfig
 from rst_control.errors import UnknownLimitLayerError
+from rst_control.kinova.arm_state import ArmReport, SoftLimits
 from rst_control.kinova.stand_in.arm import SimulatedArm
 from rst_control.kinova.stand_in.config import OpenRstConfig, StandInConfig
 from rst_control.kinova.stand_in.driver import KinovaDriver
@@ -81,7 +82,8 @@ class KinovaRobot:
     def __init__(self, config: StandInConfig, limits: LimitsConfig, physics: Physics) -> None:
         self._physics, self._signs = physics, np.array(config.tool.signs)
         start = physics.target
-        arm = SimulatedArm(config.driver, arm_limits(config, limits), start[ARM])
+        self._limits = arm_limits(config, limits)
+        arm = SimulatedArm(config.driver, self._limits, start[ARM])
         self.driver = KinovaDriver(config.driver, arm)
         self.tool = OpenRst(config.tool, self._signs * start[TOOL])
         self._torques = TorqueSensors(config.driver.torque)
@@ -124,6 +126,15 @@ class KinovaRobot:
         if not was_lost or self._last is None:
             self._last = self._arm_feedback()
         return self._last
+
+    def arm_report(self) -> ArmReport | None:
+        """The arm's own state as its driver reports it; None while it waits for a reply."""
+        now = self._physics.now
+        return None if now < self._silent_until else self.driver.arm.report(now)
+
+    def soft_limits(self) -> SoftLimits:
+        """What the arm keeps when speeds lead it."""
+        return SoftLimits(self._limits.speed, self._limits.acceleration)
 
     def _arm_feedback(self) -> ArmFeedback:
         reading = self._physics.reading

@@ -30,6 +30,7 @@ from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
 from rst_control.ros.common.wall_clock import followed, wall_offset
+from rst_control.ros.kinova.arm_report import ArmFacts
 from rst_control.ros.kinova.beat import beat_message
 from rst_control.ros.kinova.hardware import KinovaHardware
 from rst_control.ros.rospy_patches.message_limits import limit_messages
@@ -143,6 +144,13 @@ class KinovaBridgeNode:
             lambda feedback: self._jobs.append(lambda: bridge.on_arm(feedback)),
             lambda feedback: self._jobs.append(lambda: bridge.on_tool(feedback)),
             lambda state: self._jobs.append(lambda: bridge.tool.tell_state(state)),
+            lambda report: self._jobs.append(lambda: bridge.on_arm_report(report)),
+        )
+        watch, arm = bridge.watch, self._config.arm
+        self._facts = ArmFacts(
+            arm.namespace,
+            lambda: arm.reports_limits and watch.limits is None,
+            lambda limits: self._jobs.append(lambda: setattr(watch, "limits", limits)),
         )
         self._subscribers = [
             known(
@@ -277,6 +285,8 @@ class KinovaBridgeNode:
             "off course [rad]": f"{health.off:.5f}",
             "latest velocity [s]": f"{health.latest:.4f}",
             "latest round [s]": f"{self._latest:.4f}",
+            **health.arm,
+            "arm: firmware": self._facts.firmware,
         }
         self._latest = 0.0
         status = DiagnosticStatus(

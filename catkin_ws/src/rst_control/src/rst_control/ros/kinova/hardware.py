@@ -7,14 +7,16 @@ import time
 from collections.abc import Callable, Sequence
 
 import rospy
-from kortex_driver.msg import Base_JointSpeeds, JointSpeed
+from kortex_driver.msg import Base_JointSpeeds, BaseCyclic_Feedback, JointSpeed
 from openrst_control.srv import openrst_request
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty, Float64MultiArray, Int32MultiArray
 
+from rst_control.kinova.arm_state import ArmReport
 from rst_control.kinova.brake_plan import BrakePlan
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
+from rst_control.ros.kinova.arm_report import read_report
 from rst_control.types import Vector
 from typed_config.ros.known_publishers import KnownPublishers
 
@@ -107,6 +109,7 @@ class KinovaHardware:
         on_arm: Callable[[JointFeedback], None],
         on_tool: Callable[[JointFeedback], None],
         on_tool_state: Callable[[int], None],
+        on_report: Callable[[ArmReport], None],
     ) -> None:
         """Begin to hand over what the drivers report, from threads of rospy."""
         arm, tool = self._config.arm, self._config.tool
@@ -114,6 +117,13 @@ class KinovaHardware:
         reader = FeedbackReader(arm.joints, (1.0,) * len(arm.joints), self._first_turns)
         known, by = self._known.subscribe, self._config.believed
         self._subscribers = [
+            known(
+                f"{arm.namespace}/base_feedback",
+                BaseCyclic_Feedback,
+                lambda message: on_report(read_report(message, time.monotonic())),
+                by.arm,
+                **newest,
+            ),
             known(
                 f"{arm.namespace}/base_feedback/joint_state",
                 JointState,

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,14 +17,17 @@ import numpy as np
 import rosgraph
 import rospy
 from geometry_msgs.msg import WrenchStamped
+from kortex_driver.msg import BaseCyclic_Feedback
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty, Int32MultiArray
 
 from rst_control.config import CONFIG_FOLDER, URDF_FILE, LimitsConfig, RcmConfig, SceneConfig
 from rst_control.errors import RstError
+from rst_control.kinova.arm_state import ArmReport, SoftLimits
 from rst_control.kinova.config import KinovaConfig, load_kinova_config
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
 from rst_control.kinova.live_checks import LiveChecks, Observed, table
+from rst_control.ros.kinova.arm_report import ask_firmware, ask_limits, read_report
 from typed_config import ConfigError, load_file
 
 
@@ -33,6 +37,7 @@ class _Heard:
 
     arm: list[JointFeedback] = field(default_factory=list)
     bad_feedback: str = ""
+    reports: list[ArmReport] = field(default_factory=list)
     clock: float | None = None
     tool: JointFeedback | None = None
     tool_state: int | None = None
@@ -50,6 +55,7 @@ class _Observer:
         self._tool = FeedbackReader(tool.joints, tool.signs, None)
         topics = (
             (f"{arm.namespace}/base_feedback/joint_state", JointState, self._on_arm),
+            (f"{arm.namespace}/base_feedback", BaseCyclic_Feedback, self._on_report),
             (f"{tool.namespace}/joint_states", JointState, self._on_tool),
             (f"{tool.namespace}/openrst_state", Int32MultiArray, self._on_state),
             ("robot/tension_sensor", WrenchStamped, self._on_force),
@@ -72,6 +78,10 @@ class _Observer:
                 self._heard.arm.append(self._arm.read(message.name, _values(message), arrived))
             except BadFeedback as error:
                 self._heard.bad_feedback = str(error)
+
+    def _on_report(self, message: BaseCyclic_Feedback) -> None:
+        with self._lock:
+            self._heard.reports.append(read_report(message, time.monotonic()))
 
     def _on_tool(self, message: JointState) -> None:
         with self._lock:
@@ -99,18 +109,25 @@ def _values(message: JointState) -> dict[str, Any]:
     return {name: getattr(message, name) for name in ("position", "velocity", "effort")}
 
 
-def _observed(observer: _Observer, seconds: float) -> Observed:
+def _observed(observer: _Observer, seconds: float, arm: str) -> Observed:
     time.sleep(1.0)  # until subscribers are connected
     observer.take()
     time.sleep(seconds)
-    heard = observer.take()
+    heard = {**vars(observer.take()), **_facts(arm)}
     try:
         publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
     except (OSError, rosgraph.MasterException):
-        return Observed(seconds, **vars(heard))
-    return Observed(
-        seconds, **vars(heard), publishers=dict(publishers), subscribers=dict(subscribers)
-    )
+        return Observed(seconds, **heard)
+    return Observed(seconds, **heard, publishers=dict(publishers), subscribers=dict(subscribers))
+
+
+def _facts(arm: str) -> dict[str, SoftLimits | str]:
+    """What the arm says of its limits and its firmware; without what it does not say."""
+    found: dict[str, SoftLimits | str] = {}
+    with suppress(rospy.ServiceException, rospy.ROSException):
+        found["limits"] = ask_limits(arm)
+        found["firmware"] = ask_firmware(arm)
+    return found
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -127,7 +144,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     except (RstError, ConfigError) as error:
         sys.exit(str(error))
     rospy.init_node("kinova_checks", anonymous=True, disable_signals=True)
-    results = checks(_observed(_Observer(config), given.seconds))
+    results = checks(_observed(_Observer(config), given.seconds, given.arm))
     print(table(results), flush=True)
     sys.exit(int(any(result.is_met is False for result in results)))
 

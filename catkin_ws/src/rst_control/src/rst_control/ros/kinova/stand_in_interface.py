@@ -5,20 +5,31 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 
 import actionlib
+import numpy as np
 import rospy
 from control_msgs.msg import FollowJointTrajectoryAction
 from geometry_msgs.msg import WrenchStamped
-from kortex_driver.msg import Base_JointSpeeds
+from kortex_driver.msg import Base_JointSpeeds, BaseCyclic_Feedback, FirmwareBundleVersions
+from kortex_driver.srv import (
+    GetFirmwareBundleVersions,
+    GetFirmwareBundleVersionsResponse,
+    GetKinematicSoftLimits,
+    GetKinematicSoftLimitsResponse,
+)
 from openrst_control.srv import openrst_request, openrst_requestRequest, openrst_requestResponse
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Empty, Float64MultiArray, Int32MultiArray
 
 from rst_control.config import SimulationConfig
+from rst_control.kinova.arm_state import FIRMWARE_SERVICE, LIMITS_SERVICE
 from rst_control.kinova.stand_in import KinovaRobot, StandInConfig
+from rst_control.kinova.stand_in.simulated_robot import ArmFeedback
+from rst_control.ros.kinova.arm_report import read_report, written_limits, written_report
 from rst_control.ros.kinova.stand_in_goals import RosGoal
 from rst_control.ros.simulator.messages import Stamper, StateWriter
 from rst_control.simulation.pybullet_robot import PybulletRobot
@@ -26,6 +37,7 @@ from rst_control.simulation.pybullet_robot import PybulletRobot
 log = logging.getLogger("rosout.rst_control.kinova_stand_in")
 
 HOMING_LIMIT = 120.0  # [s] for a request to be answered
+FIRMWARE = "stand-in"
 ALIVE_PERIOD = 0.1  # [s] between checks whether the node ends while a request waits
 
 
@@ -66,6 +78,7 @@ class DriverInterface:
         self._drivers = KinovaRobot(config, simulation.limits, robot)
         self._writer = StateWriter(stamper)
         self._told_grip: bool | None = None
+        self._reports = 0  # of the arm's state so far
         self._arm_due = Due(1.0 / config.driver.feedback_rate)
         self._tool_due = Due(config.tool.period)
         self._advertise()
@@ -94,6 +107,7 @@ class DriverInterface:
     def _advertise(self) -> None:
         arm, tool, topic = self._config.driver.name, self._config.tool.name, rospy.Publisher
         queue = {"queue_size": 5, "tcp_nodelay": True}
+        self._arm_report = topic(f"{arm}/base_feedback", BaseCyclic_Feedback, **queue)
         self._arm_feedback = topic(f"{arm}/base_feedback/joint_state", JointState, **queue)
         self._arm_states = topic(f"{arm}/joint_states", JointState, **queue)
         self._tool_states = topic(f"{tool}/joint_states", JointState, **queue)
@@ -123,6 +137,16 @@ class DriverInterface:
                 f"{tool}/effort_controller/command", Float64MultiArray, self._on_command, **fast
             ),
         ]
+        interfered = "simulation/arm_state"
+        self._subscribers.append(listen(interfered, BaseCyclic_Feedback, self._on_interference))
+        limits = GetKinematicSoftLimitsResponse(written_limits(self._drivers.soft_limits()))
+        firmware = GetFirmwareBundleVersionsResponse(FirmwareBundleVersions(FIRMWARE, []))
+        self._services = [
+            rospy.Service(f"{arm}/{LIMITS_SERVICE}", GetKinematicSoftLimits, lambda _: limits),
+            rospy.Service(
+                f"{arm}/{FIRMWARE_SERVICE}", GetFirmwareBundleVersions, lambda _: firmware
+            ),
+        ]
         self._service = rospy.Service(f"{tool}/openrst_request", openrst_request, self._on_request)
         self._server = actionlib.ActionServer(
             f"{arm}/gen3_joint_trajectory_controller/follow_joint_trajectory",
@@ -137,6 +161,7 @@ class DriverInterface:
         feedback = self._drivers.arm_feedback()
         if feedback is None:
             return
+        self._publish_report(feedback)
         message = JointState(
             name=list(self._config.driver.joints),
             position=feedback.position.tolist(),
@@ -146,6 +171,18 @@ class DriverInterface:
         message.header.stamp = self._stamp()
         self._arm_feedback.publish(message)
         self._arm_states.publish(message)
+
+    def _publish_report(self, feedback: ArmFeedback) -> None:
+        report = self._drivers.arm_report()
+        if report is None:
+            return
+        self._reports += 1
+        message = written_report(report, self._reports)
+        for joint, actuator in enumerate(message.actuators):
+            actuator.position = float(np.degrees(feedback.position[joint])) % 360.0
+            actuator.velocity = float(np.degrees(feedback.velocity[joint]))
+            actuator.torque = float(feedback.effort[joint])
+        self._arm_report.publish(message)
 
     def _publish_tool(self) -> None:
         self._tool_state.publish(Int32MultiArray(data=[int(self._drivers.tool.state)]))
@@ -167,6 +204,12 @@ class DriverInterface:
 
     def _on(self, job: Callable[[], None]) -> Callable[[Empty], None]:
         return lambda _: self._jobs.append(job)
+
+    def _on_interference(self, message: BaseCyclic_Feedback) -> None:
+        """What happens at the arm itself, for tests: its state, until one that is ready."""
+        arm = self._drivers.driver.arm
+        report = read_report(message, time.monotonic())
+        self._jobs.append(lambda: arm.interfere(report, self._robot.now))
 
     def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
         goal = RosGoal(handle)
