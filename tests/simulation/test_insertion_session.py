@@ -17,9 +17,10 @@ WORST = 10e-6  # [m] of the shaft from the trocar, after every step of the physi
 
 
 def start():
-    """The first random start from which nothing has to be gone round, to keep the test short."""
-    planner = Planner(load_robot(), load_motion_config())
-    return next(iter(outside_starts(planner, 1, seed=8)))
+    """Of some random starts the one whose joints have the shortest way, to keep the test short."""
+    config = load_motion_config()
+    starts = outside_starts(Planner(load_robot(), config), 20, seed=8)
+    return min(starts, key=lambda q: np.abs(q - config.scene.home).max())
 
 
 def rig_at(q):

@@ -31,7 +31,7 @@ ENDLESS = ("rostopic hz",)
 
 
 def lines_of(system):
-    """Lines that are executed against a system; what stands on several pages, once.
+    """Lines that are executed against a system; what stands on several pages, of any session, once.
 
     Ways into the patient and out of it come last, so that there is one of each.
     """
@@ -39,7 +39,7 @@ def lines_of(system):
     for line in all_lines():
         marker = marker_of(line)
         if marker and marker.system == system:
-            found.setdefault(line.text, line)
+            found.setdefault(tuple(A_SESSION.sub("a session", word) for word in line.words), line)
     return sorted(found.values(), key=lambda line: line.text.endswith(WAY_IN_OR_OUT))
 
 

@@ -10,6 +10,7 @@ from roslaunch import RLException
 from roslaunch.config import load_config_default
 
 from rst_control.config import CONFIG_FOLDER
+from tests.support.launch_reading import read
 
 FILE = Path(__file__).resolve().parents[4] / "launch" / "kinova.launch"
 TROCAR = ["trocar_x:=0.406", "trocar_y:=-0.024", "trocar_z:=0.415"]
@@ -18,9 +19,9 @@ STOP = ["i_have_an_emergency_stop:=true"]
 QUIET = ["voice:=false", "alarms:=false", "record:=false"]
 
 
-def load(*arguments):
-    given = [*arguments, *QUIET]
-    return load_config_default([(str(FILE), given)], None, verbose=False)
+def given_by(*arguments):
+    """What would be set and started; the checks of that are not run."""
+    return read([str(FILE), *arguments, *QUIET])
 
 
 @pytest.mark.parametrize(
@@ -37,37 +38,35 @@ def load(*arguments):
 )
 def test_it_does_not_start_without(arguments, words):
     with pytest.raises(RLException, match=words):
-        load(*arguments)
+        load_config_default([(str(FILE), [*arguments, *QUIET])], None, verbose=False)
 
 
-def test_a_first_start_is_slow_and_asks(capfd):
-    config = load(*TROCAR, *LIMITS, *STOP)
-    value = {name: param.value for name, param in config.params.items()}
+def test_a_first_start_is_slow_and_asks():
+    found = given_by(*TROCAR, *LIMITS, *STOP)
+    value = found.parameters
     assert value["/controller/controller/speed/scale"] == 0.1
     assert value["/controller/controller/first_motion"] == "confirmed"
     assert value["/controller/scene/trocar"] == [0.406, -0.024, 0.415]
     assert value["/controller/limits/layer"] == "kinova"
     assert value["/kinova_bridge/limits/layer"] == "kinova"
-    names = {node.name for node in config.nodes}
-    assert {"controller", "kinova_bridge", "kinova_guard"} <= names
-    assert "robot" not in names  # that is hardware
+    assert {"/controller", "/kinova_bridge", "/kinova_guard"} <= set(found.nodes)
+    assert "/robot" not in found.nodes  # that is hardware
 
 
 def test_what_is_given_counts():
-    config = load(
+    found = given_by(
         *TROCAR, *LIMITS, "simulate:=true", "speed_scale:=0.5", "dry_run:=false", "arm:=a"
     )
-    value = {name: param.value for name, param in config.params.items()}
+    value = found.parameters
     assert value["/controller/controller/speed/scale"] == 0.5
     assert value["/controller/controller/first_motion"] == "free"
     assert value["/kinova_bridge/bridge/arm/namespace"] == "a"
     assert value["/kinova_guard/bridge/arm/namespace"] == "a"
-    assert "robot" in {node.name for node in config.nodes}
+    assert "/robot" in found.nodes
 
 
 def test_other_settings_of_the_bridge_count_for_its_guard_too():
     overrides = Path(__file__).parents[3] / "rostest" / "kinova" / "kinova_bridge.yaml"
-    config = load(*TROCAR, *LIMITS, *STOP, f"bridge_overrides:={overrides}")
-    value = {name: param.value for name, param in config.params.items()}
+    value = given_by(*TROCAR, *LIMITS, *STOP, f"bridge_overrides:={overrides}").parameters
     assert value["/kinova_bridge/bridge/guard/silence"] == 0.8
     assert value["/kinova_guard/bridge/guard/silence"] == 0.8
