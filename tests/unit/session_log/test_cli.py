@@ -9,7 +9,7 @@ import pytest
 
 from session_log.cli import main
 from session_log.mcap_file.writer import SessionWriter
-from session_log.recording.recorder import SHARED
+from session_log.recording.recorder import MANY_PUBLISHERS
 from session_log.types import Message, MessageSource
 from typed_config import package_version
 
@@ -40,7 +40,7 @@ def test_info_is_also_for_machines(story, capsys):
 
 
 def test_info_names_a_clock_that_was_set_back_and_publishers_without_end(tmp_path, capsys):
-    source = MessageSource("/t", "std_msgs/String", "992c", "string data", SHARED)
+    source = MessageSource("/t", "std_msgs/String", "992c", "string data", MANY_PUBLISHERS)
     now = 1_795_200_000 * 10**9
     with SessionWriter(tmp_path / "s.mcap") as writer:
         for k, time in enumerate((now, now - 60 * 10**9)):
@@ -157,3 +157,9 @@ def test_a_wrong_key_in_the_settings_is_named(story, tmp_path, capsys):
     (tmp_path / "report.yaml").write_text("rcm_limits: 3\n", encoding="utf-8")
     code, _, err = run(capsys, "report", story[0], "--config", tmp_path / "report.yaml")
     assert code == 1 and "did you mean rcm_limit?" in err
+
+
+@pytest.mark.parametrize("time", ["-1", "soon", "nan", "inf"])
+def test_a_note_at_no_time_names_what_is_allowed(capsys, time):
+    code, _, error = run(capsys, "note", "session", "--at", time, "words")
+    assert code == 2 and f"{time!r}, allowed: seconds, 0 or more" in error

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Files of the writer, read by the public libraries alone."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -14,7 +15,10 @@ from mcap.stream_reader import StreamReader
 from mcap_ros1.decoder import DecoderFactory
 
 from session_log.errors import RecordingFailed
+from session_log.mcap_file import writer as writer_module
+from session_log.mcap_file.durable_stream import DurableStream
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.session_folder import open_session
 from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message
 from support.message_classes import class_of, serialise, source_of
@@ -91,6 +95,25 @@ def test_what_was_committed_is_readable_while_the_file_is_still_open(tmp_path):
 def test_a_folder_that_does_not_exist_is_named(tmp_path):
     with pytest.raises(RecordingFailed, match=r"no/s.mcap: No such file"):
         SessionWriter(tmp_path / "no" / "s.mcap")
+
+
+def test_a_disk_that_is_full_from_the_start_keeps_no_empty_file(tmp_path, monkeypatch):
+    """The recorder tries again every half second: each try would leave a file that stays open."""
+
+    def refuse(fd, data):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    opened = Path("/proc/self/fd")
+    before = len(list(opened.iterdir()))
+    with monkeypatch.context() as disk:
+        disk.setattr(writer_module, "DurableStream", lambda path: DurableStream(path, refuse))
+        for _ in range(3):
+            with pytest.raises(RecordingFailed, match="No space left"):
+                open_session(tmp_path, "name", NOW)
+    assert list((tmp_path / "name").iterdir()) == []
+    assert len(list(opened.iterdir())) == before
+    with open_session(tmp_path, "name", NOW) as writer:
+        assert writer.path.name == "session.mcap"
 
 
 WRITE_UNTIL_KILLED = """

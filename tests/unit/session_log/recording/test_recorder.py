@@ -13,7 +13,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
 from session_log.recording import recorder as recorder_module
-from session_log.recording.recorder import MOST_PUBLISHERS, SHARED, Recorder
+from session_log.recording.recorder import MANY_PUBLISHERS, MOST_PUBLISHERS, Recorder
 from session_log.types import Message, MessageSource
 from support.message_classes import class_of, serialise, source_of
 from support.waiting import PATIENCE, wait_until
@@ -188,6 +188,46 @@ def test_closing_while_the_disk_is_full_says_how_much_was_lost(tmp_path, recorde
     assert recorder.close().endswith("No space left on device; 3 messages were not written")
 
 
+def test_what_waits_for_a_full_disk_at_the_end_is_counted(tmp_path, recorder_config):
+    """As well what a failed commit has taken from the queue as what has come since."""
+    is_full = threading.Event()
+
+    def write(fd, data):
+        if is_full.is_set():
+            raise full()
+        return os.write(fd, data)
+
+    config = replace(recorder_config, retry_period=60.0)
+    recorder = Recorder(lambda: on_disk(tmp_path, write), config, time.time_ns)
+    tally = recorder.register(text())
+    recorder.start()
+    wait_until(lambda: recorder.status().is_recording)
+    is_full.set()
+    recorder.offer(tally, b"x")
+    wait_until(lambda: recorder.status().error)
+    recorder.offer(tally, b"x")
+    assert recorder.close().endswith("No space left on device; 2 messages were not written")
+    assert recorder.status().written == 0
+
+
+def test_a_clock_that_is_set_back_does_not_end_the_syncs(tmp_path, recorder_config):
+    """They bound what a power failure takes."""
+    hour, clock, steady, syncs = 3600 * 10**9, [1_795_200_000 * 10**9], [0.0], []
+
+    def open_writer():
+        writer = SessionWriter(tmp_path / "s.mcap")
+        writer.sync = lambda: syncs.append(steady[0])
+        return writer
+
+    recorder = Recorder(open_writer, recorder_config, lambda: clock[0], lambda: steady[0])
+    recorder.start()
+    wait_until(lambda: len(syncs) == 1)
+    clock[0] -= hour
+    steady[0] += recorder_config.sync_period
+    wait_until(lambda: len(syncs) == 2)
+    recorder.close()
+
+
 def test_an_unexpected_error_is_kept_in_sight(tmp_path, recorder_config):
     def broken():
         raise KeyError("a bug")
@@ -300,7 +340,7 @@ def test_publishers_without_end_share_a_channel_and_lose_nothing(tmp_path, recor
     assert recorder.close() == ""
     result = read_summary(SessionReader(tmp_path / "s.mcap"))
     assert (result.messages, result.missing) == (count // 200 + 10, 0)
-    assert SHARED in result.topics["/rst_control/event"].publishers
+    assert MANY_PUBLISHERS in result.topics["/rst_control/event"].publishers
     assert recorder.status().missed == 0  # each counts its header for itself
 
 

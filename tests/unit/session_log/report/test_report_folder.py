@@ -13,7 +13,7 @@ from session_log.errors import OutputFailed, SessionMissing
 from session_log.mcap_file.session_folder import recordings
 from session_log.mcap_file.writer import SessionWriter
 from session_log.report import many_sessions, one_session
-from session_log.report.many_sessions import NothingReadable, folder
+from session_log.report.many_sessions import NothingReadable, write_folder_report
 from session_log.report.notes import Note, add_note
 from session_log.report.pool.parallel import EngineMissing, EngineUnreachable, run_parallel
 from support.story import write_session
@@ -45,7 +45,7 @@ def read(report):
 
 
 def test_readable_sessions_are_pooled_and_the_others_named(sessions, tmp_path, report_config):
-    report = folder([sessions], tmp_path / "out", report_config, with_pages=False)
+    report = write_folder_report([sessions], tmp_path / "out", report_config, with_pages=False)
     assert report.sessions == 3
     assert [u.path.name for u in report.unread] == ["bag.mcap"]
     page = read(report)
@@ -60,7 +60,7 @@ def test_readable_sessions_are_pooled_and_the_others_named(sessions, tmp_path, r
 @pytest.mark.usefixtures("without_figures")
 def test_every_session_has_a_page_that_its_row_leads_to(sessions, report_config):
     shutil.rmtree(sessions / "day 1")
-    report = folder([sessions], sessions, report_config, beside=True)
+    report = write_folder_report([sessions], sessions, report_config, beside=True)
     links = re.findall(r'<a href="([^"]+)"', report.page.read_text(encoding="utf-8"))
     assert sorted(links) == ["day%200/report.html", "killed/report.html"]
     for name in ("day 0", "killed"):
@@ -72,7 +72,7 @@ def test_every_session_has_a_page_that_its_row_leads_to(sessions, report_config)
 @pytest.mark.usefixtures("without_figures")
 def test_pages_below_the_output_leave_the_recordings_alone(sessions, tmp_path, report_config):
     before = sorted(sessions.rglob("*"))
-    report = folder([sessions / "killed"], tmp_path / "out", report_config)
+    report = write_folder_report([sessions / "killed"], tmp_path / "out", report_config)
     assert sorted(sessions.rglob("*")) == before
     (link,) = re.findall(r'<a href="([^"]+)"', report.page.read_text(encoding="utf-8"))
     assert link.startswith("sessions/killed_") and (tmp_path / "out" / link).is_file()
@@ -90,7 +90,7 @@ def test_a_session_is_read_again_only_when_it_changed(
 
     def make():
         opened.clear()
-        return folder([sessions], tmp_path / "out", report_config, with_pages=False)
+        return write_folder_report([sessions], tmp_path / "out", report_config, with_pages=False)
 
     first = make()
     assert sorted(opened) == ["day 0", "day 1", "killed", "odd"]
@@ -109,16 +109,16 @@ def test_other_settings_or_a_damaged_summary_are_no_reason_to_trust_it(
     from dataclasses import replace
 
     out = tmp_path / "out"
-    folder([sessions], out, report_config, with_pages=False)
+    write_folder_report([sessions], out, report_config, with_pages=False)
     kept = next((out / "sessions").glob("day 0*/report_summary.json"))
     values = json.loads(kept.read_text(encoding="utf-8"))
     values["summary"]["trials"] = "none"
     kept.write_text(json.dumps(values), encoding="utf-8")
     strict = replace(report_config, rcm_limit=20e-6)
-    words = read(folder([sessions], out, strict, with_pages=False)).words
+    words = read(write_folder_report([sessions], out, strict, with_pages=False)).words
     assert "samples above 20\u00a0µm" in words
     kept.write_text("{", encoding="utf-8")
-    assert folder([sessions], out, strict, with_pages=False).sessions == 3
+    assert write_folder_report([sessions], out, strict, with_pages=False).sessions == 3
 
 
 @pytest.mark.usefixtures("without_figures")
@@ -131,7 +131,7 @@ def test_one_broken_session_does_not_end_the_others(sessions, tmp_path, report_c
         return summarise(name, *rest)
 
     monkeypatch.setattr(one_session, "summarise", failing)
-    report = folder([sessions], tmp_path / "out", report_config, with_pages=False)
+    report = write_folder_report([sessions], tmp_path / "out", report_config, with_pages=False)
     assert report.sessions == 2
     assert "ZeroDivisionError: in the middle" in {u.reason for u in report.unread}
 
@@ -154,21 +154,23 @@ def test_a_recovered_copy_without_its_original_counts(tmp_path):
 
 def test_a_folder_without_recordings_is_named(tmp_path, report_config):
     with pytest.raises(SessionMissing, match=r"without any recording"):
-        folder([tmp_path], tmp_path / "out", report_config)
+        write_folder_report([tmp_path], tmp_path / "out", report_config)
     with pytest.raises(SessionMissing, match=r"none: no such file"):
-        folder([tmp_path / "none"], tmp_path / "out", report_config)
+        write_folder_report([tmp_path / "none"], tmp_path / "out", report_config)
 
 
 def test_a_folder_in_which_nothing_can_be_read_says_why(tmp_path, report_config):
     (tmp_path / "a.mcap").write_bytes(b"x")
     with pytest.raises(NothingReadable, match=r"none of 1 recordings .*not an MCAP recording"):
-        folder([tmp_path], tmp_path / "out", report_config)
+        write_folder_report([tmp_path], tmp_path / "out", report_config)
 
 
 def test_an_output_that_cannot_be_made_is_named(sessions, tmp_path, report_config):
     (tmp_path / "file").write_text("in the way")
     with pytest.raises((OutputFailed, NothingReadable), match=r"cannot write .*file"):
-        folder([sessions / "day 0"], tmp_path / "file", report_config, with_pages=False)
+        write_folder_report(
+            [sessions / "day 0"], tmp_path / "file", report_config, with_pages=False
+        )
 
 
 def test_names_of_sessions_in_different_folders_do_not_collide(source):
@@ -207,7 +209,7 @@ def test_two_processes_and_a_cluster_find_what_one_process_finds(sessions, tmp_p
 
     def make(**ways):
         out = tmp_path / str(len(texts))
-        report = folder([sessions], out, report_config, with_pages=False, **ways)
+        report = write_folder_report([sessions], out, report_config, with_pages=False, **ways)
         texts.append(report.page.read_text(encoding="utf-8"))
         return report
 
@@ -222,7 +224,9 @@ def test_two_processes_and_a_cluster_find_what_one_process_finds(sessions, tmp_p
 def test_a_session_is_found_by_what_was_heard_asked_refused_and_noted(sessions, report_config):
     add_note(sessions / "day 0" / "session.mcap", Note("Wrong trocar"))
     out = sessions.parent / "out"
-    text = folder([sessions], out, report_config, with_pages=False).page.read_text("utf-8")
+    text = write_folder_report([sessions], out, report_config, with_pages=False).page.read_text(
+        "utf-8"
+    )
     words = dict(re.findall(r'data-words="([^"]*)".*?<span>(.*?)</span>', text))
     (noted,) = [heard for heard, name in words.items() if name == "day 0"]
     for phrase in ("could you pass me the clamp", "tense refused tissue is held", "Wrong trocar"):

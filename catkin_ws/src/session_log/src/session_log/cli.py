@@ -8,7 +8,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
@@ -18,7 +18,7 @@ from session_log.errors import OutputFailed, SessionLogError
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.session_folder import RECOVERED
 from session_log.mcap_file.summary import RecordingSummary, read_summary
-from session_log.recording.recorder import SHARED
+from session_log.recording.recorder import MANY_PUBLISHERS
 from session_log.replay.command import add_replay_options
 from session_log.report.command import add_options
 from session_log.report.notes import Note, add_note
@@ -76,7 +76,7 @@ def _recover(arguments: argparse.Namespace) -> int:
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    from session_log.export.export import FORMATS, Format, export_topics
+    from session_log.export.export import FORMATS, Format, export_topics, file_stem
 
     config = _config(arguments.config)
     topics = config.topics
@@ -87,7 +87,8 @@ def _export(arguments: argparse.Namespace) -> int:
     result = export_topics(reader, folder, wanted, topics.audio, formats)
     for path, rows in result.rows.items():
         print(f"{path}: {rows} rows")
-    for topic in sorted(set(wanted) - {t for t in wanted if _is_written(t, result.rows)}):
+    written = {path.stem for path in result.rows}
+    for topic in sorted(topic for topic in set(wanted) if file_stem(topic) not in written):
         print(f"{topic}: nothing recorded")
     if result.sound:
         print(f"{result.sound}: {result.samples} samples, {result.lost_samples} lost")
@@ -119,14 +120,13 @@ def _config(path: Path) -> ReportConfig:
 
 
 def _moment(words: str) -> float:
-    value = float(words)
+    try:
+        value = float(words)
+    except ValueError:
+        value = math.nan
     if not 0.0 <= value < math.inf:
-        raise ValueError(value)
+        raise argparse.ArgumentTypeError(f"{words!r}, allowed: seconds, 0 or more")
     return value
-
-
-def _is_written(topic: str, rows: dict[Path, int]) -> bool:
-    return any(path.stem == topic.strip("/").replace("/", "_") for path in rows)
 
 
 def _print_summary(result: RecordingSummary, path: Path) -> None:
@@ -167,8 +167,8 @@ def _losses(result: RecordingSummary) -> list[str]:
         lines.append(f"{result.missing} messages were received but are not in the file")
     lines += [str(step) for step in result.clock_steps]
     for name, topic in result.topics.items():
-        if SHARED in topic.publishers:
-            lines.append(f"{name}: {SHARED} published it, and all but the first share a channel")
+        if MANY_PUBLISHERS in topic.publishers:
+            lines.append(f"{name}: {MANY_PUBLISHERS} published it; later ones share a channel")
     return lines or ["complete" + (", checksum good" if condition.checksum == "good" else "")]
 
 
@@ -217,8 +217,13 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _command(commands: object, name: str, run: object, words: str) -> argparse.ArgumentParser:
-    parser: argparse.ArgumentParser = commands.add_parser(name, help=words, description=words)  # type: ignore[attr-defined]
+def _command(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser],
+    name: str,
+    run: Callable[[argparse.Namespace], int],
+    words: str,
+) -> argparse.ArgumentParser:
+    parser = commands.add_parser(name, help=words, description=words)
     parser.add_argument("session", type=Path, help="an MCAP file, or the folder of a session")
     parser.set_defaults(run=run)
     return parser

@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Final, NamedTuple
+
+URDF_TOPIC: Final = "/robot_description"  # std_msgs/String; as a parameter ROS has the same
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import pytest
 
 from session_log.mcap_file.reader import SessionReader
 from session_log.report.pool.pool import Pool, reason_of
-from session_log.report.session.analysis import command_rows, rcm_while_moving
+from session_log.report.session.analysis import command_rows, rcm_while_moving, statistics
 from session_log.report.session.extract import extract
 from session_log.report.session.shaft import rcm_from_joints
 from session_log.report.session.summary import (
@@ -49,7 +49,7 @@ def changed(summary, *pairs, **fields):
 
 
 def test_a_summary_says_what_the_session_says(summary, data):
-    moving = rcm_while_moving(data)
+    moving = statistics(rcm_while_moving(data))
     assert (summary.rcm.count, summary.rcm.largest) == (moving.count, moving.largest)
     assert summary.rcm.rms == pytest.approx(moving.rms)
     assert summary.tension == pytest.approx(2.0, abs=0.05)

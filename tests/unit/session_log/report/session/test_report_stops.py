@@ -4,7 +4,8 @@ import math
 import pytest
 
 from session_log.report.session.session_data import RecordedEvent, Span
-from session_log.report.session.stops import UNREPORTED, stops, stops_table
+from session_log.report.session.stops import UNREPORTED, stops
+from session_log.report.tables.session_tables import stops_table
 
 TOPIC = "stopped by voice"
 OVER = "tension 2.50 N, allowed 2.40 N"

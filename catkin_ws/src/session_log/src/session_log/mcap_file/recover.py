@@ -11,7 +11,7 @@ from session_log.mcap_file.summary import MessageCounter, RecordingSummary
 from session_log.mcap_file.writer import SessionWriter
 
 COMMIT = 2000  # messages in one: they wait in memory
-DAMAGE_TOLD = 100  # places of damage that the copy names
+MOST_DAMAGES = 100  # places of damage that the copy names
 
 
 def recover(reader: SessionReader, target: Path) -> RecordingSummary:
@@ -49,6 +49,6 @@ def _account(reader: SessionReader, result: RecordingSummary) -> dict[str, str]:
         "missing_messages": str(result.missing),
         "unreadable_bytes": str(sum(d.length for d in condition.damage)),
         "damage": "; ".join(
-            f"{d.length} B at {d.offset}: {d.what}" for d in condition.damage[:DAMAGE_TOLD]
+            f"{d.length} B at {d.offset}: {d.what}" for d in condition.damage[:MOST_DAMAGES]
         ),
     }

@@ -17,6 +17,7 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import CompressionType, IndexType
 from mcap.writer import Writer as McapWriter
 
+from session_log.errors import RecordingFailed
 from session_log.mcap_file.durable_stream import DurableStream
 from session_log.mcap_file.records import CHECKSUM, CHECKSUM_BODY
 from session_log.types import Message, MessageSource
@@ -78,7 +79,12 @@ class SessionWriter:
         self._channels: dict[MessageSource, int] = {}
         self._schemas: dict[tuple[str, str], int] = {}
         self._mcap.start(profile="ros1", library=LIBRARY)
-        self.commit()
+        try:
+            self.commit()
+        except RecordingFailed:  # the caller tries again with a file of another name
+            self.abandon()
+            path.unlink(missing_ok=True)
+            raise
 
     def add(self, message: Message) -> None:
         """Take one message for the next commit."""

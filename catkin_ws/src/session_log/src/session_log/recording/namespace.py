@@ -8,7 +8,7 @@ from typing import Any, Final
 
 ROOT: Final = "/"
 # Topics that all systems of a master share.
-SHARED: Final = frozenset({"/rosout", "/diagnostics", "/tf", "/tf_static", "/clock"})
+SHARED_TOPICS: Final = frozenset({"/rosout", "/diagnostics", "/tf", "/tf_static", "/clock"})
 
 
 class Namespace:
@@ -28,7 +28,7 @@ class Namespace:
 
     def resolved(self, name: str) -> str:
         """A topic of the settings, such as "/joint_states", as the master knows it."""
-        return name if name in SHARED else self.name + name.removeprefix("/")
+        return name if name in SHARED_TOPICS else self.name + name.removeprefix("/")
 
     def recorded(self, name: str) -> str:
         """A topic or node of the master as the recording has it."""
@@ -36,7 +36,7 @@ class Namespace:
 
     def has_topic(self, name: str) -> bool:
         """Whether a topic of the master is recorded. Without a namespace all are."""
-        return name.startswith(self.name) or name in SHARED
+        return name.startswith(self.name) or name in SHARED_TOPICS
 
     def has_node(self, name: str) -> bool:
         """Whether what a node publishes on a shared topic is: one of this namespace, or of none."""

@@ -17,7 +17,7 @@ from session_log.types import Message, MessageSource
 
 MOST_CHANNELS = 65_535  # that a file can hold
 MOST_PUBLISHERS = 64  # of one topic with a channel each
-SHARED = f"more than {MOST_PUBLISHERS} nodes"  # stands for the publisher of a shared channel
+MANY_PUBLISHERS = f"more than {MOST_PUBLISHERS} nodes"  # publisher of a topic's shared channel
 BATCH = 5000  # entries written between two commits; bounds the memory of one commit
 
 
@@ -69,8 +69,8 @@ class Recorder:
     Args:
         open_writer: Creates the file; called again after `retry_period` while it fails.
         config: Limits and periods.
-        clock: Wall time [ns].
-        steady: Time that no one sets [s].
+        clock: Wall time, of the stamps [ns].
+        steady: Monotonic time, of periods and limits [s].
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class Recorder:
         self._in_flight = 0  # messages taken from the queue, not yet in the file
         self._written = 0
         self._written_until = 0
-        self._next_sync = 0
+        self._next_sync = float("-inf")  # [s]
         self._progress = float("inf")  # [s] when the disk last took something, or had nothing to
         self._last_drop = float("-inf")  # [s]
         self._closing = threading.Event()
@@ -113,7 +113,7 @@ class Recorder:
             if source not in self._tallies:
                 of_topic = sum(known.topic == source.topic for known in self._tallies)
                 if of_topic >= MOST_PUBLISHERS:
-                    source = replace(source, publisher=SHARED)
+                    source = replace(source, publisher=MANY_PUBLISHERS)
             return self._tallies.setdefault(source, self._new_tally(source))
 
     def offer(self, tally: TopicTally, data: bytes) -> bool:
@@ -131,7 +131,7 @@ class Recorder:
             return True
 
     def _new_tally(self, source: MessageSource) -> TopicTally:
-        is_shared = source.publisher == SHARED
+        is_shared = source.publisher == MANY_PUBLISHERS
         has_header = starts_with_header(source.definition) and not is_shared
         return TopicTally(source, has_header, is_refused=len(self._tallies) >= MOST_CHANNELS)
 
@@ -200,10 +200,11 @@ class Recorder:
             self._closing.wait(pause)
             self._attempt(self._write_waiting)
         self._attempt(self._write_waiting)
-        unwritten = f"{self._error}; {len(self._queue)} messages were not written"
+        why = self._error
         self._attempt(self._finish)
-        if self._queue:
-            self._error = unwritten
+        if self._queue or self._in_flight or self._writer is None:
+            unwritten = self._in_flight + sum(isinstance(e, Message) for e in self._queue)
+            self._error = f"{self._error or why}; {unwritten} messages were not written"
 
     def _attempt(self, action: Callable[[], None]) -> None:
         try:
@@ -243,9 +244,12 @@ class Recorder:
 
     def _commit(self, writer: SessionWriter) -> None:
         writer.commit()
+        self._count_written()
+        self._progress = self._steady()
+
+    def _count_written(self) -> None:
         self._written += self._in_flight
         self._in_flight = 0
-        self._progress = self._steady()
 
     def _write(self, writer: SessionWriter, entry: Message | Metadata) -> None:
         if isinstance(entry, Message):
@@ -255,10 +259,10 @@ class Recorder:
             writer.add_metadata(entry.name, entry.values)
 
     def _sync_if_due(self, writer: SessionWriter) -> None:
-        now = self._clock()
+        now = self._steady()
         if self._config.sync_period and now >= self._next_sync:
             writer.sync()  # if it fails, the next attempt tries again
-            self._next_sync = now + int(self._config.sync_period * 1e9)
+            self._next_sync = now + self._config.sync_period
 
     def _finish(self) -> None:
         if self._writer is None:
@@ -271,3 +275,4 @@ class Recorder:
         if losses:
             self._writer.add_metadata("losses", losses)
         self._writer.close()
+        self._count_written()

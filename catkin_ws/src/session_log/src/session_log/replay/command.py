@@ -18,14 +18,10 @@ from session_log.replay.compare import Difference
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Decided, find_plugin
 from session_log.replay.replay import Replay, replay
-from typed_config import (
-    ConfigError,
-    load_file,
-    numbered_recordings,
-    package_folder,
-)
+from typed_config import ConfigError, load_file, numbered_recordings, package_folder
 
-SAME, DIFFERENT, FAILED = 0, 1, 2
+REPLAY_CONFIG = package_folder("session_log") / "config" / "replay.yaml"
+SAME, DIFFERENT, FAILED = 0, 1, 2  # exit status
 _FIELDS = (
     *("transcript", "command", "reason", "nearest_command", "confidence", "mode"),
     *("decided_by", "is_partial"),
@@ -146,9 +142,6 @@ def _plain(decided: Decided | None) -> dict[str, Any] | None:
     if decided is None:
         return None
     return {**{name: getattr(decided, name) for name in _FIELDS}, "wer": dict(decided.wer)}
-
-
-REPLAY_CONFIG = package_folder("session_log") / "config" / "replay.yaml"
 
 
 def add_replay_options(parser: argparse.ArgumentParser) -> None:

@@ -120,7 +120,6 @@ class _VoiceReader:
         self._decoder = Decoder()
         self._missing = SequenceWatch(reader)
         self._stream = StreamWatch()
-        self._lost_utterances = 0
         self._voice = RecordedVoice()
         self._early_notes: list[str] = []  # of a run whose first sound has not come yet
         self._takers = {

@@ -91,7 +91,7 @@ def replay(
 
     Raises:
         NoSound: There is nothing to hear.
-        NotHeard: The sound, its settings or the model cannot be used.
+        ReplayFailed: The sound, its settings or the model cannot be used.
     """
     voice = read_voice(reader, config)
     if not voice.runs:

@@ -66,9 +66,9 @@ def _many(named: list[Path], arguments: argparse.Namespace, config: ReportConfig
     if arguments.out is None and len(named) > 1:
         raise OutputUnclear(len(named))
     recordings(named)  # whatever is not there is named at once
-    from session_log.report.many_sessions import folder
+    from session_log.report.many_sessions import write_folder_report
 
-    report = folder(
+    report = write_folder_report(
         named,
         arguments.out or named[0],
         config,

@@ -50,7 +50,7 @@ class NothingReadable(SessionLogError):
         self.unread = tuple(unread)
 
 
-def folder(
+def write_folder_report(
     inputs: Sequence[Path],
     out: Path,
     config: ReportConfig,

@@ -15,7 +15,7 @@ from session_log.report.notes import Note
 from session_log.report.page import Image, Section, page, table_section
 from session_log.report.pool.pool import Pool
 from session_log.report.sections import figure_section, large_facts
-from session_log.report.session.stops import stops, stops_table
+from session_log.report.session.stops import stops
 from session_log.report.session.summary import SessionSummary
 from session_log.report.tables import session_tables
 from session_log.report.tables.text_table import size_words
@@ -71,7 +71,7 @@ def _sections(
     if notes:
         yield Section("Notes", table=session_tables.notes_table(notes))
     yield Section("Commands", COMMANDS_NOTE, table=session_tables.commands_table(material))
-    found = stops_table(stops(data.events, data.states))
+    found = session_tables.stops_table(stops(data.events, data.states))
     yield table_section("What stopped the robot, and why", found, "Nothing stopped the robot.")
     refused = session_tables.refused_table(material)
     yield table_section("What was refused, and why", refused, "Nothing was refused.")

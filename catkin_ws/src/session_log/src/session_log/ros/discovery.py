@@ -11,7 +11,7 @@ from functools import partial
 import rosgraph
 import rospy
 
-from session_log.recording.namespace import SHARED, Namespace
+from session_log.recording.namespace import SHARED_TOPICS, Namespace
 from session_log.recording.recorder import Recorder, TopicTally
 from session_log.types import MessageSource
 
@@ -59,7 +59,7 @@ class TopicSubscriber:
         tally = self._tallies.get(key)
         if tally is None:
             publisher = header.get("callerid", "")
-            if topic in SHARED and not self._namespace.has_node(publisher):
+            if topic in SHARED_TOPICS and not self._namespace.has_node(publisher):
                 return
             source = _source(topic, header, self._namespace.recorded(publisher))
             tally = self._tallies[key] = self._recorder.register(source)

@@ -24,20 +24,20 @@ from std_msgs.msg import String
 
 from session_log.config import FoxgloveConfig
 from session_log.recording.namespace import Namespace
-from typed_config import ConfigError, load_config
+from session_log.types import URDF_TOPIC
+from typed_config import ConfigError, package_file
+from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 
 if TYPE_CHECKING:
     import foxglove
 
+FILE = package_file("session_log", "config/foxglove.yaml")
 NICE = 10  # it only shows
-URDF_TOPIC = "/robot_description"
 INSTALL = "foxglove-sdk is missing: .venv/bin/pip install -r requirements-foxglove.txt"
-AGAIN = (
-    0.5  # [s] from a viewer's wish to the next look: at what is latched, and at who is connected
-)
+AGAIN = 0.5  # [s] from a viewer's wish, or the last try, to the next try
 TRIES = 5  # times that a topic without a connection is subscribed anew
-IDLE = 0.2  # [s] between looks whether ROS ends
+IDLE = 0.2  # [s] between checks whether ROS ends
 
 
 class LiveTopics:
@@ -61,7 +61,7 @@ class LiveTopics:
         self._again: deque[tuple[float, str, int]] = deque()  # [s] when, topic, tries left
         self._wishes: Queue[tuple[str, int]] = Queue()  # topics, and how many viewers more
 
-    # --- from the threads of the server: `foxglove.ServerListener`
+    # The two methods of a `foxglove.ServerListener`, called by the server's threads
 
     def on_subscribe(self, client: object, channel: Any) -> None:
         """A viewer asks for a topic."""
@@ -70,8 +70,6 @@ class LiveTopics:
     def on_unsubscribe(self, client: object, channel: Any) -> None:
         """A viewer needs a topic no more."""
         self._wishes.put((channel.topic, -1))
-
-    # --- from the node's own thread
 
     def search(self) -> None:
         """Offer the topics that are new."""
@@ -197,7 +195,7 @@ def main() -> None:
         os.setpriority(os.PRIO_PROCESS, 0, NICE)
     with starting("foxglove", needs_clock=False):
         try:
-            config = load_config(FoxgloveConfig, _parameters(), "foxglove.yaml")
+            config = private_settings(FoxgloveConfig, FILE)
             import foxglove  # noqa: F401
         except ConfigError as error:
             rospy.logfatal("%s", error)
@@ -210,8 +208,3 @@ def main() -> None:
     except RuntimeError as error:
         rospy.logfatal("topics cannot be served at %s:%d: %s", config.address, config.port, error)
         sys.exit(2)
-
-
-def _parameters() -> dict[str, Any]:
-    names = FoxgloveConfig.__dataclass_fields__
-    return {name: rospy.get_param(f"~{name}") for name in names if rospy.has_param(f"~{name}")}

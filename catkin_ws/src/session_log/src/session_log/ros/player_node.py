@@ -19,13 +19,13 @@ import rospy
 
 from session_log.errors import SessionLogError
 from session_log.mcap_file.reader import SessionReader
-from session_log.types import Message, MessageSource
+from session_log.types import URDF_TOPIC, Message, MessageSource
 
-URDF_TOPIC = "/robot_description"
 PREFIX = "/played"
 VIEWERS = ("/rviz", "/rosout", "/foxglove")  # beginnings of the names of nodes that move nothing
 CHECK_PERIOD = 1.0  # [s] between looks for nodes that came meanwhile
 CONNECT_TIME = 1.0  # [s] for viewers to connect before the first message
+LONGEST_SLEEP = 0.2  # [s] so that Ctrl-C ends a pause of the recording
 
 
 class RawMessage(rospy.AnyMsg):
@@ -48,9 +48,6 @@ class RecordingPlayer:
         rate: Recorded over real time.
         prefix: Of all topics; empty: the recorded names.
         live: Nodes of a running system on the topics that are played; not asked with a prefix.
-
-    Raises:
-        LiveSystem: There are some.
     """
 
     def __init__(
@@ -67,7 +64,11 @@ class RecordingPlayer:
         self.count = 0
 
     def prepare(self) -> None:
-        """Announce every topic, and set the recorded robot_description."""
+        """Announce every topic, and set the recorded robot_description.
+
+        Raises:
+            LiveSystem: A running system has one of the topics.
+        """
         sources = {m.source.topic: m for m in self._reader.messages()}
         self._names = [self._prefix + topic for topic in sources]
         self._check()
@@ -85,13 +86,19 @@ class RecordingPlayer:
             raise LiveSystem(live)
 
     def play(self) -> None:
-        """Publish all, each message when it is due."""
+        """Publish all, each message when it is due; ends early where ROS shuts down.
+
+        Raises:
+            LiveSystem: A running system has one of the topics.
+        """
         begin: tuple[int, float] | None = None
         for message in self._reader.messages():
             if begin is None:
                 begin = message.log_time, time.monotonic()
             due = begin[1] + (message.log_time - begin[0]) * 1e-9 / self._rate
-            time.sleep(max(due - time.monotonic(), 0.0))
+            while (left := due - time.monotonic()) > 0.0 and not rospy.is_shutdown():
+                time.sleep(min(left, LONGEST_SLEEP))
+                self._check()
             if rospy.is_shutdown():
                 return
             self._check()

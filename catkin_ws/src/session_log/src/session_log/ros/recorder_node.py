@@ -21,19 +21,13 @@ from session_log.recording.namespace import Namespace
 from session_log.recording.recorder import Recorder
 from session_log.ros.diagnostics import RecorderDiagnostics
 from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
-from session_log.types import MessageSource
-from typed_config import (
-    ConfigError,
-    load_config,
-    package_folder,
-    package_version,
-)
+from session_log.types import URDF_TOPIC, MessageSource
+from typed_config import ConfigError, load_config, package_folder, package_version
 from typed_config.ros.starting import starting
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
 REPORT_PERIOD = 1.0  # [s] between two statuses in /diagnostics
 TURN_LIMIT = 1.0  # [s] for a turn to end; the master may hang
-URDF_TOPIC = "/robot_description"
 
 
 class Announcer:
@@ -97,7 +91,7 @@ class ParameterWatcher:
             return
         facts = parameters.pop(FACTS, {})
         self._record("parameters", metadata.parameter_facts(parameters))
-        for name, values in facts.items():
+        for name, values in facts.items() if isinstance(facts, dict) else ():
             if isinstance(values, dict):
                 self._record(f"session/{name}", metadata.named_facts(values))
         if isinstance(parameters.get("robot_description"), str):

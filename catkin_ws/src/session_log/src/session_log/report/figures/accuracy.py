@@ -8,14 +8,23 @@ from matplotlib.figure import Figure
 
 from session_log.report.bounds import Bounded
 from session_log.report.figures.figure import PoolFigure
-from session_log.report.figures.style import BLUE, INK, PALE, QUIET, SOUND, Layout, new_figure
+from session_log.report.figures.style import (
+    BLUE,
+    INK,
+    PALE,
+    QUIET,
+    SOUND,
+    Layout,
+    new_figure,
+    write_at_right,
+)
 from session_log.report.pool.pool import Pool
 from session_log.report.session.trials import NO_COMMAND
 from session_log.report.tables.text_table import percent
 
 LACKING = (
-    "Nobody recorded what was meant to be said, so accuracy is unknown. Whoever plays or prompts "
-    "phrases publishes each on {topic} as it begins to sound."
+    "Nobody recorded what was meant to be said, so accuracy is unknown. A program that plays or "
+    "prompts phrases publishes each on {topic} as it begins to sound."
 )
 
 
@@ -54,16 +63,7 @@ class AccuracyFigure(PoolFigure):
         ax = figure.subplots()
         for y, (_, (hits, total, share), color) in enumerate(bars):
             _draw_bar(ax, y, share, color)
-            text = f"{hits}/{total}"
-            ax.annotate(
-                text,
-                (1.0, y),
-                xycoords=("axes fraction", "data"),
-                xytext=(4, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=7,
-            )
+            write_at_right(ax, y, f"{hits}/{total}")
         ax.set_yticks(range(len(bars)), [name for name, *_ in bars])
         ax.set_ylim(len(bars) - 0.5, -0.5)
         ax.set_xlim(0.0, 100.0)

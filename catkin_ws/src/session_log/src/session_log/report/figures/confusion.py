@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 from session_log.report.figures.figure import PoolFigure
 from session_log.report.figures.style import BLUE, INK, QUIET, RED, Layout, new_figure
 from session_log.report.pool.pool import Pool
-from session_log.report.session.trials import PhraseTrial
+from session_log.report.session.trials import is_correct
 from session_log.report.tables.pool_tables import confusion_counts
 
 SHADES = {
@@ -33,7 +33,7 @@ class ConfusionFigure(PoolFigure):
 
     def caption(self, material: Pool) -> str:
         """Count what went wrong, and what would have moved the robot."""
-        wrong = {p: n for p, n in material.confusions.items() if not _is_right(*p)}
+        wrong = {p: n for p, n in material.confusions.items() if not is_correct(*p)}
         taken = sum(n for (_, taken), n in wrong.items() if taken in material.commands)
         return (
             "Rows: what was meant; columns: what it was taken for; blue is right, red is wrong, "
@@ -50,7 +50,7 @@ class ConfusionFigure(PoolFigure):
         for y, (row, numbers) in enumerate(zip(rows, counts, strict=True)):
             for x, (column, count) in enumerate(zip(columns, numbers, strict=True)):
                 share = count / max(sum(numbers), 1)
-                color = SHADES[_is_right(row, column)](0.15 + 0.75 * share if count else 0.0)
+                color = SHADES[is_correct(row, column)](0.15 + 0.75 * share if count else 0.0)
                 ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, fc=color, ec="#e4e7eb", lw=0.6))
                 if count:
                     ink = "white" if np.mean(color[:3]) < 0.55 else INK
@@ -67,7 +67,3 @@ class ConfusionFigure(PoolFigure):
         ax.set_ylabel("meant", color=QUIET)
         ax.set_xlabel("taken for", color=QUIET)
         return figure
-
-
-def _is_right(meant: str, taken: str) -> bool:
-    return PhraseTrial(0.0, meant, taken, "").is_correct

@@ -9,7 +9,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from session_log.report.figures.figure import SessionFigure, SessionMaterial
-from session_log.report.figures.style import BLUE, INK, PALE, QUIET, RED, Layout, new_figure
+from session_log.report.figures.style import (
+    BLUE,
+    INK,
+    PALE,
+    QUIET,
+    RED,
+    Layout,
+    new_figure,
+    write_at_right,
+)
 from session_log.report.session.joint_margins import joint_limits, joint_margins
 from session_log.report.session.session_data import Track
 
@@ -51,16 +60,7 @@ class JointsFigure(SessionFigure):
             margin = margins.get(name)
             words = "no limit" if margin is None else f"{math.degrees(margin):.1f}°"
             color = RED if margin is not None and margin < CLOSE else INK
-            ax.annotate(
-                words,
-                (1.0, y),
-                xycoords=("axes fraction", "data"),
-                xytext=(4, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=7,
-                color=color if margin is not None else QUIET,
-            )
+            write_at_right(ax, y, words, color if margin is not None else QUIET)
         ax.set_yticks(range(len(names)), [n.replace("joint_", "") for n in names])
         ax.set_ylim(len(names) - 0.5, -0.5)
         ax.set_ylabel("joint")

@@ -42,13 +42,12 @@ class RcmErrorFigure(SessionFigure):
     def caption(self, material: SessionMaterial) -> str:
         """Name the errors while moving, by either way."""
         words = [f"{WHAT}; shaded while the robot moves."]
-        stated = rcm_while_moving(material.data)
-        own = material.rcm.while_moving
-        if not stated.count and not len(own):
+        stated, own = rcm_while_moving(material.data), material.rcm.while_moving
+        is_stated = np.isfinite(stated).any()
+        if not is_stated and not len(own):
             words.append("The robot did not move.")
-        if stated.count:
-            error = material.data.controller["rcm_error"][material.data.controller["moving"] > 0]
-            words.append("By the controller, " + _errors(error, material))
+        if is_stated:
+            words.append("By the controller, " + _errors(stated, material))
         if len(own):
             words.append("From the joint states, by the recorded robot model and trocar alone, ")
             words[-1] += _errors(own, material)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One look for every figure: colours that colour-blind readers can tell apart, sizes, helpers."""
+"""One style for every figure: colours that colour-blind readers can tell apart, sizes, helpers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from session_log.report.session.session_data import Span, Track
+from session_log.report.session.session_data import MOVING, Span, Track
 
 INK = "#1f2933"
 QUIET = "#7b8794"
@@ -84,8 +84,22 @@ def new_figure(layout: Layout, height: float) -> Figure:
 def shade_motion(ax: Axes, states: Iterable[Span]) -> None:
     """Mark when the robot moved."""
     for span in states:
-        if span.word in ("moving", "stopping"):
+        if span.word in MOVING:
             ax.axvspan(span.start, span.end, color=STATE_COLORS[span.word], alpha=0.13, lw=0)
+
+
+def write_at_right(ax: Axes, y: float, words: str, color: str = INK) -> None:
+    """Write beside the right edge of the axes at a height of their data."""
+    ax.annotate(
+        words,
+        (1.0, y),
+        xycoords=("axes fraction", "data"),
+        xytext=(4, 0),
+        textcoords="offset points",
+        va="center",
+        fontsize=7,
+        color=color,
+    )
 
 
 def time_axis(ax: Axes, duration: float) -> None:

@@ -21,7 +21,7 @@ from session_log.report.figures.style import (
     thin,
     time_axis,
 )
-from session_log.report.session.analysis import tension_error, tension_statistics
+from session_log.report.session.analysis import statistics, tension_error, tension_with_target
 from session_log.report.session.session_data import SampledTable
 
 
@@ -38,7 +38,8 @@ class TensionFigure(SessionFigure):
 
     def caption(self, material: SessionMaterial) -> str:
         """Name the largest tension and its distance from the target."""
-        pulled, error = tension_statistics(material.data), tension_error(material.data)
+        pulled = statistics(tension_with_target(material.data))
+        error = statistics(tension_error(material.data))
         words = "Force of the tissue on the jaws and its target; shaded while the robot moves."
         if pulled.count:
             words += f" Largest with a target set: {pulled.largest:.2f} N."

@@ -34,7 +34,7 @@ LONGEST_LABEL = 26  # characters
 LETTER = 0.058  # [in] width of a letter of a label
 QUIETEST, LOUDEST = -70.0, 0.0  # [dBFS]
 
-MARKS = {  # of the controller's diary: shape, colour, words
+MARKS = {  # by kind of event: shape, colour, words
     "refused": ("X", RED, "refused"),
     "stop_received": ("s", INK, "stop received"),
     "trocar_set": ("P", PURPLE, "trocar set"),
@@ -42,6 +42,8 @@ MARKS = {  # of the controller's diary: shape, colour, words
     "grasp_set": ("P", PURPLE, "grasp point set"),
     "grasp_refused": ("v", PURPLE, "grasp point refused"),
 }
+
+SETTINGS = ("trocar_set", "trocar_refused", "grasp_set", "grasp_refused")  # events of a set-up
 
 
 @dataclass(frozen=True)
@@ -110,18 +112,12 @@ class TimelineFigure(SessionFigure):
 
 
 def _setting_words(material: SessionMaterial) -> str:
-    kinds = {
-        "trocar_set": "Trocar set",
-        "trocar_refused": "Trocar refused",
-        "grasp_set": "Grasp point set",
-        "grasp_refused": "Grasp point refused",
-    }
-    changes = [event for event in material.data.events if event.kind in kinds]
-    words = (
-        f" {kinds[e.kind]} at {e.time:.1f} s" + (f" ({e.message})." if e.message else ".")
-        for e in changes
+    return "".join(
+        f" {MARKS[e.kind][2].capitalize()} at {e.time:.1f} s"
+        + (f" ({e.message})." if e.message else ".")
+        for e in material.data.events
+        if e.kind in SETTINGS
     )
-    return "".join(words)
 
 
 def _rows(duration: float, layout: Layout) -> list[TimelineRow]:

@@ -22,7 +22,7 @@ def key_of(recording: Path, config: ReportConfig, notes: Sequence[Note] = ()) ->
     """What a summary and its page depend on: file, notes, settings, and the code's version.
 
     Raises:
-        OSError: The recording cannot be looked at.
+        OSError: There is no such recording.
     """
     state = recording.stat()
     settings = json.dumps(asdict(config), sort_keys=True).encode()

@@ -14,7 +14,7 @@ from statistics import median
 from session_log.config import ReportConfig
 from session_log.report.bounds import Bounded, proportion
 from session_log.report.session.summary import GivenCommand, MomentSummary, SessionSummary
-from session_log.report.session.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER, PhraseTrial
+from session_log.report.session.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER, is_correct
 
 _NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
@@ -119,7 +119,7 @@ class Pool:
         """
         words = [intended] if intended else self.commands
         counts = {pair: n for pair, n in self.confusions.items() if pair[0] in words}
-        hits = sum(n for (meant, taken), n in counts.items() if _is_right(meant, taken))
+        hits = sum(n for (meant, taken), n in counts.items() if is_correct(meant, taken))
         total = sum(counts.values())
         return hits, total, proportion(hits, total)
 
@@ -177,7 +177,3 @@ def _answers(summary: SessionSummary) -> Iterator[str]:
 
 def _largest(values: MomentSummary) -> float:
     return values.largest if values.count else math.nan
-
-
-def _is_right(meant: str, taken: str) -> bool:
-    return PhraseTrial(0.0, meant, taken, "").is_correct

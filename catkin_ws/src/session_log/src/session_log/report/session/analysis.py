@@ -78,7 +78,6 @@ class LoopTiming:
     topic: str
     period: Statistics  # [s]
     late: int  # cycles longer than late_factor medians
-    longest_at: float  # [s]
 
 
 def statistics(values: Iterable[float] | Track) -> Statistics:
@@ -110,22 +109,22 @@ def command_rows(data: SessionData, config: ReportConfig) -> list[CommandRow]:
     return sorted(rows, key=lambda row: row.time)
 
 
-def rcm_while_moving(data: SessionData) -> Statistics:
-    """Distance of the shaft line from the trocar while the robot moves [m]."""
-    return statistics(data.controller["rcm_error"][data.controller["moving"] > 0])
+def rcm_while_moving(data: SessionData) -> Track:
+    """RCM error by the controller while the robot moves [m]; nan while outside. Shape (n,)."""
+    return data.controller["rcm_error"][data.controller["moving"] > 0]
 
 
-def tension_statistics(data: SessionData) -> Statistics:
-    """Tension while there is a target [N]."""
+def tension_with_target(data: SessionData) -> Track:
+    """Tension while there is a target [N]. Shape (n,)."""
     table = data.controller
-    return statistics(table["tension"][table["target"] > 0])
+    return table["tension"][table["target"] > 0]
 
 
-def tension_error(data: SessionData) -> Statistics:
-    """Distance of the tension from its target at rest with tissue under tension [N]."""
+def tension_error(data: SessionData) -> Track:
+    """Distance of the tension from its target at rest with tissue under tension [N]. Shape (n,)."""
     table = data.controller
     at_rest = (table["target"] > 0) & (table["moving"] == 0)
-    return statistics(np.abs(table["tension"] - table["target"])[at_rest])
+    return np.abs(table["tension"] - table["target"])[at_rest]
 
 
 def loop_timing(loop: Intervals, late_factor: float) -> LoopTiming:
@@ -133,7 +132,7 @@ def loop_timing(loop: Intervals, late_factor: float) -> LoopTiming:
     length = np.frombuffer(loop.length, dtype=np.float32).astype(float)
     period = statistics(length)
     late = int(np.count_nonzero(length > late_factor * period.median))
-    return LoopTiming(loop.topic, period, late, float(loop.time[int(length.argmax())]))
+    return LoopTiming(loop.topic, period, late)
 
 
 def _answers_to(

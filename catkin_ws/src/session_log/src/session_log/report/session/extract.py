@@ -19,6 +19,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import MessageCounter, RecordingSummary
 from session_log.report.session.fast_topics import FastTopic, LoopTopic, Take
 from session_log.report.session.session_data import (
+    MOVING,
     IntendedPhrase,
     Intervals,
     NodeHealth,
@@ -32,10 +33,8 @@ from session_log.report.session.session_data import (
     Track,
 )
 from session_log.report.session.utterance_sounds import UtteranceSounds
-from session_log.types import Message, MessageSource
+from session_log.types import URDF_TOPIC, Message, MessageSource
 
-MOVING = ("moving", "stopping")
-URDF_TOPIC = "/robot_description"
 FULL_SCALE = 32767.0
 QUIETEST = -90.0  # [dBFS] digital silence is drawn here
 
@@ -150,7 +149,6 @@ class _Extractor:
         return takers
 
     def _decode(self, take: Callable[[Any], None], message: Message) -> None:
-        topic = message.source.topic
         self._now = self._relative(message.log_time)
         self._publisher = message.source.publisher
         try:
@@ -158,7 +156,7 @@ class _Extractor:
         except MissingField as error:
             self._data.missing_fields.add(str(error))
         except (Undecodable, AttributeError, ValueError, IndexError):
-            self._data.undecodable[topic] = self._data.undecodable.get(topic, 0) + 1
+            self._data.undecodable[message.source.topic] += 1
 
     def _relative(self, stamp: int) -> float:
         return (stamp - (self._origin or 0)) * 1e-9

@@ -58,8 +58,7 @@ class FastTopic:
         source = self._source
         batch = Batch(source.datatype, source.definition, payloads)
         if batch.unfit:
-            counts = self._data.undecodable
-            counts[source.topic] = counts.get(source.topic, 0) + len(batch.unfit)
+            self._data.undecodable[source.topic] += len(batch.unfit)
         if len(batch.unfit) == len(payloads):
             return
         try:
@@ -107,4 +106,4 @@ class LoopTopic:
         if len(time):
             self._last = int(sequences[-1]), float(time[-1])
         follows = np.diff(sequences) == 1
-        self._loop.extend(time[1:][follows], np.diff(time)[follows])
+        self._loop.extend(np.diff(time)[follows])

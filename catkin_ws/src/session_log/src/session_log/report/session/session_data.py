@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from array import array
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from session_log.mcap_file.summary import RecordingSummary
 
 Track = NDArray[np.float64]
+MOVING = ("moving", "stopping")  # states of the controller in which the robot moves
 
 
 @dataclass(frozen=True)
@@ -121,12 +123,10 @@ class Intervals:
     """Time between consecutive messages of a fast topic, from their stamps."""
 
     topic: str
-    time: array[float] = field(default_factory=lambda: array("d"))  # [s] of the later message
     length: array[float] = field(default_factory=lambda: array("f"))  # [s]
 
-    def extend(self, time: Track, length: Track) -> None:
-        """Add intervals, shape (n,) each."""
-        self.time.frombytes(time.astype(float).tobytes())
+    def extend(self, length: Track) -> None:
+        """Add intervals [s], shape (n,)."""
         self.length.frombytes(length.astype(np.float32).tobytes())
 
 
@@ -153,7 +153,7 @@ class SessionData:
     health: list[NodeHealth] = field(default_factory=list)
     pictures: list[RecordedPicture] = field(default_factory=list)
     urdf: str = ""
-    undecodable: dict[str, int] = field(default_factory=dict)
+    undecodable: Counter[str] = field(default_factory=Counter)  # messages by topic
     missing_fields: set[str] = field(default_factory=set)  # what was recorded without which field
     intended: list[IntendedPhrase] = field(default_factory=list)
     phrases: tuple[str, ...] = ()  # every command that the recogniser compared with

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from session_log.config import ReportConfig
 from session_log.report.session.kinematics import ModelUnfit, poses
-from session_log.report.session.session_data import SessionData, Span, Track
+from session_log.report.session.session_data import MOVING, SessionData, Span, Track
 
-MOVING = ("moving", "stopping")
 NO_TRACK: Track = np.empty(0)
 
 
@@ -22,7 +22,7 @@ class JointRcm:
 
     time: Track  # (n,), [s]
     error: Track  # (n,), [m] distance of the shaft's line from the trocar; nan while outside
-    moving: Track  # (n,), bool
+    moving: NDArray[np.bool_]  # (n,)
     lacking: str  # why it cannot be computed; empty when it was
 
     @property
@@ -39,8 +39,8 @@ def rcm_from_joints(data: SessionData, config: ReportConfig) -> JointRcm:
         return _none(error.why)
 
 
-def is_within(time: Track, spans: Sequence[Span], words: Sequence[str]) -> Track:
-    """Tell for each time, (n,) [s], whether one of the words held then; bool (n,)."""
+def is_within(time: Track, spans: Sequence[Span], words: Sequence[str]) -> NDArray[np.bool_]:
+    """Tell for each time [s], shape (n,), whether one of the words held then. Shape (n,)."""
     found = np.zeros(len(time), dtype=bool)
     for span in spans:
         if span.word in words:

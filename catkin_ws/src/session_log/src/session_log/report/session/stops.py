@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Everything that stopped the robot, with its cause, from the controller's diary."""
+"""Everything that stopped the robot, with its cause, from the controller's event log."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from session_log.report.session.session_data import RecordedEvent, Span
-from session_log.report.tables.text_table import NONE, TextTable, seconds
 
 KINDS = ("stop_received", "at_rest", "halted")  # of events that report a stop
 LATCHED = ("halted", "faulted")  # states of the controller
 BRAKING = "stopping"
 UNREPORTED = "no cause in the recording"
-_SLACK = 0.2  # [s] between an entry of the diary and the state that belongs to it
+_SLACK = 0.2  # [s] between an event and the state that belongs to it
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,7 @@ def stops(events: Sequence[RecordedEvent], states: Sequence[Span]) -> list[Recor
     """Join the entries of each stop, in order of time.
 
     Args:
-        events: The controller's diary.
+        events: Of the controller's log.
         states: Of the controller, over time.
     """
     found: list[RecordedStop] = []
@@ -48,22 +47,6 @@ def stops(events: Sequence[RecordedEvent], states: Sequence[Span]) -> list[Recor
         RecordedStop(s.start, UNREPORTED, "", math.nan, True) for s in _unreported(states, reported)
     ]
     return sorted(found, key=lambda stop: stop.time)
-
-
-def stops_table(found: Sequence[RecordedStop]) -> TextTable:
-    """A row for each stop."""
-    rows = [
-        (
-            f"{stop.time:.1f}\u00a0s",
-            stop.cause or UNREPORTED,
-            stop.command or NONE,
-            seconds(stop.at_rest),
-            "until “hey robot”" if stop.is_latched else "no",
-        )
-        for stop in found
-    ]
-    marks = tuple("bad" if stop.cause in ("", UNREPORTED) else "" for stop in found)
-    return TextTable(("time", "cause", "in execution", "at rest after", "latched"), rows, marks)
 
 
 def _belongs(last: RecordedStop, event: RecordedEvent) -> bool:

@@ -11,7 +11,13 @@ from typing import Any
 import numpy as np
 
 from session_log.config import ReportConfig
-from session_log.report.session.analysis import CommandRow, loop_timing
+from session_log.report.session.analysis import (
+    CommandRow,
+    loop_timing,
+    rcm_while_moving,
+    tension_error,
+    tension_with_target,
+)
 from session_log.report.session.joint_margins import joint_margins
 from session_log.report.session.session_data import SessionData, Track
 from session_log.report.session.shaft import JointRcm
@@ -98,12 +104,8 @@ def summarise(
     name: str, data: SessionData, rows: Iterable[CommandRow], rcm: JointRcm, config: ReportConfig
 ) -> SessionSummary:
     """Reduce a session."""
-    recording, table = data.recording, data.controller
-    condition = recording.condition
-    moving = table["rcm_error"][table["moving"] > 0]
-    has_target = table["target"] > 0
-    pulled = table["tension"][has_target]
-    at_rest = has_target & (table["moving"] == 0)
+    recording, condition = data.recording, data.recording.condition
+    moving, pulled = rcm_while_moving(data), tension_with_target(data)
     margins = joint_margins(data)
     nearest = min(margins, key=lambda joint: margins[joint]) if margins else ""
     return SessionSummary(
@@ -122,7 +124,7 @@ def summarise(
         rcm_above=int(np.count_nonzero(moving > config.rcm_limit)),
         rcm_joints_above=int(np.count_nonzero(rcm.while_moving > config.rcm_limit)),
         tension=float(pulled.max()) if len(pulled) else math.nan,
-        tension_error=moments(np.abs(table["tension"] - table["target"])[at_rest]),
+        tension_error=moments(tension_error(data)),
         margin=margins.get(nearest, math.nan),
         margin_joint=nearest,
         loops=_loops(data, config),

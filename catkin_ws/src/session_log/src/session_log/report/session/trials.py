@@ -25,16 +25,14 @@ class PhraseTrial:
     transcript: str
 
     @property
-    def is_command(self) -> bool:
-        """Whether a command was meant."""
-        return self.intended not in (NO_COMMAND, NOT_SAID)
-
-    @property
     def is_correct(self) -> bool:
-        """Whether the command meant was taken, or none where none was meant."""
-        if self.is_command:
-            return self.taken == self.intended
-        return self.taken in (NOTHING, OTHER)
+        """Whether it was taken as it was meant."""
+        return is_correct(self.intended, self.taken)
+
+
+def is_correct(intended: str, taken: str) -> bool:
+    """Whether the command meant was taken, or none where none was meant."""
+    return taken in (NOTHING, OTHER) if intended in (NO_COMMAND, NOT_SAID) else taken == intended
 
 
 def trials(data: SessionData, config: ReportConfig) -> list[PhraseTrial]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tables of a report as rows of words; the page only has to set them."""
+"""The tables of one session."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from session_log.report.figures import SessionMaterial
 from session_log.report.notes import Note
 from session_log.report.session.analysis import CommandRow
 from session_log.report.session.session_data import RecordedUtterance
+from session_log.report.session.stops import UNREPORTED, RecordedStop
 from session_log.report.tables.text_table import NONE, TextTable, seconds, size_words
 
 LEVELS = {0: "ok", 1: "warning", 2: "error", 3: "stale"}
@@ -45,13 +46,29 @@ def refused_table(material: SessionMaterial) -> TextTable:
         (
             f"{row.time:.1f}\u00a0s",
             row.command,
-            f"“{row.heard.transcript}”" if row.heard else "by\u00a0hand",
+            _asked(row),
             row.message or "no reason given",
         )
         for row in material.rows
         if row.outcome == "refused"
     ]
     return TextTable(("time", "command", "asked for by", "why"), rows)
+
+
+def stops_table(found: Sequence[RecordedStop]) -> TextTable:
+    """List everything that stopped the robot, with its cause."""
+    rows = [
+        (
+            f"{stop.time:.1f}\u00a0s",
+            stop.cause or UNREPORTED,
+            stop.command or NONE,
+            seconds(stop.at_rest),
+            "until “hey robot”" if stop.is_latched else "no",
+        )
+        for stop in found
+    ]
+    marks = tuple("bad" if stop.cause in ("", UNREPORTED) else "" for stop in found)
+    return TextTable(("time", "cause", "in execution", "at rest after", "latched"), rows, marks)
 
 
 def topics_table(material: SessionMaterial) -> TextTable:
@@ -85,28 +102,22 @@ def health_table(material: SessionMaterial) -> TextTable:
 
 
 def _command_row(row: CommandRow) -> tuple[str, ...]:
-    heard = row.heard
-    by = row.caller.lstrip("/") or "hand"
-    spoken = (f"“{heard.transcript}”", _wer(heard)) if heard else (f"by\u00a0{by}", NONE)
+    wer = _wer(row.heard) if row.heard else NONE
     decision, action = seconds(row.decision_latency), seconds(row.action_latency)
     time = f"{row.time:.1f}\u00a0s"
-    return (time, spoken[0], row.command, spoken[1], row.outcome, decision, action, row.message)
+    return (time, _asked(row), row.command, wer, row.outcome, decision, action, row.message)
+
+
+def _asked(row: CommandRow) -> str:
+    """The words that were heard; else the node that asked, or a hand where it is unknown."""
+    by = row.caller.lstrip("/") or "hand"
+    return f"“{row.heard.transcript}”" if row.heard else f"by\u00a0{by}"
 
 
 def _nothing_row(heard: RecordedUtterance) -> tuple[str, ...]:
-    decision = seconds(heard.decision - heard.speech_end)
+    time, decision = f"{heard.decision:.1f}\u00a0s", seconds(heard.decision - heard.speech_end)
     why = heard.reason + (f"; nearest: {heard.nearest_command}" if heard.nearest_command else "")
-    words = f"“{heard.transcript}”"
-    return (
-        f"{heard.decision:.1f}\u00a0s",
-        words,
-        NONE,
-        _wer(heard),
-        "nothing",
-        decision,
-        NONE,
-        why,
-    )
+    return (time, f"“{heard.transcript}”", NONE, _wer(heard), "nothing", decision, NONE, why)
 
 
 def _wer(heard: RecordedUtterance) -> str:

@@ -37,7 +37,7 @@ class TextTable:
     is_compact: bool = False  # fits a phone as it is; others become cards there
     times: tuple[float, ...] = ()  # [s] of each row, on the time axis of the page
     sounds: tuple[bytes, ...] = ()  # MP3 of each row; empty: none
-    words: tuple[str, ...] = ()  # what each row is found by besides what it shows
+    words: tuple[str, ...] = ()  # what each row is found by, beside its cells
     NONE: ClassVar[str] = NONE  # a cell without a value
 
     def lines(self) -> Iterator[TableLine]:
