@@ -9,7 +9,6 @@ from __future__ import annotations
 import datetime
 import json
 import os
-import platform
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
@@ -20,6 +19,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from session_log.recording.metadata import machine_facts
 from session_log.report import bounds
 from support.product_code import identity
 from voice_assist.evaluation.exact_bounds import rate_at_most
@@ -103,13 +103,9 @@ def percentiles(
     return [*found, Figure(f"{name} max", float(np.max(values)), unit, targets.get(100))]
 
 
-def machine() -> dict[str, str | int]:
+def machine() -> dict[str, str | float]:
     """Name the machine, the date and the commit of a measurement."""
-    cpu = platform.processor()
-    for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-        if line.startswith("model name"):
-            cpu = line.split(":", 1)[1].strip()
-            break
+    facts = machine_facts()
     commit = subprocess.run(
         ["git", "describe", "--always", "--dirty"],
         cwd=ROOT,
@@ -118,10 +114,10 @@ def machine() -> dict[str, str | int]:
         check=False,
     ).stdout.strip()
     return {
-        "cpu": cpu,
+        "cpu": facts["processor"],
         "cores": os.cpu_count() or 0,
         "load_at_start": round(os.getloadavg()[0], 2),
-        "system": platform.platform(),
+        "system": facts["system"],
         "date": datetime.date.today().isoformat(),
         "commit": commit or "unknown",
     }

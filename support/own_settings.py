@@ -25,6 +25,6 @@ def copy_settings(folder: Path, joystick: str) -> Path:
         The folder.
     """
     shutil.copytree(CONFIG_DIR, folder, dirs_exist_ok=True)
-    believed = load_yaml(CONFIG_DIR / BELIEVED) | {"joy": [joystick]}
+    believed = {**load_yaml(CONFIG_DIR / BELIEVED), "joy": [joystick]}
     (folder / BELIEVED).write_text(yaml.safe_dump(believed), encoding="utf-8")
     return folder

@@ -55,8 +55,6 @@ VOICE_NODE = _rooms("voice_assist", "ros")
 DISPLAY = _rooms("voice_assist", "display", "display.yaml")
 ROBOT_NODES = (*SIMULATION, *_rooms("rst_control", "host", "ros"))
 SYSTEM = (*ROBOT_NODES, *HEARING, *VOICE_NODE, *RECORDING, *_rooms("session_log", "ros"))
-
-
 SET_UP = tuple(
     f"/{file}" for file in ("docker/setup.sh", "docker/constraints.txt", "requirements.txt")
 )

@@ -9,13 +9,13 @@ import struct
 import threading
 import time
 from contextlib import suppress
-from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rosgraph.network
 import rospy
 
 from rst_control.srv import Command
+from typed_config.ros.xmlrpc import ask
 
 SERVICE = "/rst_control/command"
 PATIENCE = 10.0  # [s] for an answer
@@ -31,7 +31,7 @@ def service_address() -> tuple[str, int]:
 def process_of(node: str) -> int:
     """Number of a node's process."""
     api = rosgraph.Master(rospy.get_name()).lookupNode(node)
-    return ServerProxy(api).getPid(rospy.get_name())[2]
+    return int(str(ask(api, "getPid", rospy.get_name())))
 
 
 def resident_memory(process: int) -> float:

@@ -14,6 +14,7 @@ from voice_assist.errors import ModelError
 
 RATE = 16_000  # [Hz]
 LEVEL = 0.08  # RMS of speech, full scale 1
+LOUD = 0.02  # of full scale; quieter samples do not count for the level
 
 
 def speak(words: str, voice: str, words_per_minute: int) -> NDArray[np.float32]:
@@ -29,9 +30,21 @@ def speak(words: str, voice: str, words_per_minute: int) -> NDArray[np.float32]:
         sound, rate = espeak(words, voice, "-s", str(words_per_minute))
     except (ModelError, CalledProcessError) as error:
         raise RuntimeError(f"espeak-ng could not say {words!r} as {voice!r}: {error}") from error
-    samples = soxr.resample(sound.astype(np.float32) / np.float32(32768), rate, RATE)
-    loud = samples[np.abs(samples) > 0.02]
-    return (samples * (LEVEL / np.sqrt(np.mean(loud**2)))).astype(np.float32)
+    return levelled(soxr.resample(sound.astype(np.float32) / np.float32(32768), rate, RATE))
+
+
+def levelled(samples: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Bring speech to the level of all speech in demo and paper.
+
+    Args:
+        samples: In [-1, 1]. Shape (n,).
+
+    Returns:
+        In [-1, 1], with RMS `LEVEL` over its loud parts; as it was where it has none. Shape (n,).
+    """
+    loud = samples[np.abs(samples) > LOUD]
+    scale = LEVEL / np.sqrt(np.mean(loud**2)) if len(loud) else 1.0
+    return np.clip(samples * scale, -1.0, 1.0).astype(np.float32)
 
 
 def theatre_noise(seconds: float, rms: float, seed: int) -> NDArray[np.float32]:

@@ -22,7 +22,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
@@ -97,7 +97,7 @@ def pool(jobs: int, prepare: Callable[..., None], *arguments: object) -> Executo
         arguments: Of that.
     """
     context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(jobs, context, _begin, (prepare, *arguments))
+    return ProcessPoolExecutor(jobs, context, partial(_begin, prepare, *arguments))
 
 
 def carried_out(

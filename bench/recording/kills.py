@@ -28,7 +28,7 @@ from session_log.mcap_file.writer import SessionWriter
 from session_log.recording.recorder import Recorder
 from session_log.types import MessageSource
 from support.figures import ROOT, Figure
-from typed_config import load_config, load_yaml
+from typed_config import load_file
 
 KILLS = 200
 AT_ONCE = 3  # processes under traffic at the same time
@@ -94,7 +94,7 @@ def record(path: Path) -> None:
 
     Each line that is printed is the number of messages that the recorder says are written.
     """
-    config = load_config(RecorderConfig, load_yaml(CONFIG.with_name("recorder.yaml")))
+    config = load_file(RecorderConfig, CONFIG.with_name("recorder.yaml"))
     recorder = Recorder(lambda: SessionWriter(path), config, time.time_ns)
     recorder.start()
     for number, (size, rate) in enumerate(TRAFFIC):

@@ -26,13 +26,12 @@ from session_log.recording.recorder import Recorder
 from session_log.report.one_session import write_report
 from session_log.types import Message, MessageSource
 from support.figures import Figure
-from support.story import Story
+from support.story import COMMIT, Story
 from support.story_script import END
-from typed_config import load_config, load_file, load_yaml
+from typed_config import load_file
 
 FLOOD = 200_000  # messages offered as fast as they come
 TURNS = 6  # of the story in one recording
-COMMIT = 80  # messages in one, as the recorder's of 50 ms
 READ = """
 import resource, sys
 from session_log.mcap_file.reader import SessionReader
@@ -51,7 +50,7 @@ def measure() -> list[Figure]:
 
 def flood() -> list[Figure]:
     """Offer messages as fast as Python can, and wait until all are on disk."""
-    config = load_config(RecorderConfig, load_yaml(CONFIG.with_name("recorder.yaml")))
+    config = load_file(RecorderConfig, CONFIG.with_name("recorder.yaml"))
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / "flood.mcap"
         recorder = Recorder(lambda: SessionWriter(path), config, time.time_ns)

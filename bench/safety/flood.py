@@ -17,7 +17,7 @@ from pathlib import Path
 import rospy
 
 from bench.common.resumable import measured
-from bench.system import Observer
+from bench.system.talking_system import Observer
 from rst_control.srv import Command
 from support.figures import ROOT, Figure, percentiles
 from support.launched_system import System
@@ -47,7 +47,7 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
         system.launch(
             ROOT / "launch" / "system.launch", voice=False, record=False, sessions=Path(name)
         )
-        wait_until(observer.controller_ready.is_set, "the controller's state")
+        wait_until(lambda: observer.state, "the controller's state")
         time.sleep(SETTLE)
         _flood(SETTLE)  # memory that it allocates once is no growth
         return _observe(observer, seconds)

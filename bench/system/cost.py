@@ -62,7 +62,8 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
         ({}, {"moving, recorded": move}),
         ({"display": True, "display_port": "0"}, {"moving, recorded, page and camera": shown}),
     )
-    figures, by_hand, by_voice = [], [], []
+    figures: list[Figure] = []
+    by_hand, by_voice = list[float](), list[float]()
     with own_master() as system:
         for arguments, stages in launches:
             with talking(system, 2.0 * seconds, **arguments) as observer:

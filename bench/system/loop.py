@@ -10,8 +10,6 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-import numpy as np
-
 from bench.common.resumable import measured
 from bench.system.talking_system import own_master, talking, work
 from support.figures import Figure
@@ -31,12 +29,12 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
         RuntimeError: The system did not start, or a part of it ended.
     """
     with own_master() as system, talking(system, seconds) as observer:
-        first, heard, busy = observer.totals(), observer.utterances, _processor_time()
+        first, heard, began = observer.totals(), observer.utterances, _processor_time()
         given = work(system, observer, seconds, PAUSE)
         last, heard = observer.totals(), observer.utterances - heard
-        busy = np.array(_processor_time()) - busy
+        busy, idle = (b - a for a, b in zip(began, _processor_time(), strict=True))
     late = last.late_percent_since(first)
-    load = 100.0 * busy[0] / busy.sum()
+    load = 100.0 * busy / (busy + idle)
     note = f"{last.ticks - first.ticks} ticks in {seconds:.0f} s, {heard} utterances heard"
     return [
         measured(seconds, "s", FULL),

@@ -124,7 +124,9 @@ def talking(
         observer, began = Observer(), time.monotonic()
         system.launch(
             ROOT / "launch" / "system.launch",
-            **{"sessions": folder, "session": "bench", "source": "wav"},
+            sessions=folder,
+            session="bench",
+            source="wav",
             wav=talk,
             **arguments,
         )

@@ -20,13 +20,13 @@ NOTES = {
 
 
 def comparison(inputs: Mapping[str, Sequence[PhraseOutcome]]) -> list[Figure]:
-    """Figures of each input that was used; none where there are not two.
+    """Figures of each input that was used; none where that is the voice alone.
 
     Args:
         inputs: Outcomes by the name of the input.
     """
     used = {name: outcomes for name, outcomes in inputs.items() if outcomes}
-    if len(used) < 2 and "pedal" not in used:
+    if set(used) <= {"voice"}:
         return []
     return [figure for name, some in used.items() for figure in _of_input(name, some)]
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paper.config import ExperimentConfig, PaperVoiceConfig
-from support.theatre_sound import LEVEL
+from support.theatre_sound import levelled
 from voice_assist.training.data import voices
 from voice_assist.types import RATE
 
@@ -24,7 +24,6 @@ PROGRAMS = {
 }
 PROBE = "hey robot"
 AHEAD = 8  # phrases that are synthesised at once
-LOUD = 0.02  # of full scale; quieter samples do not count for the level
 FRAME = RATE // 100  # samples of 10 ms
 AUDIBLE = 10 ** (-30.0 / 20.0)  # of the loudest frame; noise at 15 dB below speech covers the rest
 
@@ -60,7 +59,7 @@ class Speaker:
         engine = cast(voices.Engine, self.voice.engine)
         prompts = [voices.Prompt(words, engine, self.voice.voice, *style) for style in styles]
         spoken = [
-            SpokenPhrase(words, levelled(sound), *style)
+            SpokenPhrase(words, levelled(sound.astype(np.float32) / np.float32(32768)), *style)
             for sound, style in zip(voices.speak(prompts), styles, strict=True)
             if sound is not None
         ]
@@ -73,21 +72,6 @@ class Speaker:
         if not self._ready.get(words):
             self.prepare(words, AHEAD)
         return self._ready[words].popleft()
-
-
-def levelled(samples: NDArray[np.int16]) -> NDArray[np.float32]:
-    """Bring speech to the level of the demo.
-
-    Args:
-        samples: int16. Shape (n,).
-
-    Returns:
-        In [-1, 1], with RMS `LEVEL` over its loud parts. Shape (n,).
-    """
-    sound = samples.astype(np.float32) / 32768.0
-    loud = sound[np.abs(sound) > LOUD]
-    scale = LEVEL / np.sqrt(np.mean(loud**2)) if len(loud) else 1.0
-    return np.clip(sound * scale, -1.0, 1.0).astype(np.float32)
 
 
 def sound_end(samples: NDArray[np.float32]) -> float:

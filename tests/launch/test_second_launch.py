@@ -3,6 +3,7 @@
 
 import subprocess
 import threading
+from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 from xmlrpc.server import SimpleXMLRPCServer
 
@@ -12,18 +13,26 @@ from support.launched_system import free_port
 from typed_config.ros.running_nodes import running_again
 
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
-ALARMS, VOICE, SYSTEM = (LAUNCH / f"{name}.launch" for name in ("alarms", "voice", "system"))
-RUNNING, DEAD, SHARED = "/left/alarms", "/voice_assist", "/robot_state_publisher"
+ALARMS, VOICE, PEDAL, SYSTEM = (
+    LAUNCH / f"{name}.launch" for name in ("alarms", "voice", "pedal", "system")
+)
+RUNNING, SHARED = "/left/alarms", "/robot_state_publisher"
+DEAD, TAKEN = "/voice_assist", "/pedal"
 GROUP = '<launch><group ns="{ns}"><include file="{file}"/></group></launch>'
 
 
 @pytest.fixture(scope="module")
 def calls():
-    """A master with one node that runs and one that was killed; all methods called, in order."""
+    """A master with a node that runs and two that were killed; all methods called, in order.
+
+    The port of one of these was taken by a server that is no node.
+    """
     server = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
+    other = HTTPServer(("127.0.0.1", 0), BaseHTTPRequestHandler)
     uri, seen = f"http://127.0.0.1:{server.server_address[1]}/", []
     uris = {RUNNING: uri, SHARED: uri, DEAD: f"http://127.0.0.1:{free_port()}/"}
-    state = [[["/rosout", [RUNNING, DEAD, SHARED]]], [], []]
+    uris[TAKEN] = f"http://127.0.0.1:{other.server_port}/"
+    state = [[["/rosout", [RUNNING, DEAD, TAKEN, SHARED]]], [], []]
     answers = {"getSystemState": lambda *_: state, "lookupNode": lambda _, name: uris[name]}
 
     def answer(method, words):
@@ -31,14 +40,16 @@ def calls():
         return 1, "", answers.get(method, lambda *_: 1)(*words)
 
     server._dispatch = answer
-    threading.Thread(target=server.serve_forever, daemon=True).start()
+    for one in (server, other):
+        threading.Thread(target=one.serve_forever, daemon=True).start()
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_MASTER_URI", uri)
         patch.setenv("ROS_IP", "127.0.0.1")
         patch.delenv("ROS_NAMESPACE", raising=False)
         yield seen
-    server.shutdown()
-    server.server_close()
+    for one in (server, other):
+        one.shutdown()
+        one.server_close()
 
 
 def again(file, *words):
@@ -62,8 +73,9 @@ def test_the_namespace_of_a_group_in_a_file_of_the_users_counts(calls, tmp_path,
     assert again(ALARMS, str(mine)) == found
 
 
-def test_a_node_that_was_killed_does_not_run(calls):
-    assert again(VOICE, str(VOICE)) == []
+@pytest.mark.parametrize("file", [VOICE, PEDAL])
+def test_a_node_that_was_killed_does_not_run(calls, file):
+    assert again(file, str(file)) == []
 
 
 def test_what_starts_nothing_is_not_refused(calls, monkeypatch):

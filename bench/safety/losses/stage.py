@@ -138,23 +138,7 @@ class LossStage:
         if way == "hang" and not self._lead.is_spotted():
             words.append('while the recogniser hung, no spoken "stop" was spotted')
         time.sleep(self._rng.uniform(0.0, FROZEN))
-        returned = self._part.give_back(way)
-        found: list[str] = []
-        back = None
-        try:
-            wait_until(self.is_back, "all parts speak again", START_TIME)
-            wait_until(self._lead.is_found, "new clients find the controller", FOUND)
-            time.sleep(RETURNED)
-            until = time.monotonic()
-            if self._victim != "recorder":  # it was awake again while the recorder was lost
-                words.append(self._lead.refuses())
-            moved = self._drift(way, rest, returned, until)
-            self._lead.wake()
-            self._lead.set_off()
-            back = time.monotonic() - returned
-        except RuntimeError as error:
-            found.append(str(error))
-            moved = self._drift(way, rest, returned, time.monotonic())
+        moved, back, returning = self._return(way, rest)
         blind = "" if self._rule.may_end else judge.blindness(trace, lost, seen)
         last = judge.last_joint(trace, lost, rest)
         return PartLoss(
@@ -170,10 +154,36 @@ class LossStage:
             drift=moved,
             back=back,
             found=self._lead.is_found(),
-            objections=tuple(word for word in (*words, blind, *found) if word),
+            objections=tuple(word for word in (*words, blind, *returning) if word),
             load=os.getloadavg()[0],
             finished=finished,
         )
+
+    def _return(self, way: str, rest: float) -> tuple[float, float | None, list[str]]:
+        """Give the part back and move again.
+
+        Args:
+            way: By which it was lost.
+            rest: When the robot rested [s].
+
+        Returns:
+            Largest way of a joint before "hey robot" [rad], time from the return to the next motion
+            [s] (None: there was none), and what was not as it must be.
+        """
+        returned, words = self._part.give_back(way), list[str]()
+        try:
+            wait_until(self.is_back, "all parts speak again", START_TIME)
+            wait_until(self._lead.is_found, "new clients find the controller", FOUND)
+            time.sleep(RETURNED)
+            until = time.monotonic()
+            if self._victim != "recorder":  # it was awake again while the recorder was lost
+                words.append(self._lead.refuses())
+            moved = self._drift(way, rest, returned, until)
+            self._lead.wake()
+            self._lead.set_off()
+        except RuntimeError as error:
+            return self._drift(way, rest, returned, time.monotonic()), None, [*words, str(error)]
+        return moved, time.monotonic() - returned, words
 
     def _into_motion(self) -> str:
         """Bring the robot into a motion, and to a random moment of it; gives which motion."""

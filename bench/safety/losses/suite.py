@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Item 2: each part of the running system is killed, or stopped and let go on, in mid-motion.
+"""Each part of the running system is killed, or stopped and let go on, in mid-motion.
 
 Controller, simulated robot, voice node, recorder and master are launches of their own, an action
 client is a process. In each motion one of them gets SIGKILL or SIGSTOP at a random moment. Judged

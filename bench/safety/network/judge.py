@@ -9,15 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.safety.stops.judge import SetpointCourse
+from bench.safety.stops.judge import DRIFT, STILL, SetpointCourse
 from rst_control.types import Reason
 from support.figures import Figure
 
 Array = NDArray[np.float64]
 ALLOWED = 0.2  # [s] for set-points to rest
-STILL = 1e-6  # [rad/s] norm of velocities of set-points that send the robot nowhere
 MEASURED_STILL = 0.01  # [rad/s] as watchdogs.at_rest_speed of controller.yaml
-DRIFT = 1e-9  # [rad] by which a set-point may differ from the one before, at rest
 WATCHED = 0.3  # [s] after the time allowed, at least
 BY_THE_NETWORK = frozenset(  # reasons of a halt that a bad network or a "stop" gives
     reason.value

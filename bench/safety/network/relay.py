@@ -100,9 +100,7 @@ def from_line(line: str) -> RelayLink:
 def main() -> None:
     """Carry packets until standard input ends."""
     robot_side, voice_side, device, seed = sys.argv[1:5]
-    with suppress(
-        OSError
-    ):  # a relay that waits for its turn would be a delay that nobody asked for
+    with suppress(OSError):  # waiting for a processor would be a delay that nobody asked for
         os.setpriority(os.PRIO_PROCESS, 0, -15)
     ends = [_attach(name, device) for name in (robot_side, voice_side)]
     # A packet read from one end is due at the other: index 0 is what the robot's host sent.

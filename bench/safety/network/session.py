@@ -24,13 +24,13 @@ import rospy
 
 from bench.safety.network.faults import FAULTS, Fault
 from bench.safety.network.hosts import ROBOT, VOICE, VOICE_MOVED, Child, Relay, on, readdress
-from bench.safety.network.judge import ALLOWED, STILL, NetworkTrial, rest
+from bench.safety.network.judge import ALLOWED, NetworkTrial, rest
 from bench.safety.network.relay import RelayLink
-from bench.safety.stops.judge import SetpointCourse
-from bench.safety.stops.system import LIMIT, READY_TIME, StopWatcher
+from bench.safety.stops.judge import STILL, SetpointCourse
+from bench.safety.stops.system import LIMIT, StopWatcher
 from rst_control.types import JOINTS
 from support.figures import ROOT
-from support.launched_system import System
+from support.launched_system import READY_TIME, System
 
 SEED = 7
 LASTS = 3.0  # [s] of a fault

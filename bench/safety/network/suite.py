@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Item 7: voice on one host, controller and robot on another, and a bad network between them.
+"""Voice on one host, controller and robot on another, and a bad network between them.
 
 Two network namespaces are the hosts, each with a TUN device; `relay.py` is all that joins
 them: link cut, 500 ms delay, 20 % loss, one way only, another address. A spoken motion is under way

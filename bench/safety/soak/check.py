@@ -102,7 +102,7 @@ class Checker:
     def __call__(self, moment: CheckedTick) -> None:
         """Check one tick."""
         self.ticks += 1
-        self._check_life(moment)
+        self._check_mode(moment)
         self._check_start(moment)
         self._check_setpoint(moment)
         self._check_robot(moment)
@@ -122,9 +122,7 @@ class Checker:
         if len(self.violations) < KEPT:
             self.violations.append(Violation(kind, moment.now, words))
 
-    # Mode.
-
-    def _check_life(self, moment: CheckedTick) -> None:
+    def _check_mode(self, moment: CheckedTick) -> None:
         was, mode = moment.before.mode, moment.after.mode
         way = f"{_words(was)} to {_words(mode)}, orders {moment.said}"
         if mode.state is State.MOVING:
@@ -156,8 +154,6 @@ class Checker:
             return
         if plan.command.load is Load.LOADS:
             self._note("recording: it advances unrecorded", moment, plan.command.phrase)
-
-    # Set-points.
 
     def _check_setpoint(self, moment: CheckedTick) -> None:
         self._follow_stop(moment)
@@ -230,8 +226,6 @@ class Checker:
             words = f"{took:.3f} s, allowed {self.bounds.stop:.3f} s"
             self._note("stop: it takes too long", moment, words)
             self._stopped = None
-
-    # The robot.
 
     def _check_robot(self, moment: CheckedTick) -> None:
         bounds, place = self.bounds, self._placed(moment.position)

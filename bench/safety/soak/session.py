@@ -17,7 +17,7 @@ from bench.safety.soak.events import Chance, SoakEvent, SoakStanding
 from bench.safety.soak.faults import Faults
 from bench.safety.soak.robot import SensorLink, ServoRobot
 from bench.safety.soak.voice import SoakVoice
-from rst_control.admission.command_queue import CommandQueue, PendingCommand
+from rst_control.admission.command_queue import CommandQueue, QueuedCommand
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.assembly import make_executor
 from rst_control.commands.parser import is_stop
@@ -80,7 +80,7 @@ class SoakSession:
         self.check = Checker(make_bounds(config), context.trocar_pose)
         self.faults = Faults(self.robot, self.link, self.voice)
         self.chance, self.counts = Chance(self.rng), Counter[str]()
-        self._waiting: list[tuple[int, PendingCommand]] = []
+        self._waiting: list[tuple[int, QueuedCommand]] = []
         self._said: list[str] = []
         self._is_sending = self._was_stopped = self._was_recorded = False
         self._ticks = 0
@@ -112,8 +112,7 @@ class SoakSession:
             self.stop(Cause(Reason.STOP_TOPIC, "stopped by the soak"))
         elif event.kind == "hand":
             self._note_given(event.words)
-            amounts = {"tension": event.tension, "distance": event.distance}
-            self.queue.take(event.words, "the soak", **amounts)
+            self.queue.take(event.words, "the soak", tension=event.tension, distance=event.distance)
         else:
             self.faults.begin(event)
 
@@ -170,8 +169,8 @@ class SoakSession:
 
     def _verify(self) -> None:
         """As the planning thread does: one command after the other, some ticks later."""
-        if (pending := self.queue.next(0.0)) is not None:
-            self._waiting.append((self._ticks + self.chance.late(), pending))
+        if (queued := self.queue.next(0.0)) is not None:
+            self._waiting.append((self._ticks + self.chance.late(), queued))
         if self._waiting and self._waiting[0][0] <= self._ticks:
             self.queue.check(self._waiting.pop(0)[1])
             self._was_recorded = not self.watch.problem
@@ -214,7 +213,7 @@ class SoakSession:
         )
 
     def _publish(self) -> None:
-        """What the node's publisher does: publishes the events, and looks after the recording."""
+        """As the node's publisher: take the events, and stop what may not go on unrecorded."""
         view = self.executor.snapshot
         cause = self.watch.stop_cause(view.plan) if view.mode.state is State.MOVING else None
         if cause is not None:

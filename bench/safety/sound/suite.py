@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Item 4: an hour of sound that is none, armed, then a "stop" in a room that is quiet again.
+"""An hour of sound that is none, armed, then a "stop" in a room that is quiet again.
 
-Each minute is of one kind (`sound_kinds`), through the pipeline as the voice node has it. Nothing
+Each minute is of one kind (`kinds`), through the pipeline as the voice node has it. Nothing
 may be taken for a command that moves the robot, nothing may break, memory stays flat, and after
 each minute a spoken "stop" has to be heard at once. Beside it: whether `SoundWatch` names the kinds
-in which nobody could be heard, and leaves the others alone. Then `sound_ends`: a "stop" right after
+in which nobody could be heard, and leaves the others alone. Then `ends`: a "stop" right after
 loud noise. In the environment: HOURS (1).
 """
 
@@ -22,7 +22,7 @@ import numpy as np
 
 from bench.common.resumable import measured
 from bench.safety.sound import ends
-from bench.safety.sound.kinds import DEAF, KINDS, Block, Sound, frames
+from bench.safety.sound.kinds import DEAF, KINDS, Block, frames
 from support.figures import Figure, share
 from support.theatre_sound import speak
 from voice_assist.assembly import limit_torch, make_pipeline
@@ -33,7 +33,7 @@ from voice_assist.audio.source import Framer
 from voice_assist.config import load_voice_config
 from voice_assist.evaluation.evaluator import StreamClock
 from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.types import RATE, Match, Mode, UtteranceDecision
+from voice_assist.types import Match, Mode, UtteranceDecision
 
 FULL = 1.0  # [h]
 HOURS = float(os.environ.get("HOURS", FULL))
@@ -88,8 +88,8 @@ class Garbage:
         tally.taken.update((kind, command) for command in taken)
         tally.named[kind] += is_named
         tally.pieces[kind] += 1
-        said = [_room(SETTLED, rng), speak("stop", "en-us", 150), _room(AFTER, rng)]
-        heard, _ = self._stream(iter([(np.concatenate(said), 0)]))
+        said = (ends.room(SETTLED, rng), speak("stop", "en-us", 150), ends.room(AFTER, rng))
+        heard, _ = self._stream(iter([(np.concatenate(said, dtype=float), 0)]))
         tally.stops.append((kind, "stop" in heard))
         tally.taken.update((kind, command) for command in heard if command != "stop")
         tally.memory.append(_memory())
@@ -161,10 +161,6 @@ def _count(tally: SoundTally, wanted: str) -> int:
 
 def _listed(counts: Counter[str]) -> str:
     return "; ".join(f"{n} x {what}" for what, n in counts.most_common()) or "none"
-
-
-def _room(seconds: float, rng: np.random.Generator) -> Sound:
-    return 1e-3 * rng.standard_normal(round(seconds * RATE))
 
 
 def _memory() -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Item 1, end to end: from the end of a spoken "stop" to the robot at rest, in the running system.
+"""From the end of a spoken "stop" to the robot at rest, in the running system.
 
 Controller, simulated robot and voice node run as they are launched; sound reaches the voice node
 on its topic, in pieces of 50 ms. A command by hand brings the robot into motion, and at a random

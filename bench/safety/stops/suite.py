@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Item 1, in process: stops at random moments of every state, from one client and from many.
+"""Stops in process: at random moments of every state, from one client and from many.
 
-The real executor, desk and verification in lock-step with a robot without inertia, 500 ticks to the
-simulated second. In chunks that are kept under .cache/bench/safety/stops/<key>/, where the key is
-made of the controller's code and settings: what was measured before is not measured again. In the
-environment: STOPS of them (10,000), and see bench/common/resumable.py.
+The real executor, command queue and verification in lock-step with a robot without inertia, 500
+ticks to the simulated second. In chunks that are kept under .cache/bench/safety/stops/<key>/, where
+the key is made of the controller's code and settings: what was measured before is not measured
+again. In the environment: STOPS of them (10,000), and see bench/common/resumable.py.
 """
 
 from __future__ import annotations

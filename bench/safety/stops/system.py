@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Item 1, in the running system: stops by service, topic and action cancel, from one and from many.
+"""Stops in the running system: by service, topic and action cancel, from one and from many.
 
 Controller and simulated robot as nodes. Received is a stop when the controller's transport hands it
 over: that time is the stamp of its event on `rst_control/event`. Answered it is by the
@@ -37,13 +37,12 @@ from rst_control.msg import AssistAction, AssistGoal, ControllerState, Event
 from rst_control.srv import Command
 from rst_control.types import JOINTS
 from support.figures import ROOT, Figure, percentiles
-from support.launched_system import System
+from support.launched_system import READY_TIME, System
 
 FULL = 10_000
 STOPS = int(os.environ.get("STOPS", FULL))
 CLIENTS = int(os.environ.get("CLIENTS", "50"))
 SEED = 6
-READY_TIME = 90.0  # [s] for the nodes to start
 ALLOWED = 0.1  # [s] for set-points to rest; 45 ms along a path, jaws from full speed 55 ms
 WATCHED = 0.5  # [s] after a stop
 KEPT = 4000  # messages of each stream: eight seconds
@@ -130,9 +129,7 @@ class StopSession:
         if not self._goals.wait_for_server(rospy.Duration(READY_TIME)):
             raise RuntimeError("the controller did not start")
         self.seen: list[float] = []  # [s] from the first client's call to its answer's arrival
-        self.halts: list[
-            str
-        ] = []  # by a watchdog before the stop was given, which then says nothing
+        self.halts: list[str] = []  # reasons of halts before the stop, which then shows nothing
 
     def grasp(self) -> None:
         """Take tissue, once.

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from paper.judging.truth import SoundBlock, find
-from paper.play.speaker import levelled, sound_end
+from paper.play.speaker import sound_end
 from voice_assist.types import RATE
 
 BLOCK = 512
@@ -82,9 +82,3 @@ def test_lost_sound_leaves_the_times_right(phrase):
     del blocks[5:8]  # long before the phrase
     found = find(phrase, blocks, T0 + 0.4, T0 + 2.1)
     assert found.begin - T0 == pytest.approx(1.5, abs=2 / RATE)
-
-
-def test_speech_is_brought_to_one_level():
-    rng = np.random.default_rng(3)
-    quiet, loud = (levelled((s * rng.standard_normal(RATE)).astype(np.int16)) for s in (2e3, 8e3))
-    assert np.std(quiet) == pytest.approx(np.std(loud), rel=0.1)

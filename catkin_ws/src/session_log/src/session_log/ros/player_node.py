@@ -23,7 +23,7 @@ from session_log.types import URDF_TOPIC, Message, MessageSource
 
 PREFIX = "/played"
 VIEWERS = ("/rviz", "/rosout", "/foxglove")  # beginnings of the names of nodes that move nothing
-CHECK_PERIOD = 1.0  # [s] between looks for nodes that came meanwhile
+CHECK_PERIOD = 1.0  # [s] between searches for nodes that came meanwhile
 CONNECT_TIME = 1.0  # [s] for viewers to connect before the first message
 LONGEST_SLEEP = 0.2  # [s] so that Ctrl-C ends a pause of the recording
 

@@ -7,18 +7,17 @@ The master ends a node when another one registers under its name, in the middle 
 from __future__ import annotations
 
 import argparse
-import socket
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Collection, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Sequence
 from pathlib import Path
-from xmlrpc.client import ServerProxy
+from typing import Any
 
 import rosgraph
 
+from typed_config.ros.xmlrpc import FAILURES, ask
+
 CALLER = "/check_settings"
 SHARED = {"robot_state_publisher"}  # programs of which the newer takes the older's place unharmed
-PATIENCE = 1.0  # [s] for the master, and for a node that may hang
 
 
 def running_again(file: Path, words: Sequence[str]) -> list[str]:
@@ -33,13 +32,12 @@ def running_again(file: Path, words: Sequence[str]) -> list[str]:
     if not programs:
         return []
     words = words[programs[0] + 1 :]
-    with _patience():
-        master = rosgraph.Master(CALLER, _master_uri(words))
-        registered = _registered(master)
-        if not any(_is_of(file, name) for name in registered):
-            return []  # so that reading the whole launch is rarely needed
-        again = sorted(registered & set(_nodes(words)))
-        return [name for name in again if _is_alive(master, name)]
+    master = _master_uri(words)
+    registered = _registered(master)
+    if not any(_is_of(file, name) for name in registered):
+        return []  # so that reading the whole launch is rarely needed
+    again = sorted(registered & set(_nodes(words)))
+    return [name for name in again if _is_alive(master, name)]
 
 
 def _is_of(file: Path, name: str) -> bool:
@@ -54,11 +52,11 @@ def _master_uri(words: Sequence[str]) -> str:
     return f"http://localhost:{port}/" if port else str(rosgraph.get_master_uri())
 
 
-def _registered(master: rosgraph.Master) -> set[str]:
+def _registered(master: str) -> set[str]:
     """Names of all nodes; none where no master runs."""
     try:
-        state = master.getSystemState()
-    except (OSError, rosgraph.MasterException):
+        state: Any = ask(master, "getSystemState", CALLER)
+    except FAILURES:
         return set()
     return {name for part in state for _, names in part for name in names}
 
@@ -90,22 +88,12 @@ def _nodes(words: Sequence[str]) -> Collection[str]:
     }
 
 
-def _is_alive(master: rosgraph.Master, name: str) -> bool:
+def _is_alive(master: str, name: str) -> bool:
     """Whether a registered node is there, as one that was killed is not."""
     try:
-        ServerProxy(master.lookupNode(name)).getPid(CALLER)
+        ask(str(ask(master, "lookupNode", CALLER, name)), "getPid", CALLER)
     except TimeoutError:
         return True  # it hangs
-    except (OSError, rosgraph.MasterException):
+    except FAILURES:
         return False
     return True
-
-
-@contextmanager
-def _patience() -> Iterator[None]:
-    before = socket.getdefaulttimeout()
-    socket.setdefaulttimeout(PATIENCE)
-    try:
-        yield
-    finally:
-        socket.setdefaulttimeout(before)
