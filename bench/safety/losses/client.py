@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from typing import Self
 
 import numpy as np
 import rospy
@@ -107,7 +108,7 @@ class SpeechSource:
         self._spoken: dict[str, NDArray[np.float32]] = {}
         self._thread = threading.Thread(target=self._run, daemon=True)
 
-    def __enter__(self) -> SpeechSource:
+    def __enter__(self) -> Self:
         self._thread.start()
         return self
 

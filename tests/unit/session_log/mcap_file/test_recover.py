@@ -37,3 +37,20 @@ def test_an_existing_copy_is_not_overwritten(story, tmp_path):
     with pytest.raises(OutputFailed, match="File exists"):
         recover(SessionReader(story[0]), tmp_path / "new.mcap")
     assert (tmp_path / "new.mcap").read_bytes() == b"precious"
+
+
+def test_half_a_copy_is_not_kept(story, tmp_path, monkeypatch):
+    """It would be closed and sound, and stand in the way of the next attempt."""
+    reader, target = SessionReader(story[0]), tmp_path / "new.mcap"
+
+    def interrupted():
+        yield next(whole)
+        raise KeyboardInterrupt
+
+    whole = reader.messages()
+    with monkeypatch.context() as once:
+        once.setattr(reader, "messages", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            recover(reader, target)
+    assert not target.exists()
+    assert recover(reader, target).messages == len(story[1])

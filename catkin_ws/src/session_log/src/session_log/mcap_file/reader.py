@@ -198,14 +198,18 @@ class _Pass:
         except UNREADABLE:
             self._lose(chunk, "damaged chunk")
             return
+        nameless = 0
         for opcode, begin, end in places:
             if opcode == records.MESSAGE:
                 channel, sequence, log_time, _ = _MESSAGE.unpack_from(content, begin)
                 source = self._channels.get(channel)
+                nameless += source is None
                 if source and (topics is None or source.topic in topics):
                     yield Message(source, content[begin + _MESSAGE.size : end], log_time, sequence)
             elif opcode in (records.SCHEMA, records.CHANNEL):
                 self._note(McapRecord(chunk.offset, opcode, content[begin:end]))
+        if nameless:
+            self._lose(chunk, f"{nameless} messages of topics whose names are lost")
 
     def _lose(self, record: McapRecord, what: str) -> None:
         length = records.HEAD.size + len(record.body)

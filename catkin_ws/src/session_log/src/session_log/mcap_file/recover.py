@@ -24,19 +24,28 @@ def recover(reader: SessionReader, target: Path) -> RecordingSummary:
     Raises:
         OutputFailed: The file exists already or cannot be written.
     """
-    counter = MessageCounter()
     try:
-        with SessionWriter(target) as writer:
-            for index, message in enumerate(counter.counting(reader.messages())):
-                writer.add(message)
-                if index % COMMIT == COMMIT - 1:
-                    writer.commit()
-            result = counter.summary(reader.condition)
-            for name, values in reader.condition.metadata:
-                writer.add_metadata(name, values)
-            writer.add_metadata("recovered", _account(reader, result))
+        writer = SessionWriter(target)
+        try:
+            with writer:
+                return _copy(reader, writer)
+        except BaseException:
+            target.unlink(missing_ok=True)  # half a copy looks like a whole recording
+            raise
     except RecordingFailed as error:
         raise OutputFailed(target, error.cause) from error
+
+
+def _copy(reader: SessionReader, writer: SessionWriter) -> RecordingSummary:
+    counter = MessageCounter()
+    for index, message in enumerate(counter.counting(reader.messages())):
+        writer.add(message)
+        if index % COMMIT == COMMIT - 1:
+            writer.commit()
+    result = counter.summary(reader.condition)
+    for name, values in reader.condition.metadata:
+        writer.add_metadata(name, values)
+    writer.add_metadata("recovered", _account(reader, result))
     return result
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import partial
 
 import rosgraph
@@ -44,9 +44,10 @@ class TopicSubscriber:
             tcp_nodelay=True,
         )
 
-    def connected_topics(self) -> set[str]:
-        """Topics with at least one publisher connected."""
-        return {n for n, s in list(self._subscribers.items()) if s.get_num_connections() > 0}
+    def unpublished(self, topics: Iterable[str]) -> list[str]:
+        """Which of some topics of the master nobody publishes yet."""
+        known = {n for n, s in list(self._subscribers.items()) if s.get_num_connections() > 0}
+        return [topic for topic in topics if topic not in known]
 
     def close(self) -> None:
         """Stop receiving."""
@@ -107,9 +108,3 @@ class Discovery:
         except Exception as error:  # top of the thread: the next search may succeed
             return f"cannot look for new topics: {error}"
         return ""
-
-
-def ready_when(topics: Iterable[str], subscriber: TopicSubscriber) -> Callable[[], list[str]]:
-    """Make a function that lists which topics of the master nobody publishes yet."""
-    wanted = list(topics)
-    return lambda: [topic for topic in wanted if topic not in subscriber.connected_topics()]

@@ -20,7 +20,7 @@ from session_log.recording import metadata
 from session_log.recording.namespace import Namespace
 from session_log.recording.recorder import Recorder
 from session_log.ros.diagnostics import RecorderDiagnostics
-from session_log.ros.discovery import Discovery, TopicSubscriber, ready_when
+from session_log.ros.discovery import Discovery, TopicSubscriber
 from session_log.types import URDF_TOPIC, MessageSource
 from typed_config import ConfigError, load_config, package_folder, package_version
 from typed_config.ros.starting import starting
@@ -140,7 +140,7 @@ class RecorderNode:
         self._topics = TopicSubscriber(self._recorder, namespace, config.exclude)
         self._discovery = Discovery(self._topics, rospy.get_name(), config.discovery_period)
         self._early = [namespace.resolved(topic) for topic in config.subscribe_early]
-        self._missing = ready_when(map(namespace.resolved, config.wait_for), self._topics)
+        self._wanted = [namespace.resolved(topic) for topic in config.wait_for]
         self._deadline = time.monotonic() + config.wait_timeout
         self._next_check = 0.0
         self._is_ready = not config.wait_for
@@ -199,7 +199,7 @@ class RecorderNode:
     def _check_ready(self) -> None:
         problem = self._discovery.error
         if not self._is_ready:
-            missing = self._missing()
+            missing = self._topics.unpublished(self._wanted)
             self._is_ready = not missing
             if missing and time.monotonic() > self._deadline:
                 problem = "nobody publishes " + ", ".join(missing)
