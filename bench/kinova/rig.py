@@ -7,8 +7,9 @@ takes from process to process, some tenths of a millisecond, is left out.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -40,12 +41,12 @@ STEP = 0.001  # [s] of the physics
 FILES = ("limits", "rcm", "scene", "controller", "collision")
 
 
-def kinova_motion() -> MotionConfig:
-    """Settings of the controller as launch/kinova.launch has them."""
+def kinova_motion(over: Mapping[str, Any] = MappingProxyType({})) -> MotionConfig:
+    """Settings of the controller as launch/kinova.launch has them, with some changed."""
     files: dict[str, Any] = {name: load_yaml(CONFIG_FOLDER / f"{name}.yaml") for name in FILES}
     files["limits"] = load_yaml(CONFIG_FOLDER / "kinova_limits.yaml")
     merged = overlaid(files, load_yaml(CONFIG_FOLDER / "kinova_controller.yaml"))
-    return load_config(MotionConfig, merged, "kinova settings")
+    return load_config(MotionConfig, overlaid(merged, over), "kinova settings")
 
 
 def _quick_to_home(config: StandInConfig) -> StandInConfig:

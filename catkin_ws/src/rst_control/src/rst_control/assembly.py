@@ -11,11 +11,15 @@ from rst_control.execution.motion import MotionMaker
 from rst_control.execution.setpoint import SetpointState
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
+from rst_control.robot.backend import RobotBackend
+from rst_control.robot.joint_correction import JointCorrection
+from rst_control.robot.play_compensation import PlayCompensation
 from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.supervision.plausibility import SensorWatch, max_joint_speed
 from rst_control.supervision.tension_trust import TensionTrust
 from rst_control.supervision.watchdogs import WatchdogLimits, Watchdogs
 from rst_control.tension.grasp_response import GraspResponse
+from rst_control.types import State
 
 
 def make_executor(
@@ -57,3 +61,20 @@ def make_trocar_context(config: MotionConfig, model: RobotModel) -> TrocarContex
     context = TrocarContext(config, model)
     context.verify.warm_up()
     return context
+
+
+def compensated(
+    robot: RobotBackend, config: MotionConfig, state: Callable[[], State]
+) -> RobotBackend:
+    """The robot behind all that makes up for its friction and play, as the settings ask for.
+
+    Args:
+        robot: What moves.
+        config: Settings.
+        state: What the controller is doing.
+    """
+    if config.controller.joint_correction.is_on:
+        robot = JointCorrection(robot, config, state)
+    if config.controller.tool_play.is_on:
+        robot = PlayCompensation(robot, config, state)
+    return robot

@@ -12,6 +12,7 @@ from rst_control.config.believed import BelievedConfig
 from rst_control.config.callers import CallersConfig
 from rst_control.config.camera import CameraStepConfig
 from rst_control.config.collision import CollisionConfig
+from rst_control.config.compensation import JointCorrectionConfig, PlayCompensationConfig
 from rst_control.config.plant import PlantConfig
 from rst_control.config.recording import RecordingConfig
 from rst_control.config.scene import SceneConfig
@@ -34,6 +35,7 @@ PACKAGE = package_folder("rst_control")
 CONFIG_FOLDER = PACKAGE / "config"
 URDF_FILE = PACKAGE / "urdf" / "gen3_openrst.urdf"
 
+PROMPT = 0.02  # [s] from a set-point to its measurement, up to which joints may be corrected
 T = TypeVar("T")
 Arm = tuple[float, float, float, float, float, float, float]
 
@@ -219,6 +221,8 @@ class ControllerConfig:
     callers: CallersConfig
     believed: BelievedConfig
     tracking: TrackingConfig
+    tool_play: PlayCompensationConfig
+    joint_correction: JointCorrectionConfig
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
@@ -233,6 +237,9 @@ class ControllerConfig:
         allowed = f"up to {most:.2f}, tension.limit less tension.maximum"
         deficit = sensors.tension_deficit
         require(deficit <= most, "watchdogs.sensors.tension_deficit", deficit, allowed)
+        gain, is_prompt = self.joint_correction.gain, tension.delay <= PROMPT
+        allowed = f"0 where tension.delay is above {PROMPT} s: the arm would swing"
+        require(gain == 0.0 or is_prompt, "joint_correction.gain", gain, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,9 +10,8 @@ latches, and the shaft stays where it is.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -24,23 +23,13 @@ from rst_control.kinematics.robot_model import RobotModel
 from rst_control.registration.followed_trocar import TrackedTrocar
 from rst_control.registration.tracked_place import Report
 from rst_control.robot.backend import RobotBackend
+from rst_control.robot.sent_changes import SentChanges
 from rst_control.supervision.plausibility import FrozenJoints
-from rst_control.types import JOINT_COUNT, Cause, Measurement, Reason, Setpoint, State, Vector
+from rst_control.types import Cause, Measurement, Reason, Setpoint, State, Vector
 
 FOLLOWED_IN: Final = (State.ACTIVE, State.MOVING, State.STOPPING)
 CATCH_UP: Final = 0.1  # [s] in which a distance from the trocar is made up for
-LONGEST: Final = 0.02  # [s] between two set-points of one stream
 NEAR: Final = 0.3  # share of the allowed distance, within which the shaft has caught up
-KEPT: Final = 0.5  # [s] of changes that are remembered
-
-
-@dataclass(frozen=True, eq=False)
-class Change:
-    """By what set-points differed from what the controller sent, at a moment."""
-
-    stamp: float  # [s]
-    position: Vector  # (10,), [rad]
-    velocity: Vector  # (10,), [rad/s]
 
 
 class TrocarFollowing(RobotBackend):
@@ -63,13 +52,12 @@ class TrocarFollowing(RobotBackend):
         settings, sensors = config.controller, config.controller.watchdogs.sensors
         self._robot, self._model, self._state = robot, model, state
         self._config, self._lag = settings.tracking.trocar, settings.tension.delay
+        self._changes = SentChanges(self._lag)
         self._trocar, self._tolerance = np.array(config.scene.trocar), config.rcm.measured_tolerance
         self.tracked = TrackedTrocar(settings.tracking, self._trocar)
         after = sensors.frozen_after + settings.watchdogs.joint_state_age + self._lag
         self._frozen = FrozenJoints(sensors.frozen_way, after)
         self.shift, self._speed = np.zeros(3), np.zeros(3)  # [m] followed so far, and [m/s]
-        still = np.zeros(JOINT_COUNT)
-        self._changes = deque([Change(-np.inf, still, still)])
         self._raw: Measurement | None = None
         self._seen: Measurement | None = None  # the same as the controller has it
         self._is_near = False  # it caught up with the trocar since it began to follow
@@ -87,38 +75,27 @@ class TrocarFollowing(RobotBackend):
         if last is not None:
             self._frozen.update(last, measured, self._sent)
         self._raw = measured
-        change, present = self._at(measured.stamp - self._lag), self._changes[-1]
-        sent_to = measured.sent_to
-        self._seen = replace(
-            measured,
-            position=measured.position - change.position,
-            velocity=measured.velocity - change.velocity,
-            fault=measured.fault or self._fault(measured.stamp),
-            sent_to=None if sent_to is None else sent_to - present.position,
-        )
+        fault = measured.fault or self._fault(measured.stamp)
+        self._seen = replace(self._changes.undone(measured), fault=fault)
         return self._seen
 
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Send a set-point, changed for the trocar as it is when the joints get there."""
-        last = self._changes[-1]
-        span = max(setpoint.stamp - last.stamp, 0.0)
-        if span > LONGEST:  # the stream begins anew, where the robot holds
-            span, self._speed = 0.0, np.zeros(3)
+        span = self._changes.span(setpoint.stamp)
+        if span == 0.0:  # the stream begins anew, where the robot holds
+            self._speed = np.zeros(3)
         self._go_on(setpoint.stamp, span)
         q, _ = planning_joints(setpoint.position)
         moved = robot_joints(shifted_joints(self._model, q, self._trocar, self.shift), 0.0)
-        velocity = (moved - last.position) / span if span > 0.0 else np.zeros(JOINT_COUNT)
-        self._changes.append(Change(setpoint.stamp, moved, velocity))
-        while self._changes[1].stamp < setpoint.stamp - KEPT:
-            self._changes.popleft()
+        change = self._changes.add(setpoint.stamp, moved, span)
         self._sent = setpoint.position + moved
-        self._robot.servo_jp(Setpoint(self._sent, setpoint.velocity + velocity, setpoint.stamp))
+        velocity = setpoint.velocity + change.velocity
+        self._robot.servo_jp(Setpoint(self._sent, velocity, setpoint.stamp))
 
     def hold(self) -> None:
         """Slow down and stay; the shift stays, too."""
         self._sent, self._speed = None, np.zeros(3)
-        last = self._changes[-1]
-        self._changes.append(Change(last.stamp, last.position, np.zeros(JOINT_COUNT)))
+        self._changes.rest()
         self._robot.hold()
 
     def clear_fault(self) -> None:
@@ -158,16 +135,6 @@ class TrocarFollowing(RobotBackend):
         change = _within(wanted - self._speed, self._config.max_acceleration * span)
         self._speed = self._speed + change
         self.shift = self.shift + span * self._speed
-
-    def _at(self, stamp: float) -> Change:
-        """The change at a time; once set-points have ended it stays as it is."""
-        last = self._changes[-1]
-        if stamp > last.stamp + LONGEST:
-            return Change(last.stamp, last.position, np.zeros(JOINT_COUNT))
-        for change in reversed(self._changes):
-            if change.stamp <= stamp:
-                return change
-        return self._changes[0]
 
 
 def _within(vector: Vector, most: float) -> Vector:

@@ -15,7 +15,7 @@ from rst_control.admission.callers import CallLimiter
 from rst_control.admission.command_queue import CommandQueue, Verify
 from rst_control.admission.homing_gate import HomingGate
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
-from rst_control.assembly import make_executor, make_trocar_context
+from rst_control.assembly import compensated, make_executor, make_trocar_context
 from rst_control.config import MotionConfig
 from rst_control.config.callers import CallersConfig
 from rst_control.errors import RstError
@@ -138,8 +138,9 @@ class ControllerNode:
         frames = FrameListener(self._clock, settings.tracking.frame_age)
         self._grasp_point = GraspPointService(grasp_point, self._places, frames, limiter)
         follows = settings.tracking.trocar.motion == FOLLOWED
-        following = TrocarFollowing(self._link, config, model, self._state_of) if follows else None
-        self._robot: RobotBackend = following or self._link
+        robot = compensated(self._link, config, self._state_of)
+        following = TrocarFollowing(robot, config, model, self._state_of) if follows else None
+        self._robot: RobotBackend = following or robot
         tracked = TrackedGrasp(settings.tracking, self._context, grasp_point)
         self._tracker = TrackerLink(
             settings.tracking, self._known, frames, self._clock, tracked, following

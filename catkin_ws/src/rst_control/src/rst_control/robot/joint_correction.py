@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An arm whose servo yields to friction, sent beyond its set-points by what it was measured off.
+
+With e what a joint is short of its set-point, it is sent on by gain times e: the servo resists with
+1 + gain times its stiffness. Nothing is summed up, so nothing hunts around a joint that sticks.
+What a gear twists by is not made up for: encoders at the motors do not see it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from rst_control.config import MotionConfig
+from rst_control.robot.backend import RobotBackend
+from rst_control.robot.sent_changes import SentChanges
+from rst_control.types import JOINT_COUNT, Measurement, Setpoint, State, Vector
+
+ARM: Final = 7  # joints that are corrected
+CORRECTED_IN: Final = (State.ACTIVE, State.MOVING, State.STOPPING)
+
+
+class JointCorrection(RobotBackend):
+    """Corrects the arm's joints while the controller is active; a latch lets that fade.
+
+    Args:
+        robot: What moves.
+        config: Gain and limits; `tension.delay` is from a set-point to its measurement.
+        state: What the controller is doing.
+    """
+
+    def __init__(
+        self, robot: RobotBackend, config: MotionConfig, state: Callable[[], State]
+    ) -> None:
+        settings = config.controller
+        self._robot, self._config, self._state = robot, settings.joint_correction, state
+        self._lag = settings.tension.delay
+        self._course = SentChanges(self._lag)  # of the controller
+        self._short = np.zeros(ARM)  # [rad] of the joints behind it
+        self.added = np.zeros(JOINT_COUNT)  # [rad] to the last set-point
+        self._raw: Measurement | None = None
+        self._seen: Measurement | None = None  # the same as the controller has it
+
+    def measured_js(self) -> Measurement | None:
+        """What the robot says; it holds where it was sent, less what was added to that."""
+        measured = self._robot.measured_js()
+        if measured is None or measured is self._raw:
+            return self._seen if measured is not None else None
+        self._raw, time = measured, measured.stamp - self._lag
+        sent = self._course.at(time)
+        if np.isfinite(sent.stamp):
+            course = sent.position + (time - sent.stamp) * sent.velocity
+            self._short = (course - measured.position)[:ARM]
+        rest = measured.sent_to
+        self._seen = measured if rest is None else replace(measured, sent_to=rest - self.added)
+        return self._seen
+
+    def servo_jp(self, setpoint: Setpoint) -> None:
+        """Send a set-point, and the arm beyond it."""
+        span = self._course.span(setpoint.stamp)
+        self._course.add(setpoint.stamp, setpoint.position, span)
+        change = np.zeros(JOINT_COUNT)
+        change[:ARM] = self._change(span)
+        self.added = self.added + change
+        position = setpoint.position + self.added
+        self._robot.servo_jp(Setpoint(position, setpoint.velocity, setpoint.stamp))
+
+    def hold(self) -> None:
+        """Slow down and stay."""
+        self._course.rest()
+        self._robot.hold()
+
+    def clear_fault(self) -> None:
+        """Ask the robot to take set-points again."""
+        self._robot.clear_fault()
+
+    def _change(self, span: float) -> Vector:
+        """Of what is added in a time [s], [rad]; shape (7,)."""
+        config, wanted = self._config, np.zeros(ARM)
+        if self._state() in CORRECTED_IN:
+            wanted = np.clip(config.gain * self._short, -config.limit, config.limit)
+        most = config.speed * span
+        change: Vector = np.clip(wanted - self.added[:ARM], -most, most)
+        return change

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What was added to set-points on their way to a robot, to be taken from what it measures."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from rst_control.types import JOINT_COUNT, Measurement, Vector
+
+LONGEST: Final = 0.02  # [s] between two set-points of one stream
+KEPT: Final = 0.5  # [s] of changes that are remembered
+STILL: Final = np.zeros(JOINT_COUNT)
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """By what set-points differed from what the controller sent, at a moment."""
+
+    stamp: float  # [s]
+    position: Vector  # (10,), [rad]
+    velocity: Vector  # (10,), [rad/s]
+
+
+class SentChanges:
+    """Remembers changes for as long as measurements of them may come.
+
+    Args:
+        lag: From a set-point to its measurement [s].
+    """
+
+    def __init__(self, lag: float) -> None:
+        self._lag = lag
+        self._changes = deque([Change(-np.inf, STILL, STILL)])
+
+    @property
+    def newest(self) -> Change:
+        """The last one."""
+        return self._changes[-1]
+
+    def span(self, stamp: float) -> float:
+        """Time since the last one [s]; 0 where the stream begins anew."""
+        span = max(stamp - self.newest.stamp, 0.0)
+        return span if span <= LONGEST else 0.0
+
+    def add(self, stamp: float, position: Vector, span: float) -> Change:
+        """Note where the change is now [rad], shape (10,), `span` [s] after the last one."""
+        velocity = (position - self.newest.position) / span if span > 0.0 else STILL
+        self._changes.append(Change(stamp, position, velocity))
+        while self._changes[1].stamp < stamp - KEPT:
+            self._changes.popleft()
+        return self.newest
+
+    def rest(self) -> None:
+        """Note that the robot holds: the change stays as it is."""
+        last = self.newest
+        self._changes.append(replace(last, velocity=STILL))
+
+    def undone(self, measured: Measurement) -> Measurement:
+        """The measurement as if nothing had been added."""
+        change, sent_to = self.at(measured.stamp - self._lag), measured.sent_to
+        return replace(
+            measured,
+            position=measured.position - change.position,
+            velocity=measured.velocity - change.velocity,
+            sent_to=None if sent_to is None else sent_to - self.newest.position,
+        )
+
+    def at(self, stamp: float) -> Change:
+        """The change sent at a time [s]; once set-points have ended it stays as it is."""
+        last = self.newest
+        if stamp > last.stamp + LONGEST:
+            return replace(last, velocity=STILL)
+        for change in reversed(self._changes):
+            if change.stamp <= stamp:
+                return change
+        return self._changes[0]
