@@ -22,8 +22,8 @@ from rst_control.robot.backend import RobotBackend
 from rst_control.robot.sent_changes import SentChanges
 from rst_control.types import PLAN_COUNT, Measurement, Setpoint, State, Vector
 
-TOOL: Final = slice(7, PLAN_COUNT)  # pitch and yaw in a planning configuration
-REVERSAL: Final = 5e-4  # [rad] that a joint has to go back before its way counts as another
+TOOL: Final = slice(7, PLAN_COUNT)  # pitch and yaw
+REVERSAL: Final = 5e-4  # [rad] of a way back that counts
 THERE: Final = 1e-4  # [rad] from an end of the play that counts as reached
 
 
@@ -49,8 +49,8 @@ class PlayCompensation(RobotBackend):
         self._robot, self._config, self._state = robot, settings.tool_play, state
         self._limits, self._half = config.limits, 0.5 * np.array(settings.tool_play.width)
         self.changes = SentChanges(settings.tension.delay)
-        self._ahead, self._speed = np.zeros(2), np.zeros(2)  # [rad], [rad/s] of the motors
-        self._way = np.ones(2)  # in which each joint moved last, -1 or 1; any at first
+        self._ahead, self._speed = np.zeros(2), np.zeros(2)  # [rad], [rad/s]
+        self._way = np.ones(2)  # of each joint's last motion, -1 or 1
         self._turn: Vector | None = None  # [rad] furthest on that way
         self._seen_ends = np.zeros((2, 2), dtype=bool)  # lower and upper, of each joint
         self._is_loaded = False
