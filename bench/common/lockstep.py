@@ -58,9 +58,17 @@ class LockStep(ABC):
             self.tick(each)
         return False
 
-    def give(self, words: str, tension: float = 0.0, distance: float = 0.0) -> PendingCommand:
-        """Give a command and tick until it is answered."""
-        pending = self.queue.take(words, "bench", tension=tension, distance=distance)
+    def give(
+        self,
+        words: str,
+        tension: float = 0.0,
+        distance: float = 0.0,
+        is_spoken: bool = False,
+        owner: str = "",
+    ) -> PendingCommand:
+        """Give a command and tick until it is answered; `CommandQueue.take` says what each is."""
+        by_hand, amounts = not is_spoken, {"tension": tension, "distance": distance}
+        pending = self.queue.take(words, "bench", is_spoken, by_hand, owner=owner, **amounts)
         while not pending.reply.done():
             waiting = None if words in AT_ONCE else self.queue.next(0.0)
             if waiting is not None:

@@ -19,6 +19,7 @@ HEALTHY_NOISE: Final = 0.005  # [N]
 TOP: Final = 2.4  # [N] that a stuck sensor may read
 ONSETS: Final = ("before", "at", "after")  # the grasp
 DELAY: Final = 0.3  # [s] at most
+LOWEST, HIGHEST = 0.3, 3.0  # scales
 
 
 @dataclass(frozen=True)
@@ -110,8 +111,8 @@ def drifting(rng: np.random.Generator) -> Callable[[], Fault]:
 
 
 def scaled(rng: np.random.Generator) -> Callable[[], Fault]:
-    """By 0.3 to 3, some for a while only."""
-    scale = float(np.exp(rng.uniform(np.log(0.3), np.log(3.0))))
+    """By LOWEST to HIGHEST, some for a while only."""
+    scale = float(np.exp(rng.uniform(np.log(LOWEST), np.log(HIGHEST))))
     until = float(rng.uniform(0.1, 5.0)) if rng.random() < 0.3 else np.inf
     return lambda: lambda since, force: scale * force if since < until else force
 

@@ -2,31 +2,37 @@
 """Tension of the tissue whatever its sensor does: drawn faults, commands and tissue.
 
 Each site states the stiffest tissue that it has, and the statement is true. A sensor that reads
-too little from the start by a constant factor cannot be told from softer tissue. There the site
-bounds the way of the pull, too (`scene.max_displacement`); without that the peak is reported.
+too little by a constant factor cannot be told from softer tissue. There the site leaves its gain
+unchecked, and the pull is bounded by distance; what it comes to otherwise stands beside.
+
+Pieces of the work are kept (bench/common/resumable.py). JOBS are the processes, and MINUTES after
+which no more are begun. A change of the code that decides begins anew.
 """
 
 from __future__ import annotations
 
-import multiprocessing
+import json
 import os
-import time
-from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
-from typing import Final
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 
+from bench.common import lockstep, resumable
+from bench.site import held_tissue, sensors
 from bench.site.held_tissue import AT_LIMIT, RATE, HeldTissue, Spring, site
-from bench.site.sensors import KINDS, Sensor, SensorFault, draw, healthy
+from bench.site.sensors import KINDS, LOWEST, Sensor, SensorFault, draw, healthy
 from rst_control.config import load_motion_config
 from rst_control.types import State
+from support import product_code as code
 from support.figures import Figure
+from support.product_code import identity
 
 SITUATIONS = int(os.environ.get("BENCH_SITUATIONS", "10000"))
-PROCESSES = int(os.environ.get("BENCH_PROCESSES", "1"))
-MINUTES = float(os.environ.get("BENCH_MINUTES", "60"))
+PIECE: Final = 50  # situations that are kept together
 SITES: Final = (80.0, 200.0, 600.0, 1500.0, 4000.0)  # [N/m] stiffest tissue, as each states
 SOFTEST: Final = 80.0  # [N/m]
 COMMANDS: Final = 20  # at most, in one situation
@@ -35,6 +41,8 @@ SOFT: Final = 0.2  # of the stiffness stated
 PATIENCE: Final = 12.0  # [s] for a command
 WAKES: Final = 0.4  # [s] that a person waits before "hey robot"
 SEED: Final = 31
+VOICE, SERVICE, ACTION = WAYS = "voice", "service", "action"
+NAMES: Final = {VOICE: "/voice_assist", ACTION: "/client"}  # who stays while it is carried out
 COMPARED: Final = int(
     os.environ.get("BENCH_COMPARED", "200")
 )  # situations, of scaled sensors and of good ones
@@ -48,12 +56,21 @@ class Step:
     tension: float  # [N]; 0: as configured, or by distance
     distance: float  # [m]
     waits: float  # [s] after the one before; negative: it comes while that is under way
+    way: str  # one of WAYS
+
+    @property
+    def said(self) -> str:
+        """The command with its amount in words, as voice and service carry it."""
+        if self.distance:
+            return f"{self.words} {self.distance * 1e3:.4f} mm"
+        return f"{self.words} {self.tension:.4f} N" if self.tension else self.words
 
 
 @dataclass(frozen=True)
 class TensionSituation:
     """What is drawn."""
 
+    number: int
     stiffest: float  # [N/m] as the site states
     tissue: Spring
     is_bound: bool  # the site bounds the pull path
@@ -66,6 +83,7 @@ class TensionSituation:
 class TensionPeak:
     """How one situation ended."""
 
+    number: int
     kind: str
     onset: str
     is_bound: bool
@@ -77,7 +95,7 @@ class TensionPeak:
 
 def draw_situation(index: int) -> TensionSituation:
     """The situation of a number, always the same."""
-    rng = np.random.default_rng([SEED, index])
+    rng, ways = np.random.default_rng([SEED, index]), np.random.default_rng([SEED, index, 1])
     kind = list(KINDS)[index % len(KINDS)]
     fault = draw(rng, kind)
     stiffest = float(rng.choice(SITES))
@@ -88,19 +106,20 @@ def draw_situation(index: int) -> TensionSituation:
     bend = rng.uniform(0.1, 0.95) * stiffness / AT_LIMIT if rng.random() < 0.3 else 0.0
     count = int(rng.integers(1, COMMANDS + 1))
     return TensionSituation(
+        number=index,
         stiffest=stiffest,
         tissue=Spring(stiffness, float(slack), float(bend)),
         is_bound=kind in UNKNOWABLE,
         fault=fault,
         first=float(rng.uniform(0.2, 2.0)),
-        steps=tuple(_draw_step(rng, stiffness) for _ in range(count)),
+        steps=tuple(_draw_step(rng, stiffness, str(ways.choice(WAYS))) for _ in range(count)),
     )
 
 
 UNKNOWABLE: Final = ("scaled",)
 
 
-def _draw_step(rng: np.random.Generator, stiffness: float) -> Step:
+def _draw_step(rng: np.random.Generator, stiffness: float, way: str) -> Step:
     words = "pull more" if rng.random() < 0.85 else "pull less"
     by = rng.choice(["default", "tension", "distance"])
     return Step(
@@ -108,6 +127,7 @@ def _draw_step(rng: np.random.Generator, stiffness: float) -> Step:
         tension=float(rng.uniform(0.05, 1.0)) if by == "tension" else 0.0,
         distance=float(rng.uniform(0.05, 1.0) / stiffness) if by == "distance" else 0.0,
         waits=float(rng.choice([-0.2, 0.0, 0.05, 0.2, 0.5])),
+        way=way,
     )
 
 
@@ -118,9 +138,10 @@ def carry_out(situation: TensionSituation, rate: float = RATE) -> TensionPeak:
     with HeldTissue(config, situation.tissue, sensor) as rig:
         rig.run(0.2)
         rig.give("hey robot")
-        steps = (Step("tense", situation.first, 0.0, 0.0), *situation.steps)
+        steps = (Step("tense", situation.first, 0.0, 0.0, ACTION), *situation.steps)
         accepted = sum(_carry_out_step(rig, step) for step in steps)
         return TensionPeak(
+            situation.number,
             situation.fault.kind,
             situation.fault.onset,
             situation.is_bound,
@@ -136,7 +157,11 @@ def _carry_out_step(rig: HeldTissue, step: Step) -> bool:
     if rig.executor.snapshot.mode.state in (State.HALTED, State.FAULTED):
         rig.run(WAKES)
         rig.give("hey robot")
-    pending = rig.give(step.words, step.tension, step.distance)
+    is_spoken, owner = step.way == VOICE, NAMES.get(step.way, "")
+    if step.way == ACTION:
+        pending = rig.give(step.words, step.tension, step.distance, is_spoken, owner)
+    else:
+        pending = rig.give(step.said, is_spoken=is_spoken, owner=owner)
     if not pending.reply.result(0).accepted:
         return False
     limit = -step.waits if step.waits < 0.0 else PATIENCE
@@ -146,18 +171,48 @@ def _carry_out_step(rig: HeldTissue, step: Step) -> bool:
 
 def measure() -> list[Figure]:
     """Carry out what is drawn, or as many as the time allows."""
-    limit = ABOVE * load_motion_config().controller.tension.limit
-    numbers, found = list(range(SITUATIONS)), list[TensionPeak]()
-    until = time.monotonic() + 60.0 * MINUTES
-    with ProcessPoolExecutor(PROCESSES, multiprocessing.get_context("spawn")) as pool:
-        while numbers and time.monotonic() < until:
-            now, numbers = numbers[: 40 * PROCESSES], numbers[40 * PROCESSES :]
-            found += pool.map(_carry_out_number, now, chunksize=10)
-    return [*_figures(found, limit), *_unbound(), *_healthy(limit)]
+    tension = load_motion_config().controller.tension
+    decides = resumable.source(lockstep, held_tissue, sensors, sys.modules[__name__])
+    place = resumable.CACHE / "site_tension" / resumable.digest(identity(code.SIMULATION), decides)
+    found: dict[str, list[TensionPeak]] = {}
+    with resumable.pool(resumable.JOBS, load_motion_config) as pool:
+        for variant in VARIANTS:
+            files = resumable.carried_out("site.tension", _pieces(variant, place), _piece, pool)
+            found[variant] = [
+                TensionPeak(**row) for f in files for row in json.loads(f.read_text())
+            ]
+    return [
+        *_figures(found["drawn"], ABOVE * tension.limit),
+        *_scaled(found["scaled"], ABOVE * tension.limit / LOWEST),
+        *_good(found["good"], tension.limit),
+    ]
 
 
-def _carry_out_number(index: int) -> TensionPeak:
-    return carry_out(draw_situation(index))
+def _pieces(variant: str, place: Path) -> Iterator[tuple[tuple[str, Sequence[int]], Path]]:
+    """Numbers of situations, and where their ends are kept."""
+    first, step = (list(KINDS).index("scaled"), len(KINDS)) if variant == "scaled" else (0, 1)
+    count = SITUATIONS if variant == "drawn" else COMPARED
+    numbers = range(first, first + count * step, step)
+    for begin in range(0, count, PIECE):
+        piece = numbers[begin : begin + PIECE]
+        yield (variant, piece), place / f"{variant}_{piece[0]}_{piece[-1]}.json"
+
+
+def _piece(job: tuple[str, Sequence[int]]) -> list[dict[str, Any]]:
+    variant, numbers = job
+    return [asdict(carry_out(VARIANTS[variant](draw_situation(n)))) for n in numbers]
+
+
+def _of_good_sensor(drawn: TensionSituation) -> TensionSituation:
+    rng = np.random.default_rng([SEED, drawn.number, 2])
+    return replace(drawn, fault=healthy(rng), is_bound=False)
+
+
+VARIANTS: Final[dict[str, Callable[[TensionSituation], TensionSituation]]] = {
+    "drawn": lambda drawn: drawn,
+    "scaled": lambda drawn: replace(drawn, is_bound=False),
+    "good": _of_good_sensor,
+}
 
 
 def _figures(found: Sequence[TensionPeak], limit: float) -> list[Figure]:
@@ -180,29 +235,26 @@ def _figures(found: Sequence[TensionPeak], limit: float) -> list[Figure]:
     return figures
 
 
-def _unbound() -> list[Figure]:
-    """What a scaled sensor does where the site leaves the pull path at its full length."""
-    first = list(KINDS).index("scaled")
-    drawn = (draw_situation(first + i * len(KINDS)) for i in range(COMPARED))
-    peaks = [carry_out(replace(s, is_bound=False)).peak for s in drawn]
-    note = f"({COMPARED} situations; not bounded by the site, and cannot be known)"
-    return [Figure("tension, sensor scaled, path of 30 mm: peak", max(peaks), "N", note=note)]
+def _scaled(found: Sequence[TensionPeak], most: float) -> list[Figure]:
+    """What a scaled sensor does where its gain is taken for checked, and is not."""
+    name = "tension, sensor scaled and its gain taken for checked: peak"
+    note = f"({len(found)} situations; at most the limit over the least scale, {LOWEST})"
+    return [Figure(name, max(p.peak for p in found), "N", most, note=note)]
 
 
-def _healthy(limit: float) -> list[Figure]:
+def _good(found: Sequence[TensionPeak], limit: float) -> list[Figure]:
     """The same commands with sensors that work: how often they are not believed."""
-    rng, found = np.random.default_rng(SEED), dict[bool, list[TensionPeak]]({True: [], False: []})
-    for index in range(COMPARED):
-        drawn = replace(draw_situation(index), fault=healthy(rng), is_bound=False)
-        is_usual = drawn.tissue.slack == 0.0 and drawn.tissue.stiffness >= SOFT * drawn.stiffest
-        found[is_usual].append(carry_out(drawn))
     name, figures = "tension, good sensor", list[Figure]()
-    for is_usual, peaks in found.items():
+    for is_usual in (True, False):
+        peaks = [p for p in found if _is_usual(draw_situation(p.number)) == is_usual]
         which = "as stiff as stated, to a fifth of it" if is_usual else "softer, or slack"
         wrong = 100.0 * sum(bool(p.distrust) for p in peaks) / len(peaks)
         target, note = (0.0 if is_usual else None), f"({len(peaks)} situations)"
         figures.append(
             Figure(f"{name}, tissue {which}: not believed", wrong, "%", target, note=note)
         )
-    highest = max(p.peak for peaks in found.values() for p in peaks)
-    return [*figures, Figure(f"{name}: peak", highest, "N", limit)]
+    return [*figures, Figure(f"{name}: peak", max(p.peak for p in found), "N", limit)]
+
+
+def _is_usual(drawn: TensionSituation) -> bool:
+    return drawn.tissue.slack == 0.0 and drawn.tissue.stiffness >= SOFT * drawn.stiffest

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from bench.site.held_tissue import HeldTissue, Spring, site
-from bench.site.sensors import KINDS, Sensor, SensorFault, healthy
-from bench.site.tension import ABOVE, carry_out, draw_situation
+from bench.site.sensors import KINDS, ONSETS, Sensor, SensorFault, healthy
+from bench.site.tension import ABOVE, WAYS, carry_out, draw_situation
 from rst_control.supervision.tension_trust import TensionTrust
+from rst_control.tension.falls_at_rest import FallsAtRest
 
 LIMIT = site(200.0, False).controller.tension.limit
 
@@ -27,6 +28,50 @@ def test_the_slower_loop_of_the_bench_pulls_as_far_as_the_products(index, motion
     drawn = replace(draw_situation(index), fault=healthy(np.random.default_rng(index)))
     full = carry_out(drawn, motion_config.controller.rate)
     assert carry_out(drawn).peak == pytest.approx(full.peak, abs=0.05)
+
+
+def test_every_fault_begins_at_every_moment_and_commands_come_by_every_way_in_both_units():
+    drawn = [draw_situation(index) for index in range(400)]
+    steps = [step for one in drawn for step in one.steps]
+    assert {(d.fault.kind, d.fault.onset) for d in drawn} == {(k, o) for k in KINDS for o in ONSETS}
+    given = {(s.way, bool(s.tension), bool(s.distance)) for s in steps}
+    units = [(False, False), (True, False), (False, True)]
+    assert given == {(way, *unit) for way in WAYS for unit in units}
+    assert max(len(one.steps) for one in drawn) == 20
+
+
+def test_an_amount_is_the_same_in_words_and_in_fields():
+    def peak(way):
+        drawn = replace(draw_situation(0), fault=healthy(np.random.default_rng(1)))
+        drawn = replace(drawn, first=0.3, tissue=Spring(drawn.stiffest, 0.0, 0.0))
+        return carry_out(replace(drawn, steps=tuple(replace(s, way=way) for s in drawn.steps)))
+
+    by_action = peak("action")
+    assert by_action.accepted > 1
+    for way in ("voice", "service"):
+        assert peak(way).accepted == by_action.accepted
+        assert peak(way).peak == pytest.approx(by_action.peak, abs=1e-3)
+
+
+def test_a_drift_that_pull_after_pull_hides_is_found_at_rest(monkeypatch):
+    """One of 4,000 drawn: tissue that stiffens twentyfold, and a drift of 0.2 N/s."""
+    peak = carry_out(draw_situation(353))
+    assert peak.peak <= LIMIT and "while nothing moved" in peak.distrust
+    monkeypatch.setattr(FallsAtRest, "total", 0.0)
+    assert carry_out(draw_situation(353)).peak > ABOVE * LIMIT
+
+
+@pytest.mark.parametrize("gain", ["checked", "unchecked"])
+def test_a_sensor_that_reads_a_third_is_bounded_by_distance_where_its_gain_is_unchecked(gain):
+    fault = SensorFault("scaled", lambda: lambda since, force: 0.3 * force, "before", 0.0, 0.0, 1)
+    rig = HeldTissue(site(200.0, gain == "unchecked"), Spring(200.0, 0.0, 0.0), Sensor(fault))
+    rig.run(0.2)
+    rig.give("hey robot")
+    rig.finish("tense", tension=1.0)
+    for _ in range(4):
+        rig.finish("pull more")
+    assert rig.distrust == ""
+    assert rig.peak == pytest.approx(LIMIT if gain == "unchecked" else 6.0, abs=0.01)
 
 
 def stuck_at_one_newton():

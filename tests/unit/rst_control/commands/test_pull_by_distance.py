@@ -12,6 +12,7 @@ from rst_control.commands.request import Accepted
 from rst_control.commands.verifier import Verifier
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.planning.planner import Planner
+from rst_control.supervision.tension_trust import about_gain
 from rst_control.types import Reason, Rejected
 from tests.unit.rst_control.support.situations import request, situation
 
@@ -139,3 +140,62 @@ def test_where_nobody_saw_the_grasp_nothing_is_pulled_by_distance(verify, joints
     refused = verify(request("pull more"), unseen)
     assert refused.reason is Reason.DISPLACEMENT_LIMIT and "release first" in refused.words
     assert isinstance(verify(request("pull less", distance=0.001), unseen), Accepted)
+
+
+# A tension whose gain nobody has checked may read too little all along.
+
+
+@pytest.fixture(scope="module")
+def unchecked(motion_config, robot):
+    """A verifier where known weights have not been hung on the jaws yet: 12 mm at 200 N/m."""
+    tension = replace(motion_config.controller.tension, gain="unchecked")
+    controller = replace(motion_config.controller, tension=tension)
+    return Verifier(Planner(robot, replace(motion_config, controller=controller)))
+
+
+def test_with_an_unchecked_gain_no_pull_goes_further_than_the_stiffest_tissue_bears(
+    unchecked, joints
+):
+    plan = unchecked(request("tense"), situation(joints)).plan
+    assert plan.phases[-1].target == pytest.approx(0.012)
+    assert plan.phases[-1].tension == 1.0
+    more = unchecked(request("pull more"), held(plan, 0.010, tension=0.5)).plan.phases[-1]
+    assert (more.tension, more.target) == (0.75, pytest.approx(0.012))
+    by_way = unchecked(request("pull more", distance=0.002), held(plan, 0.010, tension=0.5))
+    assert by_way.plan.phases[-1].target == pytest.approx(0.012)
+    for further in (request("pull more"), request("pull more", distance=0.001)):
+        refused = unchecked(further, held(plan, 0.0116, tension=0.5))
+        assert refused.reason is Reason.DISPLACEMENT_LIMIT
+        assert "allowed 0 to 12.0 mm" in refused.words
+    assert isinstance(unchecked(request("pull less"), held(plan, 0.012, tension=0.5)), Accepted)
+    assert (
+        "allowed 0 to 12.0 mm"
+        in unchecked(request("tense", distance=0.013), situation(joints)).words
+    )
+
+
+def test_the_way_counts_from_the_grasp_also_where_the_arm_was_pushed_since(unchecked, joints):
+    plan = unchecked(request("tense"), situation(joints)).plan
+    pushed = replace(held(plan, 0.0, tension=0.5), pulled=0.008)
+    assert unchecked(request("pull more"), pushed).plan.phases[-1].target == pytest.approx(0.004)
+    unseen = replace(pushed, pulled=np.inf)
+    refused = unchecked(request("pull more"), unseen)
+    assert refused.reason is Reason.DISPLACEMENT_LIMIT
+    assert "tension.gain is unchecked" in refused.words and "release first" in refused.words
+
+
+@pytest.mark.parametrize(
+    ("gain", "length", "words"),
+    [
+        ("checked", 0.030, "come to 6.0 N, limit 2.4 N"),
+        ("unchecked", 0.030, "no pull goes further than 12.0 mm"),
+        ("checked", 0.012, ""),
+        ("unchecked", 0.012, ""),
+    ],
+)
+def test_what_a_tension_that_reads_too_little_may_do_is_said(motion_config, gain, length, words):
+    tension = replace(motion_config.controller.tension, gain=gain)
+    controller = replace(motion_config.controller, tension=tension)
+    scene = replace(motion_config.scene, max_displacement=length)
+    said = about_gain(replace(motion_config, controller=controller, scene=scene))
+    assert words in said and bool(words) == bool(said)

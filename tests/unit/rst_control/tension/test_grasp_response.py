@@ -103,6 +103,40 @@ def test_a_tension_that_falls_at_rest_is_not_believed_any_more():
     assert "at least" in pull.rest(0.1, lambda s: 0.9).words
 
 
+@pytest.mark.parametrize("drift", [0.1, 0.2, 0.3])  # [N/s]
+def test_falls_at_rest_add_up_though_each_pull_hides_the_one_before(drift):
+    """Tissue that stiffens on: no line through earlier readings shows what was lost."""
+    pull = Pull()
+
+    def truth(s):
+        return 0.13 * np.expm1(300.0 * s)
+
+    def reading(s):
+        return truth(s) - drift * max(0.0, pull.now - 1.0)
+
+    pull.go(0.004, reading).rest(0.4, reading)
+    while not pull.words and truth(pull.s) < 2.5:
+        before = reading(pull.s)
+        while reading(pull.s) < before + 0.15 and not pull.words:
+            pull.go(2e-5, reading)
+        pull.rest(0.4, reading)
+    assert "in all while nothing moved, allowed 0.20 N" in pull.words
+    assert truth(pull.s) - reading(pull.s) < 0.4
+
+
+def test_tissue_that_relaxes_in_each_rest_is_believed_up_to_the_deficit_in_all():
+    pull, lost = Pull().go(0.004, lambda s: 200.0 * s), [0.0]
+
+    def relaxing(s):
+        lost[0] += 0.06 * PERIOD
+        return 200.0 * s - lost[0]
+
+    while not pull.words:
+        pull.rest(0.5, relaxing).go(0.001, lambda s: 200.0 * s - lost[0])
+    assert "in all while nothing moved" in pull.words
+    assert 0.12 < lost[0] < 0.25
+
+
 def test_easing_and_pulling_again_is_not_objected_to():
     def law(s):
         return 200.0 * s

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 
 from rst_control.commands import pull_by_distance
 from rst_control.commands.held_tissue import held
@@ -40,17 +41,21 @@ def _asks_distance(context: PlanningContext) -> bool:
 
 def _plan_tension(context: PlanningContext, is_more: bool) -> Accepted | Rejected:
     config, (grasp, seats) = context.config.tension, held(context)
+    furthest = DistanceForTension(config).furthest(grasp, context.situation.pulled, "")
+    if is_more and furthest == -inf:
+        return pull_by_distance.unseen("")
     step = context.request.tension or config.step_tension
     base = _base_tension(context, grasp)
     # Less, from above what is allowed, leads all the way back to it.
     target = base + step if is_more else min(base - step, config.maximum)
     refusal = target_refusal(target, config)
     if is_more:
-        refusal = refusal or present_refusal(context.measured, config) or room_refusal(grasp)
+        refusal = refusal or present_refusal(context.measured, config)
+        refusal = refusal or room_refusal(grasp, furthest)
     if refusal is not None:
         return refusal
     phase = context.along(PhaseKind.STEP, grasp.pull, context.config.speed.pull_speed)
-    phase = replace(phase, start=grasp.s, target=grasp.pull.length, tension=target)
+    phase = replace(phase, start=grasp.s, target=furthest, tension=target)
     words = f"pulls {'more' if is_more else 'less'}: {base:.2f} N to {target:.2f} N"
     return context.accept(words, (*seats, phase), replace(grasp, tension=target))
 

@@ -15,10 +15,8 @@ from rst_control.commands.tension_limits import (
     too_far,
 )
 from rst_control.config import TensionConfig
-from rst_control.planning.plan import PhaseKind
+from rst_control.planning.plan import Grasp, PhaseKind
 from rst_control.types import Measurement, Reason, Rejected
-
-UNSEEN = "no trusted tension, and nobody saw where the tissue was grasped"
 
 
 class DistanceForTension:
@@ -35,10 +33,25 @@ class DistanceForTension:
     def __init__(self, config: TensionConfig) -> None:
         self._config = config
 
+    def furthest(self, grasp: Grasp, pulled: float | None, why: str) -> float:
+        """Place on the pull's path that no pull may pass [m]; -inf: it begins nobody knows where.
+
+        Without a trusted tension that is where the stiffest tissue has `maximum`. A tension whose
+        gain is unchecked may read too little all along: it counts up to `limit` on that tissue.
+
+        Args:
+            grasp: With the path and the present place on it.
+            pulled: How far the tissue is pulled at that place [m]; None: as the grasp says.
+            why: The tension cannot be relied on, as `why` says it.
+        """
+        before = 0.0 if pulled is None else pulled - grasp.s
+        bound = self.distance(self._config.maximum) if why else self.bound
+        return min(grasp.pull.length, inf if bound == inf else bound - before)
+
     @property
-    def maximum(self) -> float:
-        """Furthest that tissue may be pulled from the grasp [m]."""
-        return self.distance(self._config.maximum)
+    def bound(self) -> float:
+        """Furthest that tissue may be pulled from the grasp by a tension [m]; inf: any way."""
+        return inf if self._config.gain == "checked" else self.distance(self._config.limit)
 
     def distance(self, tension: float) -> float:
         """Distance [m] that gives a tension [N] on the stiffest tissue."""
@@ -62,6 +75,13 @@ class DistanceForTension:
         return f" by distance, for tissue up to {stiffest:.0f} N/m (no trusted tension: {why})"
 
 
+def unseen(why: str) -> Rejected:
+    """Refusal of a pull on tissue whose grasp nobody saw; `why` no tension is relied on."""
+    words = f"no trusted tension ({why or 'tension.gain is unchecked'})"
+    words += ", and nobody saw where the tissue was grasped; release first"
+    return Rejected(Reason.DISPLACEMENT_LIMIT, words)
+
+
 def plan(context: PlanningContext, is_more: bool) -> Accepted | Rejected:
     """Plan a step by distance, further along the pull or back."""
     config, measured, request = context.config.tension, context.measured, context.request
@@ -71,10 +91,9 @@ def plan(context: PlanningContext, is_more: bool) -> Accepted | Rejected:
     if why and not request.distance:
         step = by_distance.distance(request.tension or config.step_tension)
     target = grasp.s + step if is_more else grasp.s - step
-    before = 0.0 if context.situation.pulled is None else context.situation.pulled - grasp.s
-    maximum = min(grasp.pull.length, by_distance.maximum - before) if why else grasp.pull.length
+    maximum = by_distance.furthest(grasp, context.situation.pulled, why)
     if is_more and maximum == -inf:
-        return Rejected(Reason.DISPLACEMENT_LIMIT, f"{UNSEEN}; release first ({why})")
+        return unseen(why)
     if target < 0.0 or (is_more and target > maximum + ROUNDING):
         return too_far(target, maximum)
     if is_more:

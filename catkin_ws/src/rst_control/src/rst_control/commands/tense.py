@@ -55,7 +55,8 @@ def plan(context: PlanningContext) -> Accepted | Rejected:
     if refusal is not None:
         return refusal
     chosen = choose_grasp(context.planner, context.q)
-    length, by_distance = chosen.pull.length, DistanceForTension(config)
+    by_distance = DistanceForTension(config)
+    length = min(chosen.pull.length, by_distance.bound)
     why = by_distance.why(context.measured)
     furthest = request.distance or (by_distance.distance(target) if why else length)
     if furthest > length + ROUNDING:

@@ -39,11 +39,11 @@ def predicted_refusal(
     return target_refusal(predicted, config) if predicted > config.maximum else None
 
 
-def room_refusal(grasp: Grasp) -> Rejected | None:
-    """Whether the pull is at its end."""
-    if grasp.s + MIN_ROOM <= grasp.pull.length:
+def room_refusal(grasp: Grasp, furthest: float) -> Rejected | None:
+    """Whether the pull is at the furthest place [m] that it may go to."""
+    if grasp.s + MIN_ROOM <= furthest:
         return None
-    return too_far(grasp.s + MIN_ROOM, grasp.pull.length)
+    return too_far(grasp.s + MIN_ROOM, furthest)
 
 
 def too_far(target: float, maximum: float) -> Rejected:

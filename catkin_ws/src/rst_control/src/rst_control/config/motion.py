@@ -164,6 +164,7 @@ class TensionConfig:
     """Pull of the tissue on the jaws."""
 
     source: str = choice("sensor", "joint_torque", "none")
+    gain: str = choice("checked", "unchecked")
     blind_stiffness: float = number(20.0, 4000.0, "N/m")
     initial: float = number(0.05, 2.4, "N")
     minimum: float = number(0.0, 1.0, "N")

@@ -24,19 +24,25 @@ EMPTY: Final = 0.15  # [rad] between jaws that hold nothing
 AVERAGE: Final = 0.05  # [s] over which the tension of empty jaws is averaged
 
 
-def unbounded_pull(config: MotionConfig) -> str:
-    """What a sensor that reads too little could do at this site; empty: the limit is kept.
+def about_gain(config: MotionConfig) -> str:
+    """What a tension that reads too little could do at this site, or how it is bounded.
 
-    Such a sensor looks like softer tissue. Only the length of the pull path bounds it.
+    Such a tension looks like softer tissue. Only the way of the pull bounds it. Empty where pulls
+    are by distance, or the pull path itself is short enough.
     """
     tension, length = config.controller.tension, config.scene.max_displacement
-    peak, bound = tension.blind_stiffness * length, tension.limit / tension.blind_stiffness
+    stiffest, bound = tension.blind_stiffness, tension.limit / tension.blind_stiffness
     if tension.source == "none" or length <= bound:
         return ""
+    if tension.gain == "unchecked":
+        return (
+            f"no pull goes further than {bound * 1e3:.1f} mm: tension.gain is unchecked; once "
+            "known weights read right at this site, set it to checked"
+        )
     return (
-        f"a tension that reads too little would let tissue of {tension.blind_stiffness:.0f} N/m "
-        f"come to {peak:.1f} N, limit {tension.limit:.1f} N; scene.max_displacement up to "
-        f"{bound * 1e3:.1f} mm bounds it"
+        f"a tension that reads too little would let tissue of {stiffest:.0f} N/m come to "
+        f"{stiffest * length:.1f} N, limit {tension.limit:.1f} N; tension.gain: unchecked, or "
+        f"scene.max_displacement up to {bound * 1e3:.1f} mm, bounds it"
     )
 
 

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whether the tension answers the pull as tissue must, from the grasp to the release.
 
-Two bounds hold over all commands in between:
+Three bounds hold over all commands in between:
 
 - Tissue that was pulled further pulls harder. A reading that falls short of the line through
   earlier readings is not believed any more (torn, slipping, stuck, drifting, dead).
 - Until a reading at rest has shown that the sensor works, the pull goes no further than lets
   the stiffest tissue of the settings reach the limit. That holds for a late or dead sensor too.
+- What the tension loses while nothing moves adds up. Beyond what tissue relaxes by, the sensor
+  drifts, or the tissue slips.
 
 A sensor whose readings are all too small by the same factor looks like softer tissue. Only
-`scene.max_displacement` bounds the pull then.
+distance bounds the pull then: `tension.gain: unchecked`, or `scene.max_displacement`.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from math import inf, sqrt
 from typing import Final
 
 from rst_control.config import TensionConfig
+from rst_control.tension.falls_at_rest import FallsAtRest
 from rst_control.types import Cause, Reason
 
 LOADED: Final = 0.05  # [N] below which tissue counts as slack
@@ -48,6 +51,7 @@ class GraspResponse:
         self._config, self._deficit = config, deficit
         self._min_rise = max(MIN_RISE, MIN_RISE_NOISE * config.noise)
         self._listen = max(LISTEN, LATE * config.delay)
+        self._falls = FallsAtRest()
         self.grasp()
 
     def grasp(self) -> None:
@@ -64,6 +68,7 @@ class GraspResponse:
         self._rest: list[tuple[float, float]] = []  # times and tensions at rest
         self._rests_since = inf
         self._is_free = False
+        self._falls.forget()
 
     @property
     def room(self) -> float:
@@ -150,6 +155,7 @@ class GraspResponse:
         if abs(pull - last[1]) > SAME:
             self._moved_for += stamp - last[0]
             self._rests_since, self._rest = inf, []
+            self._falls.move()
             return
         self._rests_since = min(self._rests_since, stamp)
         if stamp - self._rests_since >= LATE * self._config.delay + RECENT:
@@ -167,9 +173,16 @@ class GraspResponse:
         (_, tension), rise = self._confirmed, after - self._confirmed[1]
         error = WINDOW * self._config.noise * sqrt(4.0 / len(rest))
         going_on = (after - before - error) / (0.5 * span) * self._moved_for
+        times = rest[0][0] + 0.25 * span, rest[-1][0] - 0.25 * span
+        self._falls.update((times[0], before), (times[1], after), error)
         if self._moved_for > 0.0 and going_on > LATE_SHARE * max(rise, 0.0):
             self._object(
                 f"tension rose from {before:.2f} to {after:.2f} N within {span:.2f} s at rest"
+            )
+        elif self._falls.total > self._deficit:
+            self._object(
+                f"tension fell by {self._falls.total:.2f} N in all while nothing moved, "
+                f"allowed {self._deficit:.2f} N"
             )
         elif rise >= MIN_CONFIRMED:
             self._confirmed, self._moved_for = (pull, after), 0.0

@@ -52,7 +52,7 @@ from rst_control.ros.controller.worker import Worker
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from rst_control.supervision.node_liveness import NodeLiveness
-from rst_control.supervision.tension_trust import unbounded_pull
+from rst_control.supervision.tension_trust import about_gain
 from rst_control.types import Cause, Reason, State
 from typed_config import ConfigError, load_config
 from typed_config.ros.known_publishers import KnownPublishers
@@ -261,7 +261,7 @@ def main() -> None:
     with node:
         rospy.on_shutdown(node.close)
         warn_of_listeners()
-        if words := unbounded_pull(config):
+        if words := about_gain(config):
             rospy.loginfo(words)
         rospy.loginfo("controller ready; it waits for the robot and for commands")
         rospy.spin()
