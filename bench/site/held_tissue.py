@@ -2,8 +2,8 @@
 """The controller with a robot that begins at the tissue: closed jaws, pulls, and little else.
 
 The robot is where each set-point sends it. The tissue is a spring, slack at first. The controller's
-loop runs at half of its rate, so that ten thousand situations can be drawn: it takes notice of a
-sensor later than the product does. `tests/unit/bench/site` compares some with the full rate.
+loop runs at two fifths of its rate, so that ten thousand situations can be drawn. So it takes
+notice of a sensor later than the product does. Tests compare some with the full rate.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ CLOSED, OPEN = 0.02, 0.06  # [rad] jaws that take hold of the tissue, and that l
 AT_LIMIT = 2.52  # [N] where tissue that bends is as stiff as is said of it
 JAWS = 0.16  # [rad] that they open to, to save time
 JAWS_SPEED, JAWS_ACCELERATION, JAWS_JERK = 3.0, 20.0, 1000.0  # [rad/s], and so on; likewise
-RATE = 250.0  # [Hz] of the controller's loop
+RATE = 200.0  # [Hz] of the controller's loop
 
 
 @dataclass(frozen=True)

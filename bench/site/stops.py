@@ -4,21 +4,26 @@
 Between random poses the bridge is led by set-points as the controller sends them. Then something
 fails. The shaft is looked at until the arm rests. Afterwards the controller has to take "hey robot"
 and "tense" without a hand on the arm.
+
+Pieces of the work are kept (bench/common/resumable.py). JOBS are the processes, and MINUTES after
+which no more are begun. A change of the code that decides begins anew.
 """
 
 from __future__ import annotations
 
+import json
 import os
+import sys
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import suppress
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.common import resumable
 from bench.common.rig import random_poses
+from bench.kinova import rig as rig_module
 from bench.kinova.rig import KinovaRig, Loss, kinova_motion
 from rst_control.errors import Infeasible
 from rst_control.kinematics.configuration import planning_joints, robot_joints
@@ -27,12 +32,15 @@ from rst_control.planning.planner import Planner
 from rst_control.trajectory.motion_profile import MotionProfile
 from rst_control.trajectory.path import Path
 from rst_control.types import Cause, PathState, Reason, Setpoint
+from support import product_code as code
 from support.figures import Figure
 
 Array = NDArray[np.float64]
 TRIALS: Final = int(os.environ.get("BENCH_LOSSES", "200"))  # of each kind
 TURNED: Final = 0.05  # [rad] of the poses: the tip goes, so that it reaches its speed
 SPEED: Final = 0.020  # [m/s]
+ALMOST: Final = 0.95  # of that speed, from which a path counts
+LENGTH: Final = 0.020  # [m] of a path, at least
 HUNG: Final = (0.1, 0.6)  # [s] for which one lost reply holds up the driver's feedback
 FROZEN: Final = (0.02, 0.6)  # [s] for which the bridge's host does nothing
 STEP: Final = 0.001  # [s] of the physics
@@ -40,8 +48,7 @@ REPAIR: Final = 0.1  # [s] before and after the fault is cleared
 PATIENCE: Final = 5.0  # [s] for the arm to rest once what was lost is there again
 WATCHED: Final = 0.8  # [s] after the loss
 EVERY: Final = 5  # trials after which the way back is tried
-PROCESSES: Final = 2
-SEEDS: Final = 2  # shares of the trials of a kind, each with its own rig
+PIECE: Final = 50  # trials of a kind that are kept together, with a rig of their own
 
 
 @dataclass(frozen=True)
@@ -52,16 +59,27 @@ class Stopped:
     error: float  # [m] of the shaft from the trocar, largest until rest
     way: float  # [m] that the tip still went
     way_back: str | None  # why the controller does not go on; empty: it does; None: not tried
+    beside: str = ""  # why the bridge refused the next course; empty: it did not
 
 
 def measure() -> list[Figure]:
     """All kinds of loss."""
+    decides = resumable.source(rig_module, sys.modules[__name__])
+    place = resumable.CACHE / "site_stops" / resumable.digest(code.identity(code.KINOVA), decides)
     figures: list[Figure] = []
-    with ProcessPoolExecutor(PROCESSES) as pool:
-        for name in KINDS:
-            shares = pool.map(_trials, [name] * SEEDS, range(SEEDS))
-            figures += _figures(name, [one for share in shares for one in share])
+    with resumable.pool(resumable.JOBS, kinova_motion) as pool:
+        for number, name in enumerate(KINDS):
+            numbers = range(-(-TRIALS // PIECE))
+            jobs = [((name, n), place / f"{number}_{n:03d}.json") for n in numbers]
+            files = resumable.carried_out("site.stops", jobs, _piece, pool)
+            rows = (row for file in files for row in json.loads(file.read_text()))
+            if found := [Stopped(**row) for row in rows]:
+                figures += _figures(name, found)
     return figures
+
+
+def _piece(job: tuple[str, int]) -> list[dict[str, Any]]:
+    return [asdict(stopped) for stopped in _trials(*job)]
 
 
 def _figures(name: str, found: Sequence[Stopped]) -> list[Figure]:
@@ -70,6 +88,7 @@ def _figures(name: str, found: Sequence[Stopped]) -> list[Figure]:
     tried = [s.way_back for s in found if s.way_back is not None]
     back = 100.0 * sum(not words for words in tried) / len(tried)
     refusals = sorted({words for words in tried if words})
+    beside = [s.beside for s in found if s.beside]
     return [
         Figure(f"{name}: shaft off the trocar, max", max(errors), "mm", 1.0, note=note),
         Figure(f"{name}: shaft off the trocar, p50", float(np.median(errors)), "mm"),
@@ -82,25 +101,36 @@ def _figures(name: str, found: Sequence[Stopped]) -> list[Figure]:
             at_most=False,
             note=f"({len(tried)} tried{': ' if refusals else ''}{'; '.join(refusals)[:200]})",
         ),
+        Figure(
+            f"{name}: bridge takes no course next",
+            len(beside),
+            "",
+            note=f"({'; '.join(sorted(set(beside)))[:200]})" if beside else "",
+        ),
     ]
 
 
 def _trials(name: str, share: int) -> list[Stopped]:
     found: list[Stopped] = []
     rng = np.random.default_rng([share, *name.encode()])
-    while len(found) < TRIALS // SEEDS:
+    while len(found) < PIECE:
         with KinovaRig(kinova_motion()) as rig:
             rig.run(0.8)
             rig.home()
             drill = Drill(rig, rng)
-            with suppress(DoesNotSetOff):  # the trial before is among those found
-                while len(found) < TRIALS // SEEDS:
+            try:
+                while len(found) < PIECE:
                     found.append(drill(name))
+            except DoesNotSetOff as fault:
+                if not found:
+                    raise
+                back = drill.go_on()  # as people would, after the trial before
+                found[-1] = replace(found[-1], way_back=back, beside=str(fault))
     return found
 
 
 class DoesNotSetOff(RuntimeError):
-    """The arm stands too far beside its trocar after the trial before."""
+    """The bridge refuses the next course after the trial before; says why."""
 
 
 class Course:
@@ -155,7 +185,7 @@ class Drill:
         if self._number % EVERY:
             self._repair()
             return Stopped(speed, max(errors), way, None)
-        return Stopped(speed, max(errors), way, self._go_on())
+        return Stopped(speed, max(errors), way, self.go_on())
 
     def _repair(self) -> None:
         """Let the arm come to rest, and clear its fault."""
@@ -189,16 +219,16 @@ class Drill:
         return float(np.linalg.norm(rig.tip - before)) / rig.period
 
     def _path(self, planner: Planner, q: Array) -> Path:
-        """To a random pose, far enough to reach full speed."""
+        """To a random pose, far enough to reach full speed, and on which the joints allow it."""
         while True:
             try:
                 path = planner.leg(q, self._poses[self._rng.integers(len(self._poses))])
             except Infeasible:
                 continue
-            if path.length > 0.020:
+            if path.length > LENGTH and planner.bounds(path, SPEED).speed >= ALMOST * SPEED:
                 return path
 
-    def _go_on(self) -> str:
+    def go_on(self) -> str:
         """Why the controller takes no command after the fault was repaired; empty: it does."""
         rig = self._rig
         rig.run(0.3)
