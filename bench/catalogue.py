@@ -56,6 +56,9 @@ _SITE = Area(
     "In simulation: failing sensors, tilted bases and lost parts on the way to the arm.",
     (
         Part("site.tension", "A tension sensor that fails", "site.tension", code.SIMULATION),
+        Part(
+            "site.detection", "Faults seen, by the rate of feedback", "site.detection", code.KINOVA
+        ),
         Part("site.stops", "Losses on the way to the arm", "site.stops", code.KINOVA),
         Part("site.turns", "Joints without end stops", "site.turns", code.CONTROLLER),
         Part("site.plant", "A plant that is not ideal", "site.plant", code.CONTROLLER),

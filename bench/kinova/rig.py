@@ -88,6 +88,7 @@ class KinovaRig(LockStep):
         motion: Settings of the controller.
         bridge: Settings of the bridge; its limits are those of `motion`.
         plant: What is not ideal; None: all is.
+        feedback_rate: Of the arm's driver [Hz].
     """
 
     def __init__(
@@ -95,6 +96,7 @@ class KinovaRig(LockStep):
         motion: MotionConfig,
         bridge: KinovaConfig | None = None,
         plant: PlantConfig | None = None,
+        feedback_rate: float = 40.0,
     ) -> None:
         self.config, self.period = motion, 1.0 / motion.controller.rate
         stand_in, simulation = _quick_to_home(load_stand_in_config()), load_simulation_config()
@@ -121,6 +123,7 @@ class KinovaRig(LockStep):
         self._read_tool = FeedbackReader(tool.joints, tool.signs, None)
         self.arm_names, self._tool_names = arm.joints, tool.joints
         self._steps, self._is_sending = 0, False
+        self._feedback = round(1.0 / (feedback_rate * STEP))  # steps between two states of the arm
         self._told_course: LastCourse | None = None  # with the last beat of the bridge
         self.guard = StopGuard(kinova.bridge)
         self.lost: Loss | None = None  # what fails from now on
@@ -178,7 +181,7 @@ class KinovaRig(LockStep):
         if count % 8 == 0:
             self._report_tool(now)
         is_silent = self.lost in ("feedback", "bridge")  # of the last nobody would hear
-        if count % 25 == 0 and not is_silent:
+        if count % self._feedback == 0 and not is_silent:
             self._report_arm(now)
         if count % 20 == 0:
             self.bridge.on_guard(now)

@@ -169,7 +169,7 @@ class TestSettings:
         ("path", "value", "words"),
         [
             ("arm.joints", ["joint_1"] * 7, "names that differ"),
-            ("arm.feedback_age", 0.02, "above period"),
+            ("arm.feedback_age", 0.02, "above 1 / feedback_rate"),
             ("arm.end_tolerance", 0.03, "up to following_error"),
             ("tool.signs", [1.0, 0.5, 1.0], "1 or -1"),
             ("tool.joints", ["a", "b"], "names that differ"),

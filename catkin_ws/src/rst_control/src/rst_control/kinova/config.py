@@ -49,6 +49,7 @@ class ArmConfig:
     following_error: float = number(1e-3, 0.2, "rad")
     end_tolerance: float = number(1e-4, 0.05, "rad")
     settle_time: float = number(0.05, 5.0, "s")
+    feedback_rate: float = number(10.0, 1000.0, "Hz")
     feedback_age: float = number(0.01, 0.5, "s")
     rest_speed: float = number(1e-4, 0.1, "rad/s")
     reports_state: bool = flag()
@@ -60,8 +61,9 @@ class ArmConfig:
         names = list(self.joints)
         allowed = f"{ARM_COUNT} names that differ, from the base on"
         require(len(names) == len(set(names)) == ARM_COUNT, "joints", names, allowed)
-        allowed = f"above period, {self.period:g} s: the feedback comes as seldom"
-        require(self.feedback_age > self.period, "feedback_age", self.feedback_age, allowed)
+        allowed = f"above 1 / feedback_rate, {1.0 / self.feedback_rate:g} s: it comes as seldom"
+        is_patient = self.feedback_age > 1.0 / self.feedback_rate
+        require(is_patient, "feedback_age", self.feedback_age, allowed)
         allowed = f"up to following_error, {self.following_error:g} rad"
         is_less = self.end_tolerance <= self.following_error
         require(is_less, "end_tolerance", self.end_tolerance, allowed)

@@ -22,7 +22,7 @@ from rst_control.tension.gravity_check import RestTorques
 from rst_control.types import Vector
 from typed_config.node_names import is_allowed
 
-MIN_RATE: Final = 38.0  # [Hz] of the arm's feedback, of 40
+MIN_SHARE: Final = 0.95  # of the arm's feedback_rate
 MAX_CLOCK: Final = 0.5  # [s] between the clocks of two hosts
 ALIKE: Final = 20  # states without any change, which no arm with torque sensors gives
 BRIDGE: Final = ("/kinova_bridge", "/kinova_guard")
@@ -110,8 +110,9 @@ class LiveChecks:
             found = seen.bad_feedback or f"nothing on {topic}"
             return CheckResult(name, False, found, "step 2: driver, ROS_MASTER_URI, ROS_IP, names")
         rate = len(seen.arm) / seen.seconds
-        found = f"{rate:.1f} Hz, at least {MIN_RATE:.0f}"
-        return CheckResult(name, rate >= MIN_RATE, found, "step 1: network")
+        needed = MIN_SHARE * self._arm.feedback_rate
+        found, step = f"{rate:.1f} Hz, at least {needed:.0f}", "step 2: cyclic_data_publish_rate"
+        return CheckResult(name, rate >= needed, found, f"{step}; step 1: network")
 
     def _gaps(self, seen: Observed) -> CheckResult:
         name, allowed = "no state is late", self._arm.feedback_age
