@@ -28,6 +28,10 @@ class LostNodes(unittest.TestCase):
         cls.heartbeat = rospy.Publisher("rst_control/heartbeat", Time, queue_size=1)
         cls.robot.wait(lambda: cls.heartbeat.get_num_connections() > 0)
 
+    def _kill_the_robot(self):
+        api = rosgraph.Master(rospy.get_name()).lookupNode("robot")
+        os.kill(ServerProxy(api).getPid(rospy.get_name())[2], signal.SIGKILL)
+
     def test_1_a_spoken_command_brakes_when_the_heartbeat_ends(self):
         self.robot.start_fresh()
         beat = rospy.Timer(rospy.Duration(0.05), lambda _: self.heartbeat.publish(Time()))
@@ -54,8 +58,7 @@ class LostNodes(unittest.TestCase):
             self.assertIn("by hand, never by voice", self.robot.refused(command))
         self.robot.say("tense")
         self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
-        api = rosgraph.Master(rospy.get_name()).lookupNode("robot")
-        os.kill(ServerProxy(api).getPid(rospy.get_name())[2], signal.SIGKILL)
+        self._kill_the_robot()
         self.robot.wait_for_state("faulted", limit=5)
         self.assertRegex(self.robot.state.halt_reason, "stale|not connected")
         self.assertIn("halted", self.robot.refused("tense"))
@@ -64,6 +67,23 @@ class LostNodes(unittest.TestCase):
         self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
         self.robot.say("stop")
         self.robot.wait_for_state("halted")
+
+    def test_4_a_robot_that_is_started_anew_in_mid_pull_is_moved_by_nobody(self):
+        beat = rospy.Timer(rospy.Duration(0.05), lambda _: self.heartbeat.publish(Time()))
+        self.addCleanup(beat.shutdown)
+        self.robot.start_fresh()
+        self.robot.say("tense")
+        self.robot.wait(lambda: self.robot.state.phase == "pull" and self.robot.tension > 0.2)
+        self._kill_the_robot()
+        self.robot.wait_for_state("faulted", limit=5)
+        self.robot.activate()  # `respawn` has started it again: at home, with nothing held
+        begun = self.robot.joints.position
+        self.assertIn("grasped", self.robot.refused("pull more"))
+        rospy.sleep(1.0)
+        moved = max(abs(a - b) for a, b in zip(begun, self.robot.joints.position, strict=True))
+        self.assertLess(moved, 1e-4)
+        self.assertFalse(self.robot.state.tissue_held)
+        self.assertEqual(self.robot.state.state, "active")
 
 
 if __name__ == "__main__":

@@ -30,6 +30,7 @@ from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.registration.trocar_following import TrocarFollowing
 from rst_control.robot.backend import RobotBackend
 from rst_control.ros.common.exposure_warning import warn_of_listeners
+from rst_control.ros.common.other_provider import other_provider
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.controller.control_loop import ControlLoop
 from rst_control.ros.controller.diagnostics import Diagnostics
@@ -42,7 +43,7 @@ from rst_control.ros.controller.places.tracker_link import TrackerLink
 from rst_control.ros.controller.recording_link import RecordingLink
 from rst_control.ros.controller.robot_link import RobotLink
 from rst_control.ros.controller.services.action_server import AssistServer
-from rst_control.ros.controller.services.command_service import CommandService
+from rst_control.ros.controller.services.command_service import COMMAND, CommandService
 from rst_control.ros.controller.services.first_motion import ConfirmedFirst
 from rst_control.ros.controller.services.grasp_point_service import GraspPointService
 from rst_control.ros.controller.services.homing_service import HomingService
@@ -249,6 +250,9 @@ def main() -> None:
     limit_messages()
     publish_without_waiting()
     with starting("controller"):
+        if other := other_provider(COMMAND):
+            rospy.logfatal(f"the controller cannot start: {other} is one already; end it first")
+            sys.exit(2)
         try:
             config = load_config(MotionConfig, launch_settings(), "controller parameters")
             model = parse_robot(rospy.get_param("robot_description"))

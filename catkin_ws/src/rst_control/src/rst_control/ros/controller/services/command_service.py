@@ -25,6 +25,7 @@ from typed_config.ros.known_publishers import KnownPublishers
 
 REPLY_TIME = 2.0  # [s] within which every command is answered, if only by NO_ANSWER
 _HEAD = 4  # bytes of the length before the words
+COMMAND = "rst_control/command"  # name of the service
 
 
 class WordsRequest(CommandRequest):
@@ -93,7 +94,7 @@ class CommandService:
 
     def start(self) -> None:
         """Begin to take commands."""
-        self._service = rospy.Service("rst_control/command", WordsCommand, self._on_command)
+        self._service = rospy.Service(COMMAND, WordsCommand, self._on_command)
 
     def _on_command(self, request: WordsRequest) -> CommandResponse:
         self.last_command = time.monotonic()

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether another node offers a service that only one may offer.
+
+ROS sends all calls to the one that registered last, so a second controller would take every "stop"
+by service from the one that moves the robot.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rosgraph
+import rospy
+
+from typed_config.ros.xmlrpc import FAILURES, ask
+
+
+def other_provider(service: str) -> str:
+    """Another living node that offers a service of this name; empty: none does, or none is known.
+
+    Nodes that died without a word stay registered; one that does not answer does not count.
+    """
+    name, wanted = rospy.get_name(), rospy.resolve_name(service)
+    master = rosgraph.get_master_uri()
+    try:
+        state: Any = ask(master, "getSystemState", name)
+        nodes = [node for offered, nodes in state[2] if offered == wanted for node in nodes]
+    except FAILURES:
+        return ""
+    return next((node for node in nodes if node != name and _is_alive(master, node)), "")
+
+
+def _is_alive(master: str, node: str) -> bool:
+    try:
+        uri = str(ask(master, "lookupNode", rospy.get_name(), node))
+        ask(uri, "getPid", rospy.get_name())
+    except FAILURES:
+        return False
+    return True
