@@ -21,6 +21,9 @@ from support.waiting import PATIENCE
 
 PROGRAMS = ("chromium-headless-shell", "chromium", "google-chrome", "chrome")
 MISSING = "no Chromium: install Debian's chromium-headless-shell (docker/apt-packages-dev.txt)"
+# It runs as long as this program holds its end of a pipe, however this program ends: the group of
+# processes is killed then. Debian's program is a script; the browser is its child.
+WITH_US = '{ "$@" </dev/null; kill -KILL 0; } & read _; kill -KILL 0'
 START = 30.0  # [s] for it to come up on a loaded machine
 ANSWER = 30.0  # [s] for it to answer
 
@@ -71,7 +74,7 @@ class Browser:
             raise RuntimeError(MISSING)
         self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self._process = await asyncio.create_subprocess_exec(
-            program,
+            *("sh", "-c", WITH_US, "browser", program),
             "--headless",
             "--no-sandbox",
             "--disable-gpu",
@@ -80,9 +83,10 @@ class Browser:
             "--remote-debugging-port=0",
             f"--user-data-dir={self._folder.name}",
             "about:blank",
+            stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.DEVNULL,
             stderr=asyncio.subprocess.DEVNULL,
-            start_new_session=True,  # Debian's program is a script; the browser is its child
+            start_new_session=True,
         )
         self._session = ClientSession()
         try:
@@ -91,6 +95,11 @@ class Browser:
             await self.__aexit__()
             raise
         return self
+
+    @property
+    def group(self) -> int:
+        """Number of the group of its processes."""
+        return self._process.pid
 
     async def _connect(self) -> None:
         port = await self._until(self._port, "a port")
@@ -109,7 +118,7 @@ class Browser:
             await self._socket.close()
         await self._session.close()
         with suppress(ProcessLookupError):
-            os.killpg(self._process.pid, signal.SIGKILL)
+            os.killpg(self.group, signal.SIGKILL)
         await self._process.wait()
         self._folder.cleanup()
 
@@ -190,7 +199,7 @@ class Browser:
 
     async def _port(self) -> str:
         if self._process.returncode is not None:
-            raise RuntimeError(f"the browser ended with {self._process.returncode}")
+            raise RuntimeError("the browser ended before it was up")
         file = Path(self._folder.name, "DevToolsActivePort")
         return file.read_text().splitlines()[0] if file.exists() else ""
 
