@@ -1,39 +1,43 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Amounts and their near misses in held-out voices: is a wrong number or unit ever taken?
 
-Each clip goes through the node's pipeline, armed, with amounts on. In the environment: COUNT the
-clips (3,000), MODEL another recogniser than the shipped one, such as a file of `convert-model`.
+Each clip goes through the node's pipeline, armed, with amounts on. Pieces of 50 clips are spoken,
+heard and kept; MINUTES ends a go, and the next one goes on. In the environment: COUNT the clips
+(3,000), MODEL another recogniser than the shipped one, such as a file of `convert-model`.
 """
 
 from __future__ import annotations
 
+import json
 import os
 from collections import Counter
 from collections.abc import Sequence
-from functools import partial
+from dataclasses import asdict, dataclass
+from functools import cache
+from itertools import groupby
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import numpy as np
-import soundfile
 
 from bench.common import resumable
 from bench.voice.hearing.pieces import MODEL
-from bench.voice.hearing.replay_stream import SceneListener, SoundScene
-from bench.voice.material.held_out_voices import natives, spread
-from bench.voice.material.synthesis import SpokenClip, spoken
-from support.figures import ROOT, Figure, share
+from bench.voice.hearing.replay_stream import SceneListener, SceneResult, SoundScene
+from bench.voice.material.held_out_voices import SyntheticVoice, natives, spread
+from support.figures import Figure, share
 from support.product_code import HEARING, identity
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 from voice_assist.config.commands import AmountCommand
 from voice_assist.text.amounts import canonical
 from voice_assist.text.normalize import normalize
-from voice_assist.types import RATE, Mode
+from voice_assist.training.data.voices import Prompt, speak
+from voice_assist.types import FULL_SCALE, RATE, Mode, Samples
 
 COUNT = int(os.environ.get("COUNT", "3000"))
 SEED = 33
-BLOCK = 100  # clips that are kept together
+BLOCK = 50  # clips that are kept together
 QUIET = 0.6  # [s] before and behind the words
 HUM = 1e-3  # RMS of the room's noise, full scale 1
 LARGEST = "asked"  # what a large amount comes to
@@ -51,20 +55,30 @@ NEAR = (  # other numbers, other units, half a command, a number denied or in a 
 )
 
 
+@dataclass(frozen=True)
+class HeardClip:
+    """A clip and what was taken of it."""
+
+    text: str  # that was said
+    voice: str
+    written: str  # by the recogniser
+    taken: str  # command that was taken; behind LARGEST: that was asked for; empty: none
+    compute: float  # [s] of processor
+    seconds: float  # [s] of sound
+
+
 def measure() -> list[Figure]:
-    """Shares of right, wrong and refused amounts."""
-    clips = material()
-    named = digest_of_voice()
-    outcomes: list[str] = []
-    for begin in range(0, len(clips), BLOCK):
-        block = clips[begin : begin + BLOCK]
-        path = resumable.CACHE / "amounts" / f"{named}-{resumable.digest(block)}.json"
-        outcomes += resumable.remembered(path, partial(_heard, block))
-    pairs = list(zip(clips, outcomes, strict=True))
-    resumable.write_details("voice/amounts_taken.json", len(pairs), wrong_or_taken(pairs))
-    return [resumable.measured(len(pairs), "clips", 3000), *figures(pairs)]
+    """Shares of right, wrong and refused amounts, and what hearing a clip costs."""
+    folder, blocks = resumable.CACHE / "amounts" / digest_of_voice(), plan(natives().present)
+    jobs = [(block, folder / f"{resumable.digest(block)}.json") for block in blocks]
+    with resumable.pool(resumable.JOBS, _prepare) as pool:
+        done = list(resumable.carried_out("amounts", jobs, _heard, pool))
+    heard = [HeardClip(**one) for path in done for one in json.loads(path.read_text())]
+    resumable.write_details("voice/amounts_taken.json", len(heard), wrong_or_taken(heard))
+    return [resumable.measured(len(heard), "clips", 3000), *figures(heard)]
 
 
+@cache
 def texts() -> dict[str, str]:
     """What is said, with the command that it is; empty: it is none."""
     commands = load_voice_config(commands__amounts=True).commands
@@ -73,48 +87,57 @@ def texts() -> dict[str, str]:
     return {**said, **dict.fromkeys(NEAR, "")}
 
 
-def material() -> list[SpokenClip]:
-    """Clips in the voices that training never used, half of them amounts."""
-    every = spread(list(texts()), natives().present, 4, SEED)
+def plan(cast: Sequence[SyntheticVoice]) -> list[tuple[Prompt, ...]]:
+    """Prompts in some voices, half of them amounts, in pieces.
+
+    They are in an order by chance, so that a part is like the whole.
+    """
+    every = spread(list(texts()), cast, 4, SEED)
     rng = Random(SEED)
     amounts = [p for p in every if texts()[p.text]]
     near = [p for p in every if not texts()[p.text]]
-    half = COUNT // 2
-    some = rng.sample(amounts, min(half, len(amounts))) + rng.sample(near, min(half, len(near)))
-    return spoken(sorted(some, key=lambda p: (p.engine, p.voice, p.text, p.rate)))
+    rng.shuffle(amounts)
+    rng.shuffle(near)
+    half, each = COUNT // 2, BLOCK // 2
+    begins = range(0, min(half, len(amounts), len(near)), each)
+    return [(*amounts[i : i + each], *near[i : i + each]) for i in begins]
 
 
-def figures(pairs: Sequence[tuple[SpokenClip, str]]) -> list[Figure]:
+def figures(heard: Sequence[HeardClip]) -> list[Figure]:
     """Of clips and what was taken of each."""
-    meant = texts()
-    said = [(clip, taken) for clip, taken in pairs if meant[clip.text]]
-    near = [(clip, taken) for clip, taken in pairs if not meant[clip.text]]
-    wrong = [taken for clip, taken in pairs if is_wrong(meant[clip.text], taken)]
-    right = [taken for clip, taken in said if _command(taken) == meant[clip.text]]
-    asked = [taken for taken in right if taken.startswith(LARGEST)]
-    fixed = [t for _, t in pairs if t and t in load_voice_config().commands.phrases]
+    meant, fixed = texts(), load_voice_config().commands.phrases
+    said = [one for one in heard if meant[one.text]]
+    near = [one for one in heard if not meant[one.text]]
+    wrong = sum(is_wrong(meant[one.text], one.taken) for one in heard)
+    right = [one.taken for one in said if _command(one.taken) == meant[one.text]]
+    asked = sum(taken.startswith(LARGEST) for taken in right)
+    plain, amounts = (sum(one.taken in fixed for one in heard), sum(map(_is_amount, near)))
+    cost = sum(one.compute for one in heard) / len(heard)
+    seconds = sum(one.seconds for one in heard) / len(heard)
     name = Path(MODEL).stem
     return [
-        share(f"{name}: a wrong amount taken or asked for", len(wrong), len(pairs), 0.0, True),
-        share(f"{name}: near misses taken as an amount", _amounts(near), len(near), 0.0, True),
+        share(f"{name}: a wrong amount taken or asked for", wrong, len(heard), 0.0, True),
+        share(f"{name}: near misses taken as an amount", amounts, len(near), 0.0, True),
         share(f"{name}: amounts taken or asked for rightly", len(right), len(said)),
-        share(f"{name}: of these asked for first", len(asked), max(len(right), 1)),
-        share(f"{name}: taken as a command without an amount", len(fixed), len(pairs)),
+        share(f"{name}: of these asked for first", asked, max(len(right), 1)),
+        share(f"{name}: taken as a command without an amount", plain, len(heard)),
+        Figure(f"{name}: processor time per clip", cost, "s", note=f"of {seconds:.1f} s of sound"),
     ]
 
 
 def is_wrong(meant: str, taken: str) -> bool:
     """Whether an amount was taken or asked for that was not said."""
-    return bool(taken) and _is_amount(taken) and _command(taken) != meant
+    command = _command(taken)
+    return bool(texts().get(command)) and command != meant
 
 
-def wrong_or_taken(pairs: Sequence[tuple[SpokenClip, str]]) -> dict[str, int]:
+def wrong_or_taken(heard: Sequence[HeardClip]) -> dict[str, int]:
     """What was taken of which words, and how often, without what was right."""
     meant = texts()
     odd = (
-        f"{clip.text} -> {taken}"
-        for clip, taken in pairs
-        if taken and _command(taken) != meant[clip.text]
+        f"{one.text} -> {one.taken}"
+        for one in heard
+        if one.taken and _command(one.taken) != meant[one.text]
     )
     return dict(Counter(odd).most_common())
 
@@ -124,33 +147,47 @@ def digest_of_voice() -> str:
     return resumable.digest(identity(HEARING), MODEL, QUIET, HUM)
 
 
-def _amounts(pairs: Sequence[tuple[SpokenClip, str]]) -> int:
-    return sum(1 for _, taken in pairs if _is_amount(taken))
-
-
-def _is_amount(taken: str) -> bool:
-    return bool(taken) and bool(texts().get(_command(taken)))
+def _is_amount(one: HeardClip) -> bool:
+    return bool(one.taken) and bool(texts().get(_command(one.taken)))
 
 
 def _command(taken: str) -> str:
     return taken.removeprefix(f"{LARGEST} ")
 
 
-def _heard(clips: Sequence[SpokenClip]) -> list[str]:
-    """What was taken of each clip; empty: nothing."""
+_LISTENERS: list[SceneListener] = []  # one per process, built by its start
+
+
+def _prepare() -> None:
     limit_torch(load_voice_config())
-    listen = SceneListener(MODEL, commands__amounts=True)
-    return [_outcome(listen, clip) for clip in clips]
+    _LISTENERS[:] = [SceneListener(MODEL, commands__amounts=True)]
 
 
-def _outcome(listen: SceneListener, clip: SpokenClip) -> str:
-    sound, rate = soundfile.read(ROOT / clip.path, dtype="float32")
-    if rate != RATE:
-        raise ValueError(f"{clip.path}: {rate} Hz, allowed: {RATE}")
+def _heard(prompts: Sequence[Prompt]) -> list[dict[str, Any]]:
+    """A piece: each prompt is spoken and heard; one that an engine cannot say is left out."""
+    found = []
+    by_voice = sorted(prompts, key=lambda p: (p.engine, p.voice))
+    for _, some in groupby(by_voice, lambda p: (p.engine, p.voice)):
+        same = list(some)
+        for prompt, sound in zip(same, speak(same), strict=True):
+            if sound is not None:
+                found.append(asdict(_of_clip(prompt, sound / np.float32(FULL_SCALE))))
+    return found
+
+
+def _of_clip(prompt: Prompt, sound: Samples) -> HeardClip:
     quiet = np.zeros(round(QUIET * RATE), np.float32)
     stream = np.concatenate([quiet, sound, quiet])
     stream += HUM * np.random.default_rng(SEED).standard_normal(len(stream)).astype(np.float32)
-    for said in listen(SoundScene(stream, Mode.ACTIVE)).said:
+    found = _LISTENERS[0](SoundScene(stream, Mode.ACTIVE))
+    written = "; ".join(said.text for said in found.said)
+    spent = round(found.compute, 3), round(found.streamed, 2)
+    return HeardClip(prompt.text, f"{prompt.engine}:{prompt.voice}", written, _taken(found), *spent)
+
+
+def _taken(found: SceneResult) -> str:
+    """The first command that was taken or asked for; empty: none."""
+    for said in found.said:
         if said.is_taken:
             return said.command
         if said.why.startswith("a large amount"):
