@@ -227,6 +227,15 @@ _PAPER = Area(
             details=(r"p95$", "median$"),
         ),
         Part(
+            "paper_inputs",
+            "Voice and pedal beside each other",
+            "",
+            code.SYSTEM,
+            SYNTHETIC,
+            command="make paper INPUT=voice,pedal REPETITIONS=3 VOICES=2",
+            details=(r"^(?!voice:|pedal:)",),
+        ),
+        Part(
             "paper_8_repetitions",
             "Eight repetitions, with the first recogniser",
             "",
