@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a sound file to a moved robot to an MCAP file, through the whole launched system."""
+"""The whole demonstration: a sound file, a pedal and a hand move a robot; an MCAP file is left."""
 
 import json
 import os
@@ -15,15 +15,19 @@ from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 
 from demo.check import REST
+from demo.page import SCREENS
+from demo.script import load_script
 from session_log.mcap_file.reader import SessionReader
 from session_log.recording import metadata
+from support.browser import MISSING, find_browser
 from tests.support.heeding import heed
 from tests.support.recorded_topics import ON_REQUEST, TYPES
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(__file__).parent / "programs"
-SCRIPT = ROOT / "tests" / "data" / "short_session.yaml"
-COMMAND = [sys.executable, "-m", "demo", "--wav", "--script", str(SCRIPT)]
+SHORT = ROOT / "tests" / "data" / "short_session.yaml"
+SCRIPT = load_script(ROOT / "demo" / "session.yaml")
+COMMAND = [sys.executable, "-m", "demo", "--wav"]
 
 
 def messages(mcap, *topics):
@@ -42,10 +46,12 @@ def session(tmp_path_factory):
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=200.0,
+        timeout=300.0,
         check=False,
     )
-    return folder, done.stdout + done.stderr
+    shown = done.stdout + done.stderr
+    assert done.returncode == 0, shown  # every step of the script happened
+    return folder, shown
 
 
 def test_the_session_leaves_a_recording_and_a_report(session):
@@ -61,7 +67,24 @@ def test_the_words_reached_the_robot_and_the_talk_did_not(session):
         for _, message in messages(folder / "session.mcap", "/voice_assist/utterance")
         if message.command
     ]
-    assert taken == ["hey robot", "tense", "stop"], shown
+    assert taken == [step.say for step in SCRIPT.steps if step.speaker == "surgeon"], shown
+
+
+def test_every_other_way_led_the_robot_and_a_device_too(session):
+    folder, shown = session
+    events = [m for _, m in messages(folder / "session.mcap", "/rst_control/event")]
+    accepted = {(m.command, m.caller.split("_")[0]) for m in events if m.kind == "accepted"}
+    assert {("pull more", "/pedal"), ("pull less 0.2 N", "/demo")} <= accepted, shown
+    calls = [m for _, m in messages(folder / "session.mcap", "/voice_assist/device")]
+    assert [(m.phrase, m.is_done) for m in calls] == [("light on", True)], shown
+
+
+@pytest.mark.skipif(not find_browser(), reason=MISSING)
+def test_the_page_was_photographed_at_every_moment(session):
+    folder, shown = session
+    moments = [step.moment for step in SCRIPT.steps if step.moment]
+    for name in (f"page-{moment}{end}.png" for moment in moments for end in SCREENS):
+        assert (folder / name).is_file(), shown
 
 
 def test_the_robot_moved_through_the_trocar_and_stopped_in_mid_motion(session):
@@ -70,8 +93,9 @@ def test_the_robot_moved_through_the_trocar_and_stopped_in_mid_motion(session):
     moving = [s for s in states if abs(s.path_speed) > REST]
     assert moving, shown
     assert max(s.rcm_error for s in moving) < 1e-3
-    assert states[-1].halted and abs(states[-1].path_speed) < REST
-    assert not states[-1].tissue_held, "it was stopped on its way to the tissue"
+    assert any(s.halted and s.tissue_held for s in states), "it was stopped in a pull"
+    at_the_end = [s for s in states if s.state == "standby"][-1]  # before the shutdown latches
+    assert not at_the_end.tissue_held and abs(at_the_end.path_speed) < REST
 
 
 def test_no_state_is_from_before_the_session(session):
@@ -146,7 +170,7 @@ def test_the_recording_says_by_what_it_was_made(session):
 
 def test_ctrl_c_ends_everything_and_leaves_a_readable_recording(tmp_path):
     demo = subprocess.Popen(
-        [*COMMAND, "--out", str(tmp_path)],
+        [*COMMAND, "--script", str(SHORT), "--out", str(tmp_path)],
         cwd=ROOT,
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
         stdout=subprocess.PIPE,
@@ -154,9 +178,9 @@ def test_ctrl_c_ends_everything_and_leaves_a_readable_recording(tmp_path):
         preexec_fn=heed,
     )
     shown = ""
-    while "says" not in shown:
+    while not all(f"{part} ready" in shown for part in ("recorder", "robot", "voice")):
         line = demo.stdout.readline()
-        assert line, f"ended before anything was said: {shown}"
+        assert line, f"ended before the system was up: {shown}"
         shown += line
     demo.send_signal(signal.SIGINT)
     shown += demo.communicate(timeout=150.0)[0]
