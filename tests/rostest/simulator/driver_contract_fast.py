@@ -155,9 +155,13 @@ class ControllerSide(unittest.TestCase):
     def refuse(self, names, position) -> None:
         message = JointState(name=list(names), position=list(position))
         message.velocity = [0.0] * len(names)
-        message.header.stamp = rospy.Time.now()
-        self.servo.publish(message)
-        wait_until(lambda: self.faults[-1], "no fault")
+
+        def is_refused() -> bool:  # said again: one that is delivered late does not count
+            message.header.stamp = rospy.Time.now()
+            self.servo.publish(message)
+            return self.faults[-1]
+
+        wait_until(is_refused, "no fault", every=0.2)
         self.assertLess(np.abs(self.rest() - self.start).max(), STILL)
 
 
