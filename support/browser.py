@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A headless Chromium, driven by its DevTools protocol: opens and photographs pages."""
+"""A headless Chromium, driven by its DevTools protocol: opens pages and takes pictures of them."""
 
 from __future__ import annotations
 
@@ -31,23 +31,6 @@ ANSWER = 30.0  # [s] for it to answer
 def find_browser() -> str:
     """Path of the program; empty: there is none."""
     return next(filter(None, map(shutil.which, PROGRAMS)), "")
-
-
-async def photograph(url: str, file: Path, ready: str) -> None:
-    """Save one picture of a page, 1920 x 1080.
-
-    Args:
-        url: Of the page.
-        file: PNG to write.
-        ready: Expression that is true once the page shows what the picture is of.
-
-    Raises:
-        RuntimeError: There is no browser, or no such page in time.
-    """
-    async with Browser() as browser:
-        await browser.open(url)
-        await browser.until(ready)
-        await browser.picture(file)
 
 
 class Browser:

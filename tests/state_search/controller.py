@@ -173,7 +173,7 @@ class Controller:
             *(self._moving(), _where(mover.held), mover.grasp is None),
             *(executor._event_log.order is None, mode.cause is not None),
             _jaws(mover),
-            not executor._fault_reset.is_waiting,
+            executor._fault_reset._waiting is None,
         )
 
     def _moving(self):

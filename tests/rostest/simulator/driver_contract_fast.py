@@ -156,7 +156,7 @@ class ControllerSide(unittest.TestCase):
         message = JointState(name=list(names), position=list(position))
         message.velocity = [0.0] * len(names)
 
-        def is_refused() -> bool:  # said again: one that is delivered late does not count
+        def is_refused() -> str:  # said again: one that is delivered late does not count
             message.header.stamp = rospy.Time.now()
             self.servo.publish(message)
             return self.faults[-1]

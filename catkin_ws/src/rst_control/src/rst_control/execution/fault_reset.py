@@ -30,11 +30,6 @@ class FaultReset:
         self._objection, self._clear_fault, self._refuse = objection, clear_fault, refuse
         self._waiting: tuple[Order, float] | None = None  # and until when [s]
 
-    @property
-    def is_waiting(self) -> bool:
-        """There is one."""
-        return self._waiting is not None
-
     def take(self, order: Order, now: float) -> Order | None:
         """Take one at a time [s]; gives it back where it is to be done at once."""
         refusal = self._objection()

@@ -35,11 +35,6 @@ class RecordedSound:
     first_sample: int  # index of samples[0] since the stream began
     stamp: float  # [s] clock time at which samples[0] was captured
 
-    @property
-    def next_sample(self) -> int:
-        """Index of the sample that follows."""
-        return self.first_sample + len(self.samples)
-
 
 class Decided(Protocol):
     """One decision, with the fields of the message voice_assist/Utterance; times in [s]."""
