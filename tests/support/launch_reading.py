@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+import copy
+import functools
 import json
 from dataclasses import asdict, dataclass
+from unittest.mock import patch
 
 import roslaunch
+import yaml
 from rosgraph.names import ns_join
 from roslaunch import config, rlutil, xmlloader
 
@@ -36,6 +40,9 @@ class Reading:
     nodes: dict[str, Node]
 
 
+_parsed = functools.cache(yaml.safe_load)  # nine tenths of a reading, and mostly of the same files
+
+
 def loaded(words, runs_commands=False):
     """Roslaunch's own configuration of the words behind `roslaunch`.
 
@@ -53,7 +60,8 @@ def loaded(words, runs_commands=False):
 
     _, files = roslaunch._get_optparse().parse_args(list(words))
     files = [(file, list(words)) for file in rlutil.resolve_launch_arguments(files)]
-    return config.load_config_default(files, None, loader=Loader(), verbose=False)
+    with patch.object(yaml, "safe_load", lambda text: copy.deepcopy(_parsed(text))):
+        return config.load_config_default(files, None, loader=Loader(), verbose=False)
 
 
 def read(words, runs_commands=False):
