@@ -17,7 +17,7 @@ from session_log.mcap_file.session_folder import recordings
 from session_log.replay.compare import Difference
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Decided, find_plugin
-from session_log.replay.replay import Replay, replay
+from session_log.replay.replay import ReplayResult, replay
 from typed_config import ConfigError, load_file, numbered_recordings, package_folder
 
 REPLAY_CONFIG = package_folder("session_log") / "config" / "replay.yaml"
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     except (SessionLogError, ConfigError) as error:
         print(f"session_log: {error}", file=sys.stderr)
         return FAILED
-    done: list[Replay] = []
+    done: list[ReplayResult] = []
     failed: dict[str, str] = {}
     for path in paths:
         try:
@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     return _conclude(done, failed, arguments.json)
 
 
-def _conclude(done: Sequence[Replay], failed: dict[str, str], out: Path | None) -> int:
+def _conclude(done: Sequence[ReplayResult], failed: dict[str, str], out: Path | None) -> int:
     if out is not None:
         content = {"sessions": [_as_json(result) for result in done], "failed": failed}
         try:
@@ -68,7 +68,7 @@ def _conclude(done: Sequence[Replay], failed: dict[str, str], out: Path | None) 
     return SAME if all(result.is_same for result in done) else DIFFERENT
 
 
-def _show(result: Replay) -> None:
+def _show(result: ReplayResult) -> None:
     for warning in result.warnings:
         print(f"{result.path}: warning: {warning}", file=sys.stderr)
     for loss in result.losses:
@@ -102,7 +102,7 @@ def _words(decided: Decided | None) -> str:
     return f"{decided.transcript!r}: {taken}{shown}, {sure}{by}"
 
 
-def _summary(result: Replay) -> str:
+def _summary(result: ReplayResult) -> str:
     counted, excused = len(result.counted), len(result.differences) - len(result.counted)
     verdict = "the same" if not counted else f"{counted} differ"
     more = f", {excused} more where the recording has losses" if excused else ""
@@ -110,7 +110,7 @@ def _summary(result: Replay) -> str:
     return f"{lengths}, {result.heard} now: {verdict}{more} (model {result.model})"
 
 
-def _show_total(done: Sequence[Replay], failed: int) -> None:
+def _show_total(done: Sequence[ReplayResult], failed: int) -> None:
     same = sum(result.is_same for result in done)
     utterances = sum(result.recorded for result in done)
     counted = sum(len(result.counted) for result in done)
@@ -121,7 +121,7 @@ def _show_total(done: Sequence[Replay], failed: int) -> None:
     )
 
 
-def _as_json(result: Replay) -> dict[str, Any]:
+def _as_json(result: ReplayResult) -> dict[str, Any]:
     content = asdict(result)
     content["path"], content["is_same"] = str(result.path), result.is_same
     content["differences"] = [

@@ -51,7 +51,7 @@ class SoundLoss:
 
 
 @dataclass
-class Replay:
+class ReplayResult:
     """What came of one recording."""
 
     path: Path
@@ -80,7 +80,7 @@ class Replay:
 
 def replay(
     reader: SessionReader, config: ReplayConfig, make: MakePipeline, model: str | None = None
-) -> Replay:
+) -> ReplayResult:
     """Hear a recording again and compare.
 
     Args:
@@ -111,7 +111,7 @@ class _Replayer:
         self._reader, self._config, self._make, self._model = reader, config, make, model
         self._voice = voice
         self._runs = iter(voice.runs)
-        self._result = Replay(reader.path, voice.start, recorded=len(voice.utterances))
+        self._result = ReplayResult(reader.path, voice.start, recorded=len(voice.utterances))
         self._decoder = Decoder()
         self._missing, self._stream = SequenceWatch(reader), StreamWatch()
         self._pipeline: ReplayPipeline | None = None
@@ -120,7 +120,7 @@ class _Replayer:
         self._losses: list[SoundLoss] = []
         self._end = float("-inf")  # [s] of the clock, end of the newest sound
 
-    def run(self) -> Replay:
+    def run(self) -> ReplayResult:
         try:
             for message in self._reader.messages({self._config.topics.audio}):
                 missing = self._missing(message)
@@ -175,7 +175,7 @@ class _Replayer:
         if change := self._voice.mode_at(sound.stamp):
             pipeline.set_mode(change.mode, change.reason)
 
-    def _conclude(self) -> Replay:
+    def _conclude(self) -> ReplayResult:
         result, voice = self._result, self._voice
         result.heard = len(self._now)
         found = compare(voice.utterances, self._now, self._config)

@@ -37,7 +37,7 @@ class AccuracyFigure(PoolFigure):
 
     def can_draw(self, material: Pool) -> bool:
         """Tell whether it is known what was meant."""
-        return any(material.accuracy(c)[1] for c in (*material.commands, NO_COMMAND))
+        return any(material.accuracy(c).meant for c in (*material.commands, NO_COMMAND))
 
     def caption(self, material: Pool) -> str:
         """Name the share over all commands."""
@@ -53,11 +53,11 @@ class AccuracyFigure(PoolFigure):
 
     def draw(self, material: Pool, layout: Layout) -> Figure:
         """Draw bars in percent."""
-        commands = [c for c in material.commands if material.accuracy(c)[1]]
+        commands = [c for c in material.commands if material.accuracy(c).meant]
         bars = [(c, material.accuracy(c), BLUE) for c in commands]
         if len(commands) > 1:
             bars.append(("all commands", material.accuracy(), QUIET))
-        if material.accuracy(NO_COMMAND)[1]:
+        if material.accuracy(NO_COMMAND).meant:
             bars.append((NO_COMMAND, material.accuracy(NO_COMMAND), SOUND))
         figure = new_figure(layout, 0.6 + 0.27 * len(bars))
         ax = figure.subplots()

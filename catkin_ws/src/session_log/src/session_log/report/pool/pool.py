@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
+from typing import NamedTuple
 
 from session_log.config import ReportConfig
 from session_log.report.bounds import Bounded, proportion
@@ -49,6 +50,14 @@ class UnreadSession:
 
     path: Path
     reason: str
+
+
+class Accuracy(NamedTuple):
+    """How many phrases were taken as they were meant."""
+
+    right: int
+    meant: int
+    share: Bounded  # of one
 
 
 @dataclass
@@ -111,17 +120,17 @@ class Pool:
         decision = sorted(x for times in chosen for x in times.decision)
         return Latencies(decision, sorted(x for times in chosen for x in times.action))
 
-    def accuracy(self, intended: str = "") -> tuple[int, int, Bounded]:
-        """Phrases taken as they were meant, phrases meant, and their share.
+    def accuracy(self, intended: str = "") -> Accuracy:
+        """Phrases taken as they were meant.
 
         Args:
             intended: A command or NO_COMMAND; empty for all commands together.
         """
         words = [intended] if intended else self.commands
         counts = {pair: n for pair, n in self.confusions.items() if pair[0] in words}
-        hits = sum(n for (meant, taken), n in counts.items() if is_correct(meant, taken))
+        right = sum(n for (meant, taken), n in counts.items() if is_correct(meant, taken))
         total = sum(counts.values())
-        return hits, total, proportion(hits, total)
+        return Accuracy(right, total, proportion(right, total))
 
     def sorted_members(self) -> list[PooledSession]:
         """Members by the time of their recording."""

@@ -51,21 +51,21 @@ def extract(reader: SessionReader, config: ReportConfig) -> SessionData:
     return data
 
 
-class _Words:
-    """Turns a word that is said again and again into spans."""
+class _SpanBuilder:
+    """Turns a word that is reported again and again into spans."""
 
     def __init__(self, spans: list[Span]) -> None:
         self._spans = spans
         self._word: str | None = None
         self._since = 0.0
 
-    def say_all(self, times: Track, words: NDArray[Any]) -> None:
-        """Take words in order of time; the same again says nothing new."""
+    def add_all(self, times: Track, words: NDArray[Any]) -> None:
+        """Add words in order of time, shape (n,) each; the same again changes nothing."""
         changes = np.flatnonzero(words[1:] != words[:-1]) + 1
         for k in (0, *changes.tolist()):
-            self.say(float(times[k]), words[k])
+            self.add(float(times[k]), words[k])
 
-    def say(self, time: float, word: str) -> None:
+    def add(self, time: float, word: str) -> None:
         if word != self._word:
             self.end(time)
             self._word, self._since = word, time
@@ -86,8 +86,8 @@ class _Extractor:
         self._end = 0  # [ns] log time of the latest message
         self._health: dict[str, NodeHealth] = {}
         self._picture_step = self._picture_count = 0
-        self._modes, self._states = _Words(data.modes), _Words(data.states)
-        self._phases = _Words(data.phases)
+        self._modes, self._states = _SpanBuilder(data.modes), _SpanBuilder(data.states)
+        self._phases = _SpanBuilder(data.phases)
         self._loops = {t: Intervals(t) for t in (topics.joint_states, topics.set_points)}
         self._slow: dict[str, Callable[[Any], None]] = {
             topics.utterance: self._utterance,
@@ -196,7 +196,7 @@ class _Extractor:
         self._data.trocars.append(RecordedTrocar(self._now, position, m.header.frame_id))
 
     def _mode(self, m: Any) -> None:
-        self._modes.say(max(self._time(m.header.stamp), 0.0), m.mode)
+        self._modes.add(max(self._time(m.header.stamp), 0.0), m.mode)
 
     def _event(self, m: Any) -> None:
         time, code = self._time(m.header.stamp), getattr(m, "reason_code", "")
@@ -211,8 +211,8 @@ class _Extractor:
 
     def _state(self, batch: Batch, time: Track) -> None:
         state, moving = batch.column("state"), np.isin(batch.column("state"), MOVING)
-        self._states.say_all(time, state)
-        self._phases.say_all(time, np.where(moving, batch.column("phase"), ""))
+        self._states.add_all(time, state)
+        self._phases.add_all(time, np.where(moving, batch.column("phase"), ""))
         error = batch.column("rcm_error")
         if "insertion" in batch.names:  # older recordings are all of inside
             error = np.where(batch.column("insertion") < 0.0, np.nan, error)

@@ -95,7 +95,6 @@ class SessionSummary:
     tension: float  # [N] largest with a target set; nan if there was none
     tension_error: MomentSummary  # [N] from the target at rest
     margin: float  # [rad] smallest to a joint limit; nan if unknown
-    margin_joint: str
     loops: tuple[LoopTimes, ...]
     transcripts: tuple[str, ...]  # each once
 
@@ -106,8 +105,6 @@ def summarise(
     """Reduce a session."""
     recording, condition = data.recording, data.recording.condition
     moving, pulled = rcm_while_moving(data), tension_with_target(data)
-    margins = joint_margins(data)
-    nearest = min(margins, key=lambda joint: margins[joint]) if margins else ""
     return SessionSummary(
         name=name,
         started=recording.start * 1e-9,
@@ -125,8 +122,7 @@ def summarise(
         rcm_joints_above=int(np.count_nonzero(rcm.while_moving > config.rcm_limit)),
         tension=float(pulled.max()) if len(pulled) else math.nan,
         tension_error=moments(tension_error(data)),
-        margin=margins.get(nearest, math.nan),
-        margin_joint=nearest,
+        margin=min(joint_margins(data).values(), default=math.nan),
         loops=_loops(data, config),
         transcripts=tuple(dict.fromkeys(heard.transcript for heard in data.heard)),
     )

@@ -22,10 +22,10 @@ from session_log.report.tables.text_table import (
 def accuracy_table(pool: Pool) -> TextTable:
     """Share of phrases that were taken as they were meant, by command."""
     columns = ("meant", "said", "right", "share", "95 % confidence")
-    commands = [c for c in pool.commands if pool.accuracy(c)[1]]
+    commands = [c for c in pool.commands if pool.accuracy(c).meant]
     entries = [(c, pool.accuracy(c)) for c in commands]
     entries.append(("all commands", pool.accuracy()))
-    if pool.accuracy(NO_COMMAND)[1]:
+    if pool.accuracy(NO_COMMAND).meant:
         entries.append((NO_COMMAND, pool.accuracy(NO_COMMAND)))
     rows = [
         (
