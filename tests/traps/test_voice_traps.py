@@ -28,7 +28,7 @@ from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.recognizer import load_recognizer
-from voice_assist.recognizer.recognizer import NOTHING_SAID
+from voice_assist.recognizer.recognizer import NO_SPEECH_THRESHOLD
 from voice_assist.recognizer.vocabulary import PROMPT
 from voice_assist.text.normalize import normalize
 from voice_assist.types import RATE, Match, Mode, NoMatch, never_hopeless
@@ -140,7 +140,7 @@ def openai_recognizer(folder):
 
 
 @pytest.mark.parametrize(
-    ("no_speech", "text"), [(0.95, ""), (NOTHING_SAID, ""), (0.1, "stop"), (0.001, "stop")]
+    ("no_speech", "text"), [(0.95, ""), (NO_SPEECH_THRESHOLD, ""), (0.1, "stop"), (0.001, "stop")]
 )
 def test_words_without_speech_are_none_however_sure_they_are(tmp_path, no_speech, text):
     """Whisper overlooks its own doubt that anybody spoke where the words themselves are likely."""

@@ -8,7 +8,7 @@ import pytest
 from rst_control.commands.spec import Role
 from rst_control.commands.table import COMMANDS
 from voice_assist.config import load_voice_config
-from voice_assist.config.commands import AT_REST
+from voice_assist.config.commands import NOT_MOTIONS
 from voice_assist.errors import CommandsError
 from voice_assist.ros.robot.robot_commands import require_known
 
@@ -29,7 +29,7 @@ def test_the_shipped_phrases_call_what_the_controller_knows():
 
 def test_the_calls_that_begin_no_motion_are_those_of_the_controller():
     without = {spec.phrase for spec in COMMANDS.values() if spec.role is not Role.MOTION}
-    assert set(AT_REST) == without
+    assert set(NOT_MOTIONS) == without
 
 
 def test_an_amount_has_a_unit_that_the_command_takes():

@@ -6,8 +6,8 @@ import pytest
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
 from voice_assist.assembly import (
-    CODE_KEPT,
-    MOST_KEPT,
+    KERNEL_CACHE,
+    MAX_KERNELS,
     limit_torch,
     make_pipeline,
     make_source,
@@ -27,13 +27,13 @@ def test_the_pipeline_takes_the_detector_of_the_settings():
     assert pipeline.state.mode is Mode.STANDBY
 
 
-@pytest.mark.parametrize(("before", "after"), [(None, str(MOST_KEPT)), ("7", "7")])
+@pytest.mark.parametrize(("before", "after"), [(None, str(MAX_KERNELS)), ("7", "7")])
 def test_code_that_is_kept_for_lengths_of_sound_is_bounded(monkeypatch, before, after):
-    monkeypatch.setenv(CODE_KEPT, before or "")
+    monkeypatch.setenv(KERNEL_CACHE, before or "")
     if before is None:
-        monkeypatch.delenv(CODE_KEPT)
+        monkeypatch.delenv(KERNEL_CACHE)
     limit_torch(load_voice_config())
-    assert os.environ[CODE_KEPT] == after
+    assert os.environ[KERNEL_CACHE] == after
 
 
 def test_the_source_is_the_one_of_the_settings():

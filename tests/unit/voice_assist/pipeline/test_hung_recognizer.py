@@ -158,7 +158,7 @@ class Room:
         """A publisher."""
         if name not in (
             "audio",
-            "circumstance",
+            "side_input",
             "partial",
             "utterance",
             "mode",

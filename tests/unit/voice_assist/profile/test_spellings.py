@@ -38,7 +38,7 @@ def why(**written):
 def test_each_example_set_holds_together_and_no_two_commands_are_too_alike(file):
     commands = load_config(CommandsConfig, load_yaml(CONFIG_DIR / file), file)
     pairs = closest_pairs(commands, FILES[file])
-    assert "too alike" not in {p.verdict for p in pairs}, pairs[0].told
+    assert "too alike" not in {p.verdict for p in pairs}, pairs[0].words
     assert any(c.is_halt and c.phrase == "stop" for c in commands.commands)  # also for the spotter
     replace(load_voice_config(), commands=commands)
     calls = {c.command for c in commands.commands}

@@ -31,7 +31,7 @@ def model():
 @pytest.fixture(scope="module")
 def recognizer(model):
     checkpoint = SimpleNamespace(dims=DIMS, state=model.state_dict(), sha256="none")
-    return OpenAIRecognizer("small", checkpoint, most_tokens=8, dtype=torch.float32)
+    return OpenAIRecognizer("small", checkpoint, max_tokens=8, dtype=torch.float32)
 
 
 def sound(seed=0):

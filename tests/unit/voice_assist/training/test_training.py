@@ -1,20 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Training: the trick of the small vocabulary, alignment, items, resuming, the split."""
 
+import ast
+
 import numpy as np
 import pytest
 import torch
 import whisper
 from whisper.model import ModelDimensions
 
+from typed_config import package_folder
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.checkpoint import read_checkpoint
 from voice_assist.recognizer.ctc import best_alignment, greedy_text
-from voice_assist.recognizer.embedded import MOST_ROUNDS, EmbeddedRecognizer, restore
+from voice_assist.recognizer.embedded import MAX_ROUNDS, EmbeddedRecognizer, restore
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods
-from voice_assist.recognizer.vocabulary import BLANK, PROMPT, WHISPER_IDS, decode, encode
+from voice_assist.recognizer.vocabulary import (
+    BLANK,
+    CHARACTERS,
+    PROMPT,
+    WHISPER_IDS,
+    decode,
+    encode,
+)
 from voice_assist.training.data import synthesis, texts, voices
 from voice_assist.training.data.augment import Strength, telephone
 from voice_assist.training.data.batches import IGNORED, Batches, teacher_tensors
@@ -76,7 +86,7 @@ def test_exported_full_softmax_equals_the_training_softmax(exported):
 
 def test_compact_ids_are_whispers_tokens():
     tokenizer = whisper.tokenizer.get_tokenizer(multilingual=False)
-    characters = [tokenizer.encoding.encode_single_token(c) for c in texts.ALPHABET]
+    characters = [tokenizer.encoding.encode_single_token(c) for c in CHARACTERS]
     special = [tokenizer.eot, tokenizer.sot, tokenizer.no_timestamps, tokenizer.no_speech]
     assert [*characters, *special] == list(WHISPER_IDS)
 
@@ -104,7 +114,7 @@ def test_draft_and_correction_write_what_greedy_decoding_writes(exported, draft)
     with torch.inference_mode():
         for seed in range(2):
             states = recognizer.model.encode(log_mel(torch.from_numpy(sound(seed=seed))[None]))
-            ids, _ = greedy(recognizer.model, states, MOST_ROUNDS - 1)
+            ids, _ = greedy(recognizer.model, states, MAX_ROUNDS - 1)
             written = recognizer._decode(states, draft, never_hopeless).text
             assert written.startswith(decode(ids).strip())
 
@@ -117,7 +127,7 @@ def test_commands_are_greedy_whatever_the_draft():
         for text, samples in zip(texts.COMMANDS, said, strict=True):
             amid_quiet = np.pad(samples.astype(np.float32) / 32768, RATE // 10)
             states = recognizer._listen(amid_quiet).states
-            ids, has_ended = greedy(recognizer.model, states, MOST_ROUNDS - 1)
+            ids, has_ended = greedy(recognizer.model, states, MAX_ROUNDS - 1)
             assert has_ended
             assert decode(ids) == text
             for draft in drafts:
@@ -139,8 +149,8 @@ def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported,
     with torch.inference_mode():
         states = recognizer.model.encode(log_mel(torch.from_numpy(sound(2.0))[None]))
         heard = recognizer._decode(states, "ab" * 20, never_hopeless)
-    assert len(read) == MOST_ROUNDS
-    assert heard.text == "q" * (MOST_ROUNDS - 1) + ("ab" * 20)[MOST_ROUNDS - 1 :]
+    assert len(read) == MAX_ROUNDS
+    assert heard.text == "q" * (MAX_ROUNDS - 1) + ("ab" * 20)[MAX_ROUNDS - 1 :]
     assert heard.avg_logprob < -10
 
 
@@ -389,3 +399,13 @@ def test_near_misses_and_talk_are_no_commands():
     others = [*texts.NEAR_MISSES, *texts.HARD, *texts.TALK]
     assert not set(others) & set(texts.COMMANDS)
     assert [text for text in others if text != texts.normalise_text(text)] == []
+
+
+FILES = (package_folder("voice_assist") / "src").rglob("*.py")
+PROGRAMS = [path for path in FILES if "__main__" in path.read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
+def test_a_program_begins_only_when_all_of_it_is_defined(path):
+    last = ast.parse(path.read_text(encoding="utf-8")).body[-1]
+    assert isinstance(last, ast.If) and "__main__" in ast.unparse(last.test)

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from voice_assist.spotter.overlap import OverlapNetwork
     from voice_assist.spotter.spotter import Spotter, Spotting
 
-CODE_KEPT = "ONEDNN_PRIMITIVE_CACHE_CAPACITY"
-MOST_KEPT = 64  # 34 MB less after 20 minutes of talk and commands than 1,024, and no slower
+KERNEL_CACHE = "ONEDNN_PRIMITIVE_CACHE_CAPACITY"
+MAX_KERNELS = 64  # 34 MB less after 20 minutes of talk and commands than 1,024, and no slower
 
 
 def limit_torch(config: VoiceConfig) -> None:
@@ -37,17 +37,17 @@ def limit_torch(config: VoiceConfig) -> None:
 
     Each thread that computes must say it anew, for OpenMP keeps the limit per thread: one that has
     not set it starts a helper on every core, and they then wait for each other while the machine is
-    busy. oneDNN compiles its code for each length of sound anew and keeps the newest 1,024; whoever
-    has set another number beforehand keeps it.
+    busy. oneDNN compiles its code for each length of sound anew and keeps the newest 1,024. A limit
+    in the environment stays.
     """
-    os.environ.setdefault(CODE_KEPT, str(MOST_KEPT))  # read when the first is compiled
+    os.environ.setdefault(KERNEL_CACHE, str(MAX_KERNELS))  # read when the first is compiled
     import torch
 
     torch.set_num_threads(config.recognizer.threads)
 
 
 def make_recognizer(config: VoiceConfig) -> Recognizer:
-    """Load the recogniser, adapted to whose profile is in force, and limit torch's threads.
+    """Load the recogniser, with the profile in use, and limit torch's threads.
 
     Raises:
         ModelError: The model is missing or damaged.
@@ -124,12 +124,12 @@ def make_pipeline(
         clock: Stamps the frames [s].
         recognizer: One that is loaded already.
         spotting: A spotter that runs elsewhere; None: the pipeline runs its own, if it is enabled.
-        observer: Gets all inputs besides sound.
-        voiceprint: For the speaker gate; None: that of the profile in force, if it has one.
+        observer: Gets all inputs other than sound.
+        voiceprint: For the speaker gate; None: that of the profile in use, if it has one.
 
     Raises:
         ModelError: A network is missing or damaged.
-        VoiceProfileError: The profile in force cannot be used.
+        VoiceProfileError: The profile cannot be used.
     """
     from voice_assist.profile.active import with_profile
 
@@ -168,6 +168,9 @@ def make_source(config: AudioConfig, clock: Clock, pause: Pause, report: Report)
         clock: For the stamps [s].
         pause: Waits so many seconds; True: give up. `threading.Event.wait` does.
         report: Gets what is wrong with the source; an empty text when all is well.
+
+    Raises:
+        AudioError: The source exists only in the node, or PortAudio is missing.
     """
     makers: dict[str, Callable[[], AudioSource]] = {
         "microphone": lambda: Microphone(config.microphone, PortAudio(), clock, pause, report),

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What hearing depended on besides the sound: how late it was, and what the controller answered.
+"""Inputs of hearing other than sound: how late it was, and what controller and people reported.
 
-On a machine that keeps up nothing of this happens but progress and answers, and every decision is a
-function of the sound alone. Where it does not keep up, the node says so here, frame by frame;
-recorded with the sound, it lets a replay decide as was decided then.
+On a machine that keeps up, nothing is late: every decision follows from the sound and the reports.
+Where it does not keep up, the node says so here, frame by frame. Recorded with the sound, this lets
+a replay decide as was decided then.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class SideInputKind(Enum):
     SPEAKING = "speaking"  # before it, the robot's own speech began or ended
     TALK = "talk"  # before it, a pedal let voice count, or not
     MOVING = "moving"  # from it on the robot moves, or rests
-    BEHIND = "behind"  # it was heard too late for a look before the end of the utterance
+    BEHIND = "behind"  # it was heard too late to be decoded before the end of the utterance
     UNHEARD = "unheard"  # the recogniser's queue was full: only the spotter heard it
     LOST = "lost"  # sound is missing in front of it, already when it was captured
     SPOTTER_LATE = "spotter late"  # the spotter had not heard it yet, only up to `heard_until`

@@ -64,13 +64,11 @@ class Annunciator:
         if entry.is_acknowledged and entry.until is None:
             return False
         before = self._sounded.get(entry.key)
-        is_new = before is None or before.alarm != entry.alarm or before.since != entry.since
+        is_late = entry.until is not None and now - entry.since > TOO_LATE
+        if before is None or before.alarm != entry.alarm or before.since != entry.since:
+            return not is_late
         if entry.until is not None:
-            return (is_new or before is None or entry.times > before.times) and (
-                now - entry.since <= TOO_LATE
-            )
-        if is_new or before is None:
-            return True
+            return entry.times > before.times and not is_late
         if entry.times > before.times and now >= before.end + GAP:
             return True
         pause = self._pause(entry.alarm.priority)

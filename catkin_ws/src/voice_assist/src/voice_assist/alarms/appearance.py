@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How alarms look: colour and flashing tell priority, symbol and word tell it without colour."""
+"""How alarms look: colour and flashing show priority, symbol and word show it without colour."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ class Board:
         self._config = config
         self._all: dict[str, Standing] = {}
         self._robot = RobotState(0.0, "")
-        self._seen: dict[str, float] = {}  # [s] last word of the parts whose silence is a fault
+        self._seen: dict[str, float] = {}  # [s] last message of the parts whose silence is a fault
         self._errors: dict[str, tuple[str, str]] = {}  # message and code of each part with an error
         self._begun: float | None = None  # [s] of the first thing taken in
 
@@ -180,7 +180,7 @@ class Board:
 
 
 def _is_same(key: str, first: Alarm, second: Alarm) -> bool:
-    """Whether two alarms tell of one cause; in what a part complains of, numbers may change."""
+    """Whether two alarms have one cause; the numbers in a part's message may change."""
     if key == _LATCH:
         return first.cause == second.cause
     return (first.kind, first.next_step) == (second.kind, second.next_step)

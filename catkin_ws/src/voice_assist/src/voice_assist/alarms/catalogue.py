@@ -10,7 +10,7 @@ from typing import Final
 from voice_assist.alarms.appearance import LOOKS, headline
 from voice_assist.alarms.causes import GIVE_UPS, LATCHES, PARTS, REFUSALS, UNHEARD, Advice
 from voice_assist.alarms.earcons import PATTERNS
-from voice_assist.alarms.types import AlarmText, Earcon, Kind, Priority
+from voice_assist.alarms.types import AlarmText, Earcon, Kind
 from voice_assist.answers.sentences import why
 
 
@@ -111,7 +111,7 @@ def markdown() -> str:
         (
             f"`{e.earcon.value}`",
             headline(e.example),
-            _colour(e.example.priority),
+            LOOKS[e.example.priority].colour,
             sounds_of(e.earcon),
             e.meaning,
         )
@@ -132,10 +132,6 @@ def markdown() -> str:
 def _causes(causes: Mapping[str, Advice]) -> str:
     rows = [(f"`{code}`", a.kind.value, a.next_step, why(code)) for code, a in causes.items()]
     return _table(("reason code", "kind", "what to do next", "said aloud"), rows)
-
-
-def _colour(priority: Priority) -> str:
-    return LOOKS[priority].colour
 
 
 def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:

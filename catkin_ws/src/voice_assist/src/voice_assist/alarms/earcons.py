@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The sounds of the alarms, computed: bursts of pulses whose rhythm tells priority, melody kind.
+"""The sounds of the alarms, computed: bursts of pulses whose rhythm shows priority, melody kind.
 
 Rhythm, pulse lengths, rise times, harmonics and the pauses between bursts follow what is usual for
 medical alarms (IEC 60601-1-8, clause 6.3.3: 10, 3, and 1 or 2 pulses; fundamental 150 to 1000 Hz,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From what happened to the alarm that tells it: pure functions of values.
+"""From what happened to its alarm: pure functions of values.
 
 A fault while tissue is held or the robot moves is of high priority, any other of medium; a person's
 stop is of medium priority, since the robot holds; a refusal is of low. What was done as asked is

@@ -21,7 +21,7 @@ from voice_assist.errors import AudioError
 from voice_assist.types import RATE
 
 PULSE, ALSA = "pulse:", "alsa:"  # of a device's name
-_LOOK: Final = 0.02  # [s] between two looks at the program that plays
+_POLL: Final = 0.02  # [s] between two checks of the program that plays
 _TAIL: Final = 0.05  # [s] of silence after a sound, so that no device cuts its end
 
 
@@ -90,7 +90,7 @@ class ProgramOutput:
                 return
             if time.monotonic() > until:
                 raise AudioError(f"{self._name} does not end a sound within {allowed:.1f} s")
-            time.sleep(_LOOK)
+            time.sleep(_POLL)
         if process.returncode and process.stderr is not None:
             lines = process.stderr.read().decode(errors="replace").strip().splitlines()
             raise AudioError(f"{self._name}: {lines[0] if lines else process.returncode}")
@@ -110,16 +110,14 @@ def player_command(device: str) -> list[str]:
         AudioError: The name is another, or the program is missing.
     """
     if device.startswith(ALSA):
-        return [_program("aplay"), "-q", "-D", device[len(ALSA) :]]
+        return [_program("aplay"), "-q", "-D", device.removeprefix(ALSA)]
     if device.startswith(PULSE):
-        return [_program("paplay"), f"--device={device[len(PULSE) :]}"]
+        return [_program("paplay"), f"--device={device.removeprefix(PULSE)}"]
     if device:
         raise AudioError(
             f"sound device {device!r}, allowed: {PULSE}<sink>, {ALSA}<device>, or empty"
         )
-    if shutil.which("paplay"):
-        return [_program("paplay")]
-    return [_program("aplay"), "-q"]
+    return [_program("paplay")] if shutil.which("paplay") else [_program("aplay"), "-q"]
 
 
 def _program(name: str) -> str:

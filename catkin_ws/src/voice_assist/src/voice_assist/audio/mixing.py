@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from voice_assist.types import RATE, Samples
 
-_BLOCK = 160  # samples, 10 ms
+BLOCK = 160  # samples, 10 ms
 _BELOW_PEAK_DB = 35.0  # of a block that still counts as speech, against the loudest
 _ABOVE_NOISE_DB = 10.0  # of a block that counts as speech, against the quietest
 _QUIETEST = 1e-10  # power
@@ -16,8 +16,8 @@ _QUIETEST = 1e-10  # power
 
 def block_powers(samples: Samples) -> NDArray[np.float64]:
     """Mean power of each 10 ms. From shape (n,) to (n // 160,)."""
-    count = len(samples) // _BLOCK
-    blocks = np.asarray(samples[: count * _BLOCK], np.float64).reshape(count, _BLOCK)
+    count = len(samples) // BLOCK
+    blocks = np.asarray(samples[: count * BLOCK], np.float64).reshape(count, BLOCK)
     return np.asarray(np.square(blocks).mean(axis=1))
 
 
@@ -40,7 +40,7 @@ def speech_blocks(samples: Samples) -> NDArray[np.bool_]:
 def end_of_speech(samples: Samples) -> float:
     """Time at which the speech of a clip ends [s]; its length where it holds none."""
     found = np.flatnonzero(speech_blocks(samples))
-    return float(found[-1] + 1) * _BLOCK / RATE if len(found) else len(samples) / RATE
+    return float(found[-1] + 1) * BLOCK / RATE if len(found) else len(samples) / RATE
 
 
 def speech_power(samples: Samples) -> float:

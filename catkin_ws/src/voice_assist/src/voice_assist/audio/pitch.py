@@ -21,7 +21,7 @@ _FAINT = 0.1  # of the strongest partial's amplitude: less is a side lobe of it,
 _LOUD = 0.1  # of the loudest spectrum's power: less is not looked at
 _CENTS = 1200.0  # per octave
 _FAR = 200.0  # [cent] or more is another note
-_FEWEST = 3  # movements that a median needs
+_MIN_MOVES = 3  # movements that a median needs
 
 
 def pitch_variation(samples: Samples) -> float:
@@ -51,7 +51,7 @@ def pitch_variation(samples: Samples) -> float:
         for i in range(len(partials) - 1)
         if is_loud[i] and is_loud[i + 1]
     ]
-    return float(np.median(moves)) if len(moves) >= _FEWEST else float("inf")
+    return float(np.median(moves)) if len(moves) >= _MIN_MOVES else float("inf")
 
 
 def _partials(spectrum: NDArray[np.float64]) -> NDArray[np.float64]:

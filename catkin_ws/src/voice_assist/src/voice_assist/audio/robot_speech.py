@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""When a loudspeaker of the robot's own speaks, as those say who let it speak.
+"""When the robot's own loudspeaker speaks, as the programs report that let it speak.
 
 What it says may quote commands, and the microphone hears it. It can neither move nor wake the
-robot; a "stop" counts from anyone. One that a person says over it is no utterance
-of its own, so meanwhile each look takes the last `window` by itself too.
+robot; a "stop" counts from anyone. One that a person says over it is no utterance of its own. So
+meanwhile each decoder pass takes the last `window` alone, too.
 """
 
 from __future__ import annotations

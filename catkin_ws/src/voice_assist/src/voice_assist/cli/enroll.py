@@ -155,7 +155,7 @@ def _warn_of_alikes(commands: CommandsConfig, console: Console) -> None:
     for pair in closest_pairs(commands):
         if pair.verdict == "apart":
             return  # those that follow are further apart
-        console.print(f"warning: {pair.told}", style="yellow", highlight=False)
+        console.print(f"warning: {pair.words}", style="yellow", highlight=False)
 
 
 def _guide(

@@ -74,7 +74,7 @@ def _phrases(options: argparse.Namespace) -> None:
 
 def _check_commands(options: argparse.Namespace) -> None:
     """Print which commands are most alike; ends with 1 where two are too alike."""
-    from voice_assist.intent.confusability import closest_pairs, told
+    from voice_assist.intent.confusability import closest_pairs, report_lines
     from voice_assist.text.phonetic_distance import languages
 
     known = languages()
@@ -86,7 +86,7 @@ def _check_commands(options: argparse.Namespace) -> None:
     if options.file is not None:
         commands = load_file(CommandsConfig, options.file)
     pairs = closest_pairs(commands, options.language)
-    print("\n".join(told(pairs)))
+    print("\n".join(report_lines(pairs)))
     if any(pair.verdict == "too alike" for pair in pairs):
         sys.exit(1)
 

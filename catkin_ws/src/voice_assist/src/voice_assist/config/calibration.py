@@ -17,8 +17,8 @@ _FARTHEST = 700.0  # [nat] beyond it exp overflows
 class Calibration:
     """A logistic curve, as Platt (1999) fits it to right and wrong claims, level at its end.
 
-    Level, because evidence weighs a claim against what the network can tell from it. Of two phrases
-    that sound the same, the wrong one has as much evidence as the right one, however much that is.
+    Level, because evidence weighs a claim against what the network can distinguish from it. Of two
+    phrases that sound the same, the wrong one has as much evidence as the right one.
     """
 
     RENAMED: ClassVar[Mapping[str, str]] = {"most": "max_evidence"}

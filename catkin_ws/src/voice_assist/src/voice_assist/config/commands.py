@@ -14,12 +14,8 @@ from voice_assist.text.amounts import amount_words, with_value
 from voice_assist.text.normalize import Words, is_negated, normalize
 from voice_assist.text.wer import wer
 
-AT_REST = (
-    "hey robot",
-    "stop",
-    "terminate",
-    "grasp here",
-)  # the robot's commands that begin no motion
+# The robot's commands that begin no motion.
+NOT_MOTIONS = ("hey robot", "stop", "terminate", "grasp here")
 NEVER_SURE = 0.95  # [0, 1] a recogniser is hardly ever surer of a word than this
 
 
@@ -60,7 +56,7 @@ class CommandConfig:
         is_name = "[" not in self.phrase
         _require(is_name, "phrase", self.phrase, "the command's name, without [optional] words")
         _require(bool(self.modes), "modes", [], "standby, active or both")
-        if self.command and self.command not in AT_REST:
+        if self.command and self.command not in NOT_MOTIONS:
             words = f"true, as it calls {self.command!r}, which moves the robot"
             _require(self.is_motion, "is_motion", self.is_motion, words)
         if self.is_motion:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whose profile is in force; config/profile.yaml explains each key."""
+"""Whose profile is used; config/profile.yaml explains each key."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class ProfileConfig:
 
     @property
     def is_used(self) -> bool:
-        """Somebody's profile is in force, not the base alone."""
+        """Somebody's profile is used, not the base alone."""
         return self.name != NOBODY
 
 

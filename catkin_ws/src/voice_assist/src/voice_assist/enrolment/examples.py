@@ -15,7 +15,7 @@ from numpy.random import Generator
 from voice_assist.profile.loudness import speech_of
 from voice_assist.recognizer.ctc import best_alignment
 from voice_assist.recognizer.hybrid import WhisperCtc
-from voice_assist.recognizer.mel import log_mel
+from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
 from voice_assist.recognizer.vocabulary import encode
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.noise import coloured
@@ -24,7 +24,6 @@ from voice_assist.types import RATE, Samples
 
 GRID = 5120  # samples of which lengths are multiples, so that many examples share one
 LONGEST = 12 * GRID  # samples; a longer sound is learned from its beginning
-_FRAME = 320  # samples of one encoder state
 _SPEED = (0.9, 1.1)
 _QUIET = (0.05, 0.4)  # [s] before and behind
 _SNR = (10.0, 35.0)  # [dB]
@@ -89,8 +88,8 @@ def broken_off(model: WhisperCtc, example: Example, rng: Generator) -> Example |
         return None
     kept = int(rng.integers(1, len(ids) - 1))
     between = (int(frames[kept - 1]) + int(frames[kept])) // 2 + 1
-    sound = example.samples[: between * _FRAME]
-    if len(sound) < 2 * _FRAME:
+    sound = example.samples[: between * SAMPLES_PER_STATE]
+    if len(sound) < 2 * SAMPLES_PER_STATE:
         return None
     return Example(sound, example.text[:kept].strip())
 

@@ -51,19 +51,19 @@ class EnrolmentMaterial:
         """Length of the talk [h]."""
         return sum(len(one.samples) for one in self.talk) / RATE / 3600.0
 
-    def without(self, fold: int, folds: int) -> EnrolmentMaterial:
-        """All but every `folds`-th take of each command and piece of talk, from `fold` on."""
-        return EnrolmentMaterial(
-            tuple(t for t, n in _numbered(self.takes) if n % folds != fold),
-            tuple(t for t, n in _numbered(self.talk) if n % folds != fold),
-        )
+    def split(self, fold: int, folds: int) -> tuple[EnrolmentMaterial, EnrolmentMaterial]:
+        """What is learned from in a fold of the cross-validation, and what is left out of it.
 
-    def only(self, fold: int, folds: int) -> EnrolmentMaterial:
-        """What `without` leaves out."""
-        return EnrolmentMaterial(
-            tuple(t for t, n in _numbered(self.takes) if n % folds == fold),
-            tuple(t for t, n in _numbered(self.talk) if n % folds == fold),
+        Every `folds`-th take of each command and piece of talk is left out, from `fold` on.
+        """
+        kept, left = (
+            EnrolmentMaterial(
+                tuple(t for t, n in _numbered(self.takes) if (n % folds == fold) is is_left),
+                tuple(t for t, n in _numbered(self.talk) if (n % folds == fold) is is_left),
+            )
+            for is_left in (False, True)
         )
+        return kept, left
 
 
 def material_of(profile: VoiceProfile) -> EnrolmentMaterial:

@@ -138,7 +138,7 @@ class SelfCheck:
         folds = self._config.self_check.folds
         for fold in range(folds):
             self._on_progress(f"self-check {fold + 1} of {folds}")
-            rest, left = material.without(fold, folds), material.only(fold, folds)
+            rest, left = material.split(fold, folds)
             if not (rest.takes and (left.takes or left.talk)):
                 continue
             state = learn(self._base, rest, others, self._config.adapt).state

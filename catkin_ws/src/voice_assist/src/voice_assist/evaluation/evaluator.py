@@ -19,7 +19,7 @@ from voice_assist.errors import AudioError, ManifestError
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.text.normalize import contains, normalize
-from voice_assist.types import RATE, Frame, Match, Mode, Samples, UtteranceDecision
+from voice_assist.types import RATE, Match, Mode, Samples, UtteranceDecision
 
 MOVING = "moving"  # active, while the robot moves
 MODES = (Mode.ACTIVE.value, Mode.STANDBY.value, MOVING)  # in which clips may be heard
@@ -172,7 +172,7 @@ class Evaluator:
         self._pipeline.warm_up(loud)
 
     def _decide(self, stream: Samples, began: float) -> Iterator[UtteranceDecision]:
-        for frame in _frames(stream, began):
+        for frame in Framer().push(stream, began):
             self._pipeline.set_mode(self._mode, "evaluation")
             self._clock.begin(frame.stamp + frame.duration)
             events = self._pipeline(replace(frame, is_moving=self._is_moving))
@@ -286,13 +286,6 @@ def claims_of(decision: UtteranceDecision) -> list[ClaimedCommand]:
     outcome, sure = decision.outcome, decision.confidence
     if isinstance(outcome, Match):
         return [ClaimedCommand(outcome.command, sure, decision.decided_by, True)]
-    is_named = outcome.wer.get(outcome.nearest_command) == 0.0
-    return (
-        [ClaimedCommand(outcome.nearest_command, sure, decision.decided_by, False)]
-        if is_named
-        else []
-    )
-
-
-def _frames(stream: Samples, began: float) -> Iterator[Frame]:
-    return Framer().push(stream, began)
+    if outcome.wer.get(outcome.nearest_command) != 0.0:
+        return []
+    return [ClaimedCommand(outcome.nearest_command, sure, decision.decided_by, False)]

@@ -30,6 +30,7 @@ TOO_ALIKE: Final = 0.20  # distance in sound, below which two commands may not s
 ALIKE: Final = 0.33  # below it, and in spelling, there is a warning
 TOO_ALIKE_LETTERS: Final = 0.10  # of the letters differ, and not more
 ENGLISH: Final = "en-us"
+_SHOWN: Final = 12  # pairs in a report
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class CommandPair:
     spellings: tuple[str, str]  # of each
     sound: float  # distance of their sounds, 0 to 1
     letters: float  # characters to change, per character of the longer spelling (CER)
-    words: float  # the smaller of their WERs
+    wer: float  # the smaller of their two
 
     @property
     def verdict(self) -> Verdict:
@@ -51,8 +52,8 @@ class CommandPair:
         return "alike" if min(self.sound, self.letters) < ALIKE else "apart"
 
     @property
-    def told(self) -> str:
-        """The pair with its distances, in words."""
+    def words(self) -> str:
+        """The pair with its distances, for people."""
         (a, b), limit = self.spellings, TOO_ALIKE if self.verdict == "too alike" else ALIKE
         return (
             f"{a!r} and {b!r} ({self.other}) are {self.verdict}: {self.sound:.2f} apart in sound, "
@@ -108,18 +109,18 @@ def nearest(
 def objection(text: str, commands: CommandsConfig, own: str = "", language: str = ENGLISH) -> str:
     """Why a new phrase or spelling may not be added; empty: it may. See `nearest`."""
     pair = nearest(text, commands, own, language)
-    return pair.told if pair is not None and pair.verdict == "too alike" else ""
+    return pair.words if pair is not None and pair.verdict == "too alike" else ""
 
 
-def told(pairs: Iterable[CommandPair], most: int = 12) -> Iterator[str]:
+def report_lines(pairs: Iterable[CommandPair]) -> Iterator[str]:
     """Lines that show the most alike pairs, and the verdict over all of them."""
     pairs = list(pairs)
     if not can_pronounce():
         yield "espeak-ng is not installed: sounds are guessed from letters"
     yield f"{'sound':>6} {'CER':>5} {'WER':>5}"
-    for pair in pairs[:most]:
+    for pair in pairs[:_SHOWN]:
         a, b = pair.spellings
-        numbers = f"{pair.sound:6.2f} {pair.letters:5.2f} {pair.words:5.2f}"
+        numbers = f"{pair.sound:6.2f} {pair.letters:5.2f} {pair.wer:5.2f}"
         yield f"{numbers}  {pair.verdict:9}  {a!r} and {b!r}"
     worst = {"too alike": 0, "alike": 0, "apart": 0}
     for pair in pairs:

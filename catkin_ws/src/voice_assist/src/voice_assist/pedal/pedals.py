@@ -69,7 +69,7 @@ class Pedals:
             binding = self._bindings.get(name)
             if binding is None:
                 if value and name.startswith("button"):
-                    self._remark(name, f"{name} does nothing: pedal.yaml names it not")
+                    self._remark(name, f"{name} does nothing: pedal.yaml does not name it")
                 continue
             if not math.isfinite(value):
                 self._remark(name, f"{name} gives {value}, no number: it counts as released")

@@ -96,12 +96,12 @@ class Decider:
 
     def command(self, match: Match, transcript: Hypothesis, partial: PartialUtterance) -> Verdict:
         """A command that is no halt, or why it is not taken, by the scores of whole commands."""
-        command, worth = self._config.commands.get(match.command), self._recognizer_config
-        confidence = worth.confidence.transcript(log_odds(transcript.confidence))
+        command, config = self._config.commands.get(match.command), self._recognizer_config
+        confidence = config.confidence.transcript(log_odds(transcript.confidence))
         rejection = None
-        if worth.second_opinion:
+        if config.second_opinion:
             best, score = self._best_scored(match, transcript)
-            confidence = worth.confidence.scores(score)
+            confidence = config.confidence.scores(score)
             if best != match.command:
                 words = f"it sounds more like {best!r}"
                 rejection = Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, words)

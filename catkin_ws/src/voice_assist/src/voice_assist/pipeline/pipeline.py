@@ -86,7 +86,7 @@ class Pipeline:
             detector: Gives the probability of speech.
             clock: The one that stamps the frames [s].
             stop_fusion: The spotter and the rule that joins it; without it the recogniser is alone.
-            observer: Gets all inputs besides sound, and all sound that is skipped for lack of time.
+            observer: Gets all other inputs, and all sound that is skipped for lack of time.
             gate: Refuses motions in other voices; None: any voice may move the robot.
             stop_in_sound: The spotter over talk; None: there is none.
         """

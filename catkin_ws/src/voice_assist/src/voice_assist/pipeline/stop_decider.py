@@ -189,7 +189,7 @@ class StopDecider:
         if not moving.is_enabled:
             return None
         spotted = self._stop_fusion.best_since(partial.utterance.speech_start)
-        by_spotter = NEVER if spotted is None else moving.spotter_alone - spotted
+        by_spotter = float("inf") if spotted is None else moving.spotter_alone - spotted
         missing = [(by_spotter, moving.spotter_alone - moving.refuse_spotter)]
         if self._stop_in_sound is not None:
             lacks = moving.over_talk_alone - self._stop_in_sound.best(partial.utterance.samples)

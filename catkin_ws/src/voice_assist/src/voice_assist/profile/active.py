@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
 
 
-def profile_in_force(config: ProfileConfig) -> VoiceProfile | None:
+def profile_in_use(config: ProfileConfig) -> VoiceProfile | None:
     """Open the profile; None: the base alone is asked for.
 
     Raises:
@@ -51,13 +51,13 @@ def profile_in_force(config: ProfileConfig) -> VoiceProfile | None:
 
 
 def personalise(config: ProfileConfig, base: Recognizer) -> Recognizer:
-    """The recogniser for whom the settings name.
+    """The recogniser for the person that the settings name.
 
     Raises:
-        VoiceProfileError: As `profile_in_force`, or the profile adapts another recogniser.
+        VoiceProfileError: As `profile_in_use`, or the profile adapts another recogniser.
         ModelError: The adapted weights do not suit the recogniser.
     """
-    profile = profile_in_force(config)
+    profile = profile_in_use(config)
     if profile is None:
         return base
     if profile.manifest.base_sha256 != base.model_hash:
@@ -78,7 +78,7 @@ def personalise(config: ProfileConfig, base: Recognizer) -> Recognizer:
 
 
 def facts_of(recognizer: Recognizer) -> dict[str, str]:
-    """What a recording says of the profile in force; nothing where the base alone hears."""
+    """What a recording says of the profile in use; nothing where the base alone hears."""
     name, digest = getattr(recognizer, "profile", ""), getattr(recognizer, "profile_digest", "")
     return {"profile": name, "profile_sha256": digest} if digest else {}
 
@@ -87,10 +87,10 @@ def with_profile(config: VoiceConfig) -> tuple[VoiceConfig, bytes | None]:
     """The settings with the person's spellings and thresholds, and the voiceprint, if there is one.
 
     Raises:
-        VoiceProfileError: As `profile_in_force`.
+        VoiceProfileError: As `profile_in_use`.
         VoiceError: Spellings or thresholds cannot be used.
     """
-    profile = profile_in_force(config.profile)
+    profile = profile_in_use(config.profile)
     if profile is None:
         return config, None
     config = with_spellings(config, profile)

@@ -6,10 +6,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from voice_assist.audio.mixing import block_powers
+from voice_assist.audio.mixing import BLOCK, block_powers
 from voice_assist.types import RATE, Samples
 
-BLOCK = 160  # samples, 10 ms
 _SMOOTHED = 5  # blocks; noise alone differs by 10 dB from block to block
 _SHORTEST = 4  # blocks in a row that are speech; less is a click
 _FLOOR = 15.0  # [per cent] of the blocks are quieter than the level taken for the room's

@@ -20,7 +20,7 @@ from voice_assist.recognizer.whisper_shapes import read_dims, whisper_shapes
 
 STATE, CTC = "model_state_dict", "ctc_state_dict"
 NEEDED = {"dims", STATE}
-FEWEST_POSITIONS = round(LONGEST * 50)  # of the encoder: one for 20 ms
+MIN_POSITIONS = round(LONGEST * 50)  # of the encoder: one for 20 ms
 EMBEDDED = "embedded"
 EMBEDDED_PATH = package_folder("voice_assist") / "models" / "embedded.pt"
 
@@ -65,8 +65,8 @@ def read_checkpoint(path: Path) -> Checkpoint:
         allowed = "'dims' and 'model_state_dict', and 'ctc_state_dict' of this project's models"
         raise ModelError(f"{path} holds {given or 'nothing'}, allowed: {allowed}")
     dims = read_dims(str(path), content["dims"])
-    if CTC in content and dims.n_audio_ctx < FEWEST_POSITIONS:
-        allowed = f"at least {FEWEST_POSITIONS}, which {LONGEST:g} s of sound need"
+    if CTC in content and dims.n_audio_ctx < MIN_POSITIONS:
+        allowed = f"at least {MIN_POSITIONS}, which {LONGEST:g} s of sound need"
         raise ModelError(f"{path}: dims.n_audio_ctx is {dims.n_audio_ctx}, allowed: {allowed}")
     what = f"{path}: weights do not fit its dims: "
     state = check_weights(f"{what}model_state_dict", content[STATE], whisper_shapes(dims))

@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from voice_assist.errors import ModelError
+from voice_assist.recognizer.safe_weights import write_weights
 
 VERSION, KIND = 6, "WhisperSpec"
 TYPES = {0: "<f4", 1: "<i1", 2: "<i2", 3: "<i4", 4: "<f2"}
-MOST_DIMS = 8
+MAX_DIMS = 8
 HEAD = 64  # width of one attention head in every size of Whisper
 
 Arrays = Mapping[str, NDArray[np.generic]]
@@ -46,9 +47,7 @@ def convert(parts: Sequence[Path], out: Path) -> None:
         checkpoint = openai_checkpoint(read_arrays(content))
     except (struct.error, KeyError, ValueError, UnicodeDecodeError) as error:
         raise ModelError(f"{what}: no Whisper model of CTranslate2: {error}") from error
-    temporary = out.with_suffix(".tmp")
-    torch.save(checkpoint, temporary)
-    temporary.replace(out)
+    write_weights(checkpoint, out)
 
 
 def read_arrays(content: bytes) -> dict[str, NDArray[np.generic]]:
@@ -66,8 +65,8 @@ def read_arrays(content: bytes) -> dict[str, NDArray[np.generic]]:
     arrays = {}
     for _ in range(reader.number("I")):
         name, rank = reader.text(), reader.number("B")
-        if rank > MOST_DIMS:
-            raise ValueError(f"{name}: {rank} dimensions, allowed: {MOST_DIMS}")
+        if rank > MAX_DIMS:
+            raise ValueError(f"{name}: {rank} dimensions, allowed: {MAX_DIMS}")
         shape = [reader.number("I") for _ in range(rank)]
         arrays[name] = reader.array(name, shape)
     return arrays

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from torch import Tensor
+from whisper.audio import HOP_LENGTH
 
 from voice_assist.recognizer.checkpoint import Checkpoint
 from voice_assist.recognizer.ctc import greedy_text
 from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
-from voice_assist.recognizer.recognizer import LONGEST, SHORTEST, believed, is_same
+from voice_assist.recognizer.recognizer import LONGEST, SHORTEST, drop_hallucination, is_same
 from voice_assist.recognizer.scoring import (
     ctc_likelihoods,
     decoder_likelihoods,
@@ -32,8 +33,8 @@ from voice_assist.recognizer.vocabulary import (
 from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 EMBEDDING = "decoder.token_embedding.weight"
-FEWEST_FRAMES = 40  # of the spectrogram; shorter sound gets quiet appended
-MOST_ROUNDS = 16  # readings of a draft; each makes at least one more letter greedy
+MIN_FRAMES = 40  # of the spectrogram; shorter sound gets quiet appended
+MAX_ROUNDS = 16  # readings of a draft; each makes at least one more letter greedy
 CTC_SHARE = 0.5  # of the CTC head in a score: a decoder soon takes a strange word for one it knows
 
 
@@ -54,10 +55,10 @@ class EmbeddedRecognizer:
     The decoder reads the whole draft in one pass; where it would have written
     another letter, the draft is corrected there and read again. The result is
     exactly that of greedy decoding, mostly for the price of one step. Only garbled
-    talk needs more than MOST_ROUNDS readings: the rest of the draft then stands, so
-    that no sound takes long. Every text shorter than MOST_ROUNDS letters, as all
+    talk needs more than MAX_ROUNDS readings: the rest of the draft then stands, so
+    that no sound takes long. Every text shorter than MAX_ROUNDS letters, as all
     commands are, is exact. It stops earlier where the caller says that a text with
-    such a beginning cannot matter to him.
+    such a beginning cannot matter.
     """
 
     def __init__(
@@ -123,7 +124,7 @@ class EmbeddedRecognizer:
         if newest is not None and is_same(newest.sound, samples):
             return newest
         heard = np.array(samples[-int(LONGEST * RATE) :], dtype=np.float32)
-        missing = FEWEST_FRAMES * 160 - len(heard)
+        missing = MIN_FRAMES * HOP_LENGTH - len(heard)
         heard = np.pad(heard, (0, max(missing, 0)))
         mel = log_mel(torch.from_numpy(heard)[None].to(self._device))
         hidden = encode_lower(self.model.whisper.encoder, mel, BLOCKS)
@@ -136,7 +137,7 @@ class EmbeddedRecognizer:
         most = self.model.dims.n_text_ctx - len(PROMPT) - 1
         memory = self.model.remember(states)
         ids = encode(draft)[:most]
-        for round_ in range(1, MOST_ROUNDS + 1):
+        for round_ in range(1, MAX_ROUNDS + 1):
             tokens = torch.tensor([[*PROMPT, *ids]], device=self._device)
             logprobs = self.model.logits(tokens, states, memory)[0].log_softmax(-1)
             written = logprobs[len(PROMPT) - 1 :]
@@ -145,7 +146,7 @@ class EmbeddedRecognizer:
             if wanted[agreed] == END or agreed == most:
                 ids = ids[:agreed]
                 break
-            if round_ == MOST_ROUNDS:
+            if round_ == MAX_ROUNDS:
                 break
             ids = [*ids[:agreed], wanted[agreed], *_rest(ids, agreed, wanted[agreed])][:most]
             if is_hopeless(decode(ids[: agreed + 1])):
@@ -154,7 +155,7 @@ class EmbeddedRecognizer:
         read = [*ids, END][: len(written)]
         chosen = written[range(len(read)), read]
         no_speech = float(logprobs[0, NO_SPEECH].exp())
-        return believed(decode(ids).strip(), float(chosen.mean()), no_speech)
+        return drop_hallucination(decode(ids).strip(), float(chosen.mean()), no_speech)
 
 
 def restore(checkpoint: Checkpoint) -> WhisperCtc:

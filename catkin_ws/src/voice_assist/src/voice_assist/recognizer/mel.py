@@ -9,6 +9,8 @@ import torch
 from torch import Tensor
 from whisper.audio import HOP_LENGTH, N_FFT, mel_filters
 
+SAMPLES_PER_STATE = 2 * HOP_LENGTH  # the encoder halves the spectrogram's frames; 20 ms
+
 
 @lru_cache(maxsize=4)
 def _tables(device: torch.device, n_mels: int) -> tuple[Tensor, Tensor]:

@@ -10,7 +10,7 @@ from voice_assist.types import Hypothesis, IsHopeless, Samples, never_hopeless
 
 SHORTEST = 0.1  # [s] shorter sound is heard as nothing
 LONGEST = 10.0  # [s] of longer sound, the last part is heard
-NOTHING_SAID = 0.6  # [0, 1] of no speech from which words count as made up (speech: below 0.02)
+NO_SPEECH_THRESHOLD = 0.6  # [0, 1] from which words count as made up; speech stays below 0.02
 
 
 class Recognizer(Protocol):
@@ -56,17 +56,17 @@ class Recognizer(Protocol):
         ...
 
 
-def believed(text: str, avg_logprob: float, no_speech_prob: float) -> Hypothesis:
-    """What was heard; no words where there was hardly speech, however sure the network is of them.
+def drop_hallucination(text: str, avg_logprob: float, no_speech_prob: float) -> Hypothesis:
+    """A transcript without the words that a network makes up where there is hardly speech.
 
-    Whisper itself looks at `no_speech_prob` only where the words are unsure, too.
+    Whisper itself applies its threshold only where the words are unsure, too.
 
     Args:
         text: As decoded.
         avg_logprob: Mean log-probability per token.
         no_speech_prob: That nothing was said, [0, 1].
     """
-    said = text if no_speech_prob < NOTHING_SAID else ""
+    said = text if no_speech_prob < NO_SPEECH_THRESHOLD else ""
     return Hypothesis(said, min(avg_logprob, 0.0), no_speech_prob)
 
 

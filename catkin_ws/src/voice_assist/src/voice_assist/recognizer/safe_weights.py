@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reads files of weights: nothing in them runs, is trusted for its size, or may be no number."""
+"""Untrusted weight files: no code runs, sizes are checked before allocation, numbers are finite."""
 
 from __future__ import annotations
 
@@ -39,6 +39,13 @@ def read_weights(path: Path) -> tuple[object, str]:
         raise ModelError(words) from error
     except Exception as error:  # damaged bytes make zipfile and the unpickler raise anything
         raise ModelError(f"{path} is damaged: {_first(error)}; allowed: {ALLOWED}") from error
+
+
+def write_weights(content: object, path: Path) -> None:
+    """Write tensors as torch.save does, all or nothing: a crash leaves the old file."""
+    temporary = path.with_suffix(".tmp")
+    torch.save(content, temporary)
+    temporary.replace(path)
 
 
 def check_weights(what: str, state: object, shapes: Shapes) -> dict[str, Tensor]:

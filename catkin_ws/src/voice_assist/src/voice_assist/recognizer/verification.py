@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from typed_config import package_folder
 from voice_assist.errors import ModelError
 from voice_assist.recognizer.ctc import Floats, best_alignment
-from voice_assist.recognizer.safe_weights import check_weights, read_weights
+from voice_assist.recognizer.safe_weights import check_weights, read_weights, write_weights
 from voice_assist.recognizer.vocabulary import CHARACTERS, encode
 
 PATH = package_folder("voice_assist") / "models" / "verifier.pt"
@@ -120,6 +120,4 @@ def write_verifier(
 ) -> None:
     """Write the weights of each phrase, all or nothing."""
     state = {phrase: torch.from_numpy(values) for phrase, values in weights.items()}
-    temporary = path.with_suffix(".tmp")
-    torch.save({ENCODER_SHA256: encoder_sha256, STATE: state}, temporary)
-    temporary.replace(path)
+    write_weights({ENCODER_SHA256: encoder_sha256, STATE: state}, path)

@@ -20,8 +20,8 @@ from voice_assist.recognizer.checkpoint import (
 )
 from voice_assist.recognizer.embedded import EmbeddedRecognizer, is_audible
 from voice_assist.recognizer.hybrid import encode_short
-from voice_assist.recognizer.mel import log_mel
-from voice_assist.recognizer.recognizer import LONGEST, Recognizer, believed, is_same
+from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
+from voice_assist.recognizer.recognizer import LONGEST, Recognizer, drop_hallucination, is_same
 from voice_assist.recognizer.scoring import ratios
 from voice_assist.recognizer.token_tree import likelihoods
 from voice_assist.recognizer.verification import read_verifier
@@ -29,12 +29,12 @@ from voice_assist.text.amounts import in_digits
 from voice_assist.text.normalize import normalize
 from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
-MOST_TOKENS = 64  # written for one sound; ten seconds of talk need about 40
+MAX_TOKENS = 64  # written for one sound; ten seconds of talk need about 40
 QUIET = RATE  # samples of silence appended: models trained on 30 s expect an end
 
 
 class _UntilHopeless(GreedyDecoder):  # type: ignore[misc]  # untyped library
-    """Greedy decoding that ends where the caller says that the text cannot matter to him.
+    """Greedy decoding that ends where the caller says that the text cannot matter.
 
     It ends as well where the text begins anew: without 30 s of sound, a model does not see the end.
     """
@@ -83,7 +83,7 @@ class OpenAIRecognizer:
         name: str,
         checkpoint: Checkpoint,
         device: str = "cpu",
-        most_tokens: int = MOST_TOKENS,
+        max_tokens: int = MAX_TOKENS,
         dtype: torch.dtype | None = None,
     ) -> None:
         """Take the weights.
@@ -92,7 +92,7 @@ class OpenAIRecognizer:
             name: As asked for.
             checkpoint: Of any size.
             device: A torch device.
-            most_tokens: Written for one sound.
+            max_tokens: Written for one sound.
             dtype: Of the weights; None: the device's best.
         """
         self.name, self.model_hash = name, checkpoint.sha256
@@ -106,7 +106,7 @@ class OpenAIRecognizer:
         options = DecodingOptions(
             language="en",
             temperature=0.0,
-            sample_len=most_tokens,
+            sample_len=max_tokens,
             without_timestamps=True,
             fp16=False,
         )
@@ -149,7 +149,7 @@ class OpenAIRecognizer:
         if newest is not None and is_same(newest.sound, samples):
             return newest
         heard = np.array(samples[-int(LONGEST * RATE) :], dtype=np.float32)
-        limit = self.model.dims.n_audio_ctx * 320
+        limit = self.model.dims.n_audio_ctx * SAMPLES_PER_STATE
         padded = np.pad(heard, (0, QUIET))[:limit]
         sound = torch.from_numpy(padded)[None].to(self.model.device)
         with torch.inference_mode():
@@ -174,7 +174,9 @@ class OpenAIRecognizer:
         self._task.decoder.is_hopeless = is_over
         with torch.inference_mode():
             result = self._task.run(heard.states)[0]
-        text = believed(once(result.text), float(result.avg_logprob), result.no_speech_prob)
+        text = drop_hallucination(
+            once(result.text), float(result.avg_logprob), result.no_speech_prob
+        )
         if not was_cut:
             heard.text = text
         return text

@@ -24,7 +24,7 @@ from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, voice_config
 from voice_assist.config.profile import NOBODY
 from voice_assist.errors import VoiceError
 from voice_assist.intent.dialogue import Answered
-from voice_assist.pipeline.pipeline import Event, Pipeline
+from voice_assist.pipeline.pipeline import Event
 from voice_assist.profile.active import personalise
 from voice_assist.replay.recorded_spotter import RecordedSpotter
 from voice_assist.side_inputs import SideInput, SideInputKind, SideInputs, from_text
@@ -35,14 +35,14 @@ if TYPE_CHECKING:
     from voice_assist.spotter.spotter import Spotting
 
 _NEVER_ASKS = {
-    **{"is_enabled": False, "min_confidence": 1.0, "sure_verification": 0.0},
-    **{"answer": "yes", "answer_within": 3.0},
+    "is_enabled": False,
+    "min_confidence": 1.0,
+    "sure_verification": 0.0,
+    "answer": "yes",
+    "answer_within": 3.0,
 }
-UNHEARD = (
-    "launched",
-    "believed",
-    "opened_microphone",
-)  # settings of no sound
+# Parameters of the node that decide nothing about a sound that was recorded.
+_OTHER_PARAMETERS = ("launched", "believed", "opened_microphone")
 # Sections and settings that an older recording did not have, as the node behaved without them.
 SWITCHED_OFF: dict[str, dict[str, Any]] = {
     "recognizer": {"motion_verification": -1000.0, "ask": _NEVER_ASKS},
@@ -125,7 +125,7 @@ class PipelineReplay:
             config: Of all stages.
             recognizer: Makes text of sound.
             spotter: Hears "stop"; None: the recogniser is alone.
-            past: What the live pipeline depended on besides the sound.
+            past: Inputs of the live pipeline other than sound.
         """
         self.model, self.model_hash = recognizer.name, recognizer.model_hash
         self.spotter_hash = ""
@@ -133,10 +133,7 @@ class PipelineReplay:
         self._config, self._past = config, past
         self._clock = RecordedClock()
         self._spotter = RecordedSpotter(spotter, past) if spotter is not None else None
-        self._pipeline = self._build(recognizer)
-
-    def _build(self, recognizer: Recognizer) -> Pipeline:
-        return make_pipeline(self._config, self._clock, recognizer, self._spotter)
+        self._pipeline = make_pipeline(config, self._clock, recognizer, self._spotter)
 
     def hear(self, sound: RecordedSound) -> list[ReplayedDecision]:
         """Take the next block of sound, as it was published; gives what was decided with it.
@@ -213,9 +210,9 @@ def replay_pipeline(
             spotter, digest = make_spotters(config)
     except (VoiceError, ConfigError, ValueError) as error:
         raise NotReplayable(str(error)) from error
-    hearing = PipelineReplay(config, recognizer, spotter, past)
-    hearing.spotter_hash, hearing.warnings = digest, (*warnings, *missing)
-    return hearing
+    replay = PipelineReplay(config, recognizer, spotter, past)
+    replay.spotter_hash, replay.warnings = digest, (*warnings, *missing)
+    return replay
 
 
 def restore_settings(
@@ -229,7 +226,7 @@ def restore_settings(
     """
     today = {name: dict(load_yaml(CONFIG_DIR / f"{name}.yaml")) for name in SECTIONS}
     warnings = [] if recorded else ["no settings were recorded; today's are used"]
-    recorded = {key: value for key, value in recorded.items() if key not in UNHEARD}
+    recorded = {key: value for key, value in recorded.items() if key not in _OTHER_PARAMETERS}
     recorded = with_present_keys(VoiceConfig, recorded)
     for name, off in SWITCHED_OFF.items() if recorded else ():
         section = recorded.get(name)
@@ -266,7 +263,7 @@ def _merge(
 def _with_profile(
     config: VoiceConfig, base: Recognizer
 ) -> tuple[VoiceConfig, Recognizer, tuple[str, ...]]:
-    """The recogniser of whose profile was in force; where that is gone, the base and a warning."""
+    """The recogniser with the recorded profile; where that is gone, the base and a warning."""
     try:
         return config, personalise(config.profile, base), ()
     except (VoiceError, ConfigError) as error:

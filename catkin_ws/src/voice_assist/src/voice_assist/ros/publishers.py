@@ -29,7 +29,7 @@ class Publishers:
         self._audio = advertise("voice_assist/audio", AudioChunk, queue_size=100)
         self._partial = advertise("voice_assist/partial", String, queue_size=20)
         self._utterance = advertise("voice_assist/utterance", UtteranceMessage, queue_size=100)
-        self._circumstances = advertise("voice_assist/circumstances", String, queue_size=1000)
+        self._side_inputs = advertise("voice_assist/circumstances", String, queue_size=1000)
         self._say = advertise("voice_assist/say", String, queue_size=20)
         self._mode = advertise("voice_assist/mode", ModeMessage, queue_size=10, latch=True)
         self._stop = advertise("rst_control/stop", Empty, queue_size=10)
@@ -40,9 +40,9 @@ class Publishers:
         """What is heard, unmodified."""
         self._audio.publish(messages.audio_chunk(frame))
 
-    def circumstance(self, circumstance: SideInput) -> None:
+    def side_input(self, side_input: SideInput) -> None:
         """An input of hearing other than the sound, for the recording."""
-        self._circumstances.publish(String(data=to_text(circumstance)))
+        self._side_inputs.publish(String(data=to_text(side_input)))
 
     def partial(self, partial: Partial) -> None:
         """What has been heard so far."""

@@ -105,7 +105,7 @@ class VoiceNode:
         self._watch = RecognitionWatch(hang_watch, spotting, config.spotter)
         facts["spotter_sha256"] = self._health.spotter
         rospy.set_param("session/voice_assist", facts)  # for the recording's metadata
-        observer = self._publish.circumstance
+        observer = self._publish.side_input
         self._pipeline = make_pipeline(config, _now, recognizer, self._spotter, observer)
         self._known = Believed()
         self._robot = RobotActs(config, self._pipeline, self._publish, self._known, _now)
@@ -138,9 +138,8 @@ class VoiceNode:
             rospy.logfatal("%s", self._health.failure, exc_info=not expected)
             rospy.signal_shutdown(self._health.failure)
 
-    # --- thread 1: sound
-
     def _listen(self) -> None:
+        """Thread of the sound."""
         if is_restart() and self._config.audio.source == "wav":
             self._give_up_recording()
             return
@@ -163,7 +162,7 @@ class VoiceNode:
                     self._frames.put_nowait(frame)
                 except Full:
                     self._health.dropped += 1  # the pipeline notices the gap
-                    self._publish.circumstance(SideInput(SideInputKind.UNHEARD, frame.first_sample))
+                    self._publish.side_input(SideInput(SideInputKind.UNHEARD, frame.first_sample))
         self._frames.put(None)
 
     def _give_up_recording(self) -> None:
@@ -173,16 +172,16 @@ class VoiceNode:
             self._frames.put(None)
 
     def _source(self) -> AudioSource:
-        hear, report = partial(self._known.hear, "audio"), self._health.note_trouble
-        if self._config.audio.source == "topic":
-            return TopicSource(self._config.audio.topic, report, hear)
-        if self._config.audio.source == "audio_data":
-            return AudioDataSource(self._config.audio.audio_data, report, hear)
-        return make_source(self._config.audio, _now, self._over.wait, self._health.note_trouble)
-
-    # --- thread 2: recognition
+        config, report = self._config.audio, self._health.note_trouble
+        hear = partial(self._known.hear, "audio")
+        if config.source == "topic":
+            return TopicSource(config.topic, report, hear)
+        if config.source == "audio_data":
+            return AudioDataSource(config.audio_data, report, hear)
+        return make_source(config, _now, self._over.wait, report)
 
     def _hear(self) -> None:
+        """Thread of recognition."""
         limit_torch(self._config)
         self._pipeline.warm_up(_noise())  # what is done only once must not look like a hang
         while not self._over.is_set():
@@ -194,11 +193,11 @@ class VoiceNode:
             if frame is None:
                 rospy.signal_shutdown("the recording is over")
                 return
-            self._busy_since = started = _steady()
+            self._busy_since = started = time.monotonic()
             for event in self._pipeline(frame):
                 self._take(event)
             self._busy_since, health = None, self._health
-            health.worked(_steady() - started, frame.duration)
+            health.worked(time.monotonic() - started, frame.duration)
             health.queued, health.frame_done = self._frames.qsize(), _now()
             health.behind = health.frame_done - frame.stamp - frame.duration
 
@@ -215,8 +214,6 @@ class VoiceNode:
             self._health.lost += event.samples
             rospy.logwarn("%d samples of sound were lost", event.samples)
 
-    # --- thread 3: the second way to a stop
-
     def _load_spotter(self) -> Spotting:
         spotter, self._health.spotter = make_spotters(self._config)
         return spotter
@@ -224,11 +221,14 @@ class VoiceNode:
     def _in_thread(self, spotter: Spotting) -> SpotterThread:
         callbacks = self._spotted, self._spotter_failed
         patience = self._config.spotter.patience
-        observer = self._publish.circumstance
+        observer = self._publish.side_input
         return SpotterThread(spotter, self._config.spotter.queue, *callbacks, patience, observer)
 
     def _spotted(self, spotted: Spotted) -> None:
-        """Stop at once, unless recognition just did; the pipeline takes the spotted word later."""
+        """Thread of the spotter: stop at once, unless recognition just did.
+
+        The pipeline takes the spotted word later.
+        """
         if _now() - self._robot.stopped >= self._config.spotter.rearm_after:
             self._robot.stop()
         rospy.loginfo("the spotter heard %r: %.1f nat", self._config.spotter.phrase, spotted.score)
@@ -237,14 +237,14 @@ class VoiceNode:
         self._health.spotter_failure = f"spotter: {error}; the recogniser alone hears a stop"
         rospy.logerr("%s", self._health.spotter_failure)
 
-    # --- thread 4: watch over recognition, heartbeat and diagnostics
-
     def _beat(self) -> None:
+        """Thread that watches over recognition, and sends heartbeat and diagnostics."""
         diagnostics = VoiceDiagnostics(self._health, _now, self._config.audio.deaf_after)
         checks = 0
         while not self._over.wait(WATCH_PERIOD):
             is_news = self._watch_recognition()
-            if checks % _HEARTBEAT_EVERY == 0 and self._would_hear():
+            would_hear = self._health.would_hear(_now(), self._config.audio.deaf_after)
+            if checks % _HEARTBEAT_EVERY == 0 and would_hear:
                 self._publish.heartbeat(_now())
             if is_news or checks % (_HEARTBEAT_EVERY * _DIAGNOSTICS_EVERY) == 0:
                 self._health.controller = self._robot.trouble
@@ -252,12 +252,9 @@ class VoiceNode:
                 self._known.publish_status()
             checks += 1
 
-    def _would_hear(self) -> bool:
-        return self._health.would_hear(_now(), self._config.audio.deaf_after)
-
     def _watch_recognition(self) -> bool:
         """Stop the robot once recognition hangs; returns whether a hang has just begun or ended."""
-        status = self._watch(self._busy_since, _steady(), _now())
+        status = self._watch(self._busy_since, time.monotonic(), _now())
         self._health.hang = status.hang
         if status.hang and status.is_news:
             self._robot.hold()
@@ -269,10 +266,6 @@ class VoiceNode:
 
 def _now() -> float:
     return float(rospy.get_time())
-
-
-def _steady() -> float:
-    return time.monotonic()
 
 
 def _noise() -> Samples:

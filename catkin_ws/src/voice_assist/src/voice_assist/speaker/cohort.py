@@ -55,8 +55,8 @@ class Cohort:
     def impostors(self, centre: Vector) -> Vector:
         """Scores against a voice of all utterances of the NEAREST background speakers.
 
-        They are those most like it: whoever stands beside the surgeon may be of the same sex and
-        sound alike, and speaks into the same microphone.
+        They are those most like it: a person beside the surgeon may be of the same sex and sound
+        alike, and speaks into the same microphone.
 
         Args:
             centre: Of the voice. Shape (WIDTH,).

@@ -52,7 +52,7 @@ class SpeakerGate:
         self, voiceprint: Voiceprint, embed: Embed, cohort: Cohort, config: SpeakerConfig
     ) -> None:
         self._voiceprint, self._embed, self._cohort = voiceprint, embed, cohort
-        self._least = config.min_speech
+        self._min_speech = config.min_speech
         self._last: tuple[Samples, Rejection | None] | None = None  # the sound judged last, and how
 
     def __call__(self, samples: Samples) -> Rejection | None:
@@ -63,9 +63,9 @@ class SpeakerGate:
 
     def _judge(self, samples: Samples) -> Rejection | None:
         speech = spoken(samples)
-        if (seconds := len(speech) / RATE) < self._least:
-            words = f"{seconds:.2f} s of speech is too short to tell the voice: {self._least:g} s"
-            return _other_voice(words)
+        if (seconds := len(speech) / RATE) < self._min_speech:
+            allowed = f"allowed: at least {self._min_speech:g} s"
+            return _other_voice(f"{seconds:.2f} s of speech is too little to judge it, {allowed}")
         try:
             score = float(self._cohort.score(self._embed(speech), self._voiceprint.centre))
         except (RuntimeError, ValueError) as error:

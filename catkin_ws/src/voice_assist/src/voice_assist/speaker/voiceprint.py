@@ -18,7 +18,7 @@ from voice_assist.types import RATE, Samples
 
 FILE = "voiceprint.npz"  # in a profile
 FORMAT = 1
-FEWEST = 4  # utterances; each is judged by the mean of the others
+MIN_PIECES = 4  # utterances; each is judged by the mean of the others
 Embed = Callable[[Samples], Vector]
 
 
@@ -78,12 +78,12 @@ def make_voiceprint(
         config: How strict to be.
 
     Raises:
-        VoiceprintError: There is too little speech, or it does not tell the voice from others.
+        VoiceprintError: There is too little speech, or it does not single the voice out.
     """
     pieces = [p for take in takes for p in piece_up(spoken(take), PIECE) if _is_enough(p, config)]
     seconds = sum(map(len, pieces)) / RATE
-    if len(pieces) < FEWEST or seconds < config.min_enrolled:
-        allowed = f"at least {FEWEST} takes and {config.min_enrolled:g} s"
+    if len(pieces) < MIN_PIECES or seconds < config.min_enrolled:
+        allowed = f"at least {MIN_PIECES} takes and {config.min_enrolled:g} s"
         raise VoiceprintError(f"{len(pieces)} takes with {seconds:.1f} s of speech: {allowed}")
     heard = np.stack([embed(piece) for piece in pieces])
     centre = unit(heard.mean(axis=0))

@@ -42,8 +42,8 @@ class Embedder:
         Raises:
             ModelError: The package with them is not installed.
         """
-        self._spectrogram = start(read_network("melspectrogram.onnx"))
-        self._embedding = start(read_network(EMBEDDING))
+        self._spectrogram = onnx_session(read_network("melspectrogram.onnx"))
+        self._embedding = onnx_session(read_network(EMBEDDING))
         quiet = self.lines(np.zeros(STEP + OVERLAP, np.float32))
         self.quiet_lines = np.tile(quiet, (-(-LINES // len(quiet)), 1))[-LINES:]
         self.quiet: Embeddings = self._embed(self.quiet_lines)  # (WIDTH,) of silence
@@ -98,7 +98,7 @@ def read_network(name: str) -> bytes:
     return path.read_bytes()
 
 
-def start(network: bytes) -> onnxruntime.InferenceSession:
+def onnx_session(network: bytes) -> onnxruntime.InferenceSession:
     """Make a network ready to run on one thread."""
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1

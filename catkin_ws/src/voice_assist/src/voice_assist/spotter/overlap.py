@@ -21,7 +21,7 @@ from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, Checkpoint, read_checkpoint
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import log_mel
-from voice_assist.recognizer.safe_weights import check_weights, read_weights
+from voice_assist.recognizer.safe_weights import check_weights, read_weights, write_weights
 from voice_assist.types import Samples
 
 PATH = package_folder("voice_assist") / "models" / "overlap.pt"
@@ -151,9 +151,7 @@ def read_overlap(path: Path = PATH, encoder: Path = EMBEDDED_PATH) -> tuple[Over
 def write_overlap(network: OverlapNetwork, encoder_sha256: str, path: Path) -> None:
     """Write the weights that are not the recogniser's, in half precision, all or nothing."""
     state = {name: weight.detach().half() for name, weight in network.own_state().items()}
-    temporary = path.with_suffix(".tmp")
-    torch.save({ENCODER_SHA256: encoder_sha256, STATE: state}, temporary)
-    temporary.replace(path)
+    write_weights({ENCODER_SHA256: encoder_sha256, STATE: state}, path)
 
 
 def is_steady(window: Windows) -> bool:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The controller's replies in words that a loudspeaker may say beside the microphone.
 
-A reply tells what can be said next, and read aloud it would say it: "stop" stops, whoever says it.
+A reply names what can be said next. Read aloud it would say it, and "stop" stops from anyone.
 """
 
 from __future__ import annotations

@@ -23,8 +23,8 @@ from voice_assist.speaker.speech import spoken
 from voice_assist.types import RATE, Samples
 
 LENGTHS = (0.5, 0.7, 1.0, 1.6)  # [s] of the utterances kept of each speaker, as commands last
-LEAST = 5.0  # [s] of speech of a speaker that is used
-MOST = 30.0  # [s] that is read of one
+MIN_SPEECH = 5.0  # [s] of speech of a speaker that is used
+MAX_SPEECH = 30.0  # [s] that is read of one
 KINDS = ("speech", "positive")
 Who = tuple[str, str]  # source and speaker
 
@@ -45,9 +45,9 @@ def speech_of(folder: Path, splits: Sequence[str]) -> Iterator[tuple[Who, list[S
         Random(0).shuffle(paths)
         found: list[Samples] = []
         for path in paths:
-            if sum(map(len, found)) < MOST * RATE:
+            if sum(map(len, found)) < MAX_SPEECH * RATE:
                 found.append(spoken(read_sound(folder / path)))
-        if sum(map(len, found)) >= LEAST * RATE:
+        if sum(map(len, found)) >= MIN_SPEECH * RATE:
             yield who, found
 
 

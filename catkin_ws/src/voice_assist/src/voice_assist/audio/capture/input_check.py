@@ -53,7 +53,7 @@ def is_roomless(samples: Samples) -> bool:
 
 
 class SoundWatch:
-    """Is shown one frame after the other.
+    """Follows the frames of one source.
 
     Args:
         source: That they come from.

@@ -18,7 +18,7 @@ from voice_assist.types import RATE
 
 _PULSE_LATENCY_MS = "20"  # else a PulseAudio server hands sound over in blocks of up to 2 s
 _SERVERS = ("pulse", "pipewire")  # devices by which PortAudio shows a sound server
-_MOST_CHANNELS = 8  # a device with more is one of software, which offers any number: 2 of it
+_MAX_CHANNELS = 8  # a device with more is one of software, which offers any number: 2 of it
 OnBlock = Callable[[NDArray[np.int16], bool], None]  # (n, channels), whether sound before was lost
 
 
@@ -96,7 +96,7 @@ class PortAudio:
                 entry["name"],
                 int(entry["default_samplerate"]),
                 entry["index"] == default,
-                _wanted(entry["max_input_channels"]),
+                _channels(entry["max_input_channels"]),
             )
             for entry in self._sd.query_devices()
             if entry["max_input_channels"] > 0
@@ -146,8 +146,8 @@ class _PortAudioStream:
         self._stream.close(ignore_errors=True)
 
 
-def _wanted(channels: int) -> int:
-    return channels if channels <= _MOST_CHANNELS else 2
+def _channels(channels: int) -> int:
+    return channels if channels <= _MAX_CHANNELS else 2
 
 
 def choose(name: str, devices: list[Device], is_whole: bool = False) -> Device:

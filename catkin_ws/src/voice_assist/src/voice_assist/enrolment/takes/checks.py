@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voice_assist.audio.capture.input_check import FULL
+from voice_assist.audio.mixing import BLOCK
 from voice_assist.audio.source import level_db
 from voice_assist.config.enrolment import CheckConfig
 from voice_assist.intent.mapper import Mapper
-from voice_assist.profile.loudness import BLOCK, level_and_snr, speech_of, spoken_blocks
+from voice_assist.profile.loudness import level_and_snr, speech_of, spoken_blocks
 from voice_assist.profile.manifest import ROOM, TALK
 from voice_assist.types import RATE, Match, Samples
 
@@ -19,7 +21,6 @@ if TYPE_CHECKING:
     from voice_assist.config import CommandsConfig
     from voice_assist.recognizer.recognizer import Recognizer
 
-_FULL = 0.999  # of full scale; at and above it a sample counts as clipped
 _AROUND = 0.25  # [s] of sound in front of and behind the speech that recognition hears
 
 
@@ -78,7 +79,7 @@ class TakeCheck:
 
     def _clipped(self, samples: Samples) -> tuple[str, ...]:
         loud = np.abs(samples) >= 0.1 * max(float(np.abs(samples).max(initial=0.0)), 1e-9)
-        share = float((np.abs(samples) >= _FULL).sum()) / max(int(loud.sum()), 1)
+        share = float((np.abs(samples) >= FULL).sum()) / max(int(loud.sum()), 1)
         allowed = self._config.max_clipped
         if share <= allowed:
             return ()

@@ -52,7 +52,7 @@ Take = Callable[[Board, float], None]
 
 
 class AlarmNode:
-    """One thread takes in what came and tells what is new; callbacks only hand over."""
+    """One thread takes in what came and shows what is new; callbacks of rospy only hand over."""
 
     def __init__(self, config: AlarmsConfig, commands: CommandsConfig | None) -> None:
         self._config, self._board = config, Board(config.board)
@@ -63,7 +63,7 @@ class AlarmNode:
         self._player: Player | None = None
         self._inbox: Queue[Take] = Queue(_WAITING)
         self._shown: tuple[Standing, ...] | None = None
-        self._told: dict[str, tuple[str, int, float]] = {}  # words, times given, when [s]
+        self._logged: dict[str, tuple[str, int, float]] = {}  # words, times given, when [s]
         self._was_lit = True
         self._alarm = rospy.Publisher("voice_assist/alarm", AlarmMessage, queue_size=50, latch=True)
         self._marker = rospy.Publisher(
@@ -81,7 +81,7 @@ class AlarmNode:
         ]
 
     def run(self) -> None:
-        """Tell alarms until ROS shuts down."""
+        """Show and sound alarms until ROS shuts down."""
         with ExitStack() as stack:
             self._player = player = self._make_player(stack)
             thread = threading.Thread(target=self._guard, args=(player,), daemon=True)
@@ -144,31 +144,26 @@ class AlarmNode:
 
     def _log(self, standing: tuple[Standing, ...], now: float) -> None:
         """Say an alarm in the log when it begins, gets worse or is given again later on."""
-        told = {}
+        logged = {}
         for entry in standing:
             words = line(entry.alarm)
-            before = self._told.get(entry.key, ("", 0, 0.0))
+            before = self._logged.get(entry.key, ("", 0, 0.0))
             is_again = entry.times != before[1] and now - before[2] >= LOG_GAP
             if words != before[0] or is_again:
                 _LOG[entry.alarm.priority]("%s", words)
                 before = words, entry.times, now
-            told[entry.key] = before
-        self._told = told
-
-    # --- from the threads of rospy
+            logged[entry.key] = before
+        self._logged = logged
 
     def _listen(
         self, by: str, topic: str, kind: type, callback: Callable[..., None]
     ) -> rospy.Subscriber:
         return self._known.hear(by, topic, kind, callback, tcp_nodelay=True)
 
-    def _hand_over(self, take: Take) -> None:
-        self._inbox.put(take)
-
     def _on_state(self, message: ControllerState) -> None:
         state = messages.robot_state(message)
         self._mute(state.state in IN_MOTION)
-        self._hand_over(lambda board, now: board.see_state(state, now))
+        self._inbox.put(lambda board, now: board.see_state(state, now))
 
     def _hush(self) -> None:
         """A stop was heard: nothing may be said over a second one."""
@@ -186,7 +181,7 @@ class AlarmNode:
         elif message.kind == "motion_started":  # it comes with "accepted", before the first state
             self._mute(is_moving=True)
         event = messages.controller_event(message)
-        self._hand_over(lambda board, now: board.see_event(event, now))
+        self._inbox.put(lambda board, now: board.see_event(event, now))
 
     def _on_partial(self, message: String) -> None:
         self._show_heard(f'hears "{message.data.strip()}"', False)
@@ -199,14 +194,14 @@ class AlarmNode:
     def _on_utterance(self, message: Utterance) -> None:
         self._show_heard(messages.heard_words(message), bool(message.command))
         heard = messages.utterance(message)
-        self._hand_over(lambda board, now: board.see_utterance(heard, now))
+        self._inbox.put(lambda board, now: board.see_utterance(heard, now))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
             self._on_health(messages.part_health(status))
 
     def _on_health(self, health: PartHealth) -> None:
-        self._hand_over(lambda board, now: board.see_health(health, now))
+        self._inbox.put(lambda board, now: board.see_health(health, now))
 
 
 def main() -> None:

@@ -30,14 +30,14 @@ from voice_assist.ros.robot.command_client import CommandClient
 from voice_assist.ros.robot.robot_commands import require_pedal_commands
 
 TALK = "voice_assist/talk"  # std_msgs/Bool, again and again while a pedal is the gate
-PERIOD = 0.05  # [s] between looks at gate, dead-man and silence
-DIAGNOSTICS_EVERY = 20  # looks
+PERIOD = 0.05  # [s] between checks of gate, dead-man and silence
+DIAGNOSTICS_EVERY = 20  # checks
 ANSWER_WITHIN = 1.0  # [s] for the controller
 STOP_AGAIN = 0.2  # [s] between stops while the robot moves without the dead-man
 
 
 class PedalNode:
-    """Joins the device and the robot's controller.
+    """Joins the device and the robot's controller; what follows from its news is under one lock.
 
     Args:
         config: Device, and what each input does.
@@ -69,19 +69,17 @@ class PedalNode:
         else:
             threading.Thread(target=self._read, name="pedal", daemon=True).start()
         rospy.on_shutdown(self._leave)
-        looks = 0
+        checks = 0
         while not rospy.is_shutdown():
-            self._look()
-            if looks % DIAGNOSTICS_EVERY == 0:
+            self._check()
+            if checks % DIAGNOSTICS_EVERY == 0:
                 self._publish_diagnostics()
-            looks += 1
+            checks += 1
             time.sleep(PERIOD)
 
     def _leave(self) -> None:
         with self._lock:
             self._carry_out(self._pedals.lost("the pedal node ends"))
-
-    # --- what comes in
 
     def _on_joy(self, message: Joy) -> None:
         values = {f"button {i}": float(value) for i, value in enumerate(message.buttons)}
@@ -110,8 +108,6 @@ class PedalNode:
 
     def _on_state(self, message: ControllerState) -> None:
         self._state = message.state
-
-    # --- what follows from it; under the lock
 
     def _found(self, name: str) -> None:
         self._pedals.found()
@@ -145,7 +141,7 @@ class PedalNode:
         self._client.forget()
         self._stop.publish(Empty())
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         with self._lock:
             if why := self._silence():
                 self._lost(why)
@@ -193,13 +189,11 @@ def main() -> None:
     with starting("pedal", needs_clock=False):
         try:
             given = launch_settings()
-            config = pedal_config({key: given[key] for key in _KEYS if key in given})
+            keys = PedalConfig.__dataclass_fields__
+            config = pedal_config({key: given[key] for key in keys if key in given})
             require_pedal_commands(config)
             node = PedalNode(config)
         except ConfigError as error:
             rospy.logfatal("%s", error)
             sys.exit(2)
     node.run()
-
-
-_KEYS = tuple(PedalConfig.__dataclass_fields__)

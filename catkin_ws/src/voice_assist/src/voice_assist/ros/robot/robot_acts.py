@@ -48,7 +48,7 @@ class RobotActs:
         self._client = CommandClient(config.commands.answer_within, self._answers.put)
         self._questions = QuestionService()
         self._robot_speech, self._talk = RobotSpeechTopic(clock, known), TalkTopic(clock, known)
-        self._robot = ControllerFollower(config.moving, time.monotonic, publish.circumstance, known)
+        self._robot = ControllerFollower(config.moving, time.monotonic, publish.side_input, known)
         self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
         self.stopped = float("-inf")  # [s] when the newest stop was sent
 

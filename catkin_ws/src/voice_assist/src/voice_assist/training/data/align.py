@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from voice_assist.recognizer.ctc import best_alignment
 from voice_assist.recognizer.hybrid import WhisperCtc
-from voice_assist.recognizer.mel import log_mel
+from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
 from voice_assist.recognizer.vocabulary import encode
+from voice_assist.training.array_file import write_arrays
 from voice_assist.training.data.mixture import Aligned, WordTime
 from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.precision import cheap_numbers
@@ -38,10 +39,7 @@ def align_clips(model: WhisperCtc, clips: Sequence[TrainingClip], cache: Path) -
             times = [stored[f"t{index}"] for index in range(len(clips))]
     else:
         times = [_times(model, clip) for clip in clips]
-        named = {f"t{index}": time for index, time in enumerate(times)}
-        temporary = cache.with_suffix(".tmp.npz")
-        np.savez(temporary, **named)
-        temporary.replace(cache)
+        write_arrays(cache, **{f"t{index}": time for index, time in enumerate(times)})
     return list(_aligned(clips, times))
 
 
@@ -68,7 +66,7 @@ def long_logprobs(model: WhisperCtc, sound: Samples) -> NDArray[np.float32]:
         sound: float32, 16 kHz. Shape (n,).
 
     Returns:
-        Shape (n // 320, classes).
+        Shape (n // SAMPLES_PER_STATE, classes).
     """
     parts = []
     for start in range(0, len(sound), WINDOW):
@@ -76,8 +74,8 @@ def long_logprobs(model: WhisperCtc, sound: Samples) -> NDArray[np.float32]:
         piece = torch.from_numpy(sound[first : start + WINDOW + MARGIN])[None]
         with cheap_numbers():
             logprobs = model.ctc_logprobs(model.encode(log_mel(piece)))[0].numpy()
-        skip = (start - first) // 320
-        parts.append(logprobs[skip : skip + WINDOW // 320])
+        skip = (start - first) // SAMPLES_PER_STATE
+        parts.append(logprobs[skip : skip + WINDOW // SAMPLES_PER_STATE])
     return np.concatenate(parts)
 
 

@@ -12,7 +12,7 @@ import torch
 from numpy.random import Generator
 from torch import Tensor
 
-from voice_assist.recognizer.mel import log_mel
+from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
 from voice_assist.recognizer.vocabulary import (
     END,
     NO_SPEECH,
@@ -26,7 +26,7 @@ from voice_assist.training.data.mixture import Item, Mixture
 from voice_assist.training.data.noise import Surroundings
 from voice_assist.types import RATE
 
-LONGEST_INPUT = 512 * 320  # samples; the encoder has 512 positions of 20 ms
+LONGEST_INPUT = 512 * SAMPLES_PER_STATE  # samples; the encoder has 512 positions of 20 ms
 POOL = 480  # items drawn together and sorted by length
 GRID = 5120  # samples of which lengths are multiples; 16 encoder states
 IGNORED = -100  # target of padding

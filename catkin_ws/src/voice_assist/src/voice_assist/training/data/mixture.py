@@ -16,7 +16,7 @@ from voice_assist.training.data.texts import TWINS
 from voice_assist.types import RATE
 
 LONGEST = 7.8  # [s] of an item; slowed and with quiet it fits the encoder
-MOST_LETTERS = 180  # of an item; the decoder has 192 positions
+MAX_LETTERS = 180  # of an item; the decoder has 192 positions
 WAKE = "hey robot"  # many people, and late endpointing, drop its first sound
 NOTHING = np.zeros(0, np.int16)
 
@@ -73,7 +73,7 @@ class Mixture:
         short = [
             clip
             for clip in clips
-            if len(clip.samples) <= longest * RATE and len(clip.text) <= MOST_LETTERS
+            if len(clip.samples) <= longest * RATE and len(clip.text) <= MAX_LETTERS
         ]
         kinds = _sources(short, aligned)
         self._sources = [kinds[kind] for kind in weights if kind in kinds]

@@ -14,6 +14,7 @@ from random import Random
 import numpy as np
 
 from voice_assist.audio.espeak import Int16
+from voice_assist.training.array_file import write_arrays
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.homophones import same_as_command
 from voice_assist.training.data.voices import Engine, Prompt, random_style, speak
@@ -158,9 +159,7 @@ def _speak_chunk(job: tuple[list[Prompt], Path]) -> None:
 def save_sounds(sounds: Sequence[Int16], path: Path) -> None:
     """Write sounds to one file, all or nothing."""
     ends = np.cumsum([len(sound) for sound in sounds])
-    temporary = path.with_suffix(".tmp.npz")
-    np.savez(temporary, sound=np.concatenate(sounds), ends=ends)
-    temporary.rename(path)
+    write_arrays(path, sound=np.concatenate(sounds), ends=ends)
 
 
 def read_sounds(path: Path) -> list[Int16]:

@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from random import Random
 
+from voice_assist.recognizer.vocabulary import CHARACTERS
+
 COMMANDS = (
     "hey robot",
     "tense",
@@ -131,12 +133,10 @@ DIGITS = (
 
 _FILLED = ("um {}", "uh {}", "{} please", "please {}", "okay {}", "now {}", "{} now")
 
-ALPHABET = " 'abcdefghijklmnopqrstuvwxyz"
-
 
 def normalise_text(text: str) -> str:
     """Lower-case letters, apostrophes inside words and single spaces only."""
-    kept = "".join(c if c in ALPHABET else " " for c in text.lower())
+    kept = "".join(c if c in CHARACTERS else " " for c in text.lower())
     words = (word.strip("'") for word in kept.split())
     return " ".join(word for word in words if word)
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import torch
 from torch import Tensor
 
 from voice_assist.recognizer.hybrid import WhisperCtc
+from voice_assist.recognizer.safe_weights import write_weights
 
 AVERAGE_DECAY = 0.998
 
@@ -48,15 +48,13 @@ def save_progress(
     progress: Progress,
 ) -> None:
     """Write everything that going on needs; a crash leaves the old file."""
-    temporary = path.with_suffix(".tmp")
-    state: dict[str, Any] = {
+    state = {
         "model": model.state_dict(),
         "optimiser": optimiser.state_dict(),
         "average": average.weights,
         "progress": vars(progress),
     }
-    torch.save(state, temporary)
-    temporary.replace(path)
+    write_weights(state, path)
 
 
 def load_progress(

@@ -11,10 +11,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from voice_assist.recognizer.embedded import EMBEDDING
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.vocabulary import GARBAGE, N_VOCAB, WHISPER_IDS
-
-EMBEDDING = "decoder.token_embedding.weight"
 
 
 def full_state(model: WhisperCtc) -> dict[str, Tensor]:

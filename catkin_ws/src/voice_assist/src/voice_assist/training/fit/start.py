@@ -10,12 +10,11 @@ import torch
 from whisper.model import ModelDimensions
 
 from voice_assist.recognizer.checkpoint import Checkpoint, find_checkpoint, read_checkpoint
-from voice_assist.recognizer.embedded import restore
+from voice_assist.recognizer.embedded import EMBEDDING, restore
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.vocabulary import WHISPER_IDS
 from voice_assist.training.fit.curriculum import CONTINUED, FINE_TUNED, STAGES, TrainingStage
 
-EMBEDDING = "decoder.token_embedding.weight"
 POSITIONS = {"encoder.positional_embedding": 512, "decoder.positional_embedding": 192}
 TEXT_LAYERS = 1  # kept of a Whisper decoder: letters need little, and each more costs 3 ms a pass
 

@@ -36,6 +36,22 @@ TWINS = 8000  # clips of them, where the lesson asks for any
 LOG = logging.getLogger("fit")
 
 
+@dataclass(frozen=True)
+class Schedule:
+    """Learning rate by step."""
+
+    steps: int  # of the whole run
+    peak: float = 1.5e-3
+    warm_up: int = 300  # steps
+    decay: float = 0.35  # share of the steps spent on the way down
+
+    def rate(self, step: int) -> float:
+        """Learning rate of a step, never quite zero."""
+        rising = min((step + 1) / self.warm_up, 1.0)
+        left = (self.steps - step) / max(self.decay * self.steps, 1)
+        return self.peak * min(rising, max(left, 0.01), 1.0)
+
+
 class TrainingRun:
     """One training run: model, optimiser and where it stands."""
 
@@ -186,19 +202,3 @@ def main() -> None:
 
 if __name__ == "__main__":
     main()
-
-
-@dataclass(frozen=True)
-class Schedule:
-    """Learning rate by step."""
-
-    steps: int  # of the whole run
-    peak: float = 1.5e-3
-    warm_up: int = 300  # steps
-    decay: float = 0.35  # share of the steps spent on the way down
-
-    def rate(self, step: int) -> float:
-        """Learning rate of a step, never quite zero."""
-        rising = min((step + 1) / self.warm_up, 1.0)
-        left = (self.steps - step) / max(self.decay * self.steps, 1)
-        return self.peak * min(rising, max(left, 0.01), 1.0)

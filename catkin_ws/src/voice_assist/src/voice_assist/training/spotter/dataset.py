@@ -16,6 +16,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from voice_assist.spotter.features import STEP, Embeddings, seconds
+from voice_assist.training.array_file import write_arrays
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.human import (
     ManifestRow,
@@ -229,13 +230,6 @@ def _compute(made: Iterator[LabelledStream], path: Path) -> None:
         labels.append(label(stream, len(found), words))
         begins.append(total)
         total, words = total + len(found), words + len(stream.words)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(".tmp.npz")
-    np.savez(
-        temporary,
-        embeddings=np.concatenate(rows),
-        labels=np.concatenate(labels),
-        begins=np.array(begins),
-    )
-    temporary.rename(path)
+    embeddings, all_labels = np.concatenate(rows), np.concatenate(labels)
+    write_arrays(path, embeddings=embeddings, labels=all_labels, begins=np.array(begins))
     LOG.info("%s: %d steps, %d words, %.0f s", path.name, total, words, time.monotonic() - began)

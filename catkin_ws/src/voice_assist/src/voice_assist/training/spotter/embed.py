@@ -17,8 +17,8 @@ from voice_assist.spotter.features import (
     WIDTH,
     Embedder,
     Embeddings,
+    onnx_session,
     read_network,
-    start,
 )
 from voice_assist.types import Samples
 
@@ -41,7 +41,7 @@ class LongEmbedder:
             ModelError: They are missing, or not the ones that this was written for.
         """
         self._step = Embedder()
-        self._embedding = start(_lengthened(read_network(EMBEDDING)))
+        self._embedding = onnx_session(_lengthened(read_network(EMBEDDING)))
 
     @property
     def quiet(self) -> Embeddings:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
 from voice_assist.audio.mixing import speech_power
+from voice_assist.recognizer.mel import SAMPLES_PER_STATE
 from voice_assist.spotter.overlap import WINDOW
 from voice_assist.training.data.augment import resample_linear
 from voice_assist.training.data.noise import Float, Surroundings, background
@@ -19,7 +20,6 @@ from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.spotter.streams import speech_span
 from voice_assist.types import RATE
 
-FRAME = 320  # samples of one state of the encoder
 _HALF = 0.5  # of the windows hold the word
 _TALK, _SECOND = 0.85, 0.15  # probability that somebody talks; that two do
 _LEVELS = (-6.0, 20.0)  # [dB] of a word over the talk's active level
@@ -62,7 +62,7 @@ class Batch:
 
     sound: Float  # (batch, WINDOW)
     is_word: Float  # (batch,), 1 or 0
-    frames: Float  # (batch, WINDOW / FRAME), 1 where the word is, 0 elsewhere
+    frames: Float  # (batch, WINDOW / SAMPLES_PER_STATE), 1 where the word is, 0 elsewhere
 
 
 def arrange(
@@ -87,7 +87,7 @@ def draw(material: OverlapMaterial, count: int, rng: Generator) -> Batch:
     """Mix a batch of windows."""
     sound = np.zeros((count, WINDOW), np.float32)
     is_word = np.zeros(count, np.float32)
-    frames = np.zeros((count, WINDOW // FRAME), np.float32)
+    frames = np.zeros((count, WINDOW // SAMPLES_PER_STATE), np.float32)
     for row in range(count):
         is_word[row] = rng.random() < _HALF
         span = _fill(sound[row], material, bool(is_word[row]), rng)
@@ -167,7 +167,7 @@ def _add(
     if last > first:
         wet[first:last] = word[first - begin : last - begin]
     window += _in_room(wet, material, rng) * np.float32(level / np.sqrt(power))
-    return slice(first // FRAME, -(-last // FRAME))
+    return slice(first // SAMPLES_PER_STATE, -(-last // SAMPLES_PER_STATE))
 
 
 def _in_room(sound: Float, material: OverlapMaterial, rng: Generator) -> Float:

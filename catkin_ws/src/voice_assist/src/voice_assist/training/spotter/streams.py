@@ -14,7 +14,7 @@ import numpy as np
 import torch
 from numpy.random import Generator
 
-from voice_assist.audio.mixing import speech_blocks
+from voice_assist.audio.mixing import BLOCK, speech_blocks
 from voice_assist.training.data.augment import Strength, colour, resample_linear
 from voice_assist.training.data.noise import Float, Surroundings, background
 from voice_assist.training.data.synthesis import TrainingClip
@@ -22,7 +22,6 @@ from voice_assist.types import RATE
 
 WORD = "stop"
 LENGTH = 20.0  # [s] of a stream at most, except for one with a longer clip
-_BLOCK = RATE // 100
 _GAP = (0.08, 1.0)  # [s] between two clips
 _FAINTEST = -90.0  # [dB] of full scale
 
@@ -117,7 +116,7 @@ def speech_span(sound: Float) -> tuple[float, float]:
     found = np.flatnonzero(speech_blocks(sound))
     if not len(found):
         return 0.0, len(sound) / RATE
-    return float(found[0]) * _BLOCK / RATE, float(found[-1] + 1) * _BLOCK / RATE
+    return float(found[0]) * BLOCK / RATE, float(found[-1] + 1) * BLOCK / RATE
 
 
 def _gap(style: Style, rng: Generator) -> Float:

@@ -16,6 +16,7 @@ from torch.nn.functional import binary_cross_entropy_with_logits
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import log_mel
+from voice_assist.recognizer.safe_weights import write_weights
 from voice_assist.spotter.overlap import (
     PATH,
     TRAINED,
@@ -141,10 +142,8 @@ def _save(
     optimiser: torch.optim.Optimizer,
 ) -> None:
     """Write all that going on needs; a crash leaves the old file."""
-    temporary = path.with_suffix(".tmp")
     own = {"network": network.own_state(), "mean": mean.own_state()}
-    torch.save({"step": step, "optimiser": optimiser.state_dict(), **own}, temporary)
-    temporary.replace(path)
+    write_weights({"step": step, "optimiser": optimiser.state_dict(), **own}, path)
 
 
 def _resume(

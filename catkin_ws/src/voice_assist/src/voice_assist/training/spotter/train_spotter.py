@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import softplus
 
+from voice_assist.recognizer.safe_weights import write_weights
 from voice_assist.spotter.features import Embedder
 from voice_assist.spotter.head import CONTEXT, PATH, Head, Member
 from voice_assist.training.fit.train_recognizer import REPOSITORY
@@ -164,7 +165,7 @@ def main() -> None:
             table, options.steps, options.rate, options.seed * 100 + number
         )
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    torch.save(head.state_dict(), options.out)
+    write_weights(head.state_dict(), options.out)
     LOG.info("%.0f s in all; %s", time.monotonic() - began, options.out)
 
 

@@ -24,7 +24,7 @@ from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.spotter.head import CONTEXT, read_head
 from voice_assist.spotter.spotter import Spotter
 from voice_assist.training.spotter.embed import LongEmbedder
-from voice_assist.types import FULL_SCALE, RATE, Frame, Mode, Samples
+from voice_assist.types import FULL_SCALE, RATE, Mode, Samples
 from voice_assist.vad.detector import make_detector
 
 LOG = logging.getLogger("spotter")
@@ -75,11 +75,11 @@ class EvidenceRecorder(StopFusion):
         self._now = now
         return super().best(now)
 
-    def confirms(self, belief: StopEvidence, phrase: str) -> bool:
+    def confirms(self, evidence: StopEvidence, phrase: str) -> bool:
         """Keep what the recogniser believes of the word."""
         if phrase == self.phrase:
-            spotted = _finite(belief.spotted)
-            said = TrialEvidence(self._now, spotted, belief.confidence, belief.is_ready, NEVER)
+            spotted = _finite(evidence.spotted)
+            said = TrialEvidence(self._now, spotted, evidence.confidence, evidence.is_ready, NEVER)
             self.heard.append(said)
         return False
 
@@ -154,7 +154,7 @@ class TrialRunner:
             self._pipeline.reset()
             self._recorder.heard.clear()
             looks: list[tuple[float, float]] = []
-            for frame in _frames(stream):
+            for frame in Framer().push(stream, 0.0):
                 self._pipeline.set_mode(Mode.ACTIVE, "trial")
                 self._pipeline(frame)
                 newest = self._spotter.looks[-1:]
@@ -191,10 +191,6 @@ def _surrounded(samples: Samples, noises: Sequence[Samples], snr: float, number:
         noise = noises[int(rng.integers(len(noises)))]
         stream = add_noise(stream, noise, samples, snr, rng)
     return np.asarray(stream, np.float32)
-
-
-def _frames(stream: Samples) -> Iterator[Frame]:
-    return Framer().push(stream, 0.0)
 
 
 def _finite(score: float | None) -> float:

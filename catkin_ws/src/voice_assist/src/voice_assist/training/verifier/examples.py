@@ -24,6 +24,7 @@ from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_uppe
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.verification import BLOCKS, segments
 from voice_assist.recognizer.vocabulary import encode
+from voice_assist.training.array_file import write_arrays
 from voice_assist.training.data import voices
 from voice_assist.training.data.augment import Strength, add_background, colour, resample_linear
 from voice_assist.training.data.foreign_words import WORDS
@@ -167,9 +168,7 @@ def save(found: Sequence[Seen], path: Path) -> None:
         kept[f"seen_{number}"] = np.stack([one.states for one in some]).astype(np.float16)
         kept[f"is_said_{number}"] = np.array([one.is_said for one in some])
         kept[f"voices_{number}"] = np.array([one.voice for one in some])
-    temporary = path.with_suffix(".tmp.npz")
-    np.savez(temporary, **kept)
-    temporary.rename(path)
+    write_arrays(path, **kept)
 
 
 def load(path: Path) -> dict[str, Examples]:

@@ -18,7 +18,7 @@ from voice_assist.profile.active import (
     PersonalRecognizer,
     facts_of,
     personalise,
-    profile_in_force,
+    profile_in_use,
     with_profile,
 )
 from voice_assist.profile.manifest import ACTIVE, REFUSED
@@ -82,13 +82,13 @@ def test_a_refused_profile_is_not_used_and_says_why(profile: VoiceProfile) -> No
     with pytest.raises(
         VoiceProfileError, match=r"failed its own check \(commands taken from talk: 2"
     ):
-        profile_in_force(config(profile).profile)
+        profile_in_use(config(profile).profile)
 
 
 def test_an_unfinished_profile_is_not_used(tmp_path: Path) -> None:
     unfinished = create_profile("ada", "ab" * 32, tmp_path)
     with pytest.raises(VoiceProfileError, match=r"is not finished.*voice_assist enroll ada"):
-        profile_in_force(config(unfinished).profile)
+        profile_in_use(config(unfinished).profile)
 
 
 def test_a_profile_of_another_recogniser_is_not_used(
@@ -105,22 +105,22 @@ def test_damage_is_found_before_anything_is_heard(profile: VoiceProfile) -> None
     path = profile.folder / model_file.NAME
     path.write_bytes(path.read_bytes()[:-100])
     with pytest.raises(VoiceProfileError, match=r"model.pt has the SHA-256"):
-        profile_in_force(config(profile).profile)
+        profile_in_use(config(profile).profile)
 
 
 def test_a_pinned_profile_that_changed_is_not_used(profile: VoiceProfile) -> None:
     pinned = config(profile, sha256=profile.digest).profile
-    found = profile_in_force(pinned)
+    found = profile_in_use(pinned)
     assert found is not None
     assert found.digest == profile.digest
     profile.put("report.md", b"changed")
     with pytest.raises(VoiceProfileError, match="it was changed since"):
-        profile_in_force(pinned)
+        profile_in_use(pinned)
 
 
 def test_a_missing_profile_names_those_that_are_there(profile: VoiceProfile) -> None:
     with pytest.raises(VoiceProfileError, match=r"no profile 'bob' in .*, there: ada"):
-        profile_in_force(config(profile, name="bob").profile)
+        profile_in_use(config(profile, name="bob").profile)
 
 
 def test_a_name_that_no_profile_can_have_is_refused_at_start(profile: VoiceProfile) -> None:
