@@ -11,7 +11,7 @@ import yaml
 from rich.console import Console
 
 from typed_config import ConfigError, load_config, load_file
-from voice_assist.alarms.appearance import LOOKS, SYMBOLS, headline, is_lit, line
+from voice_assist.alarms.appearance import APPEARANCES, SYMBOLS, headline, is_lit, line
 from voice_assist.alarms.catalogue import ENTRIES, markdown
 from voice_assist.alarms.earcons import PATTERNS
 from voice_assist.alarms.presenter import latch_alarm
@@ -62,7 +62,7 @@ def test_flashing_is_as_fast_as_the_priority_asks(priority):
     usual = {Priority.HIGH: (1.4, 2.8), Priority.MEDIUM: (0.4, 0.8)}  # [Hz] IEC 60601-1-8
     low, high = usual.get(priority, (0.0, 0.0))
     assert low * 10 - 1 <= begins <= high * 10
-    assert LOOKS[priority].flashes == 0.0 or 0.4 < sum(lit) / len(lit) < 0.6
+    assert APPEARANCES[priority].flashes == 0.0 or 0.4 < sum(lit) / len(lit) < 0.6
 
 
 def shown(screen):

@@ -101,7 +101,7 @@ def test_scores_do_not_depend_on_the_size_of_blocks(spotter):
         spotter.reset()
         for at in range(0, len(sound) - size, size):
             spotter(Frame(frozen_samples(sound[at : at + size]), at, at / RATE))
-        found.append([look.score for look in spotter.looks])
+        found.append([one.score for one in spotter.scores])
     newest = min(map(len, found)) - 10
     reference = found[0][:newest]
     assert len(reference) > 10

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What stands at this moment: alarms appear, grow in priority, are acknowledged and go.
 
-Nothing here reads a clock or waits. The owner hands in what came, with its time, and looks at
-`standing` after.
+Nothing here reads a clock or waits. The owner hands in what came, with its time, and reads
+`standing` afterwards.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from voice_assist.alarms.appearance import LOOKS, headline
+from voice_assist.alarms.appearance import APPEARANCES, headline
 from voice_assist.alarms.causes import GIVE_UPS, LATCHES, PARTS, REFUSALS, UNHEARD, Advice
 from voice_assist.alarms.earcons import PATTERNS
 from voice_assist.alarms.types import AlarmText, Earcon, Kind
@@ -111,7 +111,7 @@ def markdown() -> str:
         (
             f"`{e.earcon.value}`",
             headline(e.example),
-            LOOKS[e.example.priority].colour,
+            APPEARANCES[e.example.priority].colour,
             sounds_of(e.earcon),
             e.meaning,
         )

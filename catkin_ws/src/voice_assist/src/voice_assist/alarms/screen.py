@@ -10,7 +10,7 @@ from datetime import datetime
 from rich.console import Group
 from rich.text import Text
 
-from voice_assist.alarms.appearance import LOOKS, headline, is_lit, line
+from voice_assist.alarms.appearance import APPEARANCES, headline, is_lit, line
 from voice_assist.alarms.types import AlarmText
 
 _ROWS = 10  # alarms of the past shown at once
@@ -53,7 +53,7 @@ class AlarmScreen:
         alarm = self._alarm
         if alarm is None:
             return [Text(" ○ all is well ", style="green")]
-        style = LOOKS[alarm.priority].style
+        style = APPEARANCES[alarm.priority].style
         if not self._is_acknowledged and not is_lit(alarm.priority, self._clock()):
             style = "bold"
         seen = " (acknowledged)" if self._is_acknowledged else ""

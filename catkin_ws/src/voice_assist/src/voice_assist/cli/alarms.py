@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.text import Text
 
 from typed_config import load_file
-from voice_assist.alarms.appearance import LOOKS, headline
+from voice_assist.alarms.appearance import APPEARANCES, headline
 from voice_assist.alarms.catalogue import ENTRIES, Entry, markdown, sounds_of
 from voice_assist.alarms.sound_output import ProgramOutput, write_sounds
 from voice_assist.alarms.types import Earcon
@@ -77,8 +77,8 @@ def _play(wanted: str, config: AlarmsConfig, console: Console) -> None:
 
 
 def _print(entry: Entry, console: Console) -> None:
-    look = LOOKS[entry.example.priority]
-    console.print(Text(f" {headline(entry.example)} ", style=look.style), f"({look.colour})")
+    shown = APPEARANCES[entry.example.priority]
+    console.print(Text(f" {headline(entry.example)} ", style=shown.style), f"({shown.colour})")
     console.print(f"  name:  {entry.earcon.value}: {sounds_of(entry.earcon)}", highlight=False)
     console.print(f"  means: {entry.meaning}", highlight=False)
     console.print(f"  why:   {entry.example.cause}", highlight=False)

@@ -27,9 +27,7 @@ class DecisionContext:
     quiet: float  # [s] since the last speech
     is_complete: bool  # the end of the utterance is confirmed
     is_whole: bool  # the transcript is of the utterance from its very beginning
-    spotted: float | None = (
-        None  # [nat] the spotter's best score recently; None: no spotter listens
-    )
+    spotted: float | None = None  # [nat] the spotter's best recent score; None: none listens
     is_moving: bool = False  # the robot moves, or may: a "stop" in a sentence is one
 
 
@@ -78,19 +76,19 @@ class EarlyDecision:
             return replace(outcome, rejection=self._continues())
         return outcome
 
-    def said_over(self, part: Hypothesis | None, least: float) -> Match | None:
+    def said_over(self, part: Hypothesis | None, minimum: float) -> Match | None:
         """A halt that stands alone in the last part of sound that somebody else talks in.
 
         Args:
             part: Transcript of that part; None: it was not decoded.
-            least: Confidence from which it counts [0, 1].
+            minimum: Confidence from which it counts [0, 1].
         """
         if part is None or self._has_halted:
             return None
         outcome = self._mapper(part.text)
         if not isinstance(outcome, Match) or outcome.command not in self._halts:
             return None
-        return outcome if part.confidence >= max(least, self._halts[outcome.command]) else None
+        return outcome if part.confidence >= max(minimum, self._halts[outcome.command]) else None
 
     def accept(self, phrase: str) -> None:
         """Note that a command was taken."""
@@ -115,11 +113,11 @@ class EarlyDecision:
     ) -> Match | NoMatch | None:
         if self._has_halted:
             return None
-        config, least = self._config, self._halts[outcome.command]
-        if heard.confidence < least:
+        config, minimum = self._config, self._halts[outcome.command]
+        if heard.confidence < minimum:
             if not context.is_complete:
                 return None
-            return outcome.rejected(too_unsure(heard.confidence, least))
+            return outcome.rejected(too_unsure(heard.confidence, minimum))
         is_now = config.is_enabled and (
             self._votes >= config.stop_agreement
             or heard.confidence >= config.first_stop_confidence
@@ -156,7 +154,7 @@ class EarlyDecision:
         return Rejection(RejectionReason.SAME_BREATH, words)
 
 
-def too_unsure(confidence: float, least: float, of: str = "") -> Rejection:
+def too_unsure(confidence: float, minimum: float, of: str = "") -> Rejection:
     """Why a command that was heard is refused; `of` says of what the confidence is."""
-    words = f"confidence {confidence:.2f}{of}, allowed: at least {least:.2f}"
+    words = f"confidence {confidence:.2f}{of}, allowed: at least {minimum:.2f}"
     return Rejection(RejectionReason.UNSURE, words)

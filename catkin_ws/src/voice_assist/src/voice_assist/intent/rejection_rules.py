@@ -73,15 +73,15 @@ class RejectionRules:
     ) -> Rejection | None:
         if clearness < self._config.motion_speech:
             return too_faint(clearness, self._config.motion_speech)
-        least = self._config.motion_confidence
-        if transcript.confidence < least:
-            return too_unsure(transcript.confidence, least, " of the transcript")
+        minimum = self._config.motion_confidence
+        if transcript.confidence < minimum:
+            return too_unsure(transcript.confidence, minimum, " of the transcript")
         if words := find_corruption(sound):
             return Rejection(RejectionReason.DAMAGED_SOUND, words)
-        moved, least = pitch_variation(sound), self._config.motion_pitch_variation
-        if moved < least:
-            words = f"a tone, no voice: its pitch moves by {moved:.2f} cent, a voice's by {least:g}"
-            return Rejection(RejectionReason.TONE, words)
+        moved, minimum = pitch_variation(sound), self._config.motion_pitch_variation
+        if moved < minimum:
+            moves = f"its pitch moves by {moved:.2f} cent, a voice's by {minimum:g}"
+            return Rejection(RejectionReason.TONE, f"a tone, no voice: {moves}")
         return self._gate(sound) if self._gate else None
 
 
@@ -91,13 +91,13 @@ def to_be_confirmed(ask: AskConfig, what: str, why: str) -> Rejection:
     return Rejection(RejectionReason.NEARLY_SURE, words)
 
 
-def another_word(command: str, odds: float, least: float) -> Rejection:
+def another_word(command: str, odds: float, minimum: float) -> Rejection:
     """Why a motion is refused whose sound may be a strange word's; log-odds in nat."""
     words = f"it sounds like another word that is written {command!r}: {odds:.1f} nat"
-    return Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, f"{words}, allowed: at least {least:g}")
+    return Rejection(RejectionReason.SOUNDS_LIKE_ANOTHER, f"{words}, allowed: at least {minimum:g}")
 
 
-def too_faint(clearness: float, least: float) -> Rejection:
+def too_faint(clearness: float, minimum: float) -> Rejection:
     """Why a motion is refused in a sound that may be no voice."""
-    words = f"the speech detector gave {clearness:.2f} at most, allowed: at least {least:.2f}"
+    words = f"the speech detector gave {clearness:.2f} at most, allowed: at least {minimum:.2f}"
     return Rejection(RejectionReason.UNSURE, f"too faint to be surely speech: {words}")

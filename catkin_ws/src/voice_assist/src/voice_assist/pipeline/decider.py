@@ -124,8 +124,8 @@ class Decider:
         """Why a command may be none, or must be asked for; None: it is one."""
         command, config = self._config.commands.get(match.command), self._recognizer_config
         ask, odds = config.ask, self._verified(match, transcript)
-        is_asking, least = ask.is_enabled and command.is_motion, config.motion_verification
-        sure = max(least, ask.sure_verification) if is_asking else least
+        is_asking, minimum = ask.is_enabled and command.is_motion, config.motion_verification
+        sure = max(minimum, ask.sure_verification) if is_asking else minimum
         if confidence < command.min_confidence:
             doubt = too_unsure(confidence, command.min_confidence)
         elif odds < sure:
@@ -134,7 +134,7 @@ class Decider:
             return to_be_confirmed(ask, "a large amount", command.too_large)
         else:
             return None
-        if not is_asking or confidence < ask.min_confidence or odds < least:
+        if not is_asking or confidence < ask.min_confidence or odds < minimum:
             return doubt
         return to_be_confirmed(ask, "nearly sure", doubt.words)
 

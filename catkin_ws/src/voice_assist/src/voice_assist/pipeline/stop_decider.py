@@ -139,8 +139,8 @@ class StopDecider:
         """
         worth = self._recognizer_config.confidence
         part = self._decoder.part
-        least = self._config.audio.robot_speech.stop_over_speech_confidence
-        over = self._early_decision.said_over(part, least)
+        minimum = self._config.audio.robot_speech.stop_over_speech_confidence
+        over = self._early_decision.said_over(part, minimum)
         if over is not None and context.is_moving and not self._is_heard_over_talk(partial):
             over = None
         if part is not None and over is not None:
@@ -215,9 +215,9 @@ class StopDecider:
 
     def _written_among(self, transcript: Hypothesis) -> tuple[str, Hypothesis] | None:
         """A halt that stands among other words, and the transcript; None: there is none."""
-        least = self._config.moving.sentence_confidence
+        minimum = self._config.moving.sentence_confidence
         for heard in (self._decoder.part, transcript):
-            if heard is not None and heard.confidence >= least:
+            if heard is not None and heard.confidence >= minimum:
                 words = self._mapper.words(heard.text)
                 for phrase in self.halts:
                     if contains(words, normalize(phrase)):

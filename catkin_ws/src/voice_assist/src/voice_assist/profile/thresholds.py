@@ -27,7 +27,7 @@ class Setting:
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """All of a profile's."""
+    """Thresholds of all commands in a profile."""
 
     commands: tuple[Setting, ...] = items(0, 200)
 
@@ -62,12 +62,12 @@ def overlay(commands: CommandsConfig, settings: Settings) -> CommandsConfig:
     )
 
 
-def _overlaid(command: CommandConfig, least: float | None) -> CommandConfig:
-    if least is None:
+def _overlaid(command: CommandConfig, minimum: float | None) -> CommandConfig:
+    if minimum is None:
         return command
     base = command.min_confidence
     if command.is_motion:
-        least = max(least, base)
+        minimum = max(minimum, base)
     elif command.is_halt:
-        least = min(least, base)
-    return replace(command, min_confidence=least)
+        minimum = min(minimum, base)
+    return replace(command, min_confidence=minimum)

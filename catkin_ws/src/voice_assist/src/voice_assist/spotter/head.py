@@ -15,7 +15,7 @@ from voice_assist.recognizer.safe_weights import check_weights, read_weights
 from voice_assist.spotter.features import WIDTH, Embeddings
 
 PATH = package_folder("voice_assist") / "models" / "spotter.pt"
-CONTEXT = 10  # embeddings that one look sees: with the sound under the first of them 1.5 s
+CONTEXT = 10  # embeddings of one score: with the sound under the first of them 1.5 s
 MEMBERS = 3
 _NARROW, _HIDDEN = 32, 48
 
@@ -71,15 +71,15 @@ def read_head(path: Path = PATH) -> tuple[Head, str]:
     content, digest = read_weights(path)
     shapes = {name: tuple(tensor.shape) for name, tensor in head.state_dict().items()}
     state = check_weights(f"spotter model {path}", content, shapes)
-    least = float(state["spread"].min())
-    if least <= 0.0:
-        raise ModelError(f"spotter model {path}: spread has {least:g}, allowed: above 0")
+    smallest = float(state["spread"].min())
+    if smallest <= 0.0:
+        raise ModelError(f"spotter model {path}: spread has {smallest:g}, allowed: above 0")
     head.load_state_dict(state)
     return head.eval(), digest
 
 
 def scorer(head: Head) -> Callable[[Embeddings], float]:
-    """The head for one look: from embeddings of shape (CONTEXT, WIDTH) to log-odds [nat]."""
+    """The head for one score: from embeddings of shape (CONTEXT, WIDTH) to log-odds [nat]."""
 
     def score(seen: Embeddings) -> float:
         with torch.inference_mode():

@@ -25,8 +25,8 @@ from voice_assist.recognizer.safe_weights import check_weights, read_weights, wr
 from voice_assist.types import Samples
 
 PATH = package_folder("voice_assist") / "models" / "overlap.pt"
-STEP = 1280  # samples between two looks, 80 ms
-WINDOW = 25_600  # samples that a look sees, 1.6 s
+STEP = 1280  # samples between two windows, 80 ms
+WINDOW = 25_600  # samples of a window, 1.6 s
 TRAINED = 2  # blocks of the encoder, the last ones, that have weights of their own
 STEADY = -20.0  # [nat] the score of steady sound
 ENCODER_SHA256, STATE = "encoder_sha256", "state"  # keys of the file
@@ -165,7 +165,7 @@ def is_steady(window: Windows) -> bool:
 
 
 def overlap_scorer(network: OverlapNetwork) -> Callable[[Windows], float]:
-    """One look: from a window, shape (1, WINDOW), to log-odds [nat]; steady sound costs no look."""
+    """Log-odds [nat] of a window, shape (1, WINDOW); steady sound costs no pass of the network."""
 
     def score(window: Windows) -> float:
         if is_steady(window):

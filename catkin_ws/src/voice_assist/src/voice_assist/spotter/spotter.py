@@ -17,7 +17,7 @@ from voice_assist.types import Frame, Samples
 if TYPE_CHECKING:
     from voice_assist.spotter.features import Embeddings
 
-_KEPT = 256  # looks, 20 s: more than the recogniser's queue can hold it back
+_KEPT = 256  # scores, 20 s: more than the recogniser's queue can hold it back
 NEWEST = 1 << 62  # a sample that no stream reaches
 
 Score = Callable[["Embeddings"], float]  # of (CONTEXT, WIDTH) embeddings, oldest first: log-odds
@@ -25,7 +25,7 @@ Score = Callable[["Embeddings"], float]  # of (CONTEXT, WIDTH) embeddings, oldes
 
 @dataclass(frozen=True)
 class SpotterScore:
-    """One opinion."""
+    """The score of 80 ms of sound."""
 
     time: float  # [s] clock time at which the sound it is about ended
     score: float  # [nat] log-odds that the word has just ended, mean of the two newest
@@ -41,8 +41,8 @@ class Spotted:
     is_sent: bool = False  # the stop was sent already by the thread of the spotter
 
 
-class LookCutter(Protocol):
-    """What a look sees: something for every 80 ms of a stream, whatever the blocks it comes in."""
+class Frontend(Protocol):
+    """Features of a stream, one for every 80 ms, whatever the blocks it comes in."""
 
     quiet: Embeddings  # that of silence
 
@@ -60,7 +60,7 @@ class Spotting(Protocol):
         """What was spotted since the last call; each is given once."""
 
     def best(self, since: float, until: int = NEWEST) -> float | None:
-        """Highest score of the looks since a clock time [s]; None: nobody listens.
+        """Highest score since a clock time [s]; None: nobody listens.
 
         Args:
             since: Clock time [s].
@@ -72,7 +72,7 @@ class Spotting(Protocol):
 
 
 class Spotter:
-    """One look for every 80 ms of sound, whatever the frames it comes in.
+    """Scores every 80 ms of sound, whatever the frames it comes in.
 
     What it fires stays latched: it fires again only once the score has been below the threshold
     for `rearm_after`. `best` may be asked from another thread.
@@ -81,7 +81,7 @@ class Spotter:
     def __init__(
         self,
         config: SpotterConfig,
-        embedder: LookCutter,
+        frontend: Frontend,
         score: Score,
         context: int,
         alone_in_motion: float | None = None,
@@ -90,7 +90,7 @@ class Spotter:
 
         Args:
             config: When to fire.
-            embedder: Makes embeddings of sound, or cuts windows out of it.
+            frontend: Makes embeddings of sound, or cuts windows out of it.
             score: The trained head.
             context: Embeddings that it sees.
             alone_in_motion: Score from which it fires while the robot moves, if lower [nat]; None:
@@ -98,7 +98,7 @@ class Spotter:
         """
         least = config.alone if alone_in_motion is None else min(alone_in_motion, config.alone)
         self._alone_in_motion = least
-        self._config, self._embedder, self._score, self._context = config, embedder, score, context
+        self._config, self._frontend, self._score, self._context = config, frontend, score, context
         self._lock = threading.Lock()
         self._next_sample: int | None = None
         self.reset()
@@ -106,7 +106,7 @@ class Spotter:
     def reset(self) -> None:
         """Forget the stream so far, and what was fired."""
         with self._lock:
-            self._looks: deque[SpotterScore] = deque(maxlen=_KEPT)
+            self._scores: deque[SpotterScore] = deque(maxlen=_KEPT)
         self._latched_until = float("-inf")  # [s] clock time
         self._restart()
 
@@ -116,40 +116,39 @@ class Spotter:
             self._restart()
         self._next_sample = frame.first_sample + len(frame.samples)
         fired = None
-        for embedding in self._embedder(frame.samples):
-            fired = self._look(embedding, frame) or fired
+        for embedding in self._frontend(frame.samples):
+            fired = self._update(embedding, frame) or fired
         return fired
 
     @property
-    def looks(self) -> tuple[SpotterScore, ...]:
-        """The newest opinions, oldest first."""
+    def scores(self) -> tuple[SpotterScore, ...]:
+        """The newest scores, oldest first."""
         with self._lock:
-            return tuple(self._looks)
+            return tuple(self._scores)
 
     def best(self, since: float, until: int = NEWEST) -> float | None:
-        """Highest score of the looks since a clock time; a low one where there were none."""
-        scores = [look.score for look in self.looks if look.time >= since and look.until <= until]
-        return max(scores, default=float("-inf"))
+        """Highest score since a clock time; minus infinity where there was none."""
+        found = [s.score for s in self.scores if s.time >= since and s.until <= until]
+        return max(found, default=float("-inf"))
 
     def _restart(self) -> None:
-        self._embedder.reset()
+        self._frontend.reset()
         self._seen: deque[Embeddings] = deque(
-            [self._embedder.quiet] * self._context, maxlen=self._context
+            [self._frontend.quiet] * self._context, maxlen=self._context
         )
         self._before: float | None = None
         self._next_sample = None
 
-    def _look(self, embedding: Embeddings, frame: Frame) -> Spotted | None:
+    def _update(self, embedding: Embeddings, frame: Frame) -> Spotted | None:
         time = frame.stamp + frame.duration
         self._seen.append(embedding)
         newest = self._score(np.stack(self._seen))
         score = newest if self._before is None else (newest + self._before) / 2
-        look = SpotterScore(time, score, self._next_sample or 0)
         self._before = newest
         with self._lock:
-            self._looks.append(look)
-        if look.score < (self._alone_in_motion if frame.is_moving else self._config.alone):
+            self._scores.append(SpotterScore(time, score, self._next_sample or 0))
+        if score < (self._alone_in_motion if frame.is_moving else self._config.alone):
             return None
         is_latched = time < self._latched_until
         self._latched_until = time + self._config.rearm_after
-        return None if is_latched else Spotted(look.time, look.score)
+        return None if is_latched else Spotted(time, score)

@@ -93,7 +93,7 @@ class SpotterThread:
             return None
 
     def best(self, since: float, until: int = NEWEST) -> float | None:
-        """Highest score of the looks that the pipeline may know; None: nobody listens in time.
+        """Highest score that the pipeline may know; None: nobody listens in time.
 
         What the thread has not heard yet must not keep a stop from being taken.
         """

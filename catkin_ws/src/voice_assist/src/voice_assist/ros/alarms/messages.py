@@ -13,7 +13,7 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
 from rst_control.msg import ControllerState, Event
-from voice_assist.alarms.appearance import LOOKS, line
+from voice_assist.alarms.appearance import APPEARANCES, line
 from voice_assist.alarms.board import Standing
 from voice_assist.alarms.types import (
     AlarmText,
@@ -127,7 +127,7 @@ def alarm_marker(
     marker.pose.orientation.w = 1.0
     if alarm is None:
         return marker
-    red, green, blue, opacity = LOOKS[alarm.priority].rgba
+    red, green, blue, opacity = APPEARANCES[alarm.priority].rgba
     marker.action, marker.text = Marker.ADD, line(alarm).replace(" -> ", "\n")
     marker.color = ColorRGBA(red, green, blue, opacity if is_lit else 0.35 * opacity)
     marker.pose.position, marker.scale.z = Point(*config.place), config.letter

@@ -37,7 +37,7 @@ from voice_assist.msg import Utterance
 from voice_assist.ros.alarms import messages
 from voice_assist.ros.believed import Believed
 
-PERIOD = 0.05  # [s] between looks at the clock while nothing comes
+PERIOD = 0.05  # [s] between two ticks of the board while nothing comes
 _WAITING = 10_000  # messages, at least; a controller's state comes 50 times a second
 _LOG = {
     Priority.HIGH: rospy.logerr,

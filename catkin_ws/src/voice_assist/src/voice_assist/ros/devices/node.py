@@ -23,7 +23,7 @@ from voice_assist.ros.devices.targets import Target, make_target
 from voice_assist.text.spoken_reply import spoken_reply
 
 VOICE = "voice_assist"  # node whose parameters hold the spoken commands
-IDLE = 0.2  # [s] between looks whether ROS ends
+IDLE = 0.2  # [s] between checks whether ROS ends
 
 
 class DevicesNode:

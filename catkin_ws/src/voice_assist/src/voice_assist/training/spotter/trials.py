@@ -157,7 +157,7 @@ class TrialRunner:
             for frame in Framer().push(stream, 0.0):
                 self._pipeline.set_mode(Mode.ACTIVE, "trial")
                 self._pipeline(frame)
-                newest = self._spotter.looks[-1:]
+                newest = self._spotter.scores[-1:]
                 if newest and (not looks or newest[0].time - BEFORE != looks[-1][0]):
                     looks.append((newest[0].time - BEFORE, newest[0].score))
             heard = tuple(replace(h, time=h.time - BEFORE) for h in self._recorder.heard)

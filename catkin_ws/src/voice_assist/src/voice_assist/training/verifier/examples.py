@@ -141,7 +141,7 @@ def varied(sound: Int16, around: Surroundings, rng: Generator) -> NDArray[np.flo
     return np.pad(noisy.clip(-1.0, 1.0), (0, _ADDED)).astype(np.float32)
 
 
-def looks(
+def phrase_segments(
     model: WhisperCtc, sound: NDArray[np.float32], command: str
 ) -> Iterator[tuple[str, NDArray[np.float32]]]:
     """Phrases that a sound is like, and what the verifier sees of each.

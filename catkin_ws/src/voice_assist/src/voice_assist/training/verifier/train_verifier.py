@@ -130,7 +130,7 @@ def _seen(model: WhisperCtc, options: argparse.Namespace) -> Iterator[Seen]:
     for number, (sound, command, voice) in enumerate(_sounds(options)):
         for _ in range(TAKES[bool(command)]):
             varied = examples.varied(sound, around, rng)
-            for phrase, seen in examples.looks(model, varied, command):
+            for phrase, seen in examples.phrase_segments(model, varied, command):
                 yield Seen(phrase, seen, bool(command), voice)
         if number % 500 == 0:
             LOG.info("%d clips", number)
