@@ -66,7 +66,7 @@ def test_an_axis_counts_from_its_threshold_on(above, values, sent):
 def test_an_unknown_button_is_named_once_and_does_nothing():
     pedals = make(binding("button 1", command="stop"))
     assert [press(pedals, "button 9", value) for value in (1, 0, 1)] == [(), (), ()]
-    assert pedals.remarks == ["button 9 does nothing: pedal.yaml names it not"]
+    assert pedals.remarks == ["button 9 does nothing: pedal.yaml does not name it"]
 
 
 def test_an_input_that_the_device_lacks_is_named():

@@ -6,11 +6,22 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, TypeVar
 
-from typed_config import choice, integer, items, load_config, number, require, text
+from typed_config import (
+    ConfigError,
+    choice,
+    integer,
+    items,
+    load_config,
+    number,
+    require,
+    text,
+)
 from voice_assist.config.profile import require_name
+from voice_assist.errors import VoiceError
 
+T = TypeVar("T")
 FORMAT = 1
 LARGEST = 4_000_000  # [B] of the manifest: thousands of takes
 _FILE = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,79}")
@@ -94,6 +105,18 @@ class Manifest:
         sums = {file.name: file.sha256 for file in self.files}
         sums |= {take.file: take.sha256 for take in self.takes}
         return sums.get(name)
+
+
+def read_part(kind: type[T], data: bytes, name: str) -> T:
+    """A file of JSON in a profile.
+
+    Raises:
+        VoiceError: It is something else.
+    """
+    try:
+        return load_config(kind, json.loads(data), name)
+    except (ConfigError, ValueError, RecursionError) as error:
+        raise VoiceError(f"{name} of the profile cannot be used: {error}") from error
 
 
 def to_bytes(manifest: Manifest) -> bytes:

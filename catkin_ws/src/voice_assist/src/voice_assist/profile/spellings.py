@@ -13,12 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from typed_config import ConfigError, items, load_config, text
+from typed_config import items, text
 from voice_assist.config.commands import CommandsConfig
-from voice_assist.errors import CommandsError, VoiceError
+from voice_assist.errors import CommandsError
 from voice_assist.intent.confusability import ENGLISH, objection
 from voice_assist.profile.loudness import speech_of
-from voice_assist.profile.manifest import COMMAND
+from voice_assist.profile.manifest import COMMAND, read_part
 from voice_assist.text.normalize import is_negated, normalize
 
 if TYPE_CHECKING:
@@ -140,10 +140,7 @@ def from_bytes(data: bytes) -> Spellings:
     Raises:
         VoiceError: It is something else.
     """
-    try:
-        return load_config(Spellings, json.loads(data), NAME)
-    except (ConfigError, ValueError, RecursionError) as error:
-        raise VoiceError(f"{NAME} of the profile cannot be used: {error}") from error
+    return read_part(Spellings, data, NAME)
 
 
 def _candidates(written: Mapping[str, Sequence[str]]) -> list[tuple[str, str, int]]:

@@ -10,9 +10,9 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass, replace
 
-from typed_config import ConfigError, items, load_config, number, text
+from typed_config import items, number, text
 from voice_assist.config.commands import NEVER_SURE, CommandConfig, CommandsConfig
-from voice_assist.errors import VoiceError
+from voice_assist.profile.manifest import read_part
 
 NAME = "settings.json"  # in a profile
 
@@ -48,10 +48,7 @@ def from_bytes(data: bytes) -> Settings:
     Raises:
         VoiceError: It is something else.
     """
-    try:
-        return load_config(Settings, json.loads(data), NAME)
-    except (ConfigError, ValueError, RecursionError) as error:
-        raise VoiceError(f"{NAME} of the profile cannot be used: {error}") from error
+    return read_part(Settings, data, NAME)
 
 
 def overlay(commands: CommandsConfig, settings: Settings) -> CommandsConfig:

@@ -24,7 +24,7 @@ from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, voice_config
 from voice_assist.config.profile import NOBODY
 from voice_assist.errors import VoiceError
 from voice_assist.intent.dialogue import Answered
-from voice_assist.pipeline.pipeline import Event
+from voice_assist.pipeline.pipeline import Event, Pipeline
 from voice_assist.profile.active import personalise
 from voice_assist.replay.recorded_spotter import RecordedSpotter
 from voice_assist.side_inputs import SideInput, SideInputKind, SideInputs, from_text
@@ -133,7 +133,10 @@ class PipelineReplay:
         self._config, self._past = config, past
         self._clock = RecordedClock()
         self._spotter = RecordedSpotter(spotter, past) if spotter is not None else None
-        self._pipeline = make_pipeline(config, self._clock, recognizer, self._spotter)
+        self._pipeline = self._build(recognizer)
+
+    def _build(self, recognizer: Recognizer) -> Pipeline:
+        return make_pipeline(self._config, self._clock, recognizer, self._spotter)
 
     def hear(self, sound: RecordedSound) -> list[ReplayedDecision]:
         """Take the next block of sound, as it was published; gives what was decided with it.

@@ -193,11 +193,11 @@ class VoiceNode:
             if frame is None:
                 rospy.signal_shutdown("the recording is over")
                 return
-            self._busy_since = started = time.monotonic()
+            self._busy_since = started = _steady()
             for event in self._pipeline(frame):
                 self._take(event)
             self._busy_since, health = None, self._health
-            health.worked(time.monotonic() - started, frame.duration)
+            health.worked(_steady() - started, frame.duration)
             health.queued, health.frame_done = self._frames.qsize(), _now()
             health.behind = health.frame_done - frame.stamp - frame.duration
 
@@ -254,7 +254,7 @@ class VoiceNode:
 
     def _watch_recognition(self) -> bool:
         """Stop the robot once recognition hangs; returns whether a hang has just begun or ended."""
-        status = self._watch(self._busy_since, time.monotonic(), _now())
+        status = self._watch(self._busy_since, _steady(), _now())
         self._health.hang = status.hang
         if status.hang and status.is_news:
             self._robot.hold()
@@ -266,6 +266,10 @@ class VoiceNode:
 
 def _now() -> float:
     return float(rospy.get_time())
+
+
+def _steady() -> float:
+    return time.monotonic()
 
 
 def _noise() -> Samples:

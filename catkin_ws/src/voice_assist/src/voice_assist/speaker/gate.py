@@ -65,7 +65,7 @@ class SpeakerGate:
         speech = spoken(samples)
         if (seconds := len(speech) / RATE) < self._min_speech:
             allowed = f"allowed: at least {self._min_speech:g} s"
-            return _other_voice(f"{seconds:.2f} s of speech is too little to judge it, {allowed}")
+            return _other_voice(f"{seconds:.2f} s of speech is too short to judge it, {allowed}")
         try:
             score = float(self._cohort.score(self._embed(speech), self._voiceprint.centre))
         except (RuntimeError, ValueError) as error:

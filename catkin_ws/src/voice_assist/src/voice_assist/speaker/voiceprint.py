@@ -60,7 +60,9 @@ class Voiceprint:
             raise VoiceprintError(f"voiceprint cannot be read: {error}"[:300]) from error
         is_sound = centre.shape == (WIDTH,) and numbers.shape == (5,)
         if not is_sound or not np.isfinite([*centre, *numbers]).all() or numbers[0] != FORMAT:
-            raise VoiceprintError(f"voiceprint of shape {centre.shape}, allowed: format {FORMAT}")
+            found = f"centre {centre.shape}, numbers {numbers.shape}"
+            allowed = f"({WIDTH},) and (5,), finite, of format {FORMAT}"
+            raise VoiceprintError(f"voiceprint holds {found}, allowed: {allowed}")
         _, threshold, let_in, missed, takes = numbers.tolist()
         return cls(unit(centre), threshold, let_in, missed, int(takes), cohort)
 
