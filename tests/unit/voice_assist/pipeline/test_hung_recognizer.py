@@ -29,6 +29,7 @@ from voice_assist.types import HearingFault
 for package in (rst_control, voice_assist):  # pytest's paths hide the generated messages
     package.__path__ = extend_path(package.__path__, package.__name__)
 node = import_module("voice_assist.ros.voice_node")
+robot_acts = import_module("voice_assist.ros.robot.robot_acts")
 diagnostics = import_module("voice_assist.ros.diagnostics")
 
 BEATS = 5  # heartbeats that show that they go on
@@ -119,7 +120,10 @@ class Room:
             "make_pipeline": self.pipeline,
         }
         for name, value in replaced.items():
-            monkeypatch.setattr(node, name, value)
+            modules = [module for module in (node, robot_acts) if hasattr(module, name)]
+            assert modules, name
+            for module in modules:
+                monkeypatch.setattr(module, name, value)
         self.node = node.VoiceNode(load_voice_config())
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
