@@ -66,16 +66,19 @@ def measure() -> list[Figure]:
     """All kinds of loss."""
     decides = resumable.source(rig_module, sys.modules[__name__])
     place = resumable.CACHE / "site_stops" / resumable.digest(code.identity(code.KINOVA), decides)
-    figures: list[Figure] = []
+    jobs = [
+        ((name, number), place / f"{index}_{number:03d}.json")
+        for number in range(-(-TRIALS // PIECE))
+        for index, name in enumerate(KINDS)
+    ]
+    found: dict[str, list[Stopped]] = {name: [] for name in KINDS}
     with resumable.pool(resumable.JOBS, kinova_motion) as pool:
-        for number, name in enumerate(KINDS):
-            numbers = range(-(-TRIALS // PIECE))
-            jobs = [((name, n), place / f"{number}_{n:03d}.json") for n in numbers]
-            files = resumable.carried_out("site.stops", jobs, _piece, pool)
-            rows = (row for file in files for row in json.loads(file.read_text()))
-            if found := [Stopped(**row) for row in rows]:
-                figures += _figures(name, found)
-    return figures
+        for file in resumable.carried_out("site.stops", jobs, _piece, pool):
+            rows = json.loads(file.read_text(encoding="utf-8"))
+            found[list(KINDS)[int(file.name[0])]] += [Stopped(**row) for row in rows]
+    least = min(len(trials) for trials in found.values())
+    figures = [f for name, trials in found.items() if trials for f in _figures(name, trials)]
+    return [resumable.measured(least, "trials of each kind", TRIALS), *figures]
 
 
 def _piece(job: tuple[str, int]) -> list[dict[str, Any]]:

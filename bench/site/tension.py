@@ -174,17 +174,18 @@ def measure() -> list[Figure]:
     tension = load_motion_config().controller.tension
     decides = resumable.source(lockstep, held_tissue, sensors, sys.modules[__name__])
     place = resumable.CACHE / "site_tension" / resumable.digest(identity(code.SIMULATION), decides)
-    found: dict[str, list[TensionPeak]] = {}
+    jobs = [job for variant in VARIANTS for job in _pieces(variant, place)]
+    found: dict[str, list[TensionPeak]] = {variant: [] for variant in VARIANTS}
     with resumable.pool(resumable.JOBS, load_motion_config) as pool:
-        for variant in VARIANTS:
-            files = resumable.carried_out("site.tension", _pieces(variant, place), _piece, pool)
-            found[variant] = [
-                TensionPeak(**row) for f in files for row in json.loads(f.read_text())
-            ]
+        for file in resumable.carried_out("site.tension", jobs, _piece, pool):
+            rows = json.loads(file.read_text(encoding="utf-8"))
+            found[file.name.partition("_")[0]] += [TensionPeak(**row) for row in rows]
+    scaled, good, drawn = (found[variant] for variant in VARIANTS)
     return [
-        *_figures(found["drawn"], ABOVE * tension.limit),
-        *_scaled(found["scaled"], ABOVE * tension.limit / LOWEST),
-        *_good(found["good"], tension.limit),
+        resumable.measured(len(drawn), "situations", SITUATIONS),
+        *(_figures(drawn, ABOVE * tension.limit) if drawn else ()),
+        *(_scaled(scaled, ABOVE * tension.limit / LOWEST) if scaled else ()),
+        *(_good(good, tension.limit) if good else ()),
     ]
 
 
@@ -209,9 +210,9 @@ def _of_good_sensor(drawn: TensionSituation) -> TensionSituation:
 
 
 VARIANTS: Final[dict[str, Callable[[TensionSituation], TensionSituation]]] = {
-    "drawn": lambda drawn: drawn,
     "scaled": lambda drawn: replace(drawn, is_bound=False),
     "good": _of_good_sensor,
+    "drawn": lambda drawn: drawn,
 }
 
 
