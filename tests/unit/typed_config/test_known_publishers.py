@@ -155,3 +155,20 @@ def test_where_others_publish_rightly_they_are_passed_over_and_not_named(known):
     link = known.subscribe("/diagnostics", Bool, heard.append, ["/robot"])
     link.hear(link.connect("/camera_driver", port=5))
     assert (heard, known.strangers()) == ([], [])
+
+
+def test_a_topic_on_which_anybody_is_believed_is_warned_of(known):
+    known.subscribe("/robot/gripped", Bool, lambda _: None, ["/robot"])
+    assert known.status("robot", "controller").level == DiagnosticStatus.OK
+    known.subscribe("/gen3/state_command", Bool, lambda _: None, [])
+    status = known.status("robot", "controller")
+    assert status.level == DiagnosticStatus.WARN
+    assert status.message == "anybody is believed on /gen3/state_command"
+
+
+def test_a_stranger_is_named_before_a_topic_of_anybody(known):
+    known.subscribe("/gen3/state_command", Bool, lambda _: None, [])
+    known.subscribe("/robot/gripped", Bool, lambda _: None, ["/robot"]).connect("/other", 2)
+    status = known.status("robot", "controller")
+    assert status.level == DiagnosticStatus.ERROR
+    assert "/robot/gripped from /other" in status.message

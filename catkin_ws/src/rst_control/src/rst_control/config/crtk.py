@@ -6,9 +6,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rst_control.config.motion import CONFIG_FOLDER
-from typed_config import number
+from typed_config import number, text
+from typed_config.node_names import require_names
 
 CRTK_FILE = CONFIG_FOLDER / "crtk.yaml"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrtkBelievedConfig:
+    """Nodes whose messages count for CRTK's node; [] stands for anybody."""
+
+    controller: tuple[str, ...] = text()
+    robot: tuple[str, ...] = text()
+    clients: tuple[str, ...] = text()
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        for key in ("controller", "robot", "clients"):
+            require_names(key, getattr(self, key))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,3 +32,4 @@ class CrtkConfig:
 
     rate: float = number(1.0, 500.0, "Hz")
     old_after: float = number(0.1, 10.0, "s")
+    believed: CrtkBelievedConfig

@@ -37,6 +37,7 @@ class TrackingConfig:
     """Places that a tracker reports."""
 
     tracker: tuple[str, ...] = text()
+    frames: tuple[str, ...] = text()
     age: float = number(0.01, 2.0, "s")
     frame_age: float = number(0.01, 10.0, "s")
     grasp_point: TrackedGraspConfig
@@ -45,3 +46,4 @@ class TrackingConfig:
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
         require_names("tracker", self.tracker)
+        require_names("frames", self.frames)

@@ -25,7 +25,7 @@ MAX_STRANGERS: Final = 64  # that are named at once
 CODE: Final = "stranger"  # `reason_code` of the status
 ASK_AGAIN: Final = 0.5  # [s] before a master that did not answer, or knew nothing, is asked again
 DIAGNOSTICS_PERIOD: Final = 1.0  # [s]
-SHARED: Final = ("/diagnostics",)  # where others publish rightly: passed over, not named
+SHARED: Final = ("/diagnostics", "/tf", "/tf_static")  # others publish there rightly: not named
 
 
 class NodeAddresses:
@@ -122,6 +122,7 @@ class KnownPublishers:
 
     def __init__(self) -> None:
         self._links: list[Link] = []
+        self._open: list[str] = []  # topics on which anybody is believed
         self._addresses = NodeAddresses()
         self._warned: set[tuple[str, str]] = set()
         self._diagnostics: rospy.Publisher | None = None
@@ -150,6 +151,9 @@ class KnownPublishers:
         taken = link.take if patterns else callback
         link.subscriber = rospy.Subscriber(topic, kind, taken, **options)
         self._links.append(link)
+        if not patterns:
+            self._open.append(link.subscriber.resolved_name)
+            rospy.logwarn("%s: anybody is believed; the settings name nobody", self._open[-1])
         return link.subscriber
 
     def watch(self) -> Link:
@@ -175,8 +179,11 @@ class KnownPublishers:
             node: That does not believe them.
         """
         found = self.strangers()
-        words = f"not believed: {', '.join(found)}" if found else "no strangers on its topics"
-        level = DiagnosticStatus.ERROR if found else DiagnosticStatus.OK
+        words, level = "no strangers on its topics", DiagnosticStatus.OK
+        if self._open:
+            words, level = f"anybody is believed on {', '.join(self._open)}", DiagnosticStatus.WARN
+        if found:
+            words, level = f"not believed: {', '.join(found)}", DiagnosticStatus.ERROR
         values = [KeyValue("reason_code", CODE if found else "")]
         return DiagnosticStatus(
             level=level,

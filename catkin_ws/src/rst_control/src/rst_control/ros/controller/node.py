@@ -136,7 +136,7 @@ class ControllerNode:
         """What sets trocar and grasp point by hand, and what follows them."""
         settings = config.controller
         self._trocar = TrocarService(self._context, self._executor, self._places, limiter)
-        frames = FrameListener(self._clock, settings.tracking.frame_age)
+        frames = FrameListener(self._clock, settings.tracking, self._known)
         self._grasp_point = GraspPointService(grasp_point, self._places, frames, limiter)
         follows = settings.tracking.trocar.motion == FOLLOWED
         robot = compensated(self._link, config, self._state_of)

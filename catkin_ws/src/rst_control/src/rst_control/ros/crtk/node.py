@@ -31,6 +31,7 @@ from rst_control.ros.common.pose_message import pose_message
 from rst_control.srv import Command
 from rst_control.types import BASE, JOINTS, Vector
 from typed_config import ConfigError
+from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 
@@ -64,16 +65,20 @@ class CrtkNode:
         self._warning = rospy.Publisher(f"{arm}/warning", StringStamped, queue_size=10)
         self._stop = rospy.Publisher("rst_control/stop", EmptyMessage, queue_size=10)
         self._command = rospy.ServiceProxy("rst_control/command", Command)
+        self._known, by, newest = KnownPublishers(), config.believed, {"queue_size": 1}
+        known, command = self._known.subscribe, f"{arm}/state_command"
         self._subscribers = [
-            rospy.Subscriber("rst_control/state", ControllerState, self._on_state, queue_size=1),
-            rospy.Subscriber("joint_states", JointState, self._on_joints, queue_size=1),
-            rospy.Subscriber(f"{arm}/state_command", StringStamped, self._on_command),
+            rospy.Subscriber(command, StringStamped, self._on_brake),  # first: anybody may stop
+            known(command, StringStamped, self._on_command, by.clients),
+            known("rst_control/state", ControllerState, self._on_state, by.controller, **newest),
+            known("joint_states", JointState, self._on_joints, by.robot, **newest),
         ]
 
     def run(self) -> None:
         """Give commands and tell the state until ROS shuts down."""
         while not rospy.is_shutdown():
             self._tell()
+            self._known.publish_status()
             with suppress(Empty):
                 self._give(self._commands.get(timeout=0.05))
 
@@ -82,10 +87,12 @@ class CrtkNode:
     def _on_state(self, message: ControllerState) -> None:
         self._state, self._state_at = message, time.monotonic()
 
+    def _on_brake(self, message: StringStamped) -> None:
+        if state_command(message.string).brakes:
+            self._stop.publish(EmptyMessage())
+
     def _on_command(self, message: StringStamped) -> None:
         follows = state_command(message.string)
-        if follows.brakes:
-            self._stop.publish(EmptyMessage())
         if follows.refusal:
             self._warn(follows.refusal)
         elif follows.command:

@@ -11,9 +11,11 @@ import rospy
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
+from rst_control.config.tracking import TrackingConfig
 from rst_control.registration.frames import Array, Frames, Link, pose
 from rst_control.ros.controller.messages import RosClock
 from rst_control.types import BASE, Cause
+from typed_config.ros.known_publishers import KnownPublishers
 
 PATIENCE: Final = 1.0  # [s] for tf to tell of a frame that was not heard of
 STEP: Final = 0.02  # [s] between two looks
@@ -24,11 +26,13 @@ class FrameListener:
 
     Args:
         clock: Translates stamps.
-        age: Of a transform of a frame that moves, at most [s].
+        config: Who publishes frames, and how old one that moves may be.
+        known: Makes the subscribers.
     """
 
-    def __init__(self, clock: RosClock, age: float) -> None:
-        self._clock, self._age, self._frames = clock, age, Frames()
+    def __init__(self, clock: RosClock, config: TrackingConfig, known: KnownPublishers) -> None:
+        self._clock, self._age, self._frames = clock, config.frame_age, Frames()
+        self._known, self._names = known, config.frames
         self._lock = threading.Lock()
         self._topics: list[rospy.Subscriber] = []
 
@@ -50,9 +54,10 @@ class FrameListener:
         with self._lock:
             if self._topics:
                 return
+            known, names = self._known.subscribe, self._names
             self._topics = [
-                rospy.Subscriber("/tf", TFMessage, self._on_moving, queue_size=100),
-                rospy.Subscriber("/tf_static", TFMessage, self._on_static, queue_size=100),
+                known("/tf", TFMessage, self._on_moving, names, queue_size=100),
+                known("/tf_static", TFMessage, self._on_static, names, queue_size=100),
             ]
 
     def _on_moving(self, message: TFMessage) -> None:
