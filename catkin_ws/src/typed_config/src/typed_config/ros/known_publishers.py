@@ -181,7 +181,8 @@ class KnownPublishers:
         found = self.strangers()
         words, level = "no strangers on its topics", DiagnosticStatus.OK
         if self._open:
-            words, level = f"anybody is believed on {', '.join(self._open)}", DiagnosticStatus.WARN
+            words += f"; anybody is believed on {', '.join(self._open)}"
+            level = DiagnosticStatus.WARN
         if found:
             words, level = f"not believed: {', '.join(found)}", DiagnosticStatus.ERROR
         values = [KeyValue("reason_code", CODE if found else "")]
