@@ -78,10 +78,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     _report(folder, console)
     if options.film:
         pictures = write_film(folder / "session.mcap", folder / "film.gif")
-        console.print(f"{pictures} pictures in {folder / 'film.gif'}")
+        name = folder / "film.gif"
+        why = f"only {pictures} were drawn: the machine was too busy with other work"
+        console.print(f"{pictures} pictures in {name}" if pictures > 1 else f"No {name}: {why}")
     if options.microphone:
         return 0
-    return _conclude(results, folder, console)
+    return _conclude(results, folder, console, ("film.gif",) if options.film else ())
 
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -218,7 +220,9 @@ def _report(folder: Path, console: Console) -> None:
         console.print(f"Session, recording and report: {folder}")
 
 
-def _conclude(results: Sequence[StepVerdict], folder: Path, console: Console) -> int:
+def _conclude(
+    results: Sequence[StepVerdict], folder: Path, console: Console, films: Sequence[str]
+) -> int:
     table = Table(title="What the script asked for")
     for column in ("said", "effect", "happened", "seen"):
         table.add_column(column)
@@ -227,7 +231,7 @@ def _conclude(results: Sequence[StepVerdict], folder: Path, console: Console) ->
         table.add_row(verdict.step.say, verdict.step.effect, mark, verdict.found)
     console.print(table)
     missed = [v.step.say for v in results if not v.happened]
-    for needed in ("session.mcap", "report.html"):
+    for needed in ("session.mcap", "report.html", *films):
         if not (folder / needed).is_file():
             missed.append(needed)
     if missed:
