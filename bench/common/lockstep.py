@@ -67,8 +67,9 @@ class LockStep(ABC):
         owner: str = "",
     ) -> PendingCommand:
         """Give a command and tick until it is answered; `CommandQueue.take` says what each is."""
-        by_hand, amounts = not is_spoken, {"tension": tension, "distance": distance}
-        pending = self.queue.take(words, "bench", is_spoken, by_hand, owner=owner, **amounts)
+        pending = self.queue.take(
+            words, "bench", is_spoken, not is_spoken, None, owner, tension, distance
+        )
         while not pending.reply.done():
             waiting = None if words in AT_ONCE else self.queue.next(0.0)
             if waiting is not None:
