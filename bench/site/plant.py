@@ -71,7 +71,7 @@ def measure() -> list[Figure]:
 
 def _file(job: Job) -> Path:
     """Of one piece, by all that decides what comes of it."""
-    key = digest(job, PIECE, *_conditions())
+    key = digest(job, min(PIECE, SECONDS), *_conditions())
     return CACHE / "site_plant" / f"{key}.json"
 
 
