@@ -169,6 +169,7 @@ def figures_of(name: str, pieces: Sequence[Seen], is_fixed: bool) -> list[Figure
         ("stop way max", max(seen.stop_ways, default=np.nan) * 1e3, "mm", None, ""),
     ]
     figures = [Figure(f"{name}: {what}", v, unit, goal, note=n) for what, v, unit, goal, n in rows]
+    figures = [figure for figure in figures if not np.isnan(figure.value)]  # nothing was seen of it
     share = 100.0 * float(np.mean(seen.triangulated)) if seen.triangulated else float("nan")
     failed = sorted({words.split(" ")[0] for words in seen.failures})
     count = f"({len(seen.triangulated)} grasps{', failed: ' if failed else ''}{', '.join(failed)})"

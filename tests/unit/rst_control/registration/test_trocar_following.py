@@ -191,3 +191,19 @@ def test_a_stream_that_begins_anew_begins_where_the_robot_holds():
     assert np.abs(following.measured_js().velocity).max() == 0.0
     following.servo_jp(Setpoint(q, np.zeros(10), now + PERIOD))
     np.testing.assert_allclose(robot.sent[-1].position, last, atol=1e-12)
+
+
+def test_jaws_that_tissue_keeps_open_are_not_frozen():
+    config, model, _ = shared()
+    rest = Rig().robot.measured_js()
+    open_jaws = np.array(rest.position) + np.array([0.0] * 8 + [0.02, 0.02])
+    robot = StillRobot(replace(rest, position=open_jaws))
+    following = TrocarFollowing(robot, following_settings(), model, lambda: State.MOVING)
+    now = 10.0
+    for share in np.linspace(0.0, 1.0, 400):
+        now += PERIOD
+        following.take(Report(np.array(config.scene.trocar), now))
+        robot.measured = replace(robot.measured, stamp=now)
+        closing = open_jaws - share * np.array([0.0] * 8 + [0.02, 0.02])
+        assert "frozen" not in following.measured_js().fault
+        following.servo_jp(Setpoint(closing, np.zeros(10), now))

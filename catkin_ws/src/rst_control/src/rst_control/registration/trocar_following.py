@@ -24,7 +24,7 @@ from rst_control.registration.followed_trocar import TrackedTrocar
 from rst_control.registration.tracked_place import Report
 from rst_control.robot.backend import RobotBackend
 from rst_control.robot.sent_changes import SentChanges
-from rst_control.supervision.plausibility import FrozenJoints
+from rst_control.supervision.plausibility import FrozenJoints, kept_open
 from rst_control.types import Cause, Measurement, Reason, Setpoint, State, Vector
 
 FOLLOWED_IN: Final = (State.ACTIVE, State.MOVING, State.STOPPING)
@@ -73,7 +73,7 @@ class TrocarFollowing(RobotBackend):
         if measured is None or (measured is last and self._seen is not None):
             return self._seen
         if last is not None:
-            self._frozen.update(last, measured, self._sent)
+            self._frozen.update(last, measured, kept_open(measured, self._sent))
         self._raw = measured
         fault = measured.fault or self._fault(measured.stamp)
         self._seen = replace(self._changes.undone(measured), fault=fault)

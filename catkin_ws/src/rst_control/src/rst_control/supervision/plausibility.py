@@ -79,7 +79,7 @@ class SensorWatch:
         is_blind = is_gap or bool(measured.tension_invalid_reason)
         self._tension_words = self._tension.update(last, measured, None if is_blind else pulled)
         words = words or self._tension_words
-        self._joints.update(last, measured, _kept_open(measured, setpoint))
+        self._joints.update(last, measured, kept_open(measured, setpoint))
         if words:
             self._words = self._words or words
             self._until = measured.stamp + self._config.plausible_for
@@ -138,8 +138,8 @@ class SensorWatch:
         )
 
 
-def _kept_open(measured: Measurement, setpoint: Vector | None) -> Vector | None:
-    """The set-point with the jaws sent no further closed than they stand.
+def kept_open(measured: Measurement, setpoint: Vector | None) -> Vector | None:
+    """The set-point with the jaws sent no further closed than they stand [rad]. Shape (10,).
 
     What lies between them may keep them open; that is a grip, and no frozen reading.
     """
