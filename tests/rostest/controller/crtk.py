@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A client of CRTK sees the arm, brakes it, and asks for it like any other caller."""
+"""A client of CRTK sees the arm, brakes it, and asks for it; one that is not named only brakes."""
 
+import subprocess
 import sys
 import unittest
 
@@ -16,6 +17,12 @@ from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.robot_model import parse_robot
 from rst_control.types import JOINTS
 from tests.support.robot_client import RobotClient
+
+
+def stranger_gives(word):
+    """Let a node that crtk.yaml does not name publish a command."""
+    given = ["gen3/state_command", "crtk_msgs/StringStamped", f"{{string: {word}}}"]
+    subprocess.run(["rostopic", "pub", "-1", *given], check=True, stdout=subprocess.DEVNULL)
 
 
 class Crtk(unittest.TestCase):
@@ -69,14 +76,18 @@ class Crtk(unittest.TestCase):
             self.robot.wait(lambda word=word: any(word in w for w in self.warnings))
         self.assertEqual(self.robot.state.state, "standby")
 
-    def test_3_enable_is_hey_robot_and_pause_brakes_a_motion(self):
+    def test_3_enable_is_hey_robot_and_anybodys_pause_brakes_a_motion(self):
+        accepted = sum(e.kind == "accepted" for e in self.robot.events)
+        stranger_gives("enable")
+        self.assertEqual(sum(e.kind == "accepted" for e in self.robot.events), accepted)
+        self.assertEqual(self.shown.state, "DISABLED")
         self.give("enable")
         self.wait_for("ENABLED")
         self.robot.say("tense")
         self.robot.wait_for_state("moving")
         self.wait_for("ENABLED", is_busy=True)
         self.robot.wait(lambda: abs(self.twist.twist.linear.z) > 1e-3)
-        self.give("pause")
+        stranger_gives("pause")
         self.robot.wait_for_state("halted")
         self.wait_for("PAUSED")
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Commands that were taken are passed on as speech_recognition_msgs, and nothing else is."""
+"""Commands that the voice node took are passed on as speech_recognition_msgs, nothing else is."""
 
+import subprocess
 import sys
 import unittest
 
@@ -14,13 +15,16 @@ from voice_assist.msg import Utterance
 
 
 class Candidates(unittest.TestCase):
-    """What was refused, what was written otherwise, and what was said exactly."""
+    """What a stranger says, what was refused, what was written otherwise, what was said exactly."""
 
     def test_only_what_was_taken_is_passed_on_with_its_confidence(self):
         heard = []
         rospy.Subscriber("speech_to_text", SpeechRecognitionCandidates, heard.append)
         words = rospy.Publisher("voice_assist/utterance", Utterance, queue_size=10)
         wait_until(lambda: words.get_num_connections() >= 1)
+        said = "{transcript: release, command: release, confidence: 0.9}"
+        stranger = ["pub", "-1", "voice_assist/utterance", "voice_assist/Utterance", said]
+        subprocess.run(["rostopic", *stranger], check=True, stdout=subprocess.DEVNULL)
         for transcript, command in (("tents", ""), ("hay robot", "hey robot"), ("tense", "tense")):
             words.publish(Utterance(transcript=transcript, command=command, confidence=0.5))
         wait_until(lambda: len(heard) >= 2)

@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Commands that were taken, for nodes that hear speech_recognition_msgs.
 
-What was refused is not passed on: who acts on these texts would act on it.
+What was refused is not passed on, nor what others than the voice node say: who acts on these
+texts would act on it.
 """
 
 from __future__ import annotations
+
+import time
 
 import rospy
 from speech_recognition_msgs.msg import SpeechRecognitionCandidates
 
 from typed_config.ros.starting import starting
 from voice_assist.msg import Utterance
+from voice_assist.ros.believed import Believed
 
 TOPIC = "speech_to_text"  # where the nodes of jsk_3rdparty listen
+IDLE = 0.2  # [s] between looks whether ROS ends
 
 
 def candidates(message: Utterance) -> SpeechRecognitionCandidates | None:
@@ -35,5 +40,8 @@ def main() -> None:
             if (found := candidates(message)) is not None:
                 results.publish(found)
 
-        rospy.Subscriber("voice_assist/utterance", Utterance, pass_on)
-    rospy.spin()
+        known = Believed()
+        known.hear("voice", "voice_assist/utterance", Utterance, pass_on)
+    while not rospy.is_shutdown():
+        known.publish_status()
+        time.sleep(IDLE)
