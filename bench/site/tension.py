@@ -91,6 +91,7 @@ class TensionPeak:
     given: int  # commands
     accepted: int
     distrust: str  # why the tension was not believed at any time; empty: it was
+    rate: float  # [Hz] of the controller's loop
 
 
 def draw_situation(index: int) -> TensionSituation:
@@ -149,7 +150,20 @@ def carry_out(situation: TensionSituation, rate: float = RATE) -> TensionPeak:
             len(steps),
             accepted,
             rig.distrust,
+            rate,
         )
+
+
+def judge(situation: TensionSituation) -> TensionPeak:
+    """How a situation ends; one above the limit is carried out again at the product's own rate.
+
+    The slower loop takes notice of a sensor later, so it is the worse one. The repetition counts.
+    """
+    controller = load_motion_config().controller
+    coarse = carry_out(situation)
+    if coarse.peak <= controller.tension.limit:
+        return coarse
+    return carry_out(situation, controller.rate)
 
 
 def _carry_out_step(rig: HeldTissue, step: Step) -> bool:
@@ -201,7 +215,7 @@ def _pieces(variant: str, place: Path) -> Iterator[tuple[tuple[str, Sequence[int
 
 def _piece(job: tuple[str, Sequence[int]]) -> list[dict[str, Any]]:
     variant, numbers = job
-    return [asdict(carry_out(VARIANTS[variant](draw_situation(n)))) for n in numbers]
+    return [asdict(judge(VARIANTS[variant](draw_situation(n)))) for n in numbers]
 
 
 def _of_good_sensor(drawn: TensionSituation) -> TensionSituation:
@@ -219,7 +233,8 @@ VARIANTS: Final[dict[str, Callable[[TensionSituation], TensionSituation]]] = {
 def _figures(found: Sequence[TensionPeak], limit: float) -> list[Figure]:
     above = [p for p in found if p.peak > limit]
     given, accepted = sum(p.given for p in found), sum(p.accepted for p in found)
-    note = f"({given} commands, {accepted} accepted; 80 to 4000 N/m)"
+    again = sum(p.rate != RATE for p in found)
+    note = f"({given} commands, {accepted} accepted; 80 to 4000 N/m; {again} again at full rate)"
     figures = [
         Figure("tension, any fault of its sensor: situations", len(found), "", 10000, False, note),
         Figure(f"tension, any fault of its sensor: above {limit:.2f} N", len(above), "", 0.0),

@@ -10,7 +10,7 @@ import pytest
 
 from bench.site.held_tissue import HeldTissue, Spring, site
 from bench.site.sensors import KINDS, ONSETS, Sensor, SensorFault, healthy
-from bench.site.tension import ABOVE, WAYS, carry_out, draw_situation
+from bench.site.tension import ABOVE, WAYS, carry_out, draw_situation, judge
 from rst_control.supervision.tension_trust import TensionTrust
 from rst_control.tension.falls_at_rest import FallsAtRest
 
@@ -28,6 +28,15 @@ def test_the_slower_loop_of_the_bench_pulls_as_far_as_the_products(index, motion
     drawn = replace(draw_situation(index), fault=healthy(np.random.default_rng(index)))
     full = carry_out(drawn, motion_config.controller.rate)
     assert carry_out(drawn).peak == pytest.approx(full.peak, abs=0.05)
+
+
+@pytest.mark.parametrize(("index", "is_above"), [(987, True), (988, False)])
+def test_what_is_above_the_limit_in_the_slower_loop_is_judged_at_the_rate_of_the_product(
+    index, is_above, motion_config
+):
+    drawn, full = draw_situation(index), motion_config.controller.rate
+    assert (carry_out(drawn).peak > LIMIT) is is_above
+    assert judge(drawn) == (carry_out(drawn, full) if is_above else carry_out(drawn))
 
 
 def test_every_fault_begins_at_every_moment_and_commands_come_by_every_way_in_both_units():
