@@ -25,7 +25,7 @@ TOPIC = "/robot/scene/compressed"
 UTTERANCE, EVENT = "/voice_assist/utterance", "/rst_control/event"
 DEVICE, SOUND = "/voice_assist/device", "/voice_assist/audio"
 BAND = 52  # [pixels] below the picture, for the words
-STAYS = 3.0  # [s] that words stand
+COLOURS = 200  # of a picture of the GIF; with fewer the small coloured parts turn grey
 DARK, LIGHT = (24, 28, 36), (240, 240, 240)
 
 
@@ -36,10 +36,11 @@ class FilmForm:
     width: int  # [pixels]
     rate: float  # [1/s] of pictures, at most
     speed: float  # times real time
+    stays: float  # [s] of the session that words stand, unless others follow
 
 
-GIF = FilmForm(width=560, rate=1.0, speed=4.0)
-VIDEO = FilmForm(width=960, rate=10.0, speed=1.0)
+GIF = FilmForm(width=560, rate=1.0, speed=4.0, stays=10.0)
+VIDEO = FilmForm(width=960, rate=10.0, speed=1.0, stays=3.0)
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,8 @@ def write_film(mcap: Path, gif: Path) -> int:
     shots, captions = read_session(mcap)
     some = list(thinned(shots, GIF.rate))
     frames = [
-        framed(shot.image, caption_at(captions, shot.time), GIF.width).quantize(48) for shot in some
+        framed(shot.image, caption_at(captions, shot.time, GIF.stays), GIF.width).quantize(COLOURS)
+        for shot in some
     ]
     if len(frames) < 2:
         return len(frames)
@@ -150,9 +152,9 @@ def caption_of(topic: str, content: object) -> str:
     return f"{by}: {command} ({getattr(content, 'message', '')})"
 
 
-def caption_at(captions: Sequence[Caption], time: float) -> str:
-    """The newest words that still stand at a time [s]; empty: none."""
-    known = [c for c in captions if c.time <= time < c.time + STAYS]
+def caption_at(captions: Sequence[Caption], time: float, stays: float) -> str:
+    """The newest words that still stand at a time [s], which is for `stays` [s]; empty: none."""
+    known = [c for c in captions if c.time <= time < c.time + stays]
     return known[-1].words if known else ""
 
 

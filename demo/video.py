@@ -96,7 +96,7 @@ def _frames(
         time = begin + number / VIDEO.rate
         while at + 1 < len(shots) and shots[at + 1].time <= time:
             at += 1
-        if (words := caption_at(captions, time), at) != last:
+        if (words := caption_at(captions, time, VIDEO.stays), at) != last:
             last = words, at
             drawn = framed(shots[at].image, words, VIDEO.width)
         yield drawn

@@ -79,7 +79,7 @@ def load(master, settings):
     folder = ROOT / "catkin_ws" / "src" / "voice_assist" / "config"
     names = ("audio", "recognizer", "spotter", "commands", "believed")
     given = {name: yaml.safe_load((folder / f"{name}.yaml").read_text()) for name in names}
-    given["believed"]["audio"] = ["/witness"]
+    given["believed"] |= {"audio": ["/witness"], "speaker": ["/witness"]}
     given["spotter"]["is_enabled"] = False  # it was trained on words, and here tones are spoken
     for path, value in settings.items():
         *parents, key = path.split("/")

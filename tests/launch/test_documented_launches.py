@@ -21,7 +21,7 @@ from tests.support.launch_reading import restored
 PROGRAMS = Path(__file__).parent / "programs"  # where `roslaunch` reads and starts nothing
 CONFIG = ROOT / "catkin_ws/src"
 EXPLAINS, OTHERS = "--ros-args", "kortex_driver"
-NOT_OURS = {"format"}  # of audio_capture
+NOT_OURS = {"format", "cyclic_data_publish_rate"}  # of audio_capture and kortex_driver
 ROWS = {(row.file, row.name): row for row in rows()}
 COMPOSE = yaml.safe_load((ROOT / "docker/compose.yaml").read_text(encoding="utf-8"))
 NEEDS_MORE = "roslaunch voice_assist kinova.launch"  # of compose.yaml: the trocar is the user's

@@ -23,7 +23,7 @@ def shot(time, colour=BLUE):
     ("time", "words"), [(0.9, ""), (1.0, "one"), (3.9, "one"), (4.0, "two"), (7.1, "")]
 )
 def test_the_newest_words_stand_for_three_seconds(time, words):
-    assert caption_at([Caption(1.0, "one"), Caption(4.0, "two")], time) == words
+    assert caption_at([Caption(1.0, "one"), Caption(4.0, "two")], time, 3.0) == words
 
 
 def test_no_more_pictures_are_taken_than_the_rate_allows():

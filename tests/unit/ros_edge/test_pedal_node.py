@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A pedal that can no longer be read counts as released, whatever the error."""
+"""A pedal that can no longer be read counts as released; what is said of one that sent nothing."""
 
 import threading
 from types import SimpleNamespace
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
 
 from typed_config import load_yaml
 from voice_assist.config import CONFIG_DIR
@@ -40,3 +41,15 @@ def test_a_device_that_fails_releases_the_dead_man(monkeypatch, error):
     node._read()
     assert not node._pedals.is_held
     assert isinstance(actions[0], Brake) and str(error) in actions[0].why
+
+
+@pytest.mark.parametrize(
+    ("publishers", "trouble", "is_well"),
+    [(0, pedal_node.NOT_FOUND, False), (1, pedal_node.NOT_FOUND, True), (1, "silent", False)],
+)
+def test_a_joy_that_sends_changes_only_is_there_once_it_is_connected(publishers, trouble, is_well):
+    node = object.__new__(PedalNode)
+    node._joy, node._trouble = SimpleNamespace(get_num_connections=lambda: publishers), trouble
+    level, words = node._state_of_device()
+    assert (level == DiagnosticStatus.OK) is is_well
+    assert is_well or words == trouble

@@ -34,6 +34,7 @@ PERIOD = 0.05  # [s] between checks of gate, dead-man and silence
 DIAGNOSTICS_EVERY = 20  # checks
 ANSWER_WITHIN = 1.0  # [s] for the controller
 STOP_AGAIN = 0.2  # [s] between stops while the robot moves without the dead-man
+NOT_FOUND = "not found yet"
 
 
 class PedalNode:
@@ -48,7 +49,7 @@ class PedalNode:
 
     def __init__(self, config: PedalConfig) -> None:
         self._config, self._pedals, self._lock = config, Pedals(config), threading.Lock()
-        self._trouble = "not found yet"
+        self._trouble = NOT_FOUND
         self._last_news = self._last_stop = float("-inf")  # [s] steady clock
         self._state = ""
         self._stop = rospy.Publisher("rst_control/stop", Empty, queue_size=10)
@@ -162,12 +163,19 @@ class PedalNode:
         age, allowed = time.monotonic() - self._last_news, self._config.silent_after
         return f"{self._config.topic} silent for {age:.1f} s" if 0.0 < allowed < age else ""
 
+    def _state_of_device(self) -> tuple[int, str]:
+        """Level of the pedal's diagnostics, and its words."""
+        joy = self._joy if self._trouble == NOT_FOUND else None
+        if joy is not None and joy.get_num_connections() > 0:
+            return DiagnosticStatus.OK, "connected, nothing pressed yet"  # it sends changes only
+        level = DiagnosticStatus.ERROR if self._trouble else DiagnosticStatus.OK
+        return level, self._trouble or "there"
+
     def _publish_diagnostics(self) -> None:
         with self._lock:
-            level = DiagnosticStatus.ERROR if self._trouble else DiagnosticStatus.OK
-            status = DiagnosticStatus(level, f"{rospy.get_name()[1:]}: pedal", "", "", [])
-            status.message = self._trouble or "there"
-            status.hardware_id = self._config.device or self._config.topic
+            level, words = self._state_of_device()
+        status = DiagnosticStatus(level, f"{rospy.get_name()[1:]}: pedal", words, "", [])
+        status.hardware_id = self._config.device or self._config.topic
         strangers = self._known.status("pedal", "pedal")
         message = DiagnosticArray(status=[status, strangers])
         message.header.stamp = rospy.Time.now()
