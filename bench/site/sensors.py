@@ -23,11 +23,19 @@ LOWEST, HIGHEST = 0.3, 3.0  # scales
 
 
 @dataclass(frozen=True)
+class Failure:
+    """What goes wrong, as drawn."""
+
+    make: Callable[[], Fault]  # anew for each situation, for it may remember
+    is_scaled: bool = False  # for a while at least it reads the force by a factor
+
+
+@dataclass(frozen=True)
 class SensorFault:
     """One way to fail, as drawn."""
 
     kind: str
-    make: Callable[[], Fault]  # anew for each situation, for it may remember
+    failure: Failure
     onset: str  # one of ONSETS
     after: float  # [s] in which tissue was held when it begins, where it begins after the grasp
     noise: float  # [N]
@@ -37,14 +45,14 @@ class SensorFault:
 def healthy(rng: np.random.Generator) -> SensorFault:
     """A sensor that works, as noisy as the settings say."""
     noise = float(rng.uniform(0.0, HEALTHY_NOISE))
-    return SensorFault("none", lambda: lambda since, force: force, "before", 0.0, noise, 1)
+    return SensorFault("none", Failure(lambda: lambda _, force: force), "before", 0.0, noise, 1)
 
 
 def draw(rng: np.random.Generator, kind: str) -> SensorFault:
     """A fault of one kind."""
     return SensorFault(
         kind=kind,
-        make=KINDS[kind](rng),
+        failure=KINDS[kind](rng),
         onset=str(rng.choice(ONSETS)),
         after=float(rng.uniform(0.0, 6.0)),
         noise=float(rng.choice([0.0, rng.uniform(*NOISE)])),
@@ -57,7 +65,7 @@ class Sensor:
 
     def __init__(self, fault: SensorFault) -> None:
         self._fault, self._noise = fault, np.random.default_rng(fault.seed)
-        self._apply = fault.make()
+        self._apply = fault.failure.make()
         self._began: float | None = None
         self._grasped: float | None = None
 
@@ -98,26 +106,28 @@ def _frozen(first: Array | None = None) -> Fault:
     return fault
 
 
-def stuck(rng: np.random.Generator) -> Callable[[], Fault]:
+def stuck(rng: np.random.Generator) -> Failure:
     """At what it reads when the fault begins, or at a value of its own."""
     value = _direction(rng) * rng.uniform(0.0, TOP) if rng.random() < 0.3 else None
-    return lambda: _frozen(value)
+    return Failure(lambda: _frozen(value))
 
 
-def drifting(rng: np.random.Generator) -> Callable[[], Fault]:
+def drifting(rng: np.random.Generator) -> Failure:
     """By up to 0.3 N/s along any way, to no end."""
     rate = _direction(rng) * np.exp(rng.uniform(np.log(0.003), np.log(0.3)))
-    return lambda: lambda since, force: force + rate * since
+    return Failure(lambda: lambda since, force: force + rate * since)
 
 
-def scaled(rng: np.random.Generator) -> Callable[[], Fault]:
+def scaled(rng: np.random.Generator) -> Failure:
     """By LOWEST to HIGHEST, some for a while only."""
     scale = float(np.exp(rng.uniform(np.log(LOWEST), np.log(HIGHEST))))
     until = float(rng.uniform(0.1, 5.0)) if rng.random() < 0.3 else np.inf
-    return lambda: lambda since, force: scale * force if since < until else force
+    return Failure(
+        lambda: lambda since, force: scale * force if since < until else force, is_scaled=True
+    )
 
 
-def delayed(rng: np.random.Generator) -> Callable[[], Fault]:
+def delayed(rng: np.random.Generator) -> Failure:
     """By up to 0.3 s."""
     delay = float(rng.uniform(0.0, DELAY))
 
@@ -132,45 +142,45 @@ def delayed(rng: np.random.Generator) -> Callable[[], Fault]:
 
         return fault
 
-    return make
+    return Failure(make)
 
 
-def offset(rng: np.random.Generator) -> Callable[[], Fault]:
+def offset(rng: np.random.Generator) -> Failure:
     """By up to 2 N along any way."""
     value = _direction(rng) * rng.uniform(0.02, 2.0)
-    return lambda: lambda since, force: force + value
+    return Failure(lambda: lambda since, force: force + value)
 
 
-def alternating(rng: np.random.Generator) -> Callable[[], Fault]:
+def alternating(rng: np.random.Generator) -> Failure:
     """Between the truth and another fault, every 2 ms to 1 s."""
     period = float(np.exp(rng.uniform(np.log(0.002), np.log(1.0))))
     other = KINDS[str(rng.choice(["stuck", "scaled", "offset", "dead"]))](rng)
 
     def make() -> Fault:
-        fault = other()
+        fault = other.make()
         return lambda since, force: force if int(since / period) % 2 else fault(since, force)
 
-    return make
+    return Failure(make, other.is_scaled)
 
 
-def dead(rng: np.random.Generator) -> Callable[[], Fault]:
+def dead(rng: np.random.Generator) -> Failure:
     """Nothing."""
-    return lambda: _frozen(np.zeros(3))
+    return Failure(lambda: _frozen(np.zeros(3)))
 
 
-def recovering(rng: np.random.Generator) -> Callable[[], Fault]:
+def recovering(rng: np.random.Generator) -> Failure:
     """Well again after up to 5 s of another fault."""
     until = float(rng.uniform(0.1, 5.0))
     other = KINDS[str(rng.choice(["stuck", "drifting", "offset", "dead"]))](rng)
 
     def make() -> Fault:
-        fault = other()
+        fault = other.make()
         return lambda since, force: fault(since, force) if since < until else force
 
-    return make
+    return Failure(make)
 
 
-KINDS: Final[dict[str, Callable[[np.random.Generator], Callable[[], Fault]]]] = {
+KINDS: Final[dict[str, Callable[[np.random.Generator], Failure]]] = {
     "stuck": stuck,
     "drifting": drifting,
     "scaled": scaled,

@@ -2,8 +2,9 @@
 """Tension of the tissue whatever its sensor does: drawn faults, commands and tissue.
 
 Each site states the stiffest tissue that it has, and the statement is true. A sensor that reads
-too little by a constant factor cannot be told from softer tissue. There the site leaves its gain
-unchecked, and the pull is bounded by distance; what it comes to otherwise stands beside.
+too little by a factor, if for one pull only, cannot be told from softer tissue. There the site
+leaves its gain unchecked, and the pull is bounded by distance; what scaled sensors come to
+otherwise stands beside.
 
 Pieces of the work are kept (bench/common/resumable.py). JOBS are the processes, and MINUTES after
 which no more are begun. A change of the code that decides begins anew.
@@ -110,14 +111,11 @@ def draw_situation(index: int) -> TensionSituation:
         number=index,
         stiffest=stiffest,
         tissue=Spring(stiffness, float(slack), float(bend)),
-        is_bound=kind in UNKNOWABLE,
+        is_bound=fault.failure.is_scaled,
         fault=fault,
         first=float(rng.uniform(0.2, 2.0)),
         steps=tuple(_draw_step(rng, stiffness, str(ways.choice(WAYS))) for _ in range(count)),
     )
-
-
-UNKNOWABLE: Final = ("scaled",)
 
 
 def _draw_step(rng: np.random.Generator, stiffness: float, way: str) -> Step:
@@ -242,7 +240,8 @@ def _figures(found: Sequence[TensionPeak], limit: float) -> list[Figure]:
     ]
     for kind in KINDS:
         peaks = [p for p in found if p.kind == kind]
-        note = f"({len(peaks)} situations{', pull path bounded' if kind in UNKNOWABLE else ''})"
+        bound = sum(p.is_bound for p in peaks)
+        note = f"({len(peaks)} situations{f', {bound} bounded by distance' if bound else ''})"
         figures.append(
             Figure(
                 f"tension, sensor {kind}: peak", max(p.peak for p in peaks), "N", limit, note=note

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bench.site.held_tissue import HeldTissue, Spring, site
-from bench.site.sensors import KINDS, ONSETS, Sensor, SensorFault, healthy
+from bench.site.sensors import KINDS, ONSETS, Failure, Sensor, SensorFault, healthy
 from bench.site.tension import ABOVE, WAYS, carry_out, draw_situation, judge
 from rst_control.supervision.tension_trust import TensionTrust
 from rst_control.tension.falls_at_rest import FallsAtRest
@@ -70,9 +70,19 @@ def test_a_drift_that_pull_after_pull_hides_is_found_at_rest(monkeypatch):
     assert carry_out(draw_situation(353)).peak > ABOVE * LIMIT
 
 
+def test_a_sensor_that_is_scaled_for_one_pull_only_is_bounded_by_distance_too():
+    """One of 10,000 drawn: for a second it read 0.64 of the tension, then all of it."""
+    drawn = draw_situation(3917)
+    assert drawn.fault.kind == "alternating" and drawn.is_bound
+    assert judge(drawn).peak <= LIMIT
+    assert judge(replace(drawn, is_bound=False)).peak > ABOVE * LIMIT
+
+
 @pytest.mark.parametrize("gain", ["checked", "unchecked"])
 def test_a_sensor_that_reads_a_third_is_bounded_by_distance_where_its_gain_is_unchecked(gain):
-    fault = SensorFault("scaled", lambda: lambda since, force: 0.3 * force, "before", 0.0, 0.0, 1)
+    fault = SensorFault(
+        "scaled", Failure(lambda: lambda _, force: 0.3 * force), "before", 0.0, 0.0, 1
+    )
     rig = HeldTissue(site(200.0, gain == "unchecked"), Spring(200.0, 0.0, 0.0), Sensor(fault))
     rig.run(0.2)
     rig.give("hey robot")
@@ -84,7 +94,7 @@ def test_a_sensor_that_reads_a_third_is_bounded_by_distance_where_its_gain_is_un
 
 
 def stuck_at_one_newton():
-    fault = SensorFault("stuck", _stuck, "before", 0.0, 0.005, 7)
+    fault = SensorFault("stuck", Failure(_stuck), "before", 0.0, 0.005, 7)
     rig = HeldTissue(site(200.0, False), Spring(200.0, 0.0, 0.0), Sensor(fault))
     rig.run(0.2)
     rig.give("hey robot")
@@ -129,7 +139,9 @@ def test_a_sensor_that_works_is_believed(index):
 
 
 def test_jaws_that_are_empty_and_read_a_tension_make_the_next_pull_one_by_distance():
-    fault = SensorFault("offset", lambda: lambda since, force: force + 0.3, "before", 0.0, 0.0, 1)
+    fault = SensorFault(
+        "offset", Failure(lambda: lambda _, force: force + 0.3), "before", 0.0, 0.0, 1
+    )
     rig = HeldTissue(site(200.0, False), Spring(150.0, 0.0, 0.0), Sensor(fault))
     rig.run(0.5)
     rig.give("hey robot")
