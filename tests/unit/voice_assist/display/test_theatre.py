@@ -16,7 +16,7 @@ from voice_assist.display.access_token import FREE_TRIES, LENGTH, WAIT, AccessTo
 from voice_assist.display.encoding import event
 from voice_assist.display.phase_clock import PhaseClock
 from voice_assist.display.snapshot import UtterancePart
-from voice_assist.display.theatre import PARTIAL_FOR, QUIET, Theatre
+from voice_assist.display.theatre import DEVICE_FOR, PARTIAL_FOR, QUIET, Theatre
 from voice_assist.display.words import words_that_count
 
 
@@ -70,6 +70,18 @@ def test_text_as_it_is_heard_goes_with_the_decision_or_with_time(theatre, clock)
     theatre.see_partial("rel")
     clock.now += PARTIAL_FOR
     assert theatre.snapshot().hearing.partial == ""
+
+
+def test_what_a_device_answered_goes_with_the_next_word_or_with_time(theatre, clock):
+    word = UtterancePart("light on", "light on", "", "recognizer")
+    theatre.see_utterance(word)
+    theatre.see_device("light on: done")
+    assert theatre.snapshot().hearing.device == "light on: done"
+    theatre.see_utterance(UtterancePart("pull more", "pull more", "", "recognizer"))
+    assert theatre.snapshot().hearing.device == ""
+    theatre.see_device("light on: done")
+    clock.now += DEVICE_FOR
+    assert theatre.snapshot().hearing.device == ""
 
 
 def test_limits_and_why_the_tension_is_invalid_are_shown_with_it(theatre):

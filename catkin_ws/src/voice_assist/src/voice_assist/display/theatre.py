@@ -104,7 +104,9 @@ class Theatre:
         self._partial = _News(text, self._clock())
 
     def see_utterance(self, utterance: UtterancePart, asks_for: str = "") -> None:
-        """A decision of the recogniser ends the text that led to it, and a question before it.
+        """A decision of the recogniser ends what was shown of the words before it.
+
+        That is the text that led to it, a question, and what a device answered.
 
         Args:
             utterance: What was decided.
@@ -113,7 +115,7 @@ class Theatre:
         with self._lock:
             self._question = _News(asks_for, self._clock()) if asks_for else None
             self._utterance = _News(utterance, self._clock())
-            self._partial = None
+            self._partial = self._device = None
 
     def see_device(self, words: str) -> None:
         """What came of a call to a device."""
