@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A microphone for the rostests: speech in a quiet room, on the voice node's audio topic."""
+"""A microphone for the rostests, and a test that speaks to a running system through it."""
 
 from __future__ import annotations
 
 import threading
+import unittest
 
 import numpy as np
 import rospy
 
 from support.theatre_sound import speak
+from tests.support.robot_client import RobotClient
 from voice_assist.audio.source import FRAME
-from voice_assist.msg import AudioChunk
+from voice_assist.msg import AudioChunk, Utterance
 from voice_assist.types import FULL_SCALE, RATE
+
+READY = 120.0  # [s] allowed for the voice node to listen
+HEARD = 15.0  # [s] allowed for a decision after the end of a sentence
 
 
 class Microphone:
@@ -41,3 +46,35 @@ class Microphone:
         chunk.header.stamp = rospy.Time.now()
         self.topic.publish(chunk)
         self.sent += FRAME
+
+
+class SpokenTo(unittest.TestCase):
+    """Each test begins with a robot that is active; `heard` holds what was decided since then."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.robot, cls.microphone, cls.heard = RobotClient(), Microphone(), []
+        rospy.Subscriber("voice_assist/utterance", Utterance, cls.heard.append)
+        cls.robot.start_fresh()
+        end = rospy.get_time() + READY
+        while not cls.heard and rospy.get_time() < end:
+            cls.microphone.say("good morning")
+            rospy.sleep(2.0)
+        assert cls.heard, "the voice node hears nothing"
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.microphone.timer.shutdown()
+        cls.robot.leave()
+
+    def setUp(self) -> None:
+        self.robot.start_fresh()
+        self.heard.clear()
+
+    def say(self, words: str) -> Utterance:
+        """Say a sentence; returns what was decided about it, and what followed had its time."""
+        self.heard.clear()
+        self.microphone.say(words)
+        self.robot.wait(lambda: self.heard, HEARD)
+        rospy.sleep(0.5)
+        return self.heard[-1]

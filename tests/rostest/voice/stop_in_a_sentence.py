@@ -3,51 +3,26 @@
 """From sound to a robot that stops, or does not: the same sentences at rest and in motion."""
 
 import sys
-import unittest
 from contextlib import suppress
 
 import rospy
 import rostest
 
-from tests.support.robot_client import RobotClient
-from tests.support.spoken_topic import Microphone
-from voice_assist.msg import Mode, Utterance
+from tests.support.spoken_topic import SpokenTo
+from voice_assist.msg import Mode
 
 WITH_STOP, WITHOUT = "he said stop and went on", "he said pull more and went on"
 MOTIONS = 3
-READY = 120.0  # [s] allowed for the voice node to listen
-HEARD = 15.0  # [s] allowed for a decision after the end of a sentence
 
 
-class StopInASentence(unittest.TestCase):
+class StopInASentence(SpokenTo):
     """More of them: test_stop_in_motion.py, and the bench."""
 
     @classmethod
     def setUpClass(cls):
-        cls.robot, cls.microphone, cls.heard, cls.modes = RobotClient(), Microphone(), [], []
+        cls.modes = []
         rospy.Subscriber("voice_assist/mode", Mode, lambda m: cls.modes.append(m.mode))
-        rospy.Subscriber("voice_assist/utterance", Utterance, cls.heard.append)
-        cls.robot.start_fresh()
-        end = rospy.get_time() + READY
-        while not cls.heard and rospy.get_time() < end:
-            cls.microphone.say("good morning")
-            rospy.sleep(2.0)
-        assert cls.heard, "the voice node hears nothing"
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.microphone.timer.shutdown()
-        cls.robot.leave()
-
-    def setUp(self):
-        self.robot.start_fresh()
-        self.heard.clear()
-
-    def say(self, words):
-        """Say a sentence; returns when something was decided about it."""
-        self.microphone.say(words)
-        self.robot.wait(lambda: self.heard, HEARD)
-        rospy.sleep(0.5)
+        super().setUpClass()
 
     def commands(self):
         return [one.command for one in self.heard if one.command]

@@ -6,8 +6,9 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
+import genpy
 import numpy as np
 import rospy
 from kortex_driver.msg import (
@@ -74,10 +75,8 @@ def ask_limits(namespace: str) -> SoftLimits:
         rospy.ServiceException: The driver refused.
         rospy.ROSException: There is no such service.
     """
-    name = f"{namespace}/{LIMITS_SERVICE}"
-    rospy.wait_for_service(name, ANSWER_TIME)
     mode = ControlConfig_ControlModeInformation(SPEEDS_MODE)
-    limits = rospy.ServiceProxy(name, GetKinematicSoftLimits)(mode).output
+    limits = _asked(f"{namespace}/{LIMITS_SERVICE}", GetKinematicSoftLimits, mode)
     return SoftLimits(
         np.radians(limits.joint_speed_limits), np.radians(limits.joint_acceleration_limits)
     )
@@ -96,10 +95,14 @@ def ask_firmware(namespace: str) -> str:
         rospy.ServiceException: The driver refused.
         rospy.ROSException: There is no such service.
     """
-    name = f"{namespace}/{FIRMWARE_SERVICE}"
-    rospy.wait_for_service(name, ANSWER_TIME)
-    versions = rospy.ServiceProxy(name, GetFirmwareBundleVersions)(NoInput()).output
+    versions = _asked(f"{namespace}/{FIRMWARE_SERVICE}", GetFirmwareBundleVersions, NoInput())
     return str(versions.main_bundle_version)
+
+
+def _asked(name: str, kind: type, given: genpy.Message) -> Any:
+    """The output of one of the driver's services."""
+    rospy.wait_for_service(name, ANSWER_TIME)
+    return rospy.ServiceProxy(name, kind)(given).output
 
 
 class ArmFacts:
