@@ -42,7 +42,7 @@ ROWS = (
     ),
     ReadmeRow("motion commands right, quiet", "voice.trials", "motion commands, quiet: right"),
     ReadmeRow(
-        "highest tension, whatever its sensor does (limit 2.4 N)",
+        "highest tension, 10,000 failing sensors, scaled ones bounded by distance",
         "site.tension",
         "tension, any fault of its sensor: peak",
     ),
