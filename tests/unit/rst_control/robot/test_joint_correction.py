@@ -126,6 +126,11 @@ def test_it_is_refused_where_the_arm_answers_late():
     late = replace(CONFIG.controller.tension, delay=0.05)
     with pytest.raises(ConfigError, match=r"joint_correction\.gain"):
         with_controller(joint_correction=SETTINGS, tension=late)
+    tracking = CONFIG.controller.tracking
+    followed = replace(tracking, trocar=replace(tracking.trocar, motion="followed"))
+    assert with_controller(tracking=followed).controller.tracking == followed
+    with pytest.raises(ConfigError, match=r"tracking\.trocar\.motion"):
+        with_controller(tracking=followed, tension=late)
     with_controller(tension=late)
 
 

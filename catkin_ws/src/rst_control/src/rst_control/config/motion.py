@@ -35,7 +35,7 @@ PACKAGE = package_folder("rst_control")
 CONFIG_FOLDER = PACKAGE / "config"
 URDF_FILE = PACKAGE / "urdf" / "gen3_openrst.urdf"
 
-PROMPT = 0.02  # [s] from a set-point to its measurement, up to which joints may be corrected
+PROMPT = 0.02  # [s] from a set-point to its measurement, for corrected joints, a followed trocar
 T = TypeVar("T")
 Arm = tuple[float, float, float, float, float, float, float]
 
@@ -241,6 +241,9 @@ class ControllerConfig:
         gain, is_prompt = self.joint_correction.gain, tension.delay <= PROMPT
         allowed = f"0 where tension.delay is above {PROMPT} s: the arm would swing"
         require(gain == 0.0 or is_prompt, "joint_correction.gain", gain, allowed)
+        motion = self.tracking.trocar.motion  # led by velocities, the shaft left the trocar
+        allowed = f"fixed where tension.delay is above {PROMPT} s"
+        require(motion == "fixed" or is_prompt, "tracking.trocar.motion", motion, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)
