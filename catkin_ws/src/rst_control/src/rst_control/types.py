@@ -241,6 +241,7 @@ class State(Enum):
 
 LATCHED = (State.HALTED, State.FAULTED)
 IN_MOTION = (State.MOVING, State.STOPPING)
+ACTIVE_STATES = (State.ACTIVE, *IN_MOTION)  # from "hey robot" to rest after a stop
 
 
 @dataclass(frozen=True)

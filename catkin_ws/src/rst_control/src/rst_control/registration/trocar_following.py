@@ -25,9 +25,8 @@ from rst_control.registration.tracked_place import Report
 from rst_control.robot.backend import RobotBackend
 from rst_control.robot.sent_changes import SentChanges
 from rst_control.supervision.plausibility import FrozenJoints, kept_open
-from rst_control.types import Cause, Measurement, Reason, Setpoint, State, Vector
+from rst_control.types import ACTIVE_STATES, Cause, Measurement, Reason, Setpoint, State, Vector
 
-FOLLOWED_IN: Final = (State.ACTIVE, State.MOVING, State.STOPPING)
 CATCH_UP: Final = 0.1  # [s] in which a distance from the trocar is made up for
 NEAR: Final = 0.3  # share of the allowed distance, within which the shaft has caught up
 
@@ -124,7 +123,7 @@ class TrocarFollowing(RobotBackend):
 
     @property
     def _is_following(self) -> bool:
-        return self._state() in FOLLOWED_IN
+        return self._state() in ACTIVE_STATES
 
     def _go_on(self, now: float, span: float) -> None:
         """Move the shift on towards the trocar, within its limits, or let it come to rest."""

@@ -17,10 +17,9 @@ import numpy as np
 from rst_control.config import MotionConfig
 from rst_control.robot.backend import RobotBackend
 from rst_control.robot.sent_changes import SentChanges
-from rst_control.types import JOINT_COUNT, Measurement, Setpoint, State, Vector
+from rst_control.types import ACTIVE_STATES, JOINT_COUNT, Measurement, Setpoint, State, Vector
 
 ARM: Final = 7  # joints that are corrected
-CORRECTED_IN: Final = (State.ACTIVE, State.MOVING, State.STOPPING)
 
 
 class JointCorrection(RobotBackend):
@@ -47,8 +46,10 @@ class JointCorrection(RobotBackend):
     def measured_js(self) -> Measurement | None:
         """What the robot says; it holds where it was sent, less what was added to that."""
         measured = self._robot.measured_js()
-        if measured is None or measured is self._raw:
-            return self._seen if measured is not None else None
+        if measured is None:
+            return None
+        if measured is self._raw:
+            return self._seen
         self._raw, time = measured, measured.stamp - self._lag
         sent = self._course.at(time)
         if np.isfinite(sent.stamp):
@@ -80,7 +81,7 @@ class JointCorrection(RobotBackend):
     def _change(self, span: float) -> Vector:
         """Of what is added in a time [s], [rad]; shape (7,)."""
         config, wanted = self._config, np.zeros(ARM)
-        if self._state() in CORRECTED_IN:
+        if self._state() in ACTIVE_STATES:
             wanted = np.clip(config.gain * self._short, -config.limit, config.limit)
         most = config.speed * span
         change: Vector = np.clip(wanted - self.added[:ARM], -most, most)
