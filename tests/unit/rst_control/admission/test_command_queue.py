@@ -74,3 +74,39 @@ def test_a_verification_that_raises_refuses_the_command_with_the_error():
     broken.fail(queued, ArithmeticError("singular"))
     assert "singular" in pending.reply.result(0).message
     assert pending.ended.result(0).kind == "refused"
+
+
+def test_a_command_that_is_given_up_while_it_waits_is_not_planned():
+    rig = Rig().awake()
+    pending = rig.queue.take("tense", "/voice_assist")
+    assert pending.reply.cancel()
+    rig.queue.check(rig.queue.next(0.0))
+    rig.run(0.01)
+    assert rig.state is State.ACTIVE
+    assert pending.ended.result(0).reason is Reason.WITHDRAWN
+    entry = rig.executor.events[-1]
+    assert (entry.kind, entry.command, entry.reason) == ("refused", "tense", Reason.WITHDRAWN)
+
+
+@pytest.mark.parametrize("words", ["tense", "hey robot"])
+def test_a_command_that_is_given_up_before_the_control_loop_takes_it_is_not_carried_out(words):
+    rig = Rig().awake()
+    if words == "hey robot":
+        rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
+        rig.tick()
+    before = rig.state
+    pending = rig.queue.take(words, "test")
+    if waiting := rig.queue.next(0.0) if words == "tense" else None:
+        rig.queue.check(waiting)
+    assert pending.reply.cancel()
+    rig.run(0.01)
+    assert rig.state is before
+    assert pending.ended.result(0).reason is Reason.WITHDRAWN
+    assert rig.say("hey robot")  # what is given now counts
+
+
+def test_a_command_that_was_taken_up_cannot_be_given_up_any_more():
+    rig = Rig().awake()
+    pending = rig.say("tense")
+    assert not pending.reply.cancel()
+    assert rig.state is State.MOVING

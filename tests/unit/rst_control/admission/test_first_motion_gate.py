@@ -33,8 +33,8 @@ MOVING = (COMMANDS["tense"], COMMANDS["release"], COMMANDS["pull more"])
 
 class Asked:
     def __init__(self):
-        self.now, self.shown = 0.0, []
-        self.first = FirstMotion(verify, self.shown.append, lambda: self.now)
+        self.now, self.shown, self.context = 0.0, [], object()
+        self.first = FirstMotion(verify, self.shown.append, lambda: self.now, lambda: self.context)
 
     def say(self, words, position=STILL):
         return self.first(request(words), at(position))
@@ -95,6 +95,16 @@ def test_another_place_than_where_it_was_shown_is_shown_first(asked):
     moved = STILL.copy()
     moved[3] = 0.01
     assert isinstance(asked.say("tense", moved), Rejected)
+
+
+def test_with_another_trocar_or_grasp_point_the_path_is_shown_again(asked):
+    asked.say("tense")
+    asked.first.confirm()
+    asked.context = object()
+    assert asked.say("tense").reason is Reason.NOT_CONFIRMED
+    assert len(asked.shown) == 2
+    asked.first.confirm()
+    assert isinstance(asked.say("tense"), Accepted)
 
 
 def test_a_confirmation_does_not_hold_for_ever(asked):

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import queue
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future
+from concurrent.futures import Future, InvalidStateError
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -18,7 +19,7 @@ from rst_control.commands.request import Accepted, Plan, Request, Situation
 from rst_control.commands.spec import CommandSpec, Role
 from rst_control.commands.table import COMMANDS
 from rst_control.execution.executor import Executor
-from rst_control.execution.orders import OUTRUN, Order, Outcome, Reply
+from rst_control.execution.orders import GIVEN_UP, OUTRUN, Order, Outcome, Reply
 from rst_control.types import Cause, Reason, Rejected
 
 Verify = Callable[[Request, Situation], Accepted | Rejected]
@@ -29,12 +30,20 @@ ATTEMPTS: Final = 5  # to verify a command while the situation keeps changing
 
 @dataclass(frozen=True, eq=False)
 class PendingCommand:
-    """What a caller gets: the answer to come, and how the motion ends."""
+    """What a caller gets: the answer to come, and how the motion ends.
+
+    A caller that no longer waits cancels `reply`; the command is then not carried out.
+    """
 
     words: str
     caller: str  # for the event log
     reply: Future[Reply] = field(default_factory=Future)
     ended: Future[Outcome] = field(default_factory=Future)
+
+    def answer(self, reply: Reply) -> None:
+        """Give the answer, unless the caller has given the command up."""
+        with suppress(InvalidStateError):
+            self.reply.set_result(reply)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +110,7 @@ class CommandQueue:
         elif request.command.role is Role.STOP:
             cause = Cause(Reason.STOP_COMMAND, f'"stop" from {caller}')
             self._executor.stop(cause, self._clock(), caller)
-            pending.reply.set_result(Reply(True, request.command.reply))
+            pending.answer(Reply(True, request.command.reply))
             pending.ended.set_result(Outcome("succeeded", ""))
         elif request.command.is_by_hand_only and is_by_voice:
             by_hand = f'"{request.command.phrase}" is given by hand, never by voice'
@@ -122,6 +131,9 @@ class CommandQueue:
 
     def check(self, queued: QueuedCommand) -> None:
         """Verify one command, in the view of this moment, and hand it over or refuse it."""
+        if queued.pending.reply.cancelled():
+            self._refuse(queued.pending, GIVEN_UP)
+            return
         view = self._executor.snapshot
         decision = self._verify(queued.request, view.situation(self._clock()))
         if queued.latches != self._executor.latches:  # it may come after the next "hey robot"
@@ -164,7 +176,8 @@ class CommandQueue:
             queued.is_spoken,
             queued.owner,
             queued.pending.caller,
-            reply=queued.pending.reply.set_result,
+            claim=queued.pending.reply.set_running_or_notify_cancel,
+            reply=queued.pending.answer,
             stale=(lambda: self._again(queued)) if plan.phases else None,
             ended=queued.pending.ended.set_result,
         )
@@ -173,5 +186,5 @@ class CommandQueue:
     def _refuse(self, pending: PendingCommand, cause: Cause) -> None:
         said, now = shown(pending.words), self._clock()
         self._executor.note_refusal(said, cause, now, pending.caller)
-        pending.reply.set_result(Reply.refused(cause))
+        pending.answer(Reply.refused(cause))
         pending.ended.set_result(Outcome("refused", cause.words, cause.reason))

@@ -3,7 +3,8 @@
 
 Until a person has confirmed, every command that would move the robot is planned, verified and
 shown, and then refused. The confirmation is for the command that was shown last, from the place
-where it was shown, and for a while. Once that command was accepted, nothing asks any more.
+where it was shown, towards the same trocar and grasp point, and for a while. Once that command was
+accepted, nothing asks any more.
 """
 
 from __future__ import annotations
@@ -35,30 +36,35 @@ class FirstMotion:
         verify: Decides everything else.
         show: Shows a plan, or with None no more.
         clock: Time [s].
+        context: What plans refer to; another object where trocar or grasp point is another.
     """
 
     def __init__(
-        self, verify: Verify, show: Callable[[Plan | None], None], clock: Callable[[], float]
+        self,
+        verify: Verify,
+        show: Callable[[Plan | None], None],
+        clock: Callable[[], float],
+        context: Callable[[], object],
     ) -> None:
-        self._verify, self._show, self._clock = verify, show, clock
-        self._shown: tuple[Plan, Vector] | None = None  # with the joints where it begins
+        self._verify, self._show, self._clock, self._context = verify, show, clock, context
+        self._shown: tuple[Plan, Vector, object] | None = None  # joints where it begins, context
         self._confirmed: float | None = None  # [s] when
         self._is_free = False
 
     def __call__(self, request: Request, situation: Situation) -> Accepted | Rejected:
         """Decide; see the module."""
-        decision = self._verify(request, situation)
+        context, decision = self._context(), self._verify(request, situation)
         measured = situation.measurement
         if self._is_free or isinstance(decision, Rejected) or measured is None:
             return decision
         plan = decision.plan
         if not plan.phases:
             return decision
-        if self._is_confirmed(plan, measured.position):
+        if self._is_confirmed(plan, measured.position, context):
             self._is_free = True
             self._show(None)
             return decision
-        self._shown, self._confirmed = (plan, measured.position), None
+        self._shown, self._confirmed = (plan, measured.position, context), None
         self._show(plan)
         words = ASK.format(command=plan.command_words, words=plan.words)
         return Rejected(Reason.NOT_CONFIRMED, words)
@@ -73,10 +79,10 @@ class FirstMotion:
         command = self._shown[0].command_words
         return Reply(True, f'confirmed: say "{command}" again within {VALID_FOR:.0f} s')
 
-    def _is_confirmed(self, plan: Plan, place: Vector) -> bool:
+    def _is_confirmed(self, plan: Plan, place: Vector, context: object) -> bool:
         if self._shown is None or self._confirmed is None:
             return False
-        shown, where = self._shown
-        is_same = shown.command_words == plan.command_words
+        shown, where, referred_to = self._shown
+        is_same = shown.command_words == plan.command_words and referred_to is context
         is_near = float(np.abs(place - where).max()) <= SAME_PLACE
         return is_same and is_near and self._clock() - self._confirmed <= VALID_FOR

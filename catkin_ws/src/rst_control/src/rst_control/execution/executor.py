@@ -21,7 +21,7 @@ from rst_control.execution.fault_reset import FaultReset
 from rst_control.execution.inbox import Inbox
 from rst_control.execution.measured_robot import MeasuredRobot
 from rst_control.execution.motion import Motion
-from rst_control.execution.orders import Order, Outcome, OutcomeKind
+from rst_control.execution.orders import GIVEN_UP, Order, Outcome, OutcomeKind
 from rst_control.execution.setpoint import STILL, SetpointState
 from rst_control.execution.setting_plan import change_by
 from rst_control.execution.snapshot import Change, ControllerSnapshot, take_snapshot
@@ -188,6 +188,8 @@ class Executor:
                 self._refuse(order, refusal)
             elif order.serial != self._serial and order.stale is not None:
                 order.stale()
+            elif not order.claim():
+                self._refuse(order, GIVEN_UP)
             elif order.command.role is Role.ACTIVATE:
                 self._resume(self._fault_reset.take(order, self._now))
             elif order.command.role is Role.TERMINATE:

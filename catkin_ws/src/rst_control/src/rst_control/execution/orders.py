@@ -9,12 +9,10 @@ from typing import Final, Literal
 
 from rst_control.commands.request import Plan
 from rst_control.commands.spec import CommandSpec
-from rst_control.types import (
-    Cause,
-    Reason,
-)
+from rst_control.types import Cause, Reason
 
 OUTRUN: Final = "stopped meanwhile; say it again"  # of what was given before the robot was latched
+GIVEN_UP: Final = Cause(Reason.WITHDRAWN, "its caller no longer waits for an answer")
 OutcomeKind = Literal["succeeded", "refused", "stopped", "failed"]
 
 
@@ -52,7 +50,11 @@ class Outcome:
 
 
 def _ignore(_: object) -> None:
-    """Tell nobody."""
+    """Report to nobody."""
+
+
+def _is_wanted() -> bool:
+    return True
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,10 +66,9 @@ class Order:
     is_spoken: bool = False  # it came from the voice node, whose heartbeat must go on
     owner: str = ""  # node whose loss brakes the motion; empty: it may leave
     caller: str = ""  # node that asked, for the event log
+    claim: Callable[[], bool] = field(default=_is_wanted)  # False: the caller has given it up
     reply: Callable[[Reply], None] = field(default=_ignore)
-    stale: Callable[[], None] | None = (
-        None  # instead of the reply, where the view has changed since
-    )
+    stale: Callable[[], None] | None = None  # instead of the reply, after a change of the view
     ended: Callable[[Outcome], None] = field(default=_ignore)
 
     @property

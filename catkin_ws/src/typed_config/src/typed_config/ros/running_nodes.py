@@ -14,9 +14,8 @@ from typing import Any
 
 import rosgraph
 
-from typed_config.ros.xmlrpc import FAILURES, ask
+from typed_config.ros.xmlrpc import CALLER, FAILURES, ask, is_alive
 
-CALLER = "/check_settings"
 SHARED = {"robot_state_publisher"}  # programs of which the newer takes the older's place unharmed
 
 
@@ -37,7 +36,7 @@ def running_again(file: Path, words: Sequence[str]) -> list[str]:
     if not any(_is_of(file, name) for name in registered):
         return []  # so that reading the whole launch is rarely needed
     again = sorted(registered & set(_nodes(words)))
-    return [name for name in again if _is_alive(master, name)]
+    return [name for name in again if is_alive(master, name)]
 
 
 def _is_of(file: Path, name: str) -> bool:
@@ -86,14 +85,3 @@ def _nodes(words: Sequence[str]) -> Collection[str]:
         for node in found.nodes
         if node.type not in SHARED
     }
-
-
-def _is_alive(master: str, name: str) -> bool:
-    """Whether a registered node is there, as one that was killed is not."""
-    try:
-        ask(str(ask(master, "lookupNode", CALLER, name)), "getPid", CALLER)
-    except TimeoutError:
-        return True  # it hangs
-    except FAILURES:
-        return False
-    return True

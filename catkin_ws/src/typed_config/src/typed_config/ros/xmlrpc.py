@@ -11,6 +11,7 @@ import rosgraph
 
 ANSWER_TIME: Final = 2.0  # [s] for an answer, which a busy host may delay
 SUCCESS: Final = 1
+CALLER: Final = "/typed_config"  # of questions that concern no node of ours
 
 # What goes wrong where nobody is there, or somebody else is.
 FAILURES: Final = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError)
@@ -58,3 +59,14 @@ def value_of(answer: object) -> object:
     if code != SUCCESS:
         raise ValueError(str(words))
     return value
+
+
+def is_alive(master: str, node: str) -> bool:
+    """Whether a registered node is there; one that hangs is, one that was killed is not."""
+    try:
+        ask(str(ask(master, "lookupNode", CALLER, node)), "getPid", CALLER)
+    except TimeoutError:
+        return True
+    except FAILURES:
+        return False
+    return True

@@ -12,13 +12,14 @@ from typing import Any
 import rosgraph
 import rospy
 
-from typed_config.ros.xmlrpc import FAILURES, ask
+from typed_config.ros.xmlrpc import FAILURES, ask, is_alive
 
 
 def other_provider(service: str) -> str:
     """Another living node that offers a service of this name; empty: none does, or none is known.
 
-    Nodes that died without a word stay registered; one that does not answer does not count.
+    Nodes that died without a word stay registered, and do not count. One that hangs does: it may go
+    on at any moment.
     """
     name, wanted = rospy.get_name(), rospy.resolve_name(service)
     master = rosgraph.get_master_uri()
@@ -27,13 +28,4 @@ def other_provider(service: str) -> str:
         nodes = [node for offered, nodes in state[2] if offered == wanted for node in nodes]
     except FAILURES:
         return ""
-    return next((node for node in nodes if node != name and _is_alive(master, node)), "")
-
-
-def _is_alive(master: str, node: str) -> bool:
-    try:
-        uri = str(ask(master, "lookupNode", rospy.get_name(), node))
-        ask(uri, "getPid", rospy.get_name())
-    except FAILURES:
-        return False
-    return True
+    return next((node for node in nodes if node != name and is_alive(master, node)), "")

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 import numpy as np
 
 from rst_control.kinova.brake_plan import LastCourse
@@ -28,6 +30,8 @@ def course_of(beat: BridgeBeat, now: float) -> LastCourse | None:
 
     Numbers that are none say nothing: the arm is then stopped by the driver's own stop.
     """
-    rows = {row: frozen_array(getattr(beat, row), ARM_COUNT) for row in ROWS}
-    is_sound = np.isfinite([*rows.values()]).all() and np.isfinite(beat.age)
-    return LastCourse(time=now - beat.age, **rows) if beat.is_leading and is_sound else None
+    rows = {row: getattr(beat, row) for row in ROWS}
+    if not beat.is_leading or not np.isfinite([beat.age, *chain(*rows.values())]).all():
+        return None
+    frozen = {row: frozen_array(values, ARM_COUNT) for row, values in rows.items()}
+    return LastCourse(time=now - beat.age, **frozen)

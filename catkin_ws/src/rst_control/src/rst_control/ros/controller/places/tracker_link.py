@@ -20,12 +20,12 @@ from rst_control.registration.trocar_following import TrocarFollowing
 from rst_control.ros.controller.diagnostics import make_status
 from rst_control.ros.controller.messages import RosClock, caller_of, code_of
 from rst_control.ros.controller.places.frame_listener import FrameListener
+from rst_control.ros.controller.services.admission import answer_of
 from rst_control.types import Cause
 from typed_config.ros.known_publishers import KnownPublishers
 
 NO_WAIT: Final = 0.0  # [s] in a topic's callback
 PERIOD: Final = 0.2  # [s] between two looks whether a tracked grasp point may be set
-ANSWER: Final = 2.0  # [s] for the control loop
 
 
 class TrackerLink:
@@ -66,7 +66,7 @@ class TrackerLink:
         time.sleep(PERIOD)
         answer = self._grasp.step(time.monotonic(), self._tracker)
         if answer is not None:
-            reply = answer.result(ANSWER)
+            reply = answer_of(answer)
             log = rospy.loginfo if reply.accepted else rospy.logwarn
             log("tracker: %s", reply.message)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the services that set something up share: who may call, and the wait for an answer."""
+"""What the services share: who may set something up, and the wait for an answer."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ from rst_control.execution.orders import Reply
 from rst_control.ros.controller.messages import caller_of
 from rst_control.types import Reason
 
-REPLY_TIME = 2.0  # [s] for the control loop to take up the question
-UNANSWERED = "the control loop does not answer; all stays as it is"
+REPLY_TIME = 2.0  # [s] within which every call is answered, if only by NO_ANSWER
+UNANSWERED = (
+    f"the controller gave no answer within {REPLY_TIME:g} s; nothing is changed or moved by it"
+)
 
 
 class Admission:
@@ -40,7 +42,7 @@ class Admission:
 
 
 def answer_of(answer: Future[Reply]) -> Reply:
-    """What the control loop says, or that it does not answer."""
+    """What the controller says; without an answer in time the question is withdrawn."""
     try:
         return answer.result(REPLY_TIME)
     except NoReply:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import time
-from concurrent.futures import TimeoutError as NoReply
 
 import genpy
 import rospy
@@ -15,15 +14,14 @@ from rst_control.admission.command_queue import CommandQueue
 from rst_control.commands.parser import MAX_LENGTH, is_stop, read_command, unknown
 from rst_control.commands.spec import Role
 from rst_control.execution.executor import Executor
-from rst_control.execution.orders import Reply
 from rst_control.ros.controller.messages import caller_of, code_of
+from rst_control.ros.controller.services.admission import answer_of
 from rst_control.ros.rospy_patches.message_framing import announced
 from rst_control.srv import Command, CommandRequest, CommandResponse
 from rst_control.supervision.heartbeat import Heartbeat
 from rst_control.types import Cause, Reason
 from typed_config.ros.known_publishers import KnownPublishers
 
-REPLY_TIME = 2.0  # [s] within which every command is answered, if only by NO_ANSWER
 _HEAD = 4  # bytes of the length before the words
 COMMAND = "rst_control/command"  # name of the service
 
@@ -116,11 +114,7 @@ class CommandService:
             refusal = self._silence(words)
         owner = caller if is_spoken else ""
         pending = self._commands.take(words, caller, is_spoken, not is_spoken, refusal, owner)
-        try:
-            reply = pending.reply.result(REPLY_TIME)
-        except NoReply:
-            words = "the controller does not answer; nothing is known to move"
-            reply = Reply(False, words, Reason.NO_ANSWER)
+        reply = answer_of(pending.reply)
         return CommandResponse(reply.accepted, reply.message, code_of(reply.reason))
 
     def _silence(self, words: str) -> Cause | None:

@@ -35,7 +35,7 @@ class ConfirmedFirst:
     def __init__(self, verify: Verify, context: ActiveTrocarContext, homing: HomingGate) -> None:
         self._context, self._homing = context, homing
         self._topic = MarkerTopic("rst_control/preview", FOR_EVER)
-        self.verify = FirstMotion(verify, self._show, time.monotonic)
+        self.verify = FirstMotion(verify, self._show, time.monotonic, lambda: context.current)
         self._service = rospy.Service("rst_control/confirm", Trigger, self._on_confirm)
         rospy.logwarn("dry run: the first motion is shown and has to be confirmed")
 
