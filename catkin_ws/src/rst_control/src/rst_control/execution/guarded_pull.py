@@ -67,7 +67,7 @@ class GuardedPull(TowardsTension):
         self._feel(measured.tension)
         end = self._furthest if self.is_pulling else 0.0
         if self._brake is None:
-            self._head_for(end)
+            self._head_for(min(end, self._room_ends(measured)), end)
         profile = self._brake or self._profile
         state = profile.step(dt)
         self.is_done = profile.is_done and (self._brake is not None or self._aim == end)
@@ -77,9 +77,8 @@ class GuardedPull(TowardsTension):
                 self._brake_from(state)
         return self._joints(state)
 
-    def _head_for(self, end: float) -> None:
-        """Go to the end, but no further than the response of the tissue allows for now."""
-        aim = min(end, self._profile.state.s + self._response.room)
+    def _head_for(self, aim: float, end: float) -> None:
+        """Go as far as the response of the tissue allows for now, or to the end."""
         if abs(aim - self._aim) > SAME_AIM or (aim == end != self._aim):
             self._aim = aim
             self._profile.go_to(aim)

@@ -161,6 +161,7 @@ class TowardsTension(Braking):
         self._first: float | None = None  # [N] when it began
         self._now = 0.0
         self._started, self._furthest = state.s, max(phase.target, state.s)
+        self._stamp, self._allowed = -np.inf, state.s
 
     @property
     def progress(self) -> float:
@@ -176,6 +177,15 @@ class TowardsTension(Braking):
         if self._first is None:
             self._first = tension
             self.is_pulling = self._goal > tension
+
+    def _room_ends(self, measured: Measurement) -> float:
+        """Place [m] that s may not pass before a reading at rest allows more.
+
+        The response counts from where s was at its newest reading; readings may be seldom.
+        """
+        if measured.stamp != self._stamp:
+            self._stamp, self._allowed = measured.stamp, self.state.s + self._response.room
+        return self._allowed
 
     def _objection(self, measured: Measurement) -> Cause | None:
         """Why the tension is no reason to go on; None: nothing speaks against it."""
@@ -224,7 +234,7 @@ class TensionPhase(TowardsTension):
             state = self._brake.step(dt)
             self.is_done = self._brake.is_done
             return self._joints(state)
-        self._control.bound = self._control.state.s + self._response.room
+        self._control.bound = self._room_ends(measured)
         state = self._control.step(self._now, dt)
         self.failure = self._objection(measured)
         if self.failure or self._control.is_settled or self._control.is_at_limit:
