@@ -12,8 +12,8 @@ from rst_control.types import Reason, Rejected
 
 
 def test_a_request_carries_the_command_and_its_amounts():
-    request = read_request("  Pull   MORE ", tension=0.5, distance=0.002)
-    assert request.command is COMMANDS["pull more"]
+    request = read_request("  TENSE ", tension=0.5, distance=0.002)
+    assert request.command is COMMANDS["tense"]
     assert (request.tension, request.distance) == (0.5, 0.002)
 
 
@@ -34,7 +34,22 @@ def test_amounts_that_make_no_sense_are_refused_and_never_reach_a_planner(name, 
         Request(COMMANDS["tense"], **{name: amount})
 
 
-def test_what_moves_nothing_takes_no_amounts():
+@pytest.mark.parametrize(
+    ("phrase", "amounts", "said"),
+    [
+        ("tense", {"tension": -0.5}, 'tension of "tense" must be a number from 0 N up, not -0.5 N'),
+        ("release", {"tension": 0.5}, '"release" takes no tension, not 0.5 N'),
+        ("look up", {"distance": 0.01}, '"look up" takes no distance, not 0.01 m'),
+        ("pull more", {"tension": 0.5, "distance": 0.002}, "takes one step, not 0.5 N, 2 mm"),
+    ],
+)
+def test_amounts_beside_the_words_are_refused_with_their_value(phrase, amounts, said):
+    refusal = read_request(phrase, **amounts)
+    assert refusal.reason is Reason.BAD_AMOUNT
+    assert said in refusal.words
+
+
+def test_what_moves_nothing_passes_over_amounts_beside_the_words():
     request = read_request("hey robot", tension=float("nan"))
     assert (request.tension, request.distance) == (0.0, 0.0)
 

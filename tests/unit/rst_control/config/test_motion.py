@@ -86,3 +86,10 @@ def test_a_pull_that_could_never_arrive_is_refused_at_the_start(changes, named):
     tension = load_motion_config().controller.tension
     with pytest.raises(ConfigError, match=named):
         replace(tension, **changes)
+
+
+def test_cameras_of_one_picture_have_one_height():
+    simulator = load_simulation_config().simulator
+    lower = replace(simulator.endoscope, size=(400, 300))
+    with pytest.raises(ConfigError, match=r"endoscope.size.*as high as overview.size"):
+        replace(simulator, endoscope=lower)

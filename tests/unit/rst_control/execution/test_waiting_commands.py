@@ -79,3 +79,15 @@ def test_what_is_given_after_hey_robot_begins():
     rig.queue.check(rig.queue.next(0.0))
     rig.run(0.1)
     assert pending.reply.result(0).accepted and rig.state is State.MOVING
+
+
+def test_an_error_at_each_tick_is_logged_once_and_again_when_it_comes_back(caplog):
+    rig, error = Rig(), RuntimeError("test")
+    for _ in range(3):
+        rig.executor.crashed(error)
+    assert len(caplog.records) == 1
+    rig.tick()
+    rig.executor.crashed(error)
+    assert [record.getMessage() for record in caplog.records] == [
+        "error in the control loop: RuntimeError('test')"
+    ] * 2

@@ -91,3 +91,10 @@ def test_only_links_that_move_are_left(worlds):
     ]
     assert masses[1] == pytest.approx(masses[0], abs=1e-9)
     assert masses[0] > 5.0
+
+
+def test_an_origin_may_leave_out_a_row_that_is_zero():
+    whole = URDF_FILE.read_text(encoding="utf-8")
+    short = whole.replace(' rpy="0 0 0"', "")
+    assert short != whole
+    assert joined(short) == joined(whole)

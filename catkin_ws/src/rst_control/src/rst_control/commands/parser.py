@@ -45,8 +45,8 @@ def read_request(
         return Request(command)
     try:
         return Request(command, tension, distance)
-    except ValueError:
-        return Rejected(Reason.BAD_AMOUNT, "tension and distance must be numbers from 0 up")
+    except ValueError as error:
+        return Rejected(Reason.BAD_AMOUNT, str(error))
 
 
 def _with_amount(

@@ -23,7 +23,7 @@ class Request:
     """A command with its amounts.
 
     Raises:
-        ValueError: An amount is not a number, or out of its bounds.
+        ValueError: The command does not take an amount, or not this one; names both.
     """
 
     command: CommandSpec
@@ -31,9 +31,18 @@ class Request:
     distance: float = 0.0  # [m] step of the pulls, or furthest pull of "tense"; 0: as configured
 
     def __post_init__(self) -> None:
-        for amount in (TENSION_TARGET, FURTHEST_PULL):
-            if not amount.allows(getattr(self, amount.name)):
-                raise ValueError(f"{amount.name} must be a number from {amount.minimum:g} up")
+        taken, phrase = {a.name: a for a in self.command.amounts}, self.command.phrase
+        given = [a for a in (TENSION_TARGET, FURTHEST_PULL) if getattr(self, a.name) != 0.0]
+        for amount in given:
+            value, unit = getattr(self, amount.name), amount.unit
+            if amount.name not in taken:
+                words = f'"{phrase}" takes no {amount.name}, not {value:g} {unit}'
+                raise ValueError(words)
+            if not amount.allows(value):
+                words = f"a number from {amount.minimum:g} {unit} up, not {value:g} {unit}"
+                raise ValueError(f'the {amount.name} of "{phrase}" must be {words}')
+        if len({taken[amount.name].meaning for amount in given}) < len(given):
+            raise ValueError(f'"{phrase}" takes one step, not {self.amount}')
 
     @property
     def amount(self) -> str:

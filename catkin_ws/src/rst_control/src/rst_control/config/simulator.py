@@ -84,5 +84,8 @@ class SimulatorConfig:
         allowed = f"above closed_opening, {self.closed_opening:g} rad"
         is_wider = self.held_opening > self.closed_opening
         require(is_wider, "held_opening", self.held_opening, allowed)
+        high, other = self.overview.size[1], list(self.endoscope.size)
+        allowed = f"as high as overview.size, {high} pixels: one picture holds both"
+        require(other[1] == high, "endoscope.size", other, allowed)
         allowed = f"from catch_up on, {self.catch_up:g} s"
         require(self.servo.lead >= self.catch_up, "servo.lead", self.servo.lead, allowed)

@@ -75,6 +75,7 @@ class Executor:
         self._fault_reset = FaultReset(self._cannot_activate, clear_fault, self._refuse)
         self._heartbeat = -np.inf
         self._changed = 0  # how often what verification relies on was changed from outside
+        self._crash: Cause | None = None  # the last tick that raised
         self.latches = 0  # how often all that was commanded before has ended
         self.snapshot = ControllerSnapshot.at_start()
 
@@ -138,14 +139,15 @@ class Executor:
         self._resume(self._fault_reset.keep(now))
         motion = self._setpoint_state.motion
         velocity = self._rest() if motion is None else self._move(motion, periods)
-        self.snapshot = self._take_snapshot()
+        self.snapshot, self._crash = self._take_snapshot(), None
         held = self._setpoint_state.held
         return None if held is None else Setpoint(held, velocity, now)
 
     def crashed(self, error: Exception) -> None:
         """After a tick raised: brake along the path; where that raises too, let the robot hold."""
         cause = Cause(Reason.LOOP_ERROR, f"error in the control loop: {error!r}"[:300])
-        if self._mode.cause != cause:
+        if self._crash != cause:  # the same at each tick is logged once
+            self._crash = cause
             log.error(cause.words, exc_info=error)
         if self._setpoint_state.motion is not None and self._mode.mode_after is not State.FAULTED:
             self._fault(cause)

@@ -37,8 +37,10 @@ class TrackedTrocar:
     def update(self, report: Report) -> None:
         """Take in a report; one that is no newer than the last is passed over."""
         config, last = self._config.trocar, self._last
-        if last is not None and report.stamp <= last.stamp:
+        if not report.is_news(last):
             return
+        if last is not None and report.stamp <= last.stamp:
+            last = None
         self._last = report
         bad = too_far(report.place, self._home, config.range)
         span = math.inf if last is None else report.stamp - last.stamp

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import inf
 from typing import Final
 
 import numpy as np
@@ -21,7 +22,14 @@ class Report:
 
     place: Vector  # (3,), base frame, [m]
     stamp: float  # [s] steady clock, when it was measured
-    pull: tuple[float, ...] = field(default=())  # way of the pull, base frame; (): none is reported
+    pull: tuple[float, ...] = ()  # way of the pull, base frame; (): none is reported
+    arrived: float = inf  # [s] steady clock, when it came; infinite: not known
+
+    def is_news(self, last: Report | None) -> bool:
+        """Whether it counts after the last one, whose stamp may have been ahead of time."""
+        if last is None or self.stamp > last.stamp:
+            return True
+        return last.stamp > self.arrived + FUTURE
 
 
 def too_old(report: Report, now: float, age: float) -> Cause | None:
@@ -60,8 +68,11 @@ class SteadyPlace:
 
     def update(self, report: Report) -> None:
         """Take in a report; one that is no newer than the last is passed over."""
-        if self._reports and report.stamp <= self._reports[-1].stamp:
+        last = self._reports[-1] if self._reports else None
+        if not report.is_news(last):
             return
+        if last is not None and report.stamp <= last.stamp:
+            self._reports.clear()
         self._reports.append(report)
         while report.stamp - self._reports[0].stamp > self._config.steady_time:
             self._reports.popleft()

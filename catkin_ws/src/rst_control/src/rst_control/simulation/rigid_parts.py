@@ -18,6 +18,7 @@ from rst_control.kinematics.rotations import roll_pitch_yaw
 from rst_control.types import JOINTS
 
 Array = NDArray[np.float64]
+NO_SHIFT = "0 0 0"  # of an origin that leaves out a row
 TERMS = (("ixx", 0, 0), ("iyy", 1, 1), ("izz", 2, 2), ("ixy", 0, 1), ("ixz", 0, 2), ("iyz", 1, 2))
 
 
@@ -86,8 +87,8 @@ def _ends(joint: Xml.Element) -> tuple[str, str]:
 def _pose(element: Xml.Element) -> Array:
     origin, T = element.find("origin"), np.eye(4)
     if origin is not None:
-        T[:3, 3] = [float(word) for word in origin.attrib["xyz"].split()]
-        T[:3, :3] = rotation([float(word) for word in origin.attrib["rpy"].split()])
+        T[:3, 3] = [float(word) for word in origin.get("xyz", NO_SHIFT).split()]
+        T[:3, :3] = rotation([float(word) for word in origin.get("rpy", NO_SHIFT).split()])
     return T
 
 

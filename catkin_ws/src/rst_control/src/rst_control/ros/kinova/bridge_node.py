@@ -226,11 +226,18 @@ class KinovaBridgeNode:
         if not answer.success:
             raise NotAllowed(answer.message)
         refusal: Future[str] = Future()
-        self._jobs.append(lambda: refusal.set_result(self._bridge.begin_homing()))
+
+        def begin() -> None:
+            if refusal.set_running_or_notify_cancel():
+                refusal.set_result(self._bridge.begin_homing())
+
+        self._jobs.append(begin)
         try:
             words = refusal.result(ANSWER_TIME)
         except TimeoutError as error:
-            raise NotAllowed("the bridge is being shut down") from error
+            if refusal.cancel():
+                raise NotAllowed(f"the bridge did not begin within {ANSWER_TIME:g} s") from error
+            words = refusal.result(ANSWER_TIME)  # it begins at this moment
         if words:
             raise NotAllowed(words)
 

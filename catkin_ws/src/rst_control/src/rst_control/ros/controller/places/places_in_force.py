@@ -10,8 +10,10 @@ from __future__ import annotations
 import json
 import math
 import threading
+import time
 from typing import Any, Final
 
+import rosgraph
 import rospy
 from geometry_msgs.msg import PointStamped
 
@@ -25,7 +27,10 @@ from rst_control.registration.trocar_context import (
 )
 from rst_control.ros.controller.messages import RosClock, base_point
 from typed_config.ros.launch_settings import IN_FORCE
+from typed_config.ros.xmlrpc import FAILURES, ask
 
+KEEP_AGAIN: Final = 5.0  # [s] after which a master that did not take them is asked again
+NOT_KEPT: Final = "the places that were set are not kept for a restart yet: %s"
 NOT_TAKEN: Final = "places that were set before are not taken: %s; those of scene.yaml count"
 
 
@@ -43,6 +48,7 @@ class PlacesInForce:
         self._trocar = rospy.Publisher("rst_control/trocar", PointStamped, **latched)
         self._grasp = rospy.Publisher("rst_control/grasp_point", PointStamped, **latched)
         self._shown: dict[rospy.Publisher, Origin] = {}
+        self._keep_at = math.inf  # [s] steady clock, when they are to be kept; infinite: they are
         self._restore()
         self.step()
 
@@ -52,7 +58,9 @@ class PlacesInForce:
             present, scene = self._present, self._present.current.config.scene
             is_new = self._show(self._trocar, scene.trocar, present.trocar_origin)
             if self._show(self._grasp, scene.grasp_point, present.grasp_origin) or is_new:
-                self._keep()
+                self._keep_at = -math.inf
+            if time.monotonic() >= self._keep_at:
+                self._keep_at = self._keep()
 
     def _show(self, topic: rospy.Publisher, place: tuple[float, ...], origin: Origin) -> bool:
         if self._shown.get(topic) == origin:
@@ -61,7 +69,8 @@ class PlacesInForce:
         topic.publish(base_point(place))
         return True
 
-    def _keep(self) -> None:
+    def _keep(self) -> float:
+        """Hand them to the master; gives when to do so again [s]: never, unless it failed."""
         present, scene = self._present, self._present.current.config.scene
         kept: dict[str, Any] = {}
         for name, origin, numbers in (
@@ -71,8 +80,14 @@ class PlacesInForce:
             if origin.source != SCENE:
                 stamp = self._clock.stamp(origin.stamp).to_sec()
                 kept[name] = {"numbers": numbers, "source": origin.source, "stamp": stamp}
-        if kept:
-            rospy.set_param(f"~{IN_FORCE}", json.dumps(kept))
+        key, master = rospy.resolve_name(f"~{IN_FORCE}"), rosgraph.get_master_uri()
+        try:
+            if kept:
+                ask(master, "setParam", rospy.get_name(), key, json.dumps(kept))
+        except FAILURES as error:
+            rospy.logwarn(NOT_KEPT, error)
+            return time.monotonic() + KEEP_AGAIN
+        return math.inf
 
     def _restore(self) -> None:
         try:

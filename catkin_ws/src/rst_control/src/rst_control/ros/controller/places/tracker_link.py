@@ -24,7 +24,9 @@ from rst_control.ros.controller.services.admission import answer_of
 from rst_control.types import Cause
 from typed_config.ros.known_publishers import KnownPublishers
 
+GRASP, TROCAR = "grasp point", "trocar"
 NO_WAIT: Final = 0.0  # [s] in a topic's callback
+SAY_AGAIN: Final = 10.0  # [s] before the same complaint is made again
 PERIOD: Final = 0.2  # [s] between two looks whether a tracked grasp point may be set
 
 
@@ -52,7 +54,7 @@ class TrackerLink:
         self._config, self._frames, self._clock = config, frames, clock
         self._grasp, self._trocar = grasp, trocar
         self._tracker, self._words = "", ""
-        self._frame_objection: Cause | None = None
+        self._unknown_frames: dict[str, Cause] = {}  # by what is reported in them
         by = config.tracker
         for name, kind, take in (
             ("grasp_point", PointStamped, self._on_point),
@@ -74,11 +76,11 @@ class TrackerLink:
         """What diagnostics say of trackers."""
         now, words, level, cause = time.monotonic(), [], DiagnosticStatus.OK, None
         if self._config.grasp_point.is_taken:
-            cause = self._frame_objection or self._grasp.objection(now)
+            cause = self._unknown_frames.get(GRASP) or self._grasp.objection(now)
             words.append(f"grasp point: {cause.words if cause else 'taken at rest'}")
         values = {}
         if self._trocar is not None:
-            lost = self._frame_objection or self._trocar.tracked.objection(now)
+            lost = self._unknown_frames.get(TROCAR) or self._trocar.tracked.objection(now)
             cause = lost or cause
             words.append(f"trocar: {lost.words if lost else 'followed'}")
             values["followed by [mm]"] = f"{np.linalg.norm(self._trocar.shift) * 1e3:.2f}"
@@ -97,7 +99,7 @@ class TrackerLink:
     def _report_grasp(
         self, message: PointStamped | PoseStamped, point: Point, turn: Quaternion | None
     ) -> None:
-        T = self._known_frame(message)
+        T = self._known_frame(GRASP, message)
         if T is None:
             return
         pull: tuple[float, ...] = ()
@@ -105,20 +107,25 @@ class TrackerLink:
             quaternion = [turn.x, turn.y, turn.z, turn.w]
             norm = float(np.linalg.norm(quaternion))
             if not 0.5 < norm < 2.0:  # no number is not
+                words = f"tracked grasp pose with a quaternion of length {norm:.2f}, allowed: 1"
+                rospy.logwarn_throttle(SAY_AGAIN, words)
                 return
             pull = tuple((T[:3, :3] @ Rotation.from_quat(quaternion).as_matrix())[:, 2].tolist())
         self._tracker = caller_of(message)
         self._grasp.update(self._report(message, T, point, pull))
 
     def _on_trocar(self, message: PointStamped) -> None:
-        T = self._known_frame(message)
+        T = self._known_frame(TROCAR, message)
         if self._trocar is not None and T is not None:
             self._trocar.take(self._report(message, T, message.point))
 
-    def _known_frame(self, message: PointStamped | PoseStamped) -> Array | None:
+    def _known_frame(self, what: str, message: PointStamped | PoseStamped) -> Array | None:
         found = self._frames.in_base(message.header.frame_id, NO_WAIT)
-        self._frame_objection = found if isinstance(found, Cause) else None
-        return None if isinstance(found, Cause) else found
+        if isinstance(found, Cause):
+            self._unknown_frames[what] = found
+            return None
+        self._unknown_frames.pop(what, None)
+        return found
 
     def _report(
         self,
@@ -129,4 +136,4 @@ class TrackerLink:
     ) -> Report:
         place = np.array([point.x, point.y, point.z])
         stamp = self._clock.steady(message.header.stamp)
-        return Report(T[:3, :3] @ place + T[:3, 3], stamp, pull)
+        return Report(T[:3, :3] @ place + T[:3, 3], stamp, pull, time.monotonic())
