@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Of all tests: their markers, the examples of property tests, and one thread for each worker."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The examples run as their user starts them, and print what they are meant to show."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

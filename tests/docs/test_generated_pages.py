@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the documents take from code and settings is up to date, and stands nowhere else."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

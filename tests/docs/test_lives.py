@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every file and name on the pages of the lives and of the formulas is there."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

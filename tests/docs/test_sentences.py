@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The command that reports long sentences finds them, and only them."""
 
-from __future__ import annotations
-
 from support.documents.sentences import main, sentences, too_long
 
 LONG = "Word " + "word " * 24 + "end."

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The launch of the real robot beside drivers of its own, and its bridge killed in mid-motion."""
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

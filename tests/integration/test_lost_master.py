@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The ROS master dies in mid-motion and is started anew; robot and controller run all the while."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

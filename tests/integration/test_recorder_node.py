@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The recorder as a process of its own, with its own roscore and a second process that talks."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

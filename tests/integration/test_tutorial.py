@@ -4,8 +4,6 @@
 Only the settings of the demo are added, for a machine that may pause.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import pty

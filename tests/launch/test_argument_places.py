@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every argument of every launch file arrives at the node or setting that it is meant for."""
 
-from __future__ import annotations
-
 import functools
 import shutil
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Launch lines of the documents, given to a shell and read as roslaunch does, do as they say."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every launch reads its settings files strictly before roslaunch takes what is left of them."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 from xml.etree import ElementTree

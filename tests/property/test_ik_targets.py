@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Inverse kinematics over many targets: what can be reached is found, and found right."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

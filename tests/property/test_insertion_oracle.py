@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Insertion from many places outside and withdrawal, judged by PyBullet's kinematics."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Three kinematics of one URDF, by three authors: our kernels, KDL, PyBullet."""
 
-from __future__ import annotations
-
 import numpy as np
 import pybullet
 import PyKDL

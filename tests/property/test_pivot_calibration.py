@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Properties of the point that recorded shafts have in common."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

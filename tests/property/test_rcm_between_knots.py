@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Random paths keep the trocar everywhere, as seen by an independent kinematics."""
 
-from __future__ import annotations
-
 import numpy as np
 import PyKDL
 import pytest

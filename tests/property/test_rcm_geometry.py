@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Properties of the distance between shaft and trocar, and of its Jacobian."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A 6-DoF arm with a longer shaft: the same code, told by its URDF and settings alone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

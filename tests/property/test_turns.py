@@ -4,8 +4,6 @@
 The whole of it is measured by `bench/site/turns.py`; here a few starts are drawn.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

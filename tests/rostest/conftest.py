@@ -4,8 +4,6 @@
 The system, on a master of its own, is started before the first of them and ends after the last.
 """
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A session in PyBullet that begins with the tool far from the patient, and ends there."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

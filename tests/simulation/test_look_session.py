@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An endoscope led in eight directions and back in PyBullet, and stopped on its way."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The gate with every real part: one voice moves the robot, another does not, and both stop it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

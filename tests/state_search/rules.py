@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What no tick of the controller may do, whatever happened before it."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from rst_control.commands.table import COMMANDS

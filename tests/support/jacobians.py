@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Jacobians of the kernels, as arrays, and finite differences to judge them by."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from rst_control.kinematics.rcm import rcm_jacobian

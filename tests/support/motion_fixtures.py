@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fixtures of the tests of motion: the robot, its settings and its planner, made once."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The topics that viewers of a recording ask for, with their types."""
 
-from __future__ import annotations
-
 TYPES = {
     "/voice_assist/utterance": "voice_assist/Utterance",
     "/voice_assist/mode": "voice_assist/Mode",

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A master and launches beside it, as on a machine of its own; each can be killed alone."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 from pathlib import Path

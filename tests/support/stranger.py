@@ -5,8 +5,6 @@ Arguments: a pickled list of (topic, type, md5sum, name of the first publisher, 
 then each connection says that it is of the first publisher. It plays them again and again.
 """
 
-from __future__ import annotations
-
 import pickle
 import subprocess
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Faults that others met between command and motion; `README.md` here lists the tests of all."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

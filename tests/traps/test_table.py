@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The table of traps names only tests that exist, and all tests of this folder."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Faults that others met between sound and command; `README.md` here lists the tests of all."""
 
-from __future__ import annotations
-
 import ast
 import itertools
 import shutil

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The recorder node, interrupted in the midst of looking at its own state."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

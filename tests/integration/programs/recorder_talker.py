@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The process that talks to the recorder under test: `recorder_talker.py traffic 1500`."""
 
-from __future__ import annotations
-
 import json
 import sys
 import time

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Model files that are damaged or hostile: refused in words, and nothing in them runs."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import random

@@ -5,8 +5,6 @@ A digit that becomes another digit makes another robot, which nothing but a pers
 the right one; such a model has to keep all bounds at least.
 """
 
-from __future__ import annotations
-
 import random
 import re
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The bridge's beat as a message: what the guard takes of it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

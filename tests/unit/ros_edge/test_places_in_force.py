@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Trocar and grasp point that were set are kept for a restart, also after a lost master."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

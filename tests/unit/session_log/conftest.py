@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sessions and settings that several tests share; no test changes them."""
 
-from __future__ import annotations
-
 import pytest
 
 from session_log.cli import CONFIG

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The version stands in one place, and all others follow it."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Settings files that are broken as files: refused by name, and nothing in them runs."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Both command lines complete their verbs in bash, and say which shells they know."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

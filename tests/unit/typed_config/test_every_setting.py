@@ -5,8 +5,6 @@ The cases are made from the files and from the dataclasses that load them, so th
 tested without another line here. Each test gathers all failures before it reports them.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tests.unit.typed_config.settings_files import (

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Messages count by the node that published them, as the master knows it; others are named."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

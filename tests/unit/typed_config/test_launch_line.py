@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How a launch file is called: unknown arguments and a missing address are refused by name."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 

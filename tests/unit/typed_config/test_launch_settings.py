@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A node that is started anew has the settings of its launch, whatever was changed since."""
 
-from __future__ import annotations
-
 import pytest
 
 from typed_config import ConfigError

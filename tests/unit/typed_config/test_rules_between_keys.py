@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Settings of which each key alone is allowed, and which contradict each other."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.unit.typed_config.settings_files import at, changed, content, kinds, start

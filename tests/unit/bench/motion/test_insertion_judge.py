@@ -3,8 +3,6 @@
 tests/property/test_insertion_oracle.py.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The bench measures what it says: its judges find faults that are put in, and its parts run."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A drawn part of what `make bench ONLY=site.tension` measures, and the fault that it came from."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

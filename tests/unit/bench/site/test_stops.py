@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A piece of what `make bench ONLY=site.stops` measures."""
 
-from __future__ import annotations
-
 from contextlib import nullcontext
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The first motion is shown, refused, confirmed and only then carried out; later ones are free."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

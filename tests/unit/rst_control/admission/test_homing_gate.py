@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The tool is homed only by nobody's tissue, in nobody's patient, and as asked and confirmed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

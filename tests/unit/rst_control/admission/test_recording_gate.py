@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the robot may do while nobody records it."""
 
-from __future__ import annotations
-
 import shutil
 from dataclasses import replace
 

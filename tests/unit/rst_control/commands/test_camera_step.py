@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Looking about under the trocar: left is left in the picture, and the shaft stays where it is."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

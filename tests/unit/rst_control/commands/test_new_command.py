@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A new motion is one file and one row: "nudge" works from its words to the robot at rest."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

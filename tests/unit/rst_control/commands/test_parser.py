@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Words become a command in one place."""
 
-from __future__ import annotations
-
 import pytest
 
 from rst_control.commands.parser import read_request

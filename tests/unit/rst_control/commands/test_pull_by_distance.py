@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Without a trusted tension pulls go by distance, as if the tissue were the stiffest expected."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The controller finds by itself how to take a sheet, and says why where it cannot."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whatever goes wrong during a pull, the tissue feels no more than its limit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A pull whose tension is not yet confirmed waits where it may go no further, then goes on."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the set-point becomes when the measured joints are taken over."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the arm says of itself: each bit by name, who is in control, soft limits, what latches."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

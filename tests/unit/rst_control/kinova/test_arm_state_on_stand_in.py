@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Controller, bridge and the stand-in of the drivers: its own state, and "hey robot"."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

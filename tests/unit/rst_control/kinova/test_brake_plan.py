@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A process that did not make the course brakes the arm along it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Set-points in, velocities out: course, trocar, stops, faults and what clears them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """launch/kinova.launch: nothing starts where something is missing; what is given is in force."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The table of checks that move nothing, on the stand-in of the drivers and with each fault."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Feedback in our order, the arm's ramps, the stop guard, and the settings."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What launch/kinova.launch refuses to start without."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

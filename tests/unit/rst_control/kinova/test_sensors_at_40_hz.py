@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The sensor checks with the settings for the real robot: 40 states a second, 70 ms late."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """OpenRST: nothing before homing, nothing beyond its limits, grip from jaws that stay open."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

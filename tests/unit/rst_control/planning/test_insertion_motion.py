@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Insertion and withdrawal in the running executor, without physics."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

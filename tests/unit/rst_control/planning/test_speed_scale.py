@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One factor slows everything down that is planned, and leaves braking as hard as it was."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The trocar from a recording: what is read, which poses count, what is printed."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re

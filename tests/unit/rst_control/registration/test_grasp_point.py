@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Setting the grasp point: where the sheet can be taken and pulled, at rest, in one tick."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

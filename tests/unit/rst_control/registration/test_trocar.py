@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Setting the trocar on a running controller: what is refused, and that all changes in one tick."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 

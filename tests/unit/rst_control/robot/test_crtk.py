@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The arm as CRTK sees it: four states, pose and twist of the tip, and which words do what."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A set-point that nobody of ours sent, while the robot holds: refused, or too near to do harm."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Shapes become markers that any viewer takes; tissue, trail and arrow are where they should be."""
 
-from __future__ import annotations
-
 from io import BytesIO
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Who else offers a service: the living and the hanging count, the dead do not."""
 
-from __future__ import annotations
-
 import pytest
 
 from rst_control.ros.common import other_provider as module

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The simulator says whether the tissue it shows is triangulated."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

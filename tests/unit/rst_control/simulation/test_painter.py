@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pictures of the scene: what moves shows, and the drawing process answers or says why not."""
 
-from __future__ import annotations
-
 import io
 from dataclasses import replace
 

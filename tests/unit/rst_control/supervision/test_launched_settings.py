@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Settings on the server that are not those of the launch are named, and once as news."""
 
-from __future__ import annotations
-
 import pytest
 
 from rst_control.supervision.launched_settings import LaunchedSettings

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A controller without ROS on a robot without physics, ticked by hand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 

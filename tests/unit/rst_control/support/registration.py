@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A rig with somebody who sets a point of it: the trocar, or where to grasp."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

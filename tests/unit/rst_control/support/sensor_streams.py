@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Measurements of a robot that moves as told, to be spoilt by the tests of the sensors."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

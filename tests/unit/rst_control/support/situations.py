@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Situations for verification, from a few words."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from rst_control.commands.request import Request, Situation

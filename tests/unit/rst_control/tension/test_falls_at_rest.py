@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the tension loses at rest: added up over rests, and reckoned with for what lies between."""
 
-from __future__ import annotations
-
 import pytest
 
 from rst_control.tension.falls_at_rest import FallsAtRest

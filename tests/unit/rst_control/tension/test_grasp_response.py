@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What tissue may answer to a pull, what it never does, and how far nobody may go without."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A stop is as hard as the joints allow, and paths are slow enough for it to be short."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

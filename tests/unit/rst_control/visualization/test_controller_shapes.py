@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What viewers show of the controller: the way of the plan, the pull, and what is gone."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The viewer is optional: with rviz it is started on our layout, without it that is said."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Messages decoded at once are what the decoder makes of each by itself."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

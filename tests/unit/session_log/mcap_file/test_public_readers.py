@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Recordings in the hands of the public readers: by index, as a stream, and up to a cut."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The sound of each utterance is cut out where it was said, with silence where it was lost."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The player before it meets ROS: what keeps it from playing is one line, at once."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From what happens to what stands and sounds: priorities, acknowledgement, repetition."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every reason code that the controller, the recogniser or a status gives has its next step."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

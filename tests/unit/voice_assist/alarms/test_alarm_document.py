@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The alarms in the documentation, on the screen and in the settings are those of the code."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The waveforms themselves: pulses, pitch, level, silence, and how far they are apart."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

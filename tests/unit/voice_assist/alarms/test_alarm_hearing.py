@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The microphone hears the alarms: none is a command, and "stop" is heard over them."""
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np

@@ -5,8 +5,6 @@ The controller runs without ROS on a robot without physics. Each event becomes, 
 by field, a message of `rst_control/event`, and its view one of `rst_control/state`: both recorded.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

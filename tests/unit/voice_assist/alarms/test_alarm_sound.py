@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Playing: one at a time, the higher first, a stuck or missing device delays nobody."""
 
-from __future__ import annotations
-
 import sys
 import threading
 from dataclasses import replace

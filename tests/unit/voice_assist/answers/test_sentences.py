@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every code has one sentence or a reason for none; none is, or sounds like, a command."""
 
-from __future__ import annotations
-
 import pytest
 
 from rst_control.commands.table import COMMANDS

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Answers as sound: short, announced, cut by a stop; what is missing is named and harms nothing."""
 
-from __future__ import annotations
-
 import threading
 from dataclasses import replace
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sound without stamps: its format is judged by its amount, gaps and silence are told."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

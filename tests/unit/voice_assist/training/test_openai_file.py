@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A file is OpenAI's only if the whisper library knows its digest."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import subprocess

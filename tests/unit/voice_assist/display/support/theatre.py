@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A theatre as it may be, and a page of it that acts on nothing."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 

@@ -6,8 +6,6 @@ command itself, such as Japanese "ririisu", is in no list. Words that measure ar
 bench.voice.material.foreign_words holds.
 """
 
-from __future__ import annotations
-
 WORDS = {
     "de": """
 Pulmonal|Polmo|Pulmor|Pullmo|Pulmos|Bulle|Pulle|Pullis|Pulli|Pullmeer|Pole|Polen|Polizei|Palais
