@@ -94,12 +94,6 @@ def test_it_starts_at_its_own_start_position_and_stays_there():
         assert robot.fault == ""
 
 
-@pytest.mark.parametrize("count", [1, 8, 10])
-def test_a_start_position_of_another_length_is_refused(count):
-    with pytest.raises(ConfigError, match=r"start_position.*a list of 9 angles"):
-        make(start_position=(0.0,) * count)
-
-
 def test_a_start_beyond_the_limits_of_a_joint_is_refused_by_its_name():
     q = np.array(CONFIG.scene.home)
     q[1] = 3.0

@@ -10,7 +10,6 @@ from rst_control.config import load_simulation_config
 from rst_control.simulation.plant import LateRobot
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.types import Setpoint
-from typed_config import ConfigError
 
 CONFIG = load_simulation_config()
 
@@ -113,15 +112,3 @@ def test_set_points_and_feedback_come_late():
         assert robot.newest_setpoint == -np.inf  # it is on its way
         robot.advance(robot.now + 0.01, late.deliver)
         assert robot.newest_setpoint > 0.0
-
-
-@pytest.mark.parametrize(
-    ("room", "changes", "key"),
-    [
-        ("drives", {"sliding_friction": (9.0,) * 7}, "sliding_friction"),
-        ("body_wall", {"way": (0.0, 0.0, 0.0)}, "way"),
-    ],
-)
-def test_settings_that_contradict_each_other_are_refused(room, changes, key):
-    with pytest.raises(ConfigError, match=key):
-        replace(getattr(CONFIG.plant, room), **changes)
