@@ -207,7 +207,6 @@ _HEARING = Area(
         ),
         Part("voice.calibration", "Confidence", "voice.calibration", code.HEARING),
         Part("voice.sizes", "Whisper's sizes", "voice.sizes", code.HEARING, SYNTHETIC),
-        Part("voice.idle", "Load", "voice.idle", code.HEARING),
         Part("voice.soak", "An hour of load", "voice.soak.suite", code.HEARING, SYNTHETIC),
     ),
 )
@@ -267,7 +266,6 @@ _RECORDING = Area(
     "Recording",
     "",
     (
-        Part("sessions.kills", "Killed recorders", "recording.suite:kills", code.RECORDING),
         Part("sessions.flood", "Writing", "recording.suite:flood", code.RECORDING),
         Part("sessions.reading", "Reading and report", "recording.suite:reading", code.REPORT),
     ),
@@ -315,6 +313,8 @@ _GONE = Area(
             last_in="23d7195",
             details=("talk", "wrong", "others"),
         ),
+        Part("voice.idle", "Load of the pipeline alone", "", (), last_in="c1d9c95"),
+        Part("sessions.kills", "200 killed recorders", "", (), last_in="c1d9c95"),
         Part("sessions.node", "Recorder and `rosbag record`", "", (), last_in="23d7195"),
         Part("sessions.loop", "Loop beside a recorder", "", (), last_in="23d7195"),
         Part("sessions.many", "Report over a folder", "", (), last_in="23d7195"),

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recording: loss under SIGKILL, messages per second, and the time to read and report.
-
-`make bench ONLY=sessions.kills` is one part.
-"""
+"""Recording: messages per second, and the time to read and report."""
 
 from __future__ import annotations
 
@@ -16,7 +13,6 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from bench.recording.kills import SIZE, kills
 from session_log.cli import CONFIG
 from session_log.config import RecorderConfig, ReportConfig
 from session_log.mcap_file.reader import SessionReader
@@ -30,6 +26,7 @@ from support.story import COMMIT, Story
 from support.story_script import END
 from typed_config import load_file
 
+SIZE = 320  # [B] of a JointState with ten joints
 FLOOD = 200_000  # messages offered as fast as they come
 TURNS = 6  # of the story in one recording
 READ = """
@@ -41,11 +38,6 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 
 T = TypeVar("T")
-
-
-def measure() -> list[Figure]:
-    """Measure everything."""
-    return [figure for part in PARTS.values() for figure in part()]
 
 
 def flood() -> list[Figure]:
@@ -136,6 +128,3 @@ def _peak_of_reading(path: Path) -> int:
         text=True,
     )
     return int(done.stdout) * 1024
-
-
-PARTS: dict[str, Callable[[], list[Figure]]] = {"kills": kills, "flood": flood, "reading": reading}
