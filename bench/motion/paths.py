@@ -6,27 +6,26 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import numpy as np
-import pybullet
-import PyKDL
 from numpy.typing import NDArray
 
 from bench.common.rig import random_poses
-from rst_control.config import URDF_FILE, MotionConfig
+from bench.motion.bullet.robot import BulletRobot
+from rst_control.config import MotionConfig
 from rst_control.errors import Infeasible
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.rcm import rcm_error_vector
-from rst_control.kinematics.robot_model import load_robot as load_model
+from rst_control.kinematics.robot_model import RobotModel, load_robot
 from rst_control.planning.planner import Planner
-from rst_control.simulation.physics import joint_indices, link_indices, load_robot
 from rst_control.trajectory.motion_profile import MotionProfile
 from rst_control.trajectory.path import Path
 from rst_control.types import PathState
 from support.figures import Figure
-from support.kdl_chain import kdl_chain
+from support.kdl_chain import Kdl
 
 Array = NDArray[np.float64]
-Ends = tuple[Array, Array]  # of the shaft, base frame [m]
+Shaft = Callable[[Array], Array]  # both its ends (2, 3) [m], base frame, of joints (10,) [rad]
 
+ENDS = ("interface_link", "pitch_link")
 RATE = 10_000.0  # [Hz] of the samples along each path at the speed it is planned for
 BLOCK = 50  # samples of each path, in places drawn at random, that PyBullet and KDL are asked about
 
@@ -41,40 +40,75 @@ def measure(config: MotionConfig, count: int) -> list[Figure]:
         config: Settings of planning.
         count: Number of paths.
     """
-    planner = Planner(load_model(), config)
-    client = pybullet.connect(pybullet.DIRECT)
-    oracles = {"PyBullet": _bullet_shaft(client), "KDL": _kdl_shaft(planner)}
+    planner = Planner(load_robot(), config)
+    oracles = {"PyBullet": by_bullet(BulletRobot()), "KDL": by_kdl(planner.model)}
     worst, samples = dict.fromkeys(("compiled", *oracles), 0.0), 0
     differences, rng = dict.fromkeys(oracles, 0.0), np.random.default_rng(1)
-    try:
-        for path in random_paths(planner, count):
-            joints, own = _sampled(planner, path)
-            samples += len(own)
-            worst["compiled"] = max(worst["compiled"], float(own.max()))
-            chosen = np.append(rng.integers(0, len(own), BLOCK), own.argmax())
-            for name, shaft in oracles.items():
-                for k in chosen:
-                    error = _error(shaft(joints[k]), planner.trocar)
-                    worst[name] = max(worst[name], error)
-                    differences[name] = max(differences[name], abs(error - own[k]))
-    finally:
-        pybullet.disconnect(client)
+    for path, _ in random_paths(planner, count):
+        joints, own = _sampled(planner, path)
+        samples += len(own)
+        worst["compiled"] = max(worst["compiled"], float(own.max()))
+        chosen = np.append(rng.integers(0, len(own), BLOCK), own.argmax())
+        for name, shaft in oracles.items():
+            for k in chosen:
+                error = shaft_error(shaft(robot_joints(joints[k], 0.0)), planner.trocar)
+                worst[name] = max(worst[name], error)
+                differences[name] = max(differences[name], abs(error - own[k]))
     return _figures(worst, differences, samples, count)
 
 
-def random_paths(planner: Planner, count: int) -> Iterator[Path]:
-    """Paths between random poses in the workspace, each from where the last one ended."""
+def random_paths(
+    planner: Planner, count: int, seed: int = 1, spread: float = 0.4
+) -> Iterator[tuple[Path, Array]]:
+    """Paths between random poses in the workspace, each from where the last one ended.
+
+    Args:
+        planner: Plans them from its home on.
+        count: Number of paths.
+        seed: Of the poses.
+        spread: Of their turns, as `random_poses` takes it [rad].
+
+    Yields:
+        Each path with the pose (4, 4) of the tool that it leads to.
+    """
     q, made = np.array(planner.config.scene.home), 0
-    for pose in random_poses(planner.config, 20 * count, seed=1):
+    for pose in random_poses(planner.config, 20 * count, seed, spread):
         try:
             path = planner.leg(q, pose)
         except Infeasible:
             continue
         q, made = path.end, made + 1
-        yield path
+        yield path, pose
         if made == count:
             return
     raise RuntimeError(f"only {made} of {count} random paths could be planned")
+
+
+def by_bullet(robot: BulletRobot) -> Shaft:
+    """PyBullet's view of the shaft, which knows nothing of our model."""
+
+    def shaft(joints: Array) -> Array:
+        robot.place(joints)
+        return robot.poses(ENDS)[:, :, 3]
+
+    return shaft
+
+
+def by_kdl(model: RobotModel) -> Shaft:
+    """KDL's view of the shaft."""
+    chains = [Kdl(model, name) for name in ENDS]
+
+    def shaft(joints: Array) -> Array:
+        turning = np.delete(joints[:8], list(model.locked))  # of the arm, and pitch
+        return np.array([chain.frame(turning)[:3, 3] for chain in chains])
+
+    return shaft
+
+
+def shaft_error(ends: Array, trocar: Array) -> float:
+    """Distance [m] of the line through both ends (2, 3) of the shaft from the trocar (3,)."""
+    shaft = ends[1] - ends[0]
+    return float(np.linalg.norm(rcm_error_vector(ends[0], shaft / np.linalg.norm(shaft), trocar)))
 
 
 def _sampled(planner: Planner, path: Path) -> tuple[Array, Array]:
@@ -85,45 +119,6 @@ def _sampled(planner: Planner, path: Path) -> tuple[Array, Array]:
     per_knot = int(np.ceil(profile.remaining * RATE / (len(path.knots) - 1)))
     samples = path.sample(planner.model.chain, planner.trocar, per_knot)
     return samples.q[:, 0], samples.rcm_error
-
-
-def _error(ends: Ends, trocar: Array) -> float:
-    shaft = ends[1] - ends[0]
-    return float(np.linalg.norm(rcm_error_vector(ends[0], shaft / np.linalg.norm(shaft), trocar)))
-
-
-def _bullet_shaft(client: int) -> Callable[[Array], Ends]:
-    robot = load_robot(URDF_FILE, client)
-    joints, links = joint_indices(robot, client), link_indices(robot, client)
-    ends = [links["interface_link"], links["pitch_link"]]
-
-    def shaft(q: Array) -> Ends:
-        for joint, angle in zip(joints, robot_joints(q, 0.0), strict=True):
-            pybullet.resetJointState(robot, joint, float(angle), physicsClientId=client)
-        states = pybullet.getLinkStates(
-            robot, ends, computeForwardKinematics=1, physicsClientId=client
-        )
-        return np.array(states[0][4]), np.array(states[1][4])
-
-    return shaft
-
-
-def _kdl_shaft(planner: Planner) -> Callable[[Array], Ends]:
-    chains = [kdl_chain(planner.model, name) for name in ("interface_link", "pitch_link")]
-    solvers = [PyKDL.ChainFkSolverPos_recursive(chain) for chain in chains]
-
-    def end(number: int, q: Array) -> Array:
-        # Solvers only refer to their chain: naming it here keeps it alive.
-        array, frame = PyKDL.JntArray(chains[number].getNrOfJoints()), PyKDL.Frame()
-        for j in range(array.rows()):
-            array[j] = float(q[j])
-        solvers[number].JntToCart(array, frame)
-        return np.array([frame.p.x(), frame.p.y(), frame.p.z()])
-
-    def shaft(q: Array) -> Ends:
-        return end(0, q), end(1, q)
-
-    return shaft
 
 
 def _figures(

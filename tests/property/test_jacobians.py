@@ -7,12 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from bench.motion.gate.oracle import Kdl
-from rst_control.errors import Infeasible
+from bench.motion.paths import random_paths
 from rst_control.kinematics import constrained_ik, continuation, forward, manipulability
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_offset
-from rst_control.kinematics.robot_model import load_robot, rotation
+from rst_control.kinematics.robot_model import load_robot
+from support.kdl_chain import Kdl
 from tests.support.jacobians import differences
 
 TROCAR = np.array([0.406, -0.024, 0.415])
@@ -130,21 +130,9 @@ def test_the_posture_step_goes_down_the_gradient_of_its_cost_within_the_free_mot
 
 
 @pytest.fixture(scope="module")
-def legs(planner, home):
+def legs(planner):
     """Short legs between random tool poses, each tracked with many knots."""
-    rng, found, q = np.random.default_rng(8), [], home
-    while len(found) < 12:
-        goal = planner.T_base_grasp.copy()
-        goal[:3, :3] = rotation(rng.uniform(-0.3, 0.3, 3)) @ goal[:3, :3]
-        goal[:3, 3] = planner.centre + rng.uniform(-0.03, 0.03, 3)
-        try:
-            path = planner.leg(q, goal)
-        except Infeasible:
-            q = home
-            continue
-        found.append(path)
-        q = path.end
-    return found
+    return [path for path, _ in random_paths(planner, 12, seed=8)]
 
 
 def test_slopes_at_knots_equal_finite_differences_of_the_solved_joints(legs):

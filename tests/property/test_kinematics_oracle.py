@@ -3,14 +3,13 @@
 
 import numpy as np
 import pybullet
-import PyKDL
 import pytest
 
-from rst_control.config import URDF_FILE
+from bench.motion.bullet.robot import BulletRobot
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.types import JOINTS
-from support.kdl_chain import kdl_chain
+from support.kdl_chain import Kdl
 
 COUNT = 10_000
 TIP_ERROR = 1e-6  # [m]
@@ -18,75 +17,31 @@ JACOBIAN_ERROR = 1e-6
 KERNEL_ERROR = 1e-12
 
 
-class Kdl:
-    def __init__(self, model, tip):
-        self._chain = kdl_chain(model, tip)  # kept: the solvers only refer to it
-        self._pose = PyKDL.ChainFkSolverPos_recursive(self._chain)
-        self._jacobian = PyKDL.ChainJntToJacSolver(self._chain)
-        self._count = self._chain.getNrOfJoints()
+class Bullet(BulletRobot):
+    def pose(self, q, link):
+        self.place(robot_joints(q, 0.0))
+        return self.poses([link])[0]
 
-    def __call__(self, q):
-        joints = PyKDL.JntArray(self._count)
-        for i in range(self._count):
-            joints[i] = q[i]
-        frame, J = PyKDL.Frame(), PyKDL.Jacobian(self._count)
-        assert self._pose.JntToCart(joints, frame) == 0
-        assert self._jacobian.JntToJac(joints, J) == 0
-        pose = [[frame[i, j] for j in range(4)] for i in range(3)]
-        return np.array(pose), np.array([[J[i, j] for j in range(self._count)] for i in range(6)])
-
-
-class Bullet:
-    def __init__(self, client):
-        self._client = client
-        self._body = pybullet.loadURDF(str(URDF_FILE), useFixedBase=True, physicsClientId=client)
-        infos = [
-            pybullet.getJointInfo(self._body, i, physicsClientId=client)
-            for i in range(pybullet.getNumJoints(self._body, physicsClientId=client))
-        ]
-        self._links = {info[12].decode(): info[0] for info in infos}
-        order = [info[1].decode() for info in infos if info[2] != pybullet.JOINT_FIXED]
-        self._columns = [order.index(name) for name in JOINTS[:9]]
-        self._order = [JOINTS.index(name) for name in order]
-        self._index = {info[1].decode(): info[0] for info in infos}
-
-    def place(self, q):
-        self._joints = robot_joints(q, 0.0)
-        indices = [self._index[name] for name in JOINTS]
-        pybullet.resetJointStatesMultiDof(
-            self._body, indices, [[value] for value in self._joints], physicsClientId=self._client
-        )
-
-    def pose(self, link):
-        state = pybullet.getLinkState(
-            self._body,
-            self._links[link],
-            computeForwardKinematics=True,
-            physicsClientId=self._client,
-        )
-        turn = np.reshape(pybullet.getMatrixFromQuaternion(state[5]), (3, 3))
-        return np.column_stack([turn, state[4]])
-
-    def jacobian(self, link):
+    def jacobian(self, q, link):
+        """By its joints in PyBullet's order; of it those of the planning joints. Shape (6, 9)."""
+        order = np.argsort(self._joints)
         still = [0.0] * len(JOINTS)
-        values = [float(self._joints[i]) for i in self._order]
         linear, angular = pybullet.calculateJacobian(
-            self._body,
+            self._robot,
             self._links[link],
             [0.0, 0.0, 0.0],
-            values,
+            robot_joints(q, 0.0)[order].tolist(),
             still,
             still,
             physicsClientId=self._client,
         )
-        return np.vstack([linear, angular])[:, self._columns]
+        return np.vstack([linear, angular])[:, np.argsort(order)[:9]]
 
 
 @pytest.fixture(scope="module")
 def bullet():
-    client = pybullet.connect(pybullet.DIRECT)
-    yield Bullet(client)
-    pybullet.disconnect(client)
+    with Bullet() as robot:
+        yield robot
 
 
 def random_joints(limits, count):
@@ -101,15 +56,14 @@ def test_kernels_kdl_and_pybullet_agree_over_ten_thousand_configurations(robot, 
     worst = dict.fromkeys(("kernel pose", "kernel J", "tip", "turn", "J"), 0.0)
     for q in random_joints(planner.limits, COUNT):
         ours = Configuration(robot, q)
-        pose, J = kdl(q)
-        bullet.place(q)
-        other = bullet.pose("tool_tip")
+        pose, J = kdl.frame(q)[:3], kdl.jacobian(q)
+        other = bullet.pose(q, "tool_tip")
         for name, error in (
             ("kernel pose", ours.frames[forward.TIP] - pose),
             ("kernel J", ours.J_tip - J),
             ("tip", pose[:, 3] - other[:, 3]),
             ("turn", pose[:, :3] - other[:, :3]),
-            ("J", J - bullet.jacobian("tool_tip")),
+            ("J", J - bullet.jacobian(q, "tool_tip")),
         ):
             worst[name] = max(worst[name], float(np.abs(error).max()))
     assert worst["kernel pose"] < KERNEL_ERROR
@@ -124,10 +78,9 @@ def test_every_named_frame_is_where_pybullet_and_kdl_see_it(robot, planner, bull
     rows = {"tool0": forward.TOOL0, "interface_link": forward.SHAFT, "pitch_link": forward.PITCH}
     kdl = Kdl(robot, link)
     for q in random_joints(planner.limits, 200):
-        bullet.place(q)
         ours = Configuration(robot, q).frames[rows[link]]
-        np.testing.assert_allclose(ours, kdl(q)[0], atol=KERNEL_ERROR)
-        np.testing.assert_allclose(ours, bullet.pose(link), atol=TIP_ERROR)
+        np.testing.assert_allclose(ours, kdl.frame(q)[:3], atol=KERNEL_ERROR)
+        np.testing.assert_allclose(ours, bullet.pose(q, link), atol=TIP_ERROR)
 
 
 def test_the_shaft_is_straight_and_as_long_as_thought(robot, planner):

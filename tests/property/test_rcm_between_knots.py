@@ -2,74 +2,37 @@
 """Random paths keep the trocar everywhere, as seen by an independent kinematics."""
 
 import numpy as np
-import PyKDL
 import pytest
 
-from rst_control.errors import Infeasible
-from rst_control.kinematics.rcm import rcm_error_vector
-from rst_control.kinematics.robot_model import rotation
+from bench.motion.paths import by_kdl, random_paths, shaft_error
 from rst_control.trajectory.path import speed_bounds
-from support.kdl_chain import kdl_chain
+from support.kdl_chain import Kdl
 
 PATHS = 60
 TOLERANCE = 1e-6  # [m]
 DENSER = 10
 
 
-class Shaft:
-    """Shaft frame and tool tip by KDL."""
-
-    def __init__(self, model):
-        self._chains = [kdl_chain(model, name) for name in ("interface_link", "tool_tip")]
-        self._shaft, self._tip = (PyKDL.ChainFkSolverPos_recursive(c) for c in self._chains)
-
-    def error(self, q, trocar):
-        frame = self._frame(self._shaft, q[:7])
-        d = np.array(list(frame.M.UnitZ()))
-        return float(np.linalg.norm(rcm_error_vector(np.array(list(frame.p)), d, trocar)))
-
-    def tip(self, q):
-        return np.array(list(self._frame(self._tip, q).p))
-
-    def _frame(self, solver, q):
-        joints, frame = PyKDL.JntArray(len(q)), PyKDL.Frame()
-        for i, value in enumerate(q):
-            joints[i] = value
-        solver.JntToCart(joints, frame)
-        return frame
-
-
 @pytest.fixture(scope="module")
-def legs(planner, home):
+def legs(planner):
     """Legs between random tool poses in the workspace, one after the other."""
-    rng, paths, q = np.random.default_rng(3), [], home
-    while len(paths) < PATHS:
-        goal = planner.T_base_grasp.copy()
-        goal[:3, :3] = rotation(rng.uniform(-0.3, 0.3, 3)) @ goal[:3, :3]
-        goal[:3, 3] = planner.centre + rng.uniform(-0.03, 0.03, 3)
-        try:
-            paths.append((planner.leg(q, goal), goal))
-        except Infeasible:
-            q = home
-            continue
-        q = paths[-1][0].end
-    return paths
+    return list(random_paths(planner, PATHS, seed=3))
 
 
 def test_the_shaft_stays_in_the_trocar_at_and_between_knots(planner, legs):
-    shaft, worst = Shaft(planner.model), 0.0
+    shaft, worst = by_kdl(planner.model), 0.0
     for path, _ in legs:
         for s in np.linspace(0.0, path.length, DENSER * (len(path.knots) - 1) + 1):
-            worst = max(worst, shaft.error(path.evaluate(s).q, planner.trocar))
+            worst = max(worst, shaft_error(shaft(path.evaluate(s).q), planner.trocar))
     assert worst < TOLERANCE
 
 
 def test_the_tip_goes_straight_at_the_pace_of_s_to_its_goal(planner, legs):
-    shaft = Shaft(planner.model)
+    kdl = Kdl(planner.model, "tool_tip")
     for path, goal in legs:
-        start, end = shaft.tip(path.start), goal[:3, 3]
+        start, end = kdl.frame(path.start)[:3, 3], goal[:3, 3]
         for share in np.linspace(0.0, 1.0, 23):
-            tip = shaft.tip(path.evaluate(share * path.length).q)
+            tip = kdl.frame(path.evaluate(share * path.length).q)[:3, 3]
             np.testing.assert_allclose(tip, start + share * (end - start), atol=TOLERANCE)
 
 

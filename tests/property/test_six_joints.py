@@ -2,16 +2,18 @@
 """A 6-DoF arm with a longer shaft: the same code, told by its URDF and settings alone."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
 
-from bench.common.rig import random_poses
+from bench.motion.bullet.robot import BulletRobot
+from bench.motion.paths import by_bullet, by_kdl, random_paths, shaft_error
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.assembly import make_executor, make_trocar_context
 from rst_control.description.facts import load_facts
 from rst_control.description.urdf_writer import urdf_text
-from rst_control.errors import Infeasible, RobotModelError
+from rst_control.errors import RobotModelError
 from rst_control.kinematics import forward, manipulability
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.robot_model import parse_robot
@@ -19,7 +21,7 @@ from rst_control.planning.planner import Planner
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.trajectory.motion_profile import MotionProfile
 from rst_control.types import PathState
-from tests.property.six_joints import EXAMPLE, URDF, BulletShaft, KdlShaft, example
+from tests.property.six_joints import EXAMPLE, URDF, example
 from tests.support.fake_robot import FakeRobot, LinearSpring
 from tests.support.jacobians import differences, rcm_jacobian_at
 
@@ -36,25 +38,8 @@ def planner():
 
 
 @pytest.fixture(scope="module")
-def bullet():
-    shaft = BulletShaft()
-    yield shaft
-    shaft.close()
-
-
-@pytest.fixture(scope="module")
 def paths(planner):
-    """Each from where the last one ended, to a random place and turn of the tool."""
-    q, found = np.array(planner.config.scene.home), []
-    for pose in random_poses(planner.config, 20 * PATHS, seed=4, spread=0.3):
-        try:
-            found.append(planner.leg(q, pose))
-        except Infeasible:
-            continue
-        q = found[-1].end
-        if len(found) == PATHS:
-            return found
-    raise AssertionError(f"only {len(found)} of {PATHS} paths could be planned")
+    return [path for path, _ in random_paths(planner, PATHS, seed=4, spread=0.3)]
 
 
 def test_the_urdf_is_written_from_its_numbers():
@@ -101,16 +86,17 @@ def test_jacobians_are_finite_differences(planner):
         np.testing.assert_allclose(J, slopes, atol=1e-8)
 
 
-def test_random_paths_stay_in_the_trocar_by_kdl_and_by_pybullet(planner, paths, bullet):
-    kdl, rng, worst = KdlShaft(planner.model), np.random.default_rng(9), [0.0, 0.0]
-    for path in paths:
-        samples = path.sample(planner.model.chain, planner.trocar, per_knot=20)
-        chosen = np.append(rng.integers(0, len(samples.s), 20), samples.rcm_error.argmax())
-        for k in chosen:
-            joints = robot_joints(samples.q[k, 0], 0.0)
-            assert joints[LACKING] == 0.0
-            worst[0] = max(worst[0], kdl.error(joints, planner.trocar))
-            worst[1] = max(worst[1], bullet.error(joints, planner.trocar))
+def test_random_paths_stay_in_the_trocar_by_kdl_and_by_pybullet(planner, paths):
+    rng, worst = np.random.default_rng(9), [0.0, 0.0]
+    with BulletRobot(URDF) as robot:
+        shafts = by_kdl(planner.model), by_bullet(robot)
+        for path in paths:
+            samples = path.sample(planner.model.chain, planner.trocar, per_knot=20)
+            chosen = np.append(rng.integers(0, len(samples.s), 20), samples.rcm_error.argmax())
+            for k, (n, shaft) in product(chosen, enumerate(shafts)):
+                joints = robot_joints(samples.q[k, 0], 0.0)
+                assert joints[LACKING] == 0.0
+                worst[n] = max(worst[n], shaft_error(shaft(joints), planner.trocar))
     print(
         f"RCM error of {PATHS} paths: KDL {worst[0] * 1e6:.3f} um, PyBullet {worst[1] * 1e6:.3f} um"
     )
@@ -173,9 +159,9 @@ def test_all_commands_are_carried_out_in_the_trocar(planner):
     assert tensions[2] > tensions[1] + 0.2
     assert tensions[3] < tensions[2] - 0.2
     assert tensions[4] == 0.0
-    kdl, sent = KdlShaft(model), [s.position for s in robot.setpoints]
+    kdl, sent = by_kdl(model), [s.position for s in robot.setpoints]
     assert len(sent) > 1000
-    assert max(kdl.error(q, planner.trocar) for q in sent[::5]) <= MOST_ERROR
+    assert max(shaft_error(kdl(q), planner.trocar) for q in sent[::5]) <= MOST_ERROR
     assert {float(q[LACKING]) for q in sent} == {0.0}
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bench.motion.bullet.robot import BulletRobot
 from rst_control.config.collision import BodyConfig, CollisionConfig
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.types import JOINTS, unit_vector
+from rst_control.types import unit_vector
 
 Array = NDArray[np.float64]
 NO_TURN = (0.0, 0.0, 0.0, 1.0)
@@ -29,13 +29,6 @@ class BulletBodies(BulletRobot):
     def __init__(self, config: CollisionConfig) -> None:
         super().__init__()
         self._config = config
-        infos = [
-            pybullet.getJointInfo(self._robot, i, physicsClientId=self._client)
-            for i in range(pybullet.getNumJoints(self._robot, physicsClientId=self._client))
-        ]
-        self._links = {info[12].decode(): info[0] for info in infos}
-        by_joint = {info[1].decode(): info[0] for info in infos}
-        self._joints = [by_joint[name] for name in JOINTS]
         self._bodies = [self._make(body) for body in config.bodies]
         self._ends = np.zeros((len(self._bodies), 2, 3))
         apart = {frozenset((e.link, o)) for e in config.left_out for o in e.others}
@@ -81,10 +74,7 @@ class BulletBodies(BulletRobot):
         return number
 
     def _place(self, q: Array) -> None:
-        values = [[value] for value in robot_joints(q, 0.0)]
-        pybullet.resetJointStatesMultiDof(
-            self._robot, self._joints, values, physicsClientId=self._client
-        )
+        self.place(robot_joints(q, 0.0))
         links = {body.link for body in self._config.bodies}
         poses = {link: self._pose(link) for link in links}
         for n, (number, body) in enumerate(zip(self._bodies, self._config.bodies, strict=True)):

@@ -6,14 +6,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pybullet
 from numpy.typing import NDArray
 
 from bench.motion.bullet.robot import BulletRobot
 from rst_control.config import MotionConfig
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.rcm import rcm_error_vector
-from rst_control.simulation.physics import joint_indices, link_indices
 
 Array = NDArray[np.float64]
 TOOL = ("interface_link", "pitch_link", "finger_left_link")
@@ -41,17 +39,15 @@ class BulletWitness(BulletRobot):
 
     def __init__(self, config: MotionConfig) -> None:
         super().__init__()
-        self._joints = joint_indices(self._robot, self._client)
-        links = link_indices(self._robot, self._client)
         self._bodies = [body for body in config.collision.bodies if body.link not in STANDING]
         self._names = sorted({body.link for body in self._bodies} | set(PLACES))
-        self._links = [links[name] for name in self._names]
         self._trocar = np.array(config.scene.trocar)
         self._outward = np.array(config.scene.outward) / np.linalg.norm(config.scene.outward)
 
     def look(self, q: Array) -> Sight:
         """See the robot at q (9,) [rad], jaws closed."""
-        poses = self._poses(q)
+        self.place(robot_joints(q, 0.0))
+        poses = dict(zip(self._names, self.poses(self._names), strict=True))
         first, wrist, tip = (poses[name][:, 3] for name in PLACES)
         along = (wrist - first) / np.linalg.norm(wrist - first)
         lowest = {True: np.inf, False: np.inf}
@@ -64,14 +60,3 @@ class BulletWitness(BulletRobot):
         error = float(np.linalg.norm(rcm_error_vector(first, along, self._trocar)))
         depths = (float(along @ (place - self._trocar)) for place in (tip, wrist))
         return Sight(error, *depths, lowest[True], lowest[False])
-
-    def _poses(self, q: Array) -> dict[str, Array]:
-        values = [[float(value)] for value in robot_joints(q, 0.0)]
-        on = {"physicsClientId": self._client}
-        pybullet.resetJointStatesMultiDof(self._robot, self._joints, values, **on)
-        states = pybullet.getLinkStates(self._robot, self._links, computeForwardKinematics=1, **on)
-        poses = {}
-        for name, state in zip(self._names, states, strict=True):
-            R = np.array(pybullet.getMatrixFromQuaternion(state[5])).reshape(3, 3)
-            poses[name] = np.column_stack([R, state[4]])
-        return poses

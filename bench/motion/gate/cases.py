@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.common.rig import random_poses
 from bench.motion.gate.near_cases import (
     CROWDED,
     STRETCHED,
@@ -18,6 +17,7 @@ from bench.motion.gate.near_cases import (
     with_manipulability,
     working_at,
 )
+from bench.motion.paths import random_paths
 from rst_control.commands.parser import read_request
 from rst_control.commands.request import Accepted, Situation
 from rst_control.commands.verifier import Verifier
@@ -90,7 +90,7 @@ class Cases:
         self._trocar = np.array(config.scene.trocar)
         usual = Planner(self._model, config)
         usual.warm_up()
-        self._starts = _reached(usual, 30)
+        self._starts = [path.end for path, _ in random_paths(usual, 30, seed=50, spread=0.3)]
         self._scenes = [self._scene(config, usual)]
         while len(self._scenes) < 20:
             near = self._moved(0.3, 0.15)
@@ -322,17 +322,3 @@ class Cases:
 
 
 _MODE = ("state", "cause")
-
-
-def _reached(planner: Planner, count: int) -> list[Array]:
-    """Random joints (9,) that the robot can get to from home."""
-    q, starts = np.array(planner.config.scene.home), []
-    for pose in random_poses(planner.config, 20 * count, seed=50, spread=0.3):
-        try:
-            q = planner.leg(q, pose).end
-        except Infeasible:
-            continue
-        starts.append(q)
-        if len(starts) == count:
-            break
-    return starts

@@ -21,12 +21,12 @@ from rst_control.commands.request import Plan
 from rst_control.config.collision import CollisionConfig
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.joint_limits import make_limits
-from rst_control.kinematics.robot_model import RobotModel, load_robot
+from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.collision_kernels import RESOLUTION
 from rst_control.planning.plan import Phase
 from rst_control.tissue.grasp_candidates import grasp_candidates, turned
 from rst_control.types import Reason, unit_vector
-from support.kdl_chain import kdl_chain
+from support.kdl_chain import Kdl
 
 Array = NDArray[np.float64]
 JAW, WRIST = 0.015, 0.0115  # [m] from the tip to the jaws' axis, from there to the pitch axis
@@ -242,38 +242,6 @@ class GateJudge:
         shaft = self._arm.frame(q[:7])
         inside = shaft[:3, :3].T @ (trocar - shaft[:3, 3])
         return float(np.hypot(inside[0], inside[1])), 0.28 - float(inside[2])
-
-
-class Kdl:
-    """Forward kinematics and Jacobian of one chain."""
-
-    def __init__(self, model: RobotModel, tip: str) -> None:
-        self._chain = kdl_chain(model, tip)
-        self._count = self._chain.getNrOfJoints()
-        self._forward = PyKDL.ChainFkSolverPos_recursive(self._chain)
-        self._solver = PyKDL.ChainJntToJacSolver(self._chain)
-
-    def frame(self, q: Array) -> Array:
-        """Pose of the tip (4, 4)."""
-        found, T = PyKDL.Frame(), np.eye(4)
-        self._forward.JntToCart(self._joints(q), found)
-        for i in range(3):
-            T[i, 3] = found.p[i]
-            for j in range(3):
-                T[i, j] = found.M[i, j]
-        return T
-
-    def jacobian(self, q: Array) -> Array:
-        """Jacobian (6, n) of the tip, base frame."""
-        found = PyKDL.Jacobian(self._count)
-        self._solver.JntToJac(self._joints(q), found)
-        return np.array([[found[i, j] for j in range(self._count)] for i in range(6)])
-
-    def _joints(self, q: Array) -> PyKDL.JntArray:
-        array = PyKDL.JntArray(self._count)
-        for j in range(self._count):
-            array[j] = float(q[j])
-        return array
 
 
 def _depth(T: Array, trocar: Array) -> float:

@@ -4,9 +4,10 @@
 from pathlib import Path
 
 import numpy as np
-import pybullet
 import pytest
 
+from bench.motion.bullet.robot import BulletRobot
+from rst_control.types import JOINTS
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.session.extract import extract
@@ -22,11 +23,6 @@ from support.story_script import TROCAR_CHANGE, URDF, joint_text
 
 ROOT = Path(__file__).resolve().parents[5]
 REAL = ROOT / "urdf" / "gen3_openrst.urdf"
-MOVING = [f"joint_{i}" for i in range(1, 8)] + [
-    "joint_pitch",
-    "joint_finger_left",
-    "joint_finger_right",
-]
 
 
 @pytest.fixture(scope="module")
@@ -34,35 +30,15 @@ def data(story, report_config):
     return extract(SessionReader(story[0]), report_config)
 
 
-def by_pybullet(link, q):
-    """Poses of a link, (n, 4, 4), as another program computes them."""
-    client = pybullet.connect(pybullet.DIRECT)
-    body = pybullet.loadURDF(str(REAL), useFixedBase=True, physicsClientId=client)
-    joints = range(pybullet.getNumJoints(body, physicsClientId=client))
-    infos = [pybullet.getJointInfo(body, j, physicsClientId=client) for j in joints]
-    index = {info[1].decode(): info[0] for info in infos}
-    child = {info[12].decode(): info[0] for info in infos}[link]
-    found = []
-    for k in range(len(q[MOVING[0]])):
-        for name in MOVING:
-            pybullet.resetJointState(body, index[name], q[name][k], physicsClientId=client)
-        state = pybullet.getLinkState(
-            body, child, computeForwardKinematics=True, physicsClientId=client
-        )
-        place = np.eye(4)
-        place[:3, 3] = state[4]
-        place[:3, :3] = np.array(pybullet.getMatrixFromQuaternion(state[5])).reshape(3, 3)
-        found.append(place)
-    pybullet.disconnect(client)
-    return np.array(found)
-
-
 @pytest.mark.parametrize("link", ["interface_link", "tool_tip", "half_arm_2_link"])
 def test_poses_agree_with_pybullet(link):
-    rng = np.random.default_rng(3)
-    q = {name: rng.uniform(-1.5, 1.5, 20) for name in MOVING}
+    joints = np.random.default_rng(3).uniform(-1.5, 1.5, (20, len(JOINTS)))
+    q = dict(zip(JOINTS, joints.T, strict=True))
     ours = poses(REAL.read_text(encoding="utf-8"), "base_link", link, q)
-    np.testing.assert_allclose(ours, by_pybullet(link, q), atol=1e-6)  # PyBullet's are float32
+    with BulletRobot(REAL) as robot:
+        for T, row in zip(ours, joints, strict=True):
+            robot.place(row)
+            np.testing.assert_allclose(T[:3], robot.poses([link])[0], atol=1e-6)  # of float32
 
 
 def test_a_sliding_joint_slides_along_its_axis():
