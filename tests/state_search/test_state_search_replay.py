@@ -6,6 +6,7 @@ same inputs go to a controller with its real planner and motion, on the robot wi
 way in which an input changes the mode of the controller is taken at least once.
 """
 
+import numpy as np
 import pytest
 
 from rst_control.commands.table import COMMANDS
@@ -99,6 +100,8 @@ def test_a_controller_with_real_paths_goes_the_way_that_the_search_went(way):
         mode = rig.executor._mode  # a tick that raised shows no view
         then = mode.mode_after if mode.state is State.STOPPING else None
         assert (mode.state, mode.is_active, then) == mode_of(key), str(step)
+    fastest = np.append(rig.config.limits.layers[0].arm_velocity, [1.5, 1.5, 1.5]) + 1e-6
+    assert all((np.abs(s.velocity) <= fastest).all() for s in rig.sent if s is not None)
 
 
 def awake_at_home():
