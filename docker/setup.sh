@@ -201,6 +201,12 @@ from rst_control.kinematics.robot_model import load_robot
 make_trocar_context(load_motion_config(), load_robot())'
 )
 
+# keep_compiled PREFIX: what is compiled beside the sources counts there too, by the digest of the sources.
+keep_compiled() {
+    (cd catkin_ws/src/rst_control/src/rst_control && find . \( -name '*.nb[ic]' -o -name kernels.stamp \) -print0 | tar -c --null -T -) |
+        tar -x -C "$1/lib/python3/dist-packages/rst_control"
+}
+
 workspace() {
     prepare
     build
@@ -213,6 +219,7 @@ install_space() {
     plain_path "$1" "PREFIX"
     prepare
     build install -DCMAKE_INSTALL_PREFIX="$1"
+    keep_compiled "$1"
     compile_kinematics "$1"
 }
 

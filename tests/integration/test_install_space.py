@@ -18,7 +18,7 @@ from support.waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("catkin_ws", "docker")
-BUILT = ("build", "devel", "install", "__pycache__", ".catkin_workspace")
+BUILT = ("build", "devel", "install", "*.pyc", ".catkin_workspace")
 BROKEN = "raise ImportError('this em lies under ~/.local')\n"
 PATIENCE = 240.0  # [s] for the system to come up and take a command on a loaded machine
 REPEATS, PAUSE = 30, 3.0  # times that "hey robot" is said, and [s] of silence before each

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rotation matrices in other forms, by KDL: scipy's import is a third of the simulator's start."""
+"""Rotation matrices in other forms, by KDL: importing scipy takes a third of a node's start."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -21,3 +22,16 @@ def quaternion(R: NDArray[np.floating[Any]]) -> tuple[float, float, float, float
     """Unit quaternion x, y, z, w."""
     x, y, z, w = PyKDL.Rotation(*R.ravel().tolist()).GetQuaternion()
     return float(x), float(y), float(z), float(w)
+
+
+def rotation_of(turn: Sequence[float] | Array) -> Array:
+    """Rotation matrix (3, 3) of a quaternion x, y, z, w of any length.
+
+    Raises:
+        ValueError: Its norm is zero.
+    """
+    norm = float(np.linalg.norm(turn))
+    if norm == 0.0:
+        raise ValueError("a quaternion of norm zero")
+    unit = PyKDL.Rotation.Quaternion(*(float(part) / norm for part in turn))
+    return np.array([[unit[row, column] for column in range(3)] for row in range(3)])

@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
+from rst_control.kinematics.rotations import rotation_of
 from rst_control.types import BASE, Cause, Reason
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ def pose(place: tuple[float, float, float], turn: tuple[float, float, float, flo
     if not np.isfinite([*place, *turn]).all():
         raise ValueError("a number that is not finite")
     T = np.eye(4)
-    T[:3, :3] = Rotation.from_quat(turn).as_matrix()
+    T[:3, :3] = rotation_of(turn)
     T[:3, 3] = place
     return T
 

@@ -8,10 +8,10 @@ from collections.abc import Callable
 import numpy as np
 import rospy
 from geometry_msgs.msg import PoseStamped
-from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import CameraInfo
 
 from rst_control.config import SceneConfig
+from rst_control.kinematics.rotations import rotation_of
 from rst_control.tissue.sheet import rest_points, sheet_normal
 from rst_control.types import BASE
 from typed_config import ConfigError, load_config
@@ -80,7 +80,7 @@ def camera_of(info: CameraInfo, pose: PoseStamped) -> Camera:
     if abs(np.linalg.det(matrix)) < 1e-9 or not (info.width and info.height):
         raise NotOnTissueError("the endoscope's optics are no usable numbers")
     T = np.eye(4)
-    T[:3, :3] = Rotation.from_quat(numbers[3:7]).as_matrix()
+    T[:3, :3] = rotation_of(numbers[3:7])
     T[:3, 3] = numbers[:3]
     roi, size = info.roi, (int(info.width), int(info.height))
     width, height = roi.width or size[0], roi.height or size[1]

@@ -10,9 +10,9 @@ import numpy as np
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import Point, PointStamped, PoseStamped, Quaternion
-from scipy.spatial.transform import Rotation
 
 from rst_control.config.tracking import TrackingConfig
+from rst_control.kinematics.rotations import rotation_of
 from rst_control.registration.frames import Array
 from rst_control.registration.tracked_grasp import TrackedGrasp
 from rst_control.registration.tracked_place import Report
@@ -110,7 +110,7 @@ class TrackerLink:
                 words = f"tracked grasp pose with a quaternion of length {norm:.2f}, allowed: 1"
                 rospy.logwarn_throttle(SAY_AGAIN, words)
                 return
-            pull = tuple((T[:3, :3] @ Rotation.from_quat(quaternion).as_matrix())[:, 2].tolist())
+            pull = tuple((T[:3, :3] @ rotation_of(quaternion))[:, 2].tolist())
         self._tracker = caller_of(message)
         self._grasp.update(self._report(message, T, point, pull))
 
