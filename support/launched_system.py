@@ -59,7 +59,7 @@ class System:
         self._log.parent.mkdir(parents=True, exist_ok=True)
         self._spawn(["roscore", "-p", str(self._port)])
         deadline = time.monotonic() + START_TIME
-        while not rosgraph.is_master_online():
+        while not _is_up():
             if time.monotonic() > deadline or not self.is_running():
                 self.__exit__()
                 raise RuntimeError(f"roscore did not start; see {self._log}")
@@ -186,6 +186,14 @@ class System:
                 start_new_session=True,  # Ctrl-C reaches us alone; we end the rest in order
             )
         self._launches.append(process)
+
+
+def _is_up() -> bool:
+    """Whether roscore has its own node too: one that is ended before then waits 10 s for it."""
+    try:
+        return bool(rosgraph.Master("/support").lookupNode("/rosout"))
+    except (OSError, rosgraph.MasterException):
+        return False
 
 
 def end_group(process: subprocess.Popen[bytes], patience: float = STOP_TIME) -> None:
