@@ -9,7 +9,8 @@ import signal
 import subprocess
 import sys
 import threading
-from contextlib import ExitStack, contextmanager
+import time
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(__file__).parent / "programs"
 HANG = 4.0  # [s] as in voice_witness.py
 START = 40.0  # [s] allowed for a process to be ready
+LOOK, LONGER = 0.2, 1.0  # [s] between two looks at what was seen, and after the last one
 DEBUG, INFO, WARN, ERROR = 1, 2, 4, 8
 
 
@@ -42,15 +44,21 @@ def master(tmp_path_factory):
         host.close()
 
 
-def watch(master, folder, seconds, behaviour=(), **settings):
-    """What a witness saw while the node ran with the given settings, and what the node printed."""
+def watch(master, folder, is_enough, behaviour=(), **settings):
+    """What a witness saw while the node ran with the given settings, and what the node printed.
+
+    Until that is enough, and a moment longer, in which nothing may come that should not.
+    """
     out, printed = folder / "seen.json", folder / "printed.txt"
+
+    def read():
+        return {**json.loads(out.read_text("utf-8")), "printed": printed.read_text("utf-8")}
+
     given = {"audio/source": "wav", **settings}
     load(master, given)
     witness = [
         sys.executable,
         str(PROGRAMS / "voice_witness.py"),
-        str(seconds),
         str(out),
         *behaviour,
     ]
@@ -58,15 +66,17 @@ def watch(master, folder, seconds, behaviour=(), **settings):
     processes = []
     try:
         processes.append(subprocess.Popen(witness, env=master))
-        wait_until(Path(f"{out}.ready").exists, "the witness")
+        wait_until(out.exists, "the witness")
         with printed.open("wb") as file:
             processes.append(subprocess.Popen(node, env=master, stdout=file, stderr=file))
-        processes[0].wait(seconds + 2 * START)
+        with suppress(RuntimeError):  # what is missing is shown by who asks for it
+            wait_until(lambda: is_enough(read()), every=LOOK)
+            time.sleep(LONGER)
     finally:
         for process in reversed(processes):
             process.send_signal(signal.SIGINT)
             process.wait(20.0)
-    return {**json.loads(out.read_text()), "printed": printed.read_text(encoding="utf-8")}
+    return read()
 
 
 def errors(seen):
@@ -105,7 +115,7 @@ def session(master, tmp_path_factory):
     return watch(
         master,
         folder,
-        16,
+        lambda seen: len(firsts(seen, "say")) >= 5 and firsts(seen, "mode")[2:],
         ["pull more=refuse"],
         **{"audio/wav/path": folder / "sound.wav"},
     )
@@ -158,7 +168,7 @@ def test_replies_are_told_in_words_that_may_be_said_aloud(session):
 def test_while_the_robot_itself_speaks_only_a_stop_counts(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("0.5 hey robot 1 stop"), 16_000)
     settings = {"audio/wav/path": tmp_path / "sound.wav", "audio/robot_speech/max_duration": 60.0}
-    seen = watch(master, tmp_path, 6, ["robot=speaking"], **settings)
+    seen = watch(master, tmp_path, lambda seen: "stop" in seen, ["robot=speaking"], **settings)
     assert firsts(seen, "call") == ["stop"]
     assert firsts(seen, "mode") == ["standby"]
     assert len(seen["stop"]) == 1
@@ -186,8 +196,8 @@ def test_heartbeats_go_on_while_it_listens(session):
 
 def test_a_controller_that_hangs_does_not_delay_hearing(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("hey robot 0.7 tense 0.7 stop"), 16_000)
-    settings = {"audio/wav/path": tmp_path / "sound.wav"}
-    seen = watch(master, tmp_path, 8, ["tense=hang"], **settings)
+    settings, hang = {"audio/wav/path": tmp_path / "sound.wav"}, ["tense=hang"]
+    seen = watch(master, tmp_path, lambda seen: "stop" in firsts(seen, "call"), hang, **settings)
     hung = next(entry[-1] for entry in seen["call"] if entry[0] == "tense")
     (stop,) = seen["stop"]
     assert stop[-1] - hung < HANG, "the stop did not wait for the answer"
@@ -198,17 +208,25 @@ def test_a_controller_that_hangs_does_not_delay_hearing(master, tmp_path):
 def test_without_a_controller_that_is_said_and_hearing_goes_on(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("hey robot 1 tense", after=2.0), 16_000)
     settings = {"audio/wav/path": tmp_path / "sound.wav"}
-    seen = watch(master, tmp_path, 7, ["service=missing"], **settings)
+    missing = "controller is missing"
+
+    def is_told(seen):
+        said = [entry[1] for entry in seen.get("diagnostics", [])]
+        return len(firsts(seen, "utterance")) == 2 and any(missing in words for words in said)
+
+    seen = watch(master, tmp_path, is_told, ["service=missing"], **settings)
     assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "tense"]
     warnings = [entry[2] for entry in seen["log"] if entry[1] == WARN]
     assert any("hey robot refused: the robot's controller is missing" in w for w in warnings)
     assert "refused by the robot" in seen["mode"][-1][1]
-    assert any("controller is missing" in entry[1] for entry in seen["diagnostics"])
+    assert any(missing in entry[1] for entry in seen["diagnostics"])
 
 
 def test_without_a_microphone_it_lives_says_so_and_sends_no_heartbeat(master, tmp_path):
     settings = {"audio/source": "microphone", "audio/microphone/device": "no such microphone"}
-    seen = watch(master, tmp_path, 4, **settings)
+    seen = watch(
+        master, tmp_path, lambda seen: 2 in firsts(seen, "diagnostics") and errors(seen), **settings
+    )
     assert any("'no such microphone': not found; microphones found:" in e for e in errors(seen))
     assert [e[0] for e in seen["diagnostics"] if "strangers" not in e[1]][-1] == 2
     assert "heartbeat" not in seen
@@ -235,11 +253,11 @@ def test_a_microphone_that_is_muted_or_overloaded_is_named_and_sends_no_heartbea
         playing.start()
         settings = {"audio/source": "microphone", "audio/microphone/device": "pulse:headset"}
         try:
-            seen = watch({**master, **server.environment}, tmp_path, 16, **settings)
+            seen = watch({**master, **server.environment}, tmp_path, has_come_back, **settings)
         finally:
             over.set()
             playing.join()
-    told = [(words, at) for _, level, words, at in seen["log"] if level == ERROR]
+    told = faults(seen)
     assert any("gives one value alone for 1.5 s" in words for words, _ in told), told
     assert any("is overloaded for 1.5 s" in words for words, _ in told), told
     well = [at for _, _, words, at in seen["log"] if words == "sound comes in"]
@@ -249,6 +267,20 @@ def test_a_microphone_that_is_muted_or_overloaded_is_named_and_sends_no_heartbea
         assert not [beat for beat in beats if at + 0.2 < beat < end - 0.2], "deaf, and it went on"
     assert any(beat > min(at for _, at in told) for beat in beats), "it came back"
     assert any("muted, or dead" in entry[1] for entry in seen["diagnostics"])
+
+
+def faults(seen):
+    """Errors of a microphone, and when each was told."""
+    return [(words, at) for _, level, words, at in seen.get("log", []) if level == ERROR]
+
+
+def has_come_back(seen):
+    """Both faults were told, and heard sound after them: beats come."""
+    told = faults(seen)
+    kinds = {kind for kind in ("one value", "overloaded") for words, _ in told if kind in words}
+    beats = [at for *_, at in seen.get("heartbeat", [])]
+    muted = any("muted, or dead" in entry[1] for entry in seen.get("diagnostics", []))
+    return len(kinds) == 2 and muted and beats[-1] > max(at for _, at in told)
 
 
 @contextmanager
@@ -270,7 +302,7 @@ def test_an_audio_topic_of_another_rate_is_heard_and_its_end_reported(master, tm
     sound = soxr.resample(say("hey robot 1 stop"), 16_000, 44_100)
     soundfile.write(tmp_path / "sound.wav", sound, 44_100)
     play = f"play={tmp_path / 'sound.wav'}"
-    seen = watch(master, tmp_path, 9, [play], **{"audio/source": "topic"})
+    seen = watch(master, tmp_path, errors, [play], **{"audio/source": "topic"})
     assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "stop"]
     assert len(seen["stop"]) == 1
     assert any("no sound on /audio_in for 2.0 s" in error for error in errors(seen))
@@ -279,7 +311,7 @@ def test_an_audio_topic_of_another_rate_is_heard_and_its_end_reported(master, tm
 def test_the_sound_of_audio_common_is_heard_and_its_end_reported(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("1.5 hey robot 1 stop"), 16_000)
     play = f"play_data={tmp_path / 'sound.wav'}"
-    seen = watch(master, tmp_path, 10, [play], **{"audio/source": "audio_data"})
+    seen = watch(master, tmp_path, errors, [play], **{"audio/source": "audio_data"})
     assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "stop"]
     assert any("no sound on /audio/audio for 2.0 s" in error for error in errors(seen))
 
@@ -287,7 +319,10 @@ def test_the_sound_of_audio_common_is_heard_and_its_end_reported(master, tmp_pat
 def test_sound_of_another_format_is_named_and_not_heard(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("1.5 hey robot 1 stop"), 16_000)
     play, settings = f"play_data={tmp_path / 'sound.wav'}", {"audio/audio_data/channels": 2}
-    seen = watch(master, tmp_path, 7, [play], **{"audio/source": "audio_data"}, **settings)
+    settings["audio/source"] = "audio_data"
+    seen = watch(
+        master, tmp_path, lambda seen: "played" in seen and errors(seen), [play], **settings
+    )
     assert "utterance" not in seen
     assert any("0.50 times real time if it is 2 x 16000 Hz S16LE" in e for e in errors(seen))
 
@@ -295,7 +330,7 @@ def test_sound_of_another_format_is_named_and_not_heard(master, tmp_path):
 def test_what_a_recording_has_said_is_not_said_again_after_a_crash(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("hey robot 1 tense"), 16_000)
     settings = {"audio/wav/path": tmp_path / "sound.wav"}
-    seen = watch({**master, RESTART: "1"}, tmp_path, 3, **settings)
+    seen = watch({**master, RESTART: "1"}, tmp_path, errors, **settings)
     assert "call" not in seen and "utterance" not in seen and "heartbeat" not in seen
     assert errors(seen) == ["a crash broke the recording off; nothing of it is said again"]
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Serves the robot's commands and writes down all that the voice node does; for test_voice_node.py.
 
-Arguments: seconds to watch once the node is ready, file to write, then pairs: command=refuse,
-command=hang, service=missing, robot=speaking, which is told from the beginning on, play=FILE,
-which is published on the topic audio_in, or play_data=FILE, as other packages do on audio/audio.
+Arguments: file to write, again and again until Ctrl-C, then pairs: command=refuse, command=hang,
+service=missing, robot=speaking, which is told from the beginning on, play=FILE, which is published
+on the topic audio_in, or play_data=FILE, as other packages do on audio/audio.
 """
 
 import json
@@ -24,7 +24,7 @@ from voice_assist.msg import AudioChunk, Mode, Utterance
 
 SEEN: dict[str, list] = {}
 HANG = 4.0  # [s]
-START = 40.0  # [s] allowed for the node to be ready
+EVERY = 0.2  # [s] that the file is written
 
 
 def note(kind, *facts):
@@ -59,10 +59,19 @@ def play(path, topic="audio_in", kind=AudioChunk):
         time.sleep(max(due - time.time(), 0.0))
         is_ours = kind is AudioChunk
         publisher.publish(chunk if is_ours else AudioData(sound[first : first + size].tobytes()))
+    note("played")
+
+
+def write(out):
+    """What was seen so far, as a whole file at each moment."""
+    seen = {kind: list(notes) for kind, notes in list(SEEN.items())}
+    part = out.with_suffix(".part")
+    part.write_text(json.dumps(seen), encoding="utf-8")
+    part.replace(out)
 
 
 def main():
-    seconds, out, *pairs = sys.argv[1:]
+    out, *pairs = sys.argv[1:]
     behaviour = dict(pair.split("=") for pair in pairs)
     rospy.init_node("witness")
     if behaviour.get("service") != "missing":
@@ -102,12 +111,10 @@ def main():
     if "play_data" in behaviour:
         args = behaviour["play_data"], "audio/audio", AudioData
         threading.Thread(target=play, args=args, daemon=True).start()
-    Path(out + ".ready").touch()
-    end = time.time() + START
-    while time.time() < end and "mode" not in SEEN and not rospy.is_shutdown():
-        time.sleep(0.1)
-    time.sleep(float(seconds))
-    Path(out).write_text(json.dumps(SEEN))
+    while not rospy.is_shutdown():
+        write(Path(out))
+        time.sleep(EVERY)
+    write(Path(out))
 
 
 main()
