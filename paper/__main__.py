@@ -35,7 +35,7 @@ from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
 from support.figures import RESULTS, ROOT, machine, show, write
 from support.interrupt import end_as_by_ctrl_c
-from typed_config import ConfigError, load_file
+from typed_config import ConfigError, count_option, load_file
 
 VOICES = "4"
 VOICE, PEDAL = "voice", "pedal"  # inputs
@@ -72,7 +72,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def _parse(words: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="make paper", description=__doc__)
-    parser.add_argument("--repetitions", type=_count, help="of each command and voice")
+    parser.add_argument("--repetitions", type=count_option, help="of each command and voice")
     parser.add_argument("--voices", default=VOICES, help="how many, or names with commas between")
     parser.add_argument(
         "--input", type=_inputs, default=(VOICE,), help="voice, pedal, or both with a comma between"
@@ -80,12 +80,6 @@ def _parse(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--out", type=Path, help="folder of all sessions (sessions/paper_<n>)")
     parser.add_argument("--session", action="store_true", help=argparse.SUPPRESS)  # in here
     return parser.parse_args(words)
-
-
-def _count(word: str) -> int:
-    if not (word.isdigit() and int(word) > 0):
-        raise argparse.ArgumentTypeError(f"{word!r} is no whole number above 0")
-    return int(word)
 
 
 def _inputs(word: str) -> tuple[str, ...]:

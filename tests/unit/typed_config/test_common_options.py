@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Both command lines complete their verbs in bash, and say which shells they know."""
 
+import argparse
 import subprocess
 import sys
 
 import pytest
 
 from session_log.cli import main as session_log
+from typed_config import count_option, number_option
 from voice_assist.cli.main import main as voice_assist
 
 PROGRAMS = {"voice_assist": (voice_assist, "evaluate"), "session_log": (session_log, "replay")}
@@ -47,3 +49,17 @@ def test_another_shell_is_refused_with_those_that_are_known(name, capsys):
 def test_shtab_is_imported_only_for_this():
     code = "import sys, typed_config, session_log.cli; assert 'shtab' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize("words", ["-1", "4", "nan", "inf", "x"])
+def test_a_number_out_of_its_bounds_is_refused_with_them(words):
+    with pytest.raises(argparse.ArgumentTypeError, match=f"{words!r}, allowed: 0 to 3 s"):
+        number_option(0.0, 3.0, "s")(words)
+    assert number_option(0.0, 3.0, "s")("2.5") == 2.5
+
+
+@pytest.mark.parametrize("words", ["0", "-1", "1.5", "", "²"])
+def test_a_count_is_a_whole_number_from_1(words):
+    with pytest.raises(argparse.ArgumentTypeError, match="allowed: a whole number from 1"):
+        count_option(words)
+    assert count_option("12") == 12

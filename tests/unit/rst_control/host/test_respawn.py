@@ -131,3 +131,8 @@ def test_what_is_kept_ends_when_whoever_started_the_keeper_is_killed(tmp_path, w
     process.wait(PATIENCE)
     (child,) = pids(tmp_path)
     wait_until(lambda: not is_alive(child))
+
+
+def test_what_cannot_be_started_is_named_and_not_tried_again(tmp_path, capfd):
+    assert respawn.Respawner((str(tmp_path / "nothing"), "x")).run() == respawn.WRONG
+    assert "nothing cannot be started: No such file or directory" in capfd.readouterr().err

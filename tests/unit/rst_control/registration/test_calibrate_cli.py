@@ -122,6 +122,21 @@ def test_a_part_of_the_recording_may_be_too_little(capsys, session):
     assert "shaft poses recorded, allowed 5 and more" in refused(capsys, session, "--since", "9")
 
 
+@pytest.mark.parametrize(
+    ("option", "value", "allowed"),
+    [
+        ("--apart", "nan", "allowed: 0 to 3.14159 rad"),
+        ("--since", "-1", "allowed: 0 s or more"),
+        ("--until", "soon", "allowed: 0 s or more"),
+    ],
+)
+def test_an_option_that_is_no_such_number_is_refused(capsys, option, value, allowed):
+    with pytest.raises(SystemExit) as end:
+        main(["x.mcap", option, value])
+    assert end.value.code == 2
+    assert f"argument {option}: {value!r}, {allowed}" in capsys.readouterr().err
+
+
 def flipped(content):
     """The file with one byte of its first chunk changed."""
     place = content.index(b"zstd") + 200
@@ -136,7 +151,7 @@ def test_every_file_that_cannot_be_used_is_named_with_the_reason(capsys, tmp_pat
         "flipped.mcap": (flipped(whole), "session_log recover"),
         "empty.mcap": (b"", "session_log recover"),
         "other.mcap": (b"x" * 1000, "session_log recover"),
-        "other.csv": (b"a,b\n1,2\n", "no joint states: 'joint_1'"),
+        "other.csv": (b"a,b\n1,2\n", "no joint states: 'joint_1' is missing"),
         "words.csv": (",".join(JOINTS).encode() + b"\n" + b"x," * 10, "no joint states"),
         "none.csv": (b"", "no joint states"),
     }

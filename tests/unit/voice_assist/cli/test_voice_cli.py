@@ -49,7 +49,7 @@ def test_phrases_prints_all_that_is_accepted(capsys):
     [
         ([], "verb"),
         (["dance"], "invalid choice"),
-        (["listen", "--speed", "-1", "--wav", "x"], "allowed: a number from 0 to 1000"),
+        (["listen", "--speed", "-1", "--wav", "x"], "allowed: 0 to 1000"),
         (["listen", "--wav", "x", "--device", "y"], "not allowed with"),
         (["evaluate"], "required"),
         (["evaluate", "x.csv", "--out", "y", "--jobs", "0"], "a whole number from 1"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -22,7 +21,13 @@ from session_log.recording.recorder import MANY_PUBLISHERS
 from session_log.replay.command import add_replay_options
 from session_log.report.command import add_options
 from session_log.report.notes import Note, add_note
-from typed_config import ConfigError, add_common_options, load_file, package_folder
+from typed_config import (
+    ConfigError,
+    add_common_options,
+    load_file,
+    number_option,
+    package_folder,
+)
 
 CONFIG = package_folder("session_log") / "config" / "report.yaml"
 
@@ -119,16 +124,6 @@ def _config(path: Path) -> ReportConfig:
     return load_file(ReportConfig, path)
 
 
-def _moment(words: str) -> float:
-    try:
-        value = float(words)
-    except ValueError:
-        value = math.nan
-    if not 0.0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"{words!r}, allowed: seconds, 0 or more")
-    return value
-
-
 def _print_summary(result: RecordingSummary, path: Path) -> None:
     began = datetime.fromtimestamp(result.start * 1e-9).astimezone() if result.start else None
     print(f"{path}: {result.messages} messages, {result.duration:.1f} s")
@@ -207,7 +202,8 @@ def _parser() -> argparse.ArgumentParser:
     export.add_argument("--topic", action="append", help="a topic to write, instead of the usual")
     note = _command(commands, "note", _note, "write a note on a recording, for its report")
     note.add_argument("words", nargs="+", help="what to note")
-    note.add_argument("--at", type=_moment, metavar="S", help="of a moment of it, in seconds")
+    time = number_option(0.0, unit="s")
+    note.add_argument("--at", type=time, metavar="S", help="of a moment of it, in seconds")
     words = "one HTML page and its figures as PNG, of one session or over many"
     report = commands.add_parser("report", help=words, description=words)
     report.set_defaults(run=_report)

@@ -4,7 +4,7 @@
 And what else the packages share: where their files and recordings lie, versions, completion.
 """
 
-from typed_config.common_options import add_common_options
+from typed_config.common_options import add_common_options, count_option, number_option
 from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
 from typed_config.loader import load_config, load_file, with_present_keys
@@ -31,6 +31,7 @@ __all__ = [
     "ResourceMissing",
     "add_common_options",
     "choice",
+    "count_option",
     "flag",
     "integer",
     "items",
@@ -40,6 +41,7 @@ __all__ = [
     "newest_recording",
     "number",
     "number_of",
+    "number_option",
     "numbered_recordings",
     "overlaid",
     "package_file",

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Options that every command line has: `--version`, and `--print-completion bash`."""
+"""What command lines share: `--version`, `--print-completion bash`, and numbers within bounds."""
 
 from __future__ import annotations
 
 import argparse
+import math
+from collections.abc import Callable
 from typing import Any, Final
 
 from typed_config.resources import package_version
@@ -42,3 +44,28 @@ def add_common_options(parser: argparse.ArgumentParser, package: str) -> None:
         metavar="SHELL",
         help=f"print the completion for a shell ({', '.join(SHELLS)}), to be sourced there",
     )
+
+
+def number_option(low: float, high: float = math.inf, unit: str = "") -> Callable[[str], float]:
+    """Type of an option that is a finite number from `low` to `high`."""
+    allowed = f"{low:g} to {high:g} {unit}".rstrip()
+    if not math.isfinite(high):
+        allowed = f"{low:g} {unit} or more".replace("  ", " ")
+
+    def read(words: str) -> float:
+        try:
+            value = float(words)
+        except ValueError:
+            value = math.nan
+        if not (low <= value <= high and math.isfinite(value)):
+            raise argparse.ArgumentTypeError(f"{words!r}, allowed: {allowed}")
+        return value
+
+    return read
+
+
+def count_option(words: str) -> int:
+    """Type of an option that is a whole number from 1."""
+    if not (words.isascii() and words.isdigit() and int(words) > 0):
+        raise argparse.ArgumentTypeError(f"{words!r}, allowed: a whole number from 1")
+    return int(words)

@@ -23,6 +23,7 @@ from collections.abc import Sequence
 from types import FrameType
 from typing import Final
 
+WRONG: Final = 2  # status of what cannot be started as it was asked for
 CRASHED: Final = 1  # status of Python after an exception that nobody caught
 PAUSE: Final = 1.0  # [s] before the next start
 MOST: Final = 5  # crashes within SPAN after which it is given up
@@ -51,9 +52,13 @@ class Respawner:
         """Run it until it ends otherwise than by a crash; gives its status."""
         variables = dict(os.environ)
         while True:
-            self._child = subprocess.Popen(
-                self._command, preexec_fn=_die_with_parent, env=variables
-            )
+            try:
+                self._child = subprocess.Popen(
+                    self._command, preexec_fn=_die_with_parent, env=variables
+                )
+            except OSError as error:
+                _say(f"{self._command[0]} cannot be started: {error.strerror}")
+                return WRONG
             variables[RESTART] = "1"
             if self._is_asked_to_end:
                 self._child.send_signal(signal.SIGINT)
@@ -124,7 +129,8 @@ def main() -> None:
         SystemExit: It has ended.
     """
     if len(sys.argv) < 2:
-        sys.exit("usage: respawn COMMAND [ARGUMENT...]")
+        _say("usage: respawn COMMAND [ARGUMENT...]")
+        sys.exit(WRONG)
     respawner = Respawner(sys.argv[1:])
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, respawner.end)

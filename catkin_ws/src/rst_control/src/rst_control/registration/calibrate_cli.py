@@ -22,7 +22,7 @@ from rst_control.registration.pivot_calibration import PivotFit, fit_pivot
 from rst_control.registration.pose_file import ArmSample, read_arm, rest_poses
 from rst_control.registration.shaft_poses import fit_words, shaft_line
 from rst_control.types import Vector
-from typed_config import ConfigError
+from typed_config import ConfigError, add_common_options, number_option
 
 
 def main(words: Sequence[str] | None = None) -> None:
@@ -67,15 +67,16 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="calibrate_trocar", description=__doc__)
     parser.add_argument("file", type=Path, help="MCAP file, folder of a session, or CSV of joints")
     parser.add_argument("--topic", default="/joint_states", help="of the joint states in an MCAP")
-    parser.add_argument("--since", type=float, default=0.0, help="[s] from the start of the file")
+    time, angle = number_option(0.0, unit="s"), number_option(0.0, np.pi, "rad")
+    of_file = "[s] from the start of the file"
+    parser.add_argument("--since", type=time, default=0.0, help=of_file)
+    parser.add_argument("--until", type=time, default=np.inf, help=f"{of_file}; default: its end")
     parser.add_argument(
-        "--until", type=float, default=np.inf, help="[s] from the start of the file"
-    )
-    parser.add_argument(
-        "--apart", type=float, default=0.01, help="[rad] least change of a joint between two poses"
+        "--apart", type=angle, default=0.01, help="[rad] least change of a joint between two poses"
     )
     parser.add_argument("--moving", action="store_true", help="take poses in motion, too")
     parser.add_argument(
         "--config", type=Path, default=CONFIG_FOLDER, help="folder of the settings' YAML files"
     )
+    add_common_options(parser, "rst_control")
     return parser

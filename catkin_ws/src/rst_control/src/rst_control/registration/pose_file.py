@@ -66,7 +66,9 @@ def read_arm(path: Path, topic: str) -> Iterator[ArmSample]:
     except UNREADABLE_MCAP as error:
         words = f"not a whole MCAP file ({error!r}); `session_log recover` mends what was cut short"
         raise PoseFileError(path, words) from error
-    except (ValueError, KeyError, TypeError) as error:
+    except KeyError as error:
+        raise PoseFileError(path, f"no joint states: {error} is missing") from error
+    except (ValueError, TypeError) as error:
         raise PoseFileError(path, f"no joint states: {error}") from error
     if start is None:
         raise PoseFileError(path, f"no joint states on {topic}")

@@ -25,6 +25,7 @@ from rst_control.types import BASE, JOINTS, Measurement, Vector
 from typed_config import ConfigError, load_config
 from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.launch_settings import launch_settings
+from typed_config.ros.private_settings import robot_description
 from typed_config.ros.starting import starting
 
 OLD = 0.2  # [s] joint states that are older are none
@@ -148,8 +149,8 @@ def main() -> None:
             settings = launch_settings()
             scene = load_config(SceneConfig, settings.pop("scene", {}), "torque_tension: scene")
             config = load_config(TorqueTensionConfig, settings, "torque_tension parameters")
-            node = TorqueTensionNode(config, rospy.get_param("robot_description"), scene.gravity)
-        except (ConfigError, RstError, KeyError) as error:
+            node = TorqueTensionNode(config, robot_description(), scene.gravity)
+        except (ConfigError, RstError) as error:
             rospy.logfatal(f"torque_tension cannot start: {error}")
             sys.exit(2)
     warn_of_listeners()

@@ -20,6 +20,7 @@ import rospy
 from session_log.errors import SessionLogError
 from session_log.mcap_file.reader import SessionReader
 from session_log.types import URDF_TOPIC, Message, MessageSource
+from typed_config.ros.xmlrpc import master_problem
 
 PREFIX = "/played"
 VIEWERS = ("/rviz", "/rosout", "/foxglove")  # beginnings of the names of nodes that move nothing
@@ -114,9 +115,6 @@ class RecordingPlayer:
 class NoMaster(SessionLogError):
     """Nobody answers where the ROS master should be."""
 
-    def __init__(self, uri: str, remedy: str = "start `roscore` first") -> None:
-        super().__init__(f"no ROS master at {uri}: {remedy}")
-
 
 class LiveSystem(SessionLogError):
     """A running system has a topic that would be played."""
@@ -146,13 +144,8 @@ def check_master() -> None:
     Raises:
         NoMaster: There is none, or the variable names no address.
     """
-    uri = rosgraph.get_master_uri()
-    try:
-        is_there = rosgraph.is_master_online()
-    except ValueError as error:  # of an address that is none
-        raise NoMaster(f"{uri!r}", "ROS_MASTER_URI has the form http://HOST:PORT") from error
-    if not is_there:
-        raise NoMaster(uri)
+    if words := master_problem():
+        raise NoMaster(words)
 
 
 def live_nodes(topics: Collection[str]) -> list[str]:

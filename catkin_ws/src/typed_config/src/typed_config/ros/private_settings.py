@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A node's settings from its private parameters."""
+"""A node's settings from its private parameters, and the model of the robot."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TypeVar
 
 import rospy
 
+from typed_config.errors import ConfigError, Missing
 from typed_config.loader import load_config, load_file
 
 T = TypeVar("T")
@@ -26,3 +27,16 @@ def private_settings(kind: type[T], path: Path) -> T:
         return load_config(kind, given, path.name)
     rospy.loginfo("no private parameters; the settings are those of the package's file")
     return load_file(kind, path)
+
+
+def robot_description() -> str:
+    """URDF text of the robot, as its launch sets it for all nodes.
+
+    Raises:
+        typed_config.ConfigError: There is none.
+    """
+    text = rospy.get_param("robot_description", Missing())
+    if not isinstance(text, str):
+        allowed = "the text of a URDF, which robot.launch and kinova.launch set"
+        raise ConfigError("robot_description", text, allowed)
+    return text

@@ -70,3 +70,13 @@ def is_alive(master: str, node: str) -> bool:
     except FAILURES:
         return False
     return True
+
+
+def master_problem() -> str:
+    """Why no node can start: rospy would wait for the master without a word; empty: one can."""
+    uri = rosgraph.get_master_uri()
+    try:
+        is_there = rosgraph.is_master_online()
+    except ValueError:  # of an address that is none
+        return f"no ROS master at {uri!r}: ROS_MASTER_URI has the form http://HOST:PORT"
+    return "" if is_there else f"no ROS master at {uri}: start `roscore` first"

@@ -11,7 +11,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from typed_config import ConfigError, add_common_options, load_file
+from typed_config import (
+    ConfigError,
+    add_common_options,
+    count_option,
+    load_file,
+    number_option,
+)
 from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
 from voice_assist.errors import VoiceError
 from voice_assist.intent.mapper import Mapper
@@ -187,7 +193,8 @@ def _add_listen(verbs: Any) -> None:
     source = parser.add_mutually_exclusive_group()
     source.add_argument("--device", help="part of a microphone's name; see: voice_assist devices")
     source.add_argument("--wav", help="a recording in place of a microphone")
-    parser.add_argument("--speed", type=_not_negative, help="of the recording; 0: at once")
+    speed = number_option(0.0, 1000.0)
+    parser.add_argument("--speed", type=speed, help="of the recording; 0: at once")
     parser.add_argument("--mode", choices=("standby", "active"), default="standby")
     parser.add_argument("--profile", help="of the person who speaks; none: the base alone")
     parser.add_argument("--model", help="embedded, a name or a file of a Whisper model")
@@ -216,7 +223,7 @@ def _add_evaluate(verbs: Any) -> None:
     parser.add_argument("--snr", type=float, help="speech over noise [dB]; with --noise")
     help_ = "what counts: moving is active while the robot moves; default: active"
     parser.add_argument("--mode", choices=MODES, default="active", help=help_)
-    parser.add_argument("--jobs", type=_positive, help="processes; default: one per core")
+    parser.add_argument("--jobs", type=count_option, help="processes; default: one per core")
     parser.add_argument("--model", help="embedded, a name or a file of a Whisper model")
     parser.add_argument("--details", type=Path, help="CSV file to write with a line per clip")
     parser.add_argument("--profile", help="of the person who speaks; none: the base alone")
@@ -228,22 +235,6 @@ def _add_enrolment(verbs: Any) -> None:
 
     add_enroll(verbs).set_defaults(run=_enroll)
     add_profiles(verbs).set_defaults(run=_profiles)
-
-
-def _positive(words: str) -> int:
-    if not words.isdigit() or int(words) < 1:
-        raise argparse.ArgumentTypeError(f"{words!r}, allowed: a whole number from 1")
-    return int(words)
-
-
-def _not_negative(words: str) -> float:
-    try:
-        value = float(words)
-    except ValueError:
-        value = -1.0
-    if not 0.0 <= value <= 1000.0:
-        raise argparse.ArgumentTypeError(f"{words!r}, allowed: a number from 0 to 1000")
-    return value
 
 
 if __name__ == "__main__":

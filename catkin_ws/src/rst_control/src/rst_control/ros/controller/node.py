@@ -58,6 +58,7 @@ from rst_control.types import Cause, Reason, State
 from typed_config import ConfigError, load_config
 from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.launch_settings import launch_settings
+from typed_config.ros.private_settings import robot_description
 from typed_config.ros.starting import starting
 from typed_config.ros.system_names import of_this_system
 
@@ -255,9 +256,9 @@ def main() -> None:
             sys.exit(2)
         try:
             config = load_config(MotionConfig, launch_settings(), "controller parameters")
-            model = parse_robot(rospy.get_param("robot_description"))
+            model = parse_robot(robot_description())
             node = ControllerNode(config, model)
-        except (ConfigError, RstError, KeyError) as error:
+        except (ConfigError, RstError) as error:
             rospy.logfatal(
                 f"the controller cannot start: {error}; start it by launch/controller.launch"
             )

@@ -8,6 +8,7 @@ else by the service `rst_control/command`.
 from __future__ import annotations
 
 import os
+import re
 import sys
 import time
 from contextlib import suppress
@@ -32,10 +33,12 @@ from rst_control.srv import Command
 from rst_control.types import BASE, JOINTS, Vector
 from typed_config import ConfigError
 from typed_config.ros.known_publishers import KnownPublishers
-from typed_config.ros.private_settings import private_settings
+from typed_config.ros.private_settings import private_settings, robot_description
 from typed_config.ros.starting import starting
 
 NICE = 5  # it only shows
+ARM = "gen3"  # name space of CRTK's topics, where none is given
+NAME_SPACE = r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*"
 WAITING = 5  # commands; of more the newest are refused
 ANSWER_WITHIN = 2.0  # [s] for the controller's service to be there
 AGAIN = 1.0  # [s] after which an unchanged state is sent anew
@@ -171,15 +174,26 @@ def _in_order(message: JointState, row: str) -> Vector:
     return found
 
 
+def _arm(name: object) -> str:
+    """Name space of CRTK's topics.
+
+    Raises:
+        ConfigError: It is none.
+    """
+    if not isinstance(name, str) or not re.fullmatch(NAME_SPACE, name):
+        raise ConfigError("arm", name, f"letters, digits, _ and /, such as {ARM}")
+    return name
+
+
 def main() -> None:
     """Run the CRTK node."""
     os.setpriority(os.PRIO_PROCESS, 0, NICE)
     with starting("crtk"):
         try:
             config = private_settings(CrtkConfig, CRTK_FILE)
-            model = parse_robot(rospy.get_param("robot_description"))
-            node = CrtkNode(config, model, rospy.get_param("~arm", "gen3"))
-        except (ConfigError, RobotModelError, KeyError) as error:
+            model = parse_robot(robot_description())
+            node = CrtkNode(config, model, _arm(rospy.get_param("~arm", ARM)))
+        except (ConfigError, RobotModelError) as error:
             rospy.logfatal("crtk cannot start: %s", error)
             sys.exit(2)
     node.run()

@@ -49,6 +49,7 @@ from rst_control.types import (
 from typed_config import ConfigError, load_config
 from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.launch_settings import launch_settings
+from typed_config.ros.private_settings import robot_description
 from typed_config.ros.starting import starting
 
 TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
@@ -330,8 +331,8 @@ def main() -> None:
     with starting("kinova_bridge"):
         try:
             config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
-            node = KinovaBridgeNode(config, rospy.get_param("robot_description"))
-        except (ConfigError, RstError, KeyError) as error:
+            node = KinovaBridgeNode(config, robot_description())
+        except (ConfigError, RstError) as error:
             rospy.logfatal(f"the bridge cannot start: {error}; launch/kinova.launch starts it")
             sys.exit(2)
     sys.setswitchinterval(SWITCH_INTERVAL)

@@ -28,7 +28,8 @@ from rst_control.kinova.config import KinovaConfig, load_kinova_config
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
 from rst_control.kinova.live_checks import LiveChecks, Observed, table
 from rst_control.ros.kinova.arm_report import ask_firmware, ask_limits, read_report
-from typed_config import ConfigError, load_file
+from typed_config import ConfigError, add_common_options, load_file, number_option
+from typed_config.ros.xmlrpc import master_problem
 
 
 @dataclass
@@ -131,18 +132,22 @@ def _facts(arm: str) -> dict[str, SoftLimits | str]:
 
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """Observe, print, and end with 1 where something is not as it has to be."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--trocar", nargs=3, type=float, metavar=("X", "Y", "Z"))
+    """Observe, print, and end with 1 where something is not as it has to be; 2: not observed."""
+    parser = argparse.ArgumentParser(prog="kinova_checks", description=__doc__)
+    place = number_option(-2.0, 2.0, "m")
+    parser.add_argument("--trocar", nargs=3, type=place, metavar=("X", "Y", "Z"))
     parser.add_argument("--limits", type=Path, default=CONFIG_FOLDER / "kinova_limits.yaml")
     parser.add_argument("--scene", type=Path, default=CONFIG_FOLDER / "scene.yaml")
     parser.add_argument("--arm", default="my_gen3", help="namespace of Kinova's driver")
-    parser.add_argument("--seconds", type=float, default=3.0)
+    parser.add_argument("--seconds", type=number_option(0.5, 600.0, "s"), default=3.0)
+    add_common_options(parser, "rst_control")
     given = parser.parse_args(rospy.myargv(sys.argv)[1:] if argv is None else argv)
     try:
         checks, config = _checks(given)
     except (RstError, ConfigError) as error:
-        sys.exit(str(error))
+        parser.error(str(error))
+    if words := master_problem():
+        parser.error(words)
     rospy.init_node("kinova_checks", anonymous=True, disable_signals=True)
     results = checks(_observed(_Observer(config), given.seconds, given.arm))
     print(table(results), flush=True)

@@ -227,8 +227,8 @@ def main() -> None:
             config, stand_in = read_parameters(given)
             if config.simulator.real_time_factor == 1.0:
                 wait_for_clock()  # else the clock is that of this node
-            node = SimulatorNode(config, Path(given.get("urdf", URDF_FILE)), stand_in)
-        except (ConfigError, RstError, SceneLostError, FileNotFoundError) as error:
+            node = SimulatorNode(config, Path(str(given.get("urdf", URDF_FILE))), stand_in)
+        except (ConfigError, RstError, SceneLostError, OSError) as error:
             rospy.logfatal(f"the simulator cannot start: {error}; launch/robot.launch starts it")
             sys.exit(2)
     sys.setswitchinterval(SWITCH_INTERVAL)
