@@ -10,6 +10,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from support.process_groups import start_group
+
 START_TIME = 8.0  # [s] allowed for the server to answer
 
 
@@ -49,12 +51,8 @@ class VirtualMicrophone:
         command += ["--disable-shm=yes", *(f"--load={module}" for module in modules)]
         env = {**os.environ, **self.environment, "HOME": str(self._folder)}
         env.pop("PULSE_SERVER")
-        self._server = subprocess.Popen(
-            command,
-            env=env,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,  # Ctrl-C at the terminal is for the program that owns it
+        self._server = start_group(
+            command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
         try:
             self._wait_until_it_answers()

@@ -7,7 +7,6 @@ Each session is a process of its own, since one process can join only one ROS ma
 from __future__ import annotations
 
 import argparse
-import contextlib
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -35,12 +34,13 @@ from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
 from support.figures import RESULTS, ROOT, machine, show, write
 from support.interrupt import end_as_by_ctrl_c
+from support.process_groups import STOP_TIME, end_group, start_group
 from typed_config import ConfigError, count_option, load_file
 
 VOICES = "4"
 VOICE, PEDAL = "voice", "pedal"  # inputs
 INTERRUPTED = 130  # exit status of a session that Ctrl-C ended
-END_TIME = 60.0  # [s] for a session to end after Ctrl-C
+END_TIME = 2.5 * STOP_TIME  # [s] for a session to end its launches one after the other
 RESULT = "paper.json"
 
 
@@ -143,14 +143,11 @@ def _play_all(
 def _child(voices: str, repetitions: int, out: Path, input_: str) -> int:
     command = [sys.executable, "-m", "paper", "--session", "--voices", voices, "--input", input_]
     command += ["--repetitions", str(repetitions), "--out", str(out)]
-    process = subprocess.Popen(command, cwd=ROOT)
+    process = start_group(command, cwd=ROOT)
     try:
         return process.wait()
-    except KeyboardInterrupt:  # the child has had it, too
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(END_TIME)
-        if process.poll() is None:
-            process.kill()
+    except KeyboardInterrupt:
+        end_group(process, END_TIME)
         return INTERRUPTED
 
 

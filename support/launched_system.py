@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import os
 import random
-import signal
 import socket
 import subprocess
 import threading
@@ -20,13 +19,13 @@ import yaml
 from std_srvs.srv import Trigger
 
 from support.interrupt import undisturbed
+from support.process_groups import end_group, start_group
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = ROOT / "catkin_ws" / "src" / "rst_control" / "config"
 MASTER_PORTS = (20_000, 32_768)  # Linux deals out ports from 32768 on
 START_TIME = 20.0  # [s] allowed for roscore to answer
 READY_TIME = 90.0  # [s] allowed for all parts to come up
-STOP_TIME = 60.0  # [s] for roslaunch, which gives each node up to 17 s, to end before it is killed
 
 
 def free_port() -> int:
@@ -177,13 +176,12 @@ class System:
 
     def _spawn(self, command: list[str]) -> None:
         with self._log.open("ab") as log:
-            process = subprocess.Popen(
+            process = start_group(
                 command,
                 env={**os.environ, **self._environment},
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 stdin=subprocess.DEVNULL,
-                start_new_session=True,  # Ctrl-C reaches us alone; we end the rest in order
             )
         self._launches.append(process)
 
@@ -194,15 +192,3 @@ def _is_up() -> bool:
         return bool(rosgraph.Master("/support").lookupNode("/rosout"))
     except (OSError, rosgraph.MasterException):
         return False
-
-
-def end_group(process: subprocess.Popen[bytes], patience: float = STOP_TIME) -> None:
-    """Ask a process group to end; after a time [s], make it."""
-    if process.poll() is not None:
-        return
-    process.send_signal(signal.SIGINT)
-    try:
-        process.wait(patience)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()

@@ -19,7 +19,8 @@ import rospy
 from bench.common.resumable import measured
 from rst_control.msg import ControllerState
 from support.figures import ROOT, Figure
-from support.launched_system import System, end_group
+from support.launched_system import System
+from support.process_groups import end_group
 from support.waiting import wait_until
 
 FULL = 50

@@ -15,6 +15,7 @@ import soundfile
 
 from demo.virtual_microphone import VirtualMicrophone
 from paper.play.speaker import SpokenPhrase
+from support.process_groups import start_group
 from support.theatre_sound import LEVEL, RATE, theatre_noise
 
 SINK = "surgeon"
@@ -43,12 +44,11 @@ class PaperRoom:
         self.microphone.__enter__()
         command = ["pacat", "--playback", "--raw", f"--device={SINK}", f"--rate={RATE}"]
         command += ["--channels=1", "--format=s16le", f"--latency-msec={AHEAD_MS}"]
-        self._player = subprocess.Popen(
+        self._player = start_group(
             command,
             stdin=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             env={**os.environ, **self.microphone.environment},
-            start_new_session=True,
         )
         threading.Thread(target=self._feed, args=(self._player,), daemon=True).start()
         return self

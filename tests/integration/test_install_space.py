@@ -12,7 +12,8 @@ import pytest
 import soundfile
 
 from support.documents.release import version
-from support.launched_system import end_group, free_port
+from support.launched_system import free_port
+from support.process_groups import end_group
 from support.theatre_sound import RATE, speak
 from support.waiting import wait_until
 

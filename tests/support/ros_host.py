@@ -7,7 +7,8 @@ from pathlib import Path
 
 import rosgraph
 
-from support.launched_system import end_group, free_port
+from support.launched_system import free_port
+from support.process_groups import end_group
 from support.waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -17,7 +17,8 @@ import rosgraph
 
 from rst_control.host.respawn import MOST, PAUSE, SPAN
 from support.figures import ROOT
-from support.launched_system import STOP_TIME, free_port
+from support.launched_system import free_port
+from support.process_groups import STOP_TIME, start_group
 from support.waiting import wait_until
 
 START_TIME = 60.0  # [s] for a part to come up
@@ -60,12 +61,11 @@ class Part:
             RuntimeError: It did not come up.
         """
         with self._log.open("ab") as log:
-            self._launch = subprocess.Popen(
+            self._launch = start_group(
                 self._plan.command,
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 stdin=subprocess.DEVNULL,
-                start_new_session=True,
             )
         self._kills.clear()
         before, self.pid = self.pid, 0
