@@ -148,6 +148,27 @@ def test_set_points_that_end_slow_it_down_along_its_curve_and_latch(hardware, wa
     assert np.array_equal(hardware.arm, place)
 
 
+def test_set_points_more_sudden_than_the_arm_are_refused_and_the_shaft_stays(
+    hardware, way, planner
+):
+    hardware.advance(1.5, way)
+    errors, begun = [], hardware.now
+    hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
+
+    def sudden(now):
+        position, velocity = way(now)
+        position[3] += 0.5 * 8.0 * (now - begun) ** 2
+        velocity[3] += 8.0 * (now - begun)  # up to 0.4 rad/s within 50 ms
+        return position, velocity
+
+    hardware.advance(1.0, sudden)
+    fault = hardware.bridge.fault(hardware.now)
+    assert "joint_4 set-point acceleration" in fault
+    assert "allowed 1.00" in fault
+    assert np.abs(hardware.speed).max() == 0.0
+    assert max(errors) < 300e-6
+
+
 def test_a_hold_ends_at_rest_and_set_points_may_follow(hardware, way):
     hardware.advance(1.5, way)
     hardware.bridge.hold(hardware.now)

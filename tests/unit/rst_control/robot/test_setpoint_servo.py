@@ -160,6 +160,19 @@ def test_a_setpoint_no_joint_may_follow_is_a_named_fault_and_moves_nothing(
     assert np.array_equal(play_on(robot, 0.0, 0.2)[-1], HOME)
 
 
+@pytest.mark.parametrize("begins", [0.0, 0.5])  # [s]: from rest, and in motion
+def test_a_speed_that_changes_faster_than_the_joints_can_is_a_named_fault(begins):
+    limits = replace(LIMITS, acceleration=np.full(10, 1.0))
+    robot = Servo(CONFIG, limits, HOME)
+    stream(robot, begins)
+    assert robot.fault == ""
+    position, velocity = wave(begins)
+    velocity[6] += 0.004
+    robot.accept(Setpoint(position, velocity, begins), begins)
+    assert "joint_7 set-point acceleration 2." in robot.fault
+    assert "allowed 1.00" in robot.fault
+
+
 def test_a_jump_between_setpoints_is_a_fault_and_brakes_on_the_old_course():
     robot = servo()
     stream(robot, 0.5)

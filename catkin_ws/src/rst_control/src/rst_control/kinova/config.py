@@ -182,7 +182,10 @@ def load_kinova_config(folder: Path = CONFIG_FOLDER) -> KinovaConfig:
 
 
 def bridge_limits(config: KinovaConfig) -> ServoLimits:
-    """Limits of the ten joints of the active layer; the tool's by its own settings, too."""
+    """Limits of the ten joints of the active layer; the tool's by its own settings, too.
+
+    No set-points change an arm joint's speed faster than its driver does.
+    """
     limits, tool = config.limits, config.bridge.tool
     layer = active_layer(limits)
     span = np.array([limits.pitch, limits.finger, limits.finger])
@@ -194,4 +197,5 @@ def bridge_limits(config: KinovaConfig) -> ServoLimits:
         lower=np.concatenate([limits.arm_lower, lower]),
         upper=np.concatenate([limits.arm_upper, upper]),
         speed=np.array([*layer.arm_velocity, *[layer.tool_velocity] * 3]),
+        acceleration=np.array([*config.bridge.arm.acceleration, *[np.inf] * TOOL_COUNT]),
     )

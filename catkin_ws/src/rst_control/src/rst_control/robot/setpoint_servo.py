@@ -43,6 +43,7 @@ class ServoLimits:
     lower: Joints  # [rad]
     upper: Joints  # [rad]
     speed: Joints  # [rad/s]
+    acceleration: Joints | None = None  # [rad/s^2] between set-points; None: any
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,10 +307,22 @@ class Servo:
             point.position, point.velocity, last.position, span, allowed
         )
         if speed <= allowed[j]:
-            return ""
+            return self._too_sudden(point, span)
         return (
             f"{self._limits.names[j]} set-point speed {speed:.3f} rad/s, allowed {allowed[j]:.3f}"
         )
+
+    def _too_sudden(self, point: Setpoint, span: float) -> str:
+        """Whether the speed changes faster than the joints can: they would leave their course."""
+        allowed, still = self._limits.acceleration, np.zeros_like(point.velocity)
+        if allowed is None:
+            return ""
+        last = self._points[-1].velocity if self._points else still
+        j, change = joint_kernels.fastest(point.velocity, still, last, span, allowed)
+        if change <= allowed[j]:
+            return ""
+        name = self._limits.names[j]
+        return f"{name} set-point acceleration {change:.2f} rad/s^2, allowed {allowed[j]:.2f}"
 
 
 def warm_up(config: ServoConfig, limits: ServoLimits) -> None:
