@@ -12,13 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.common import resumable
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
-from bench.voice.material.answers import AnswerTrial, answer_chunks
+from bench.voice.material.answers import PER_CHUNK, AnswerTrial
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.synthesis import DEV, SpokenClip, recorded, spoken
-from bench.voice.outcomes import motions
+from bench.voice.outcomes import delays, motions
 from bench.voice.trials import STOP
 from support.figures import Figure, share
 from voice_assist.answers.sentences import catalogue
@@ -33,10 +32,8 @@ ALONE = "answers alone, at rest"
 def measure() -> list[Figure]:
     """Share heard and delay by level, and commands taken from the answers themselves."""
     plans = dict(_plans())
-    every = pieces.measured("answers", {name: answer_chunks(t) for name, t in plans.items()})
-    found = {name: records for name, records in every.items() if records}
-    counts = [sum(map(len, sets.values())) for sets in (found, plans)]
-    figures = [resumable.measured(counts[0], "scenes", counts[1])]
+    found, count = pieces.found("answers", plans, PER_CHUNK, is_moving=True)
+    figures = [count]
     for name, records in found.items():
         figures += _alone(name, records) if name.startswith(ALONE) else _of(name, records)
     return figures
@@ -45,18 +42,11 @@ def measure() -> list[Figure]:
 def _of(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
     stopped = [r for r in records if "stop" in r.heard.taken]
     figures = [share(f"{name}: stopped", len(stopped), len(records))]
-    times = [_delay(record) for record in stopped]
+    times = delays(stopped)
     if times:
         quantiles = {f"p{q}": float(np.percentile(times, q)) for q in (50, 99)}
         figures += [Figure(f"{name}: {q}", value, "ms") for q, value in quantiles.items()]
     return figures
-
-
-def _delay(record: SceneRecord) -> float:
-    """From the end of the word to the first stop [ms]; below 0 where it came within the word."""
-    said = record.heard.said
-    first = next(one.at for one in said if one.is_taken and one.command == "stop")
-    return 1e3 * (first - record.label["end"])
 
 
 def _alone(name: str, records: Sequence[SceneRecord]) -> list[Figure]:

@@ -7,15 +7,12 @@ Every scene is a word and, about 2 s later, an answer. Commands and strange word
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from bench.common import resumable
-from bench.common.resumable import digest, share_of
 from bench.voice.hearing import pieces
-from bench.voice.hearing.fingerprint import outline
 from bench.voice.hearing.pieces import Label, SceneRecord
 from bench.voice.hearing.replay_stream import SoundScene
 from bench.voice.material.foreign_clips import by_espeak
@@ -41,37 +38,20 @@ class AskTrial:
     said: StreamedTrial
     answer: StreamedTrial | None
 
-
-@dataclass(frozen=True)
-class AskChunk:
-    """Some trials in one piece."""
-
-    trials: tuple[AskTrial, ...]
-
-    def name(self) -> str:
-        """Digest of all that is streamed."""
-        sound, _, _ = stream_of(self.trials[0].said)
-        return digest([astuple(trial) for trial in self.trials], outline(sound))
-
-    def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
-        """One for each trial."""
-        for trial in self.trials:
-            sound, _, _ = stream_of(trial.said)
-            if trial.answer is not None:
-                sound = np.concatenate([sound, stream_of(trial.answer)[0]])
-            clip = trial.said.clip
-            label: Label = {"text": clip.text, "engine": clip.engine, "voice": clip.voice}
-            label["seconds"] = len(sound) / RATE
-            yield label, SoundScene(sound, Mode.ACTIVE, keeps_mode=False, asks=True)
+    def scene(self) -> tuple[Label, SoundScene]:
+        """What to stream, and what is known of it."""
+        sound, _, _ = stream_of(self.said)
+        if self.answer is not None:
+            sound = np.concatenate([sound, stream_of(self.answer)[0]])
+        label: Label = {**asdict(self.said.clip), "seconds": len(sound) / RATE}
+        return label, SoundScene(sound, Mode.ACTIVE, keeps_mode=False, asks=True)
 
 
 def measure() -> list[Figure]:
     """Commands won back, false motions, and questions about nothing."""
     plans = _plans()
-    every = pieces.measured("ask", {name: _chunks(trials) for name, trials in plans.items()})
-    found = {name: records for name, records in every.items() if records}
-    counts = [sum(map(len, sets.values())) for sets in (found, plans)]
-    figures = [resumable.measured(counts[0], "scenes", counts[1])]
+    found, count = pieces.found("ask", plans, PER_CHUNK)
+    figures = [count]
     for name, records in found.items():
         figures += _of(name, records)
     return figures
@@ -132,8 +112,3 @@ def _answered(said: Sequence[StreamedTrial], answers: Sequence[str]) -> list[Ask
         own = by_voice.get(trial.clip.voice, every)
         trials.append(AskTrial(trial, StreamedTrial(own[index % len(own)], index)))
     return trials
-
-
-def _chunks(trials: Sequence[AskTrial]) -> list[AskChunk]:
-    some = share_of(trials)
-    return [AskChunk(tuple(some[i : i + PER_CHUNK])) for i in range(0, len(some), PER_CHUNK)]

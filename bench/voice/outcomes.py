@@ -126,13 +126,23 @@ def in_percent(target: float | None) -> float | None:
 
 def latencies(records: Iterable[SceneRecord]) -> dict[str, list[float]]:
     """Times from the end of speech to the first decision of the trials that were right [ms]."""
-    found: dict[str, list[float]] = {}
+    right_ones: dict[str, list[SceneRecord]] = {}
     for record in records:
-        label = record.label
-        if verdict(label["text"], record.heard.taken) == "right":
-            first = next(one for one in record.heard.said if one.is_taken)
-            found.setdefault(label["text"], []).append(1e3 * (first.at - label["end"]))
-    return found
+        if verdict(text(record), record.heard.taken) == "right":
+            right_ones.setdefault(text(record), []).append(record)
+    return {command: delays(some, command) for command, some in right_ones.items()}
+
+
+def delays(records: Iterable[SceneRecord], command: str = "stop") -> list[float]:
+    """Times from the end of the word to the first time that a command is taken [ms].
+
+    Below 0 where it came within the word.
+    """
+    first = (
+        (next(s.at for s in r.heard.said if s.is_taken and s.command == command), r.label["end"])
+        for r in records
+    )
+    return [1e3 * (at - end) for at, end in first]
 
 
 def quantiles(times: Sequence[float]) -> dict[str, float]:

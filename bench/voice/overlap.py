@@ -11,14 +11,13 @@ from itertools import product
 
 import numpy as np
 
-from bench.common import resumable
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
-from bench.voice.hearing.replay_stream import WAYS, Way
+from bench.voice.hearing.replay_stream import WAYS, Way, ears
 from bench.voice.material.held_out_voices import natives, spread
-from bench.voice.material.overlap import OverlapTrial, overlap_chunks
+from bench.voice.material.overlap import PER_CHUNK, OverlapTrial
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded, spoken
-from bench.voice.outcomes import in_percent, motions
+from bench.voice.outcomes import delays, in_percent, motions
 from bench.voice.trials import STOP
 from support.figures import Figure, rate, share
 
@@ -37,9 +36,8 @@ def measure() -> list[Figure]:
     if not plans:
         print("no human speech in ../shared/speech: overlap left out")
         return []
-    every = pieces.measured("overlap", {name: overlap_chunks(t) for name, t in plans.items()})
-    found = {name: records for name, records in every.items() if records}
-    figures = [resumable.measured(sum(map(len, found.values())), "scenes", _full(plans))]
+    found, count = pieces.found("overlap", plans, PER_CHUNK, is_moving=True)
+    figures = [count]
     for name, records in found.items():
         trial = plans[name][0]
         figures += _of(name, trial, records)
@@ -70,11 +68,7 @@ def _moved(name: str, records: Sequence[SceneRecord]) -> Figure:
 
 def _latency(name: str, stopped: Sequence[SceneRecord]) -> list[Figure]:
     """From the end of the word to the first stop; where that came before, the word's beginning."""
-    times = [
-        1e3
-        * (next(s.at for s in r.heard.said if s.is_taken and s.command == "stop") - r.label["end"])
-        for r in stopped
-    ]
+    times = delays(stopped)
     if not times:
         return []
     return [
@@ -111,7 +105,7 @@ def _plans() -> Iterator[tuple[str, list[OverlapTrial]]]:
             OverlapTrial("talk alone", clip, None, 0.0, index, is_moving, way)
             for index, clip in enumerate(talk)
         ]
-        yield f"human talk, {STATES[is_moving]}, {_ears(way)}", trials
+        yield f"human talk, {STATES[is_moving]}, {ears(way)}", trials
 
 
 def _under(
@@ -122,7 +116,7 @@ def _under(
     is_moving: bool,
     way: Way,
 ) -> Iterator[tuple[str, list[OverlapTrial]]]:
-    name = f'{who} "stop" {level:g} dB over talk, {STATES[is_moving]}, {_ears(way)}'
+    name = f'{who} "stop" {level:g} dB over talk, {STATES[is_moving]}, {ears(way)}'
     trials = [
         OverlapTrial("under talk", word, talk[index % len(talk)], level, index, is_moving, way)
         for index, word in enumerate(words)
@@ -133,11 +127,3 @@ def _under(
 def _talk() -> list[SpokenClip]:
     """Sentences of people, of whom nobody says "stop"."""
     return [clip for clip in recorded(TALK) if not clip.text]
-
-
-def _ears(way: Way) -> str:
-    return "both ways" if way == "both" else f"{way} alone"
-
-
-def _full(plans: dict[str, list[OverlapTrial]]) -> int:
-    return sum(map(len, plans.values()))

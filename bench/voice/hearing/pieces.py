@@ -14,14 +14,15 @@ import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
+from random import Random
 from typing import Any, Protocol
 
 from bench.common import resumable
-from bench.voice.hearing.fingerprint import identity
+from bench.voice.hearing.fingerprint import identity, identity_in_motion, outline
 from bench.voice.hearing.replay_stream import SceneListener, SceneResult, SoundScene
-from support.figures import RESULTS
+from support.figures import RESULTS, Figure
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 
@@ -41,6 +42,47 @@ class Chunk(Protocol):
     def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
         """What to stream."""
         ...
+
+
+class Trial(Protocol):
+    """One scene of many alike; a dataclass whose fields tell it from the others."""
+
+    def scene(self) -> tuple[Label, SoundScene]:
+        """What to stream."""
+        ...
+
+
+@dataclass(frozen=True)
+class TrialChunk:
+    """Some trials in one piece."""
+
+    trials: tuple[Trial, ...]
+    is_moving: bool = False  # how a robot that moves is listened for counts, too
+
+    def name(self) -> str:
+        """Digest of all that is streamed, and of how."""
+        plan = [astuple(trial) for trial in self.trials]  # type: ignore[call-overload]
+        _, first = self.trials[0].scene()
+        more = (identity_in_motion(MODEL),) if self.is_moving else ()
+        return resumable.digest(plan, outline(first.sound), *more)
+
+    def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
+        """One for each trial."""
+        return (trial.scene() for trial in self.trials)
+
+
+def in_chunks(trials: Sequence[Trial], size: int, is_moving: bool = False) -> list[TrialChunk]:
+    """Trials in pieces, SHARE of them; in an order by chance, so that a part is like the whole.
+
+    Args:
+        trials: Of one set.
+        size: Of a piece.
+        is_moving: How a robot that moves is listened for makes other pieces.
+    """
+    mixed = list(trials)
+    Random(0).shuffle(mixed)
+    some = resumable.share_of(mixed)
+    return [TrialChunk(tuple(some[i : i + size]), is_moving) for i in range(0, len(some), size)]
 
 
 @dataclass(frozen=True)
@@ -75,6 +117,23 @@ def measured(
         name: [record for _, path in some if path.is_file() for record in read(path)]
         for name, some in jobs.items()
     }
+
+
+def found(
+    part: str, plans: Mapping[str, Sequence[Trial]], size: int, is_moving: bool = False
+) -> tuple[dict[str, list[SceneRecord]], Figure]:
+    """Records of the sets of trials that have any, and the figure of how many scenes there are.
+
+    Args:
+        part: Names the measurement.
+        plans: Trials by the set that they belong to.
+        size: Of a piece.
+        is_moving: As `in_chunks` takes it.
+    """
+    every = measured(part, {name: in_chunks(t, size, is_moving) for name, t in plans.items()})
+    some = {name: records for name, records in every.items() if records}
+    counts = [sum(map(len, sets.values())) for sets in (some, plans)]
+    return some, resumable.measured(counts[0], "scenes", counts[1])
 
 
 def folder_of(part: str, model: str = MODEL) -> Path:

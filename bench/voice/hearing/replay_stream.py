@@ -30,6 +30,13 @@ from voice_assist.types import (
 
 Way = Literal["both", "recogniser", "spotter"]  # what listens for a stop
 WAYS: tuple[Way, ...] = ("both", "recogniser", "spotter")
+
+
+def ears(way: Way) -> str:
+    """A way in the name of a figure."""
+    return "both ways" if way == "both" else f"{way} alone"
+
+
 _IMPOSSIBLE = -1000.0  # [nat] of a phrase to who hears nothing
 
 

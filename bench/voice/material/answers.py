@@ -3,16 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
-from random import Random
 
 import numpy as np
 
-from bench.common.resumable import digest, share_of
-from bench.voice.hearing.fingerprint import identity_in_motion, outline
-from bench.voice.hearing.pieces import MODEL, Label
+from bench.voice.hearing.pieces import Label
 from bench.voice.hearing.replay_stream import SoundScene
 from bench.voice.material.over_talk import gain_below
 from bench.voice.material.synthesis import SpokenClip
@@ -40,37 +36,12 @@ class AnswerTrial:
     index: int  # seeds the chance in it
     is_moving: bool
 
-
-@dataclass(frozen=True)
-class AnswerChunk:
-    """Some trials in one piece."""
-
-    trials: tuple[AnswerTrial, ...]
-
-    def name(self) -> str:
-        """Digest of all that is streamed, and of how a robot that moves is listened for."""
-        sound, _, _ = stream_of(self.trials[0])
-        plan = [astuple(trial) for trial in self.trials]
-        return digest(plan, outline(sound), identity_in_motion(MODEL))
-
-    def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
-        """One for each trial; what the loudspeaker says is announced."""
-        for trial in self.trials:
-            sound, end, spans = stream_of(trial)
-            label: Label = {"text": trial.sentence, "end": end, "seconds": len(sound) / RATE}
-            if trial.clip is not None:
-                clip = trial.clip
-                label |= {"path": clip.path, "engine": clip.engine, "voice": clip.voice}
-            scene = SoundScene(sound, Mode.ACTIVE, is_moving=trial.is_moving, robot_speaks=spans)
-            yield label, scene
-
-
-def answer_chunks(trials: Sequence[AnswerTrial]) -> list[AnswerChunk]:
-    """Trials in pieces, SHARE of them; in an order by chance, so that a part is like the whole."""
-    mixed = list(trials)
-    Random(0).shuffle(mixed)
-    some = share_of(mixed)
-    return [AnswerChunk(tuple(some[i : i + PER_CHUNK])) for i in range(0, len(some), PER_CHUNK)]
+    def scene(self) -> tuple[Label, SoundScene]:
+        """What to stream; what the loudspeaker says is announced."""
+        sound, end, spans = stream_of(self)
+        label: Label = asdict(self.clip) if self.clip is not None else {}
+        label |= {"text": self.sentence, "end": end, "seconds": len(sound) / RATE}
+        return label, SoundScene(sound, Mode.ACTIVE, is_moving=self.is_moving, robot_speaks=spans)
 
 
 def stream_of(trial: AnswerTrial) -> tuple[Samples, float, tuple[tuple[float, float], ...]]:

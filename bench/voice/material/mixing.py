@@ -3,16 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass, replace
-from random import Random
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from bench.common.resumable import digest, share_of
-from bench.voice.hearing.fingerprint import outline
-from bench.voice.hearing.pieces import Label
+from bench.voice.hearing.pieces import Label, TrialChunk, in_chunks
 from bench.voice.hearing.replay_stream import SoundScene, Way
 from bench.voice.material import clips as voice_sets
 from bench.voice.material import theatre_noise
@@ -42,41 +39,17 @@ class StreamedTrial:
     mode: str = Mode.ACTIVE.value
     way: Way = "both"
 
-
-@dataclass(frozen=True)
-class ClipChunk:
-    """Some trials in one piece."""
-
-    trials: tuple[StreamedTrial, ...]
-
-    def name(self) -> str:
-        """Digest of all that is streamed, and how."""
-        sound, _, _ = stream_of(self.trials[0])
-        return digest([astuple(trial) for trial in self.trials], outline(sound))
-
-    def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
-        """One per trial."""
-        for trial in self.trials:
-            sound, end, seconds = stream_of(trial)
-            clip = trial.clip
-            label: Label = {
-                "path": clip.path,
-                "text": clip.text,
-                "engine": clip.engine,
-                "voice": clip.voice,
-                "end": end,
-                "seconds": seconds,
-            }
-            spans = ((0.0, len(sound) / RATE),) if trial.background == "speaking" else ()
-            yield label, SoundScene(sound, Mode(trial.mode), way=trial.way, robot_speaks=spans)
+    def scene(self) -> tuple[Label, SoundScene]:
+        """What to stream, and what is known of it."""
+        sound, end, seconds = stream_of(self)
+        label: Label = {**asdict(self.clip), "end": end, "seconds": seconds}
+        spans = ((0.0, len(sound) / RATE),) if self.background == "speaking" else ()
+        return label, SoundScene(sound, Mode(self.mode), way=self.way, robot_speaks=spans)
 
 
-def chunks(trials: Sequence[StreamedTrial]) -> list[ClipChunk]:
-    """Trials in pieces, SHARE of them; in an order by chance, so that a part is like the whole."""
-    mixed = list(trials)
-    Random(0).shuffle(mixed)
-    some = share_of(mixed)
-    return [ClipChunk(tuple(some[i : i + PER_CHUNK])) for i in range(0, len(some), PER_CHUNK)]
+def chunks(trials: Sequence[StreamedTrial]) -> list[TrialChunk]:
+    """Trials in pieces."""
+    return in_chunks(trials, PER_CHUNK)
 
 
 def trials_of(clips: Sequence[SpokenClip]) -> list[StreamedTrial]:

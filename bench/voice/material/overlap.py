@@ -3,16 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass
-from random import Random
+from dataclasses import asdict, dataclass
 from typing import Literal
 
 import numpy as np
 
-from bench.common.resumable import digest, share_of
-from bench.voice.hearing.fingerprint import identity_in_motion, outline
-from bench.voice.hearing.pieces import MODEL, Label
+from bench.voice.hearing.pieces import Label
 from bench.voice.hearing.replay_stream import SoundScene, Way
 from bench.voice.material.over_talk import at_peak, gain_below, over_talk
 from bench.voice.material.synthesis import SpokenClip
@@ -39,42 +35,13 @@ class OverlapTrial:
     is_moving: bool
     way: Way = "both"
 
-
-@dataclass(frozen=True)
-class OverlapChunk:
-    """Some trials in one piece."""
-
-    trials: tuple[OverlapTrial, ...]
-
-    def name(self) -> str:
-        """Digest of all that is streamed, and of how a robot that moves is listened for."""
-        sound, _ = stream_of(self.trials[0])
-        plan = [astuple(trial) for trial in self.trials]
-        return digest(plan, outline(sound), identity_in_motion(MODEL))
-
-    def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
-        """One per trial."""
-        for trial in self.trials:
-            sound, end = stream_of(trial)
-            clip, other = trial.clip, trial.other
-            label: Label = {
-                "text": clip.text,
-                "engine": clip.engine,
-                "voice": clip.voice,
-                "path": clip.path,
-                "other": other.path if other else "",
-                "end": end,
-                "seconds": len(sound) / RATE,
-            }
-            yield label, SoundScene(sound, Mode.ACTIVE, way=trial.way, is_moving=trial.is_moving)
-
-
-def overlap_chunks(trials: Sequence[OverlapTrial]) -> list[OverlapChunk]:
-    """Trials in pieces, SHARE of them; in an order by chance, so that a part is like the whole."""
-    mixed = list(trials)
-    Random(0).shuffle(mixed)
-    some = share_of(mixed)
-    return [OverlapChunk(tuple(some[i : i + PER_CHUNK])) for i in range(0, len(some), PER_CHUNK)]
+    def scene(self) -> tuple[Label, SoundScene]:
+        """What to stream, and what is known of it."""
+        sound, end = stream_of(self)
+        other = self.other.path if self.other else ""
+        label: Label = {**asdict(self.clip), "other": other, "end": end}
+        label["seconds"] = len(sound) / RATE
+        return label, SoundScene(sound, Mode.ACTIVE, way=self.way, is_moving=self.is_moving)
 
 
 def stream_of(trial: OverlapTrial) -> tuple[Samples, float]:

@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 
-from bench.common import resumable
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.foreign_clips import by_espeak, by_kokoro, language_of
 from bench.voice.material.held_out_voices import SyntheticVoice, foreigners, natives, spread
-from bench.voice.material.mixing import StreamedTrial, chunks, trials_of
+from bench.voice.material.mixing import PER_CHUNK, StreamedTrial, trials_of
 from bench.voice.material.synthesis import SpokenClip, spoken
 from bench.voice.outcomes import motions, others, right, tally
 from bench.voice.trials import MOTIONS, STOP
@@ -32,10 +31,8 @@ ENGLISH = ("held-out voices", "accents", "trained voices")
 
 def measure() -> list[Figure]:
     """Share of foreign words taken for a command, and of English commands that are right."""
-    trials = plan()
-    every = pieces.measured("foreign", {name: chunks(some) for name, some in trials.items()})
-    found = {name: records for name, records in every.items() if records}
-    figures = [resumable.measured(_count(found), "scenes", _count(trials))]
+    found, count = pieces.found("foreign", plan(), PER_CHUNK)
+    figures = [count]
     words = [r for name in FOREIGN if name != "named" for r in found.get(name, ())]
     figures.append(_moved("words and talk of nine languages", words, 0.0))
     figures += [_moved(name, found[name], 0.0) for name in FOREIGN if name in found]
@@ -100,7 +97,3 @@ def _refused(record: SceneRecord) -> set[str]:
 def _said(records: Sequence[SceneRecord]) -> str:
     said = {f"{r.label['voice'].partition('+')[0]} {r.label['text']}" for r in records}
     return ", ".join(sorted(said))
-
-
-def _count(sets: dict[str, list[SceneRecord]] | dict[str, list[StreamedTrial]]) -> int:
-    return sum(map(len, sets.values()))
