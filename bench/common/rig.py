@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,11 @@ from bench.common.lockstep import START, Array, LockStep, do_nothing
 from bench.common.quiet import quiet
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.assembly import make_executor
+from rst_control.commands.request import Plan
+from rst_control.commands.table import COMMANDS
 from rst_control.config import MotionConfig, SimulationConfig, TissueConfig
+from rst_control.errors import Infeasible
+from rst_control.execution.orders import Order
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.plan import Phase, PhaseKind
@@ -71,6 +76,28 @@ class Rig(LockStep):
     def along(self, kind: PhaseKind, path: Path, speed: float) -> Phase:
         """Phase along a path as fast as the joints can follow, up to `speed` [m/s]."""
         return along(self.planner, kind, path, speed)
+
+    def ways(self, tries: int, seed: int, min_length: float = 0.0) -> Iterator[Path]:
+        """Random paths, each from where the joints are led to or held when it is asked for.
+
+        Args:
+            tries: Poses that may be tried.
+            seed: Of the poses.
+            min_length: Shorter paths are left out [m].
+        """
+        for pose in random_poses(self.config, tries, seed):
+            with suppress(Infeasible):
+                path = self.planner.leg(self.planner_joints, pose)
+                if path.length >= min_length:
+                    yield path
+
+    def set_off(self, path: Path) -> Phase:
+        """Begin a motion along a path."""
+        phase = self.along(PhaseKind.REACH, path, self.config.controller.speed.tip_speed)
+        plan = Plan(COMMANDS["tense"], "moves", (phase,))
+        self.executor.post(Order(plan, self.executor.snapshot.serial))
+        self.tick()
+        return phase
 
     @property
     def rcm_error(self) -> float:

@@ -12,13 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.common.rig import Rig, random_poses, with_layer, with_speed
-from rst_control.commands.request import Plan
-from rst_control.commands.table import COMMANDS
+from bench.common.rig import Rig, with_layer, with_speed
 from rst_control.config import MotionConfig, SimulationConfig
-from rst_control.errors import Infeasible
-from rst_control.execution.orders import Order
-from rst_control.planning.plan import Phase, PhaseKind
+from rst_control.planning.plan import Phase
 from rst_control.types import Cause, Reason
 from support.figures import Figure
 
@@ -76,17 +72,8 @@ def _stops(rig: Rig, count: int) -> list[BrakedStop]:
     """Set off along random paths and stop each at a random moment."""
     rng, stops = np.random.default_rng(6), []
     rig.wake()
-    for pose in random_poses(rig.config, 20 * count, seed=6):
-        view = rig.executor.snapshot
-        try:
-            path = rig.planner.leg(rig.planner_joints, pose)
-        except Infeasible:
-            continue
-        if path.length < MIN_LENGTH:
-            continue
-        phase = rig.along(PhaseKind.REACH, path, rig.config.controller.speed.tip_speed)
-        rig.executor.post(Order(Plan(COMMANDS["tense"], "moves", (phase,)), view.serial))
-        rig.tick()
+    for path in rig.ways(20 * count, seed=6, min_length=MIN_LENGTH):
+        phase = rig.set_off(path)
         duration = path.length / phase.speed
         rig.run(float(rng.uniform(0.05, 0.95)) * duration)
         if rig.is_moving:

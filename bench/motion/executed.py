@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
-from bench.common.rig import Rig, random_poses
+from bench.common.rig import Rig
 from rst_control.config import MotionConfig, SimulationConfig
-from rst_control.errors import Infeasible
-from rst_control.kinematics.configuration import planning_joints, robot_joints
+from rst_control.kinematics.configuration import robot_joints
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.trajectory.path import Path, speed_bounds
 from rst_control.types import PathState, Setpoint
@@ -68,21 +68,10 @@ def _errors(rig: Rig, legs: int, speed: float, is_off: bool) -> list[Figure]:
 def _ways(rig: Rig, legs: int, speed: float) -> Iterator[tuple[Path, MotionBounds]]:
     """Long random paths one after the other, with the hardest motion that the joints can follow."""
     planner, settings = rig.planner, rig.config.controller.speed
-    count = 0
-    for pose in random_poses(rig.config, 20 * legs, seed=2):
-        q, _ = planning_joints(rig.robot.target)
-        try:
-            path = planner.leg(q, pose)
-        except Infeasible:
-            continue
-        if path.length < MIN_LENGTH:
-            continue
+    for path in islice(rig.ways(20 * legs, seed=2, min_length=MIN_LENGTH), legs):
         samples = path.sample(planner.model.chain, planner.trocar)
         top, acceleration = speed_bounds(samples, planner.limits, speed, settings.acceleration)
         yield path, MotionBounds(top, acceleration, settings.jerk)
-        count += 1
-        if count == legs:
-            return
 
 
 def _follow(rig: Rig, path: Path, bounds: MotionBounds, look: Callable[[], None]) -> float:

@@ -11,12 +11,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.common.rig import Rig, random_poses
-from rst_control.commands.request import Plan
-from rst_control.commands.table import COMMANDS
+from bench.common.rig import Rig
 from rst_control.config import MotionConfig, SimulationConfig
-from rst_control.errors import Infeasible
-from rst_control.execution.orders import Order
 from rst_control.planning.plan import PhaseKind
 from rst_control.types import Measurement
 from support.figures import Figure
@@ -36,7 +32,7 @@ def measure(config: MotionConfig, simulation: SimulationConfig, ticks: int) -> l
     with Rig(config, simulation, is_light=True) as rig:
         rig.wake()
         seeds = itertools.count(40)
-        reach = _ticks(rig, lambda: _set_off(rig, next(seeds)), ticks)
+        reach = _ticks(rig, lambda: rig.set_off(next(rig.ways(50, next(seeds)))), ticks)
     with Rig(config, simulation, is_light=True) as rig:
         rig.wake()
         pull = _ticks(rig, lambda: _pull_on(rig), ticks // 2)
@@ -70,20 +66,6 @@ def _ticks(rig: Rig, renew: Callable[[], None], count: int) -> Array:
     finally:
         gc.enable()
     return times[WARM_UP:]
-
-
-def _set_off(rig: Rig, seed: int) -> None:
-    for pose in random_poses(rig.config, 50, seed=seed):
-        try:
-            path = rig.planner.leg(rig.planner_joints, pose)
-        except Infeasible:
-            continue
-        phase = rig.along(PhaseKind.REACH, path, rig.config.controller.speed.tip_speed)
-        order = Order(Plan(COMMANDS["tense"], "moves", (phase,)), rig.executor.snapshot.serial)
-        rig.executor.post(order)
-        rig.tick()
-        return
-    raise RuntimeError("none of 50 random paths could be planned")
 
 
 def _pull_on(rig: Rig) -> None:

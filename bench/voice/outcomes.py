@@ -145,6 +145,23 @@ def delays(records: Iterable[SceneRecord], command: str = "stop") -> list[float]
     return [1e3 * (at - end) for at, end in first]
 
 
+def fired(records: Iterable[SceneRecord], *known: str) -> list[dict[str, Any]]:
+    """Every command that was taken, with what is known of its scene by some keys of its label."""
+    return [
+        {
+            "taken": one.command,
+            "confidence": one.confidence,
+            "origin": one.origin,
+            "heard": one.text,
+            "at": one.at,
+            **{key: record.label[key] for key in known},
+        }
+        for record in records
+        for one in record.heard.said
+        if one.is_taken
+    ]
+
+
 def quantiles(times: Sequence[float]) -> dict[str, float]:
     """Percentiles of times."""
     return {f"p{q}": float(np.percentile(times, q)) for q in (50, 95, 99)}

@@ -10,6 +10,7 @@ from typing import Any
 import soundfile
 
 from bench.common import resumable
+from bench.voice import outcomes
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.mixing import chunks, trials_of
@@ -75,19 +76,7 @@ def of_commands(
 
 def fired(records: Sequence[SceneRecord]) -> list[dict[str, Any]]:
     """Every command taken where none was said, with what was said and by whom."""
-    return [
-        {
-            "taken": one.command,
-            "confidence": one.confidence,
-            "origin": one.origin,
-            "heard": one.text,
-            "at": one.at,
-            **{k: record.label[k] for k in ("text", "engine", "voice", "path")},
-        }
-        for record in records
-        for one in record.heard.said
-        if one.is_taken
-    ]
+    return outcomes.fired(records, "text", "engine", "voice", "path")
 
 
 def clips() -> list[SpokenClip]:

@@ -21,6 +21,7 @@ from bench.voice.hearing.fingerprint import outline
 from bench.voice.hearing.pieces import Label, SceneRecord
 from bench.voice.hearing.replay_stream import SoundScene
 from bench.voice.material import theatre_noise
+from bench.voice.outcomes import fired
 from support.figures import Figure, rate
 from voice_assist.types import RATE, Mode
 
@@ -92,7 +93,7 @@ def measure() -> list[Figure]:
         figures.append(_figure("replies that are reported: taken", reported))
     compute = sum(r.heard.compute for r in records)
     figures.append(Figure("real-time factor on noise", compute / (3600.0 * hours), ""))
-    data = {"mode": "active", "fired": _fired([*records, *quoting, *reported])}
+    data = {"mode": "active", "fired": fired([*records, *quoting, *reported], "kind", "seed")}
     resumable.write_details("voice/nothing_fired.json", hours, data)
     return figures
 
@@ -129,20 +130,3 @@ def _figure(name: str, records: Sequence[SceneRecord], target: float | None = No
 
 def _hours(records: Sequence[SceneRecord]) -> float:
     return sum(r.heard.streamed for r in records) / 3600.0
-
-
-def _fired(records: Sequence[SceneRecord]) -> list[dict[str, object]]:
-    return [
-        {
-            "kind": record.label["kind"],
-            "seed": record.label["seed"],
-            "at": one.at,
-            "taken": one.command,
-            "heard": one.text,
-            "confidence": one.confidence,
-            "origin": one.origin,
-        }
-        for record in records
-        for one in record.heard.said
-        if one.is_taken
-    ]

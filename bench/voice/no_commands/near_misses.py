@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from bench.common import resumable
+from bench.voice import outcomes
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.clips import SEED as HELD_OUT_SEED
@@ -86,19 +87,14 @@ def taken(records: Iterable[SceneRecord]) -> list[dict[str, Any]]:
     """Every phrase that was taken for a command, motions first."""
     found = [
         {
+            **one,
             "said": r.label["text"],
-            "voice": f"{r.label['engine']}:{r.label['voice']}",
-            "taken": one.command,
-            "is_motion": one.command in motions(),
-            "confidence": one.confidence,
-            "origin": one.origin,
-            "heard": one.text,
+            "voice": outcomes.voice(r),
+            "is_motion": one["taken"] in motions(),
             "same_sounds": is_same(r),
-            "path": r.label["path"],
         }
         for r in records
-        for one in r.heard.said
-        if one.is_taken
+        for one in outcomes.fired([r], "path")
     ]
     return sorted(found, key=lambda one: (not one["is_motion"], one["said"]))
 

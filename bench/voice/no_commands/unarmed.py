@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from bench.common import resumable
+from bench.voice import outcomes
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.theatre_talk import SECONDS, TalkChunk, Who, deck
@@ -52,24 +53,10 @@ def measure() -> list[Figure]:
 def fired(record: SceneRecord) -> list[dict[str, Any]]:
     """Every command taken in a piece, with the utterance that was last begun before it."""
     found = []
-    for one in record.heard.said:
-        if one.is_taken:
-            begun = pieces.begun_last(record.label["spans"], one.at)
-            _, text, voice, path = begun or (0.0, "", "", "")
-            found.append(
-                {
-                    "taken": one.command,
-                    "confidence": one.confidence,
-                    "origin": one.origin,
-                    "heard": one.text,
-                    "said": text,
-                    "voice": voice,
-                    "path": path,
-                    "who": record.label["who"],
-                    "seed": record.label["seed"],
-                    "at": one.at,
-                }
-            )
+    for one in outcomes.fired([record], "who", "seed"):
+        begun = pieces.begun_last(record.label["spans"], one["at"])
+        _, text, voice, path = begun or (0.0, "", "", "")
+        found.append({**one, "said": text, "voice": voice, "path": path})
     return found
 
 
