@@ -267,15 +267,19 @@ def test_the_tool_goes_along_with_the_arm_and_within_its_limits(hardware, way, k
         assert (np.array(tool.lower) <= joints).all() and (joints <= np.array(tool.upper)).all()
 
 
-def test_jaws_that_stay_open_tell_of_tissue(hardware):
-    stand = hardware.joints
-    hardware.tissue = 0.1
+def closing(hardware):
+    """Set-points that close the jaws where the arm stands."""
+    q, _ = planning_joints(hardware.joints)
 
     def close(now):
         opening = max(0.0, 0.6 - (now - hardware.start))
-        q, _ = planning_joints(stand)
         return robot_joints(q, opening), robot_joints(np.zeros(9), -1.0 if opening else 0.0)
 
+    return close
+
+
+def test_jaws_that_stay_open_tell_of_tissue(hardware):
+    hardware.tissue, close = 0.1, closing(hardware)
     hardware.advance(1.0, close)
     assert hardware.bridge.is_gripped
     assert hardware.bridge.measured.gripped
@@ -303,14 +307,7 @@ def test_while_it_is_homed_no_set_point_moves_the_arm(hardware, way):
 
 
 def test_closing_on_nothing_grips_nothing(hardware):
-    stand = hardware.joints
-
-    def close(now):
-        opening = max(0.0, 0.6 - (now - hardware.start))
-        q, _ = planning_joints(stand)
-        return robot_joints(q, opening), robot_joints(np.zeros(9), -1.0 if opening else 0.0)
-
-    hardware.advance(1.5, close)
+    hardware.advance(1.5, closing(hardware))
     assert not hardware.bridge.is_gripped
 
 
@@ -322,15 +319,9 @@ def test_tension_that_is_old_is_not_told(hardware):
 
 
 def test_after_a_fault_the_jaws_stay_sent_to_close_on_the_tissue(hardware):
-    stand = hardware.joints
+    q, _ = planning_joints(hardware.joints)
     hardware.tissue = 0.1
-    q, _ = planning_joints(stand)
-
-    def close(now):
-        opening = max(0.0, 0.6 - (now - hardware.start))
-        return robot_joints(q, opening), robot_joints(np.zeros(9), -1.0 if opening else 0.0)
-
-    hardware.advance(1.0, close)
+    hardware.advance(1.0, closing(hardware))
     hardware.bridge.fail("told so", hardware.now)
     hardware.advance(1.0)
     assert hardware.bridge.is_gripped
@@ -344,17 +335,15 @@ def test_after_a_fault_the_jaws_stay_sent_to_close_on_the_tissue(hardware):
 
 
 def test_it_tells_where_it_holds_the_jaws_on_the_tissue_and_nothing_while_it_is_led(hardware):
-    stand = hardware.joints
+    stand, close = hardware.joints, closing(hardware)
     hardware.tissue = 0.1
-    q, _ = planning_joints(stand)
     seen = []
 
-    def close(now):
+    def noted(now):
         seen.append(hardware.bridge.measured.sent_to)
-        opening = max(0.0, 0.6 - (now - hardware.start))
-        return robot_joints(q, opening), robot_joints(np.zeros(9), -1.0 if opening else 0.0)
+        return close(now)
 
-    hardware.advance(1.0, close)
+    hardware.advance(1.0, noted)
     np.testing.assert_array_equal(seen[0], stand)
     assert seen[-1] is None
     hardware.advance(1.0)
