@@ -21,12 +21,13 @@ from rst_control.errors import Infeasible
 from rst_control.execution.orders import Order
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.robot_model import load_robot
+from rst_control.kinematics.rotations import turned
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.planning.planner import along
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.robot.backend import RobotBackend
 from rst_control.simulation.pybullet_robot import PybulletRobot
-from rst_control.tissue.grasp_candidates import grasp_candidates, turned
+from rst_control.tissue.grasp_candidates import grasp_candidates
 from rst_control.trajectory.path import Path
 
 

@@ -25,11 +25,11 @@ from rst_control.config import MotionConfig, TissueConfig
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.kinematics.robot_model import load_robot
+from rst_control.kinematics.rotations import turned
 from rst_control.planning.plan import Phase
 from rst_control.planning.planner import Planner
 from rst_control.simulation.tissue import SimulatedTissue
 from rst_control.tension.control import TensionControl
-from rst_control.tissue.grasp_candidates import turned
 from rst_control.tissue.sheet import rest_points, rim_nodes
 from rst_control.tissue.triangulation import pull_direction, triangulation
 from rst_control.trajectory.motion_profile import MotionBounds

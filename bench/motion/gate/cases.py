@@ -27,10 +27,10 @@ from rst_control.kinematics import manipulability
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
+from rst_control.kinematics.rotations import turned
 from rst_control.planning.collision import CollisionModel
 from rst_control.planning.plan import Grasp
 from rst_control.planning.planner import Planner
-from rst_control.tissue.grasp_candidates import turned
 from rst_control.types import Cause, ControllerMode, Measurement, Reason, Rejected, State
 
 Array = NDArray[np.float64]

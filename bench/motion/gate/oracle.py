@@ -22,9 +22,10 @@ from rst_control.config.collision import CollisionConfig
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.joint_limits import make_limits
 from rst_control.kinematics.robot_model import load_robot
+from rst_control.kinematics.rotations import turned
 from rst_control.planning.collision_kernels import RESOLUTION
 from rst_control.planning.plan import Phase
-from rst_control.tissue.grasp_candidates import grasp_candidates, turned
+from rst_control.tissue.grasp_candidates import grasp_candidates
 from rst_control.types import Reason, unit_vector
 from support.kdl_chain import Kdl
 

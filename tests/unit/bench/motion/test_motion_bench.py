@@ -17,8 +17,8 @@ from bench.motion.gate.near_cases import with_clearance, with_manipulability
 from bench.motion.gate.oracle import GateJudge
 from rst_control.commands.request import Accepted
 from rst_control.config import load_motion_config, load_simulation_config
+from rst_control.kinematics.rotations import turned
 from rst_control.simulation.pybullet_robot import PybulletRobot
-from rst_control.tissue.grasp_candidates import turned
 from rst_control.types import Reason, Rejected
 
 MOTION, SIMULATION = load_motion_config(), load_simulation_config()

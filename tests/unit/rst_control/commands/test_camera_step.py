@@ -61,6 +61,12 @@ def test_the_picture_is_a_right_handed_frame_that_looks_where_the_tool_points():
     np.testing.assert_allclose(quarter.up, picture(T, 0.0).right, atol=1e-15)
 
 
+def tip_by(witness, q):
+    """Pose of the tool's tip (3, 4) as PyBullet sees it."""
+    witness.place(robot_joints(q, 0.0))
+    return witness.poses(["tool_tip"])[0]
+
+
 @pytest.mark.parametrize("command", ROUND)
 def test_each_direction_is_that_of_the_picture_and_keeps_the_trocar(
     verify, witness, planner, home, command
@@ -68,7 +74,7 @@ def test_each_direction_is_that_of_the_picture_and_keeps_the_trocar(
     """Judged by PyBullet's kinematics, at the end of the planned way and all along it."""
     plan = ask(verify, command, home).plan
     assert {phase.kind for phase in plan.phases} == {PhaseKind.CAMERA_STEP}
-    before, after = (witness._poses(q)["tool_tip"] for q in (home, plan.phases[-1].path.end))
+    before, after = (tip_by(witness, q) for q in (home, plan.phases[-1].path.end))
     right, up, _ = in_picture(before, after[:, 3])
     wanted = np.array(STEPS[command.phrase][:2]) / np.linalg.norm(STEPS[command.phrase][:2])
     moved = np.array([right, up]) / np.hypot(right, up)
@@ -105,7 +111,7 @@ def test_closer_and_wider_slide_along_the_shaft(verify, witness, planner, home, 
     decision = ask(verify, command, home)
     path = decision.plan.phases[-1].path
     before = Configuration(planner.model, home)
-    moved = witness._poses(path.end)["tool_tip"][:, 3] - before.tip
+    moved = tip_by(witness, path.end)[:, 3] - before.tip
     shaft = before.T_base_shaft[:3, 2]
     np.testing.assert_allclose(
         moved, sign * planner.config.controller.camera.depth * shaft, atol=SINGLE

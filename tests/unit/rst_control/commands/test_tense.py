@@ -12,9 +12,10 @@ from rst_control.commands.tense import choose_grasp
 from rst_control.commands.verifier import Verifier
 from rst_control.errors import NoGrasp, OutsideWorkspace
 from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.kinematics.rotations import turned
 from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
-from rst_control.tissue.grasp_candidates import LONGEST_PULL, MAX_ASIDE, grasp_candidates, turned
+from rst_control.tissue.grasp_candidates import LONGEST_PULL, MAX_ASIDE, grasp_candidates
 from rst_control.tissue.sheet import free_sides, rest_points, rim_nodes, sheet_normal
 from rst_control.tissue.triangulation import pull_direction
 from rst_control.types import Reason

@@ -10,6 +10,7 @@ import pytest
 
 from rst_control.config import load_motion_config
 from rst_control.execution.guarded_pull import GuardedPull
+from rst_control.execution.phase_execution import PhaseStart
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.tension.grasp_response import GraspResponse
 from rst_control.trajectory.motion_profile import MotionBounds
@@ -37,9 +38,8 @@ class SpringTissue:
         knots[:, 0] = np.linspace(0.0, LENGTH, 4)
         path = Path(knots, np.tile([1.0, *[0.0] * 8], (4, 1)), LENGTH)
         phase = Phase(PhaseKind.PULL, path, target=LENGTH, speed=0.02, tension=goal)
-        self.run = GuardedPull(
-            phase, path, PathState(start), 0.0, BOUNDS, BOUNDS, TENSION, RESPONSE
-        )
+        begin = PhaseStart(phase, path, PathState(start), 0.0, BOUNDS, BOUNDS)
+        self.run = GuardedPull(begin, TENSION, RESPONSE)
         self.stiffness, self.now, self.fastest, self.invalid = stiffness, 0.0, 0.0, ""
         self._past = [start] * round(TENSION.delay / PERIOD)
 

@@ -8,7 +8,7 @@ import pytest
 
 from rst_control.config import load_motion_config
 from rst_control.execution.guarded_pull import GuardedPull
-from rst_control.execution.phase_execution import TensionPhase
+from rst_control.execution.phase_execution import PhaseStart, TensionPhase
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.tension.grasp_response import GraspResponse
 from rst_control.trajectory.motion_profile import MotionBounds
@@ -31,7 +31,8 @@ def test_it_rests_where_a_reading_must_confirm_it_and_goes_on(kind, between):
     path = Path(knots, np.tile([1.0, *[0.0] * 8], (4, 1)), LENGTH)
     phase = Phase(PhaseKind.PULL, path, target=LENGTH, speed=0.02, tension=1.0)
     response = GraspResponse(TENSION, 0.2)
-    pull = kind(phase, path, PathState(0.0), 0.0, BOUNDS, BOUNDS, TENSION, response)
+    start = PhaseStart(phase, path, PathState(0.0), 0.0, BOUNDS, BOUNDS)
+    pull = kind(start, TENSION, response)
     places = [0.0] * round(TENSION.delay / PERIOD)
     reading = measured(0.0, 0.0)
     for tick in range(round(30.0 / PERIOD)):

@@ -60,7 +60,7 @@ def off(**changes):
         (0.0, measured(force=np.array([0.0, 0.0, -2.5])), GOOD, "tension 2.50 N, allowed 2.40 N"),
         (0.0, measured(), replace(GOOD, needs_grip=True), "slipped"),
         (0.0, measured(), replace(GOOD, heartbeat_age=0.6), "voice node silent"),
-        (0.0, measured(), replace(GOOD, overtime=61.0), "60 s longer than planned"),
+        (0.0, measured(), replace(GOOD, overtime=61.0), "61.0 s longer than planned, allowed 60 s"),
     ],
 )
 def test_each_fault_is_named_with_what_was_allowed(now, measurement, watched, words):
@@ -252,7 +252,7 @@ def test_a_phase_that_takes_too_long_brakes():
     rig = Rig(config=with_watchdogs(phase_timeout=2.0)).moving("reach")
     rig.now += 3.5  # in which the way, late for once, goes on by five periods only
     rig.until(lambda: rig.state is State.FAULTED, limit=0.5)
-    assert "2 s longer than planned" in rig.view.mode.reason
+    assert "s longer than planned, allowed 2 s" in rig.view.mode.reason
     assert rig.view.mode.cause.reason is Reason.OVERTIME
 
 

@@ -18,6 +18,7 @@ from rst_control.commands.request import Accepted, PlanningContext
 from rst_control.commands.spec import CommandSpec, LimitOfCommand, Load, TissueNeeded
 from rst_control.config.camera import CameraStepConfig
 from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.rotations import turned
 from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
 from rst_control.types import Reason, Vector, unit_vector
@@ -136,7 +137,7 @@ def step_goal(planner: Planner, step: tuple[int, int, int], q: Vector) -> Array:
     across = np.cross(arm, way)
     if (share := float(np.linalg.norm(across))) < MIN_ACROSS:
         raise CameraAskew(share)
-    turn = _rotation(across / share, config.angle)
+    turn = turned(config.angle / share * across)
     _require_tilt(planner, turn @ shaft)
     goal[:3, 3] = trocar + turn @ (goal[:3, 3] - trocar)
     goal[:3, :3] = turn @ goal[:3, :3]
@@ -159,10 +160,3 @@ def _words(phrase: str, config: CameraStepConfig) -> str:
         return f"moves {'in' if inward > 0 else 'out'} by {config.depth * 1e3:.0f} mm"
     where = phrase.removeprefix("look ")
     return f"looks {where} by {np.degrees(config.angle):.1f} deg"
-
-
-def _rotation(axis: Vector, angle: float) -> Array:
-    """Rotation matrix (3, 3) about a unit axis (3,) (Rodrigues 1840)."""
-    x, y, z = axis
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K)

@@ -26,9 +26,7 @@ from rst_control.types import Rejected, Vector
 MAX_PLANNED: Final = 12  # candidates whose paths are planned, the best first
 MAX_REASONS: Final = 3  # in a refusal
 ENOUGH_MARGIN: Final = 0.15  # share of a joint's half range; more to its limit is no better
-MARGIN_WEIGHT: Final = (
-    4.0  # [rad] askew that a candidate may be, to win a whole half range of margin
-)
+MARGIN_WEIGHT: Final = 4.0  # [rad] askew that a candidate may be to win a half range of margin
 
 
 @dataclass(frozen=True, eq=False)

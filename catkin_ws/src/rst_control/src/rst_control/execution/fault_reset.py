@@ -9,7 +9,6 @@ from rst_control.execution.orders import Order
 from rst_control.types import ROBOT_FAULTS, Cause, Reason
 
 RESET_TIME = 0.3  # [s] that the robot gets to clear its own fault after "hey robot"
-CLEARABLE = (*ROBOT_FAULTS, Reason.SENSOR_FAULT)  # which the robot may clear by itself
 
 
 class FaultReset:
@@ -35,7 +34,7 @@ class FaultReset:
         refusal = self._objection()
         if refusal is None:
             return order
-        if refusal.reason in CLEARABLE:
+        if refusal.reason in ROBOT_FAULTS:  # which the robot may clear by itself
             self.drop(Cause(Reason.WITHDRAWN, "said again"))
             self._clear_fault()
             self._waiting = (order, now + RESET_TIME)

@@ -10,13 +10,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rst_control.config import TensionConfig
-from rst_control.execution.phase_execution import TowardsTension
-from rst_control.planning.plan import Phase
+from rst_control.execution.phase_execution import PhaseStart, TowardsTension
 from rst_control.tension.delay_bound import DelayBound
 from rst_control.tension.grasp_response import GraspResponse
-from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
-from rst_control.trajectory.path import Path
-from rst_control.types import Measurement, PathState, Vector
+from rst_control.trajectory.motion_profile import MotionProfile
+from rst_control.types import Measurement, Vector
 
 SAME_AIM = 1e-6  # [m]
 
@@ -28,38 +26,18 @@ class GuardedPull(TowardsTension):
     the delay of the tension, and stops earlier by what the tension rose by within the last delay.
 
     Args:
-        phase: With a path and a tension.
-        path: That of the phase.
-        state: Where on the path, and how fast, it starts.
-        opening: Of the jaws, which stays [rad].
-        bounds: Of the motion along the path.
-        brakes: Of a stop.
+        start: How it begins; its phase has a tension.
         config: Of the tension.
         response: Of the tissue held.
     """
 
-    def __init__(
-        self,
-        phase: Phase,
-        path: Path,
-        state: PathState,
-        opening: float,
-        bounds: MotionBounds,
-        brakes: MotionBounds,
-        config: TensionConfig,
-        response: GraspResponse,
-    ) -> None:
-        super().__init__(phase, path, state, opening, brakes, response)
+    def __init__(self, start: PhaseStart, config: TensionConfig, response: GraspResponse) -> None:
         rise = max(config.delay, 1e-3) * config.blind_stiffness  # [N s/m]
-        speed = min(bounds.speed, config.tolerance / rise)
-        self._profile = MotionProfile(state, replace(bounds, speed=speed))
+        speed = min(start.bounds.speed, config.tolerance / rise)
+        self._profile = MotionProfile(start.state, replace(start.bounds, speed=speed))
+        super().__init__(start, self._profile, response)
         self._delay_bound = DelayBound(config.delay)
-        self._aim = state.s
-
-    @property
-    def state(self) -> PathState:
-        """Where on the path it is."""
-        return (self._brake or self._profile).state
+        self._aim = start.state.s
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
         """Move on by a time [s]; see `PhaseExecution`."""

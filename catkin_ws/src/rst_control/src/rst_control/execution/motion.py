@@ -12,7 +12,13 @@ from rst_control.commands.request import Plan
 from rst_control.config import ControllerConfig
 from rst_control.errors import RstError
 from rst_control.execution.guarded_pull import GuardedPull
-from rst_control.execution.phase_execution import JawPhase, PathPhase, PhaseExecution, TensionPhase
+from rst_control.execution.phase_execution import (
+    JawPhase,
+    PathPhase,
+    PhaseExecution,
+    PhaseStart,
+    TensionPhase,
+)
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.plan import Grasp, Phase, PhaseKind
 from rst_control.tension.grasp_response import GraspResponse
@@ -213,10 +219,11 @@ class MotionMaker:
         brakes = bounds
         if phase.braking > 0.0:
             brakes = MotionBounds(phase.speed, phase.braking, self._braking_jerk)
+        start = PhaseStart(phase, path, state, opening, bounds, brakes)
         if phase.tension is None:
-            return PathPhase(phase, path, state, opening, bounds, brakes)
+            return PathPhase(start)
         run = GuardedPull if self._tension.source == "joint_torque" else TensionPhase
-        return run(phase, path, state, opening, bounds, brakes, self._tension, self._response)
+        return run(start, self._tension, self._response)
 
 
 def _require_near(phase: Phase, q: Vector, start: Vector) -> None:

@@ -7,6 +7,7 @@ not faded out.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -54,26 +55,50 @@ class PhaseExecution(Protocol):
         ...
 
 
-class Braking:
-    """Comes to rest on a path; what both kinds of motion along one share.
+@dataclass(frozen=True, eq=False)
+class PhaseStart:
+    """How a phase along a path begins, and how it may move there."""
+
+    phase: Phase
+    path: Path  # that of the phase
+    state: PathState  # where on the path, and how fast
+    opening: float  # [rad] of the jaws, which stays
+    bounds: MotionBounds  # of the motion along the path
+    brakes: MotionBounds  # of a stop
+
+    @property
+    def furthest(self) -> float:
+        """Furthest s that a pull may go to [m]; one that is beyond is not taken back."""
+        return max(self.phase.target, self.state.s)
+
+
+class Course(Protocol):
+    """Motion of s along a path."""
+
+    @property
+    def state(self) -> PathState:
+        """Where s is now."""
+        ...
+
+
+class AlongPath:
+    """What the phases along a path share: where they are, and how they come to rest.
 
     Args:
-        phase: With a path.
-        opening: Of the jaws, which stays [rad].
-        brakes: Of a stop.
+        start: How it begins.
+        course: Of s, unless it brakes.
     """
 
-    def __init__(self, phase: Phase, path: Path, opening: float, brakes: MotionBounds) -> None:
-        self.phase = phase
+    def __init__(self, start: PhaseStart, course: Course) -> None:
+        self.phase, self._start, self._course = start.phase, start, course
         self.is_done, self.is_pulling = False, False
         self.failure: Cause | None = None
-        self._path, self._opening, self._brakes = path, opening, brakes
         self._brake: MotionProfile | None = None
 
     @property
     def state(self) -> PathState:
         """Where on the path it is."""
-        raise NotImplementedError
+        return (self._brake or self._course).state
 
     def brake(self) -> None:
         """Come to rest as soon as the limits allow."""
@@ -82,44 +107,22 @@ class Braking:
     def _brake_from(self, state: PathState) -> None:
         if self._brake is None:
             self.is_pulling = False
-            self._brake = MotionProfile.braking(state, self._brakes)
+            self._brake = MotionProfile.braking(state, self._start.brakes)
 
     def _joints(self, state: PathState) -> tuple[Vector, Vector]:
-        point = self._path.evaluate(state.s)
-        return robot_joints(point.q, self._opening), robot_joints(point.dq * state.speed, 0.0)
+        point = self._start.path.evaluate(state.s)
+        joints = robot_joints(point.q, self._start.opening)
+        return joints, robot_joints(point.dq * state.speed, 0.0)
 
 
-class PathPhase(Braking):
-    """Goes along a path to the target of the phase.
+class PathPhase(AlongPath):
+    """Goes along a path to the target of the phase."""
 
-    Args:
-        phase: With a path.
-        path: That of the phase.
-        state: Where on the path, and how fast, it starts.
-        opening: Of the jaws, which stays [rad].
-        bounds: Of the motion along the path.
-        brakes: Of a stop.
-    """
-
-    def __init__(
-        self,
-        phase: Phase,
-        path: Path,
-        state: PathState,
-        opening: float,
-        bounds: MotionBounds,
-        brakes: MotionBounds,
-    ) -> None:
-        super().__init__(phase, path, opening, brakes)
-        self.is_pulling = phase.target > state.s
-        self._start = state.s
-        self._profile = MotionProfile(state, bounds)
-        self._profile.go_to(phase.target)
-
-    @property
-    def state(self) -> PathState:
-        """Where on the path it is."""
-        return (self._brake or self._profile).state
+    def __init__(self, start: PhaseStart) -> None:
+        self._profile = MotionProfile(start.state, start.bounds)
+        super().__init__(start, self._profile)
+        self.is_pulling = self.phase.target > start.state.s
+        self._profile.go_to(self.phase.target)
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
         """Move on by a time [s]; see `PhaseExecution`."""
@@ -131,44 +134,33 @@ class PathPhase(Braking):
     @property
     def progress(self) -> float:
         """Share of the way that is done, from 0 to 1."""
-        return share_done(self._start, self.state.s, self.phase.target)
+        return share_done(self._start.state.s, self.state.s, self.phase.target)
 
 
-class TowardsTension(Braking):
+class TowardsTension(AlongPath):
     """What the ways of going along a path to a tension share: where they began, and how far on.
 
     Args:
-        phase: With a path and a tension.
-        path: That of the phase.
-        state: Where on the path, and how fast, it starts.
-        opening: Of the jaws, which stays [rad].
-        brakes: Of a stop.
+        start: How it begins; its phase has a tension.
+        course: Of s, unless it brakes.
         response: Of the tissue held.
     """
 
-    def __init__(
-        self,
-        phase: Phase,
-        path: Path,
-        state: PathState,
-        opening: float,
-        brakes: MotionBounds,
-        response: GraspResponse,
-    ) -> None:
-        super().__init__(phase, path, opening, brakes)
+    def __init__(self, start: PhaseStart, course: Course, response: GraspResponse) -> None:
+        super().__init__(start, course)
         self._response = response
-        self._goal = phase.tension or 0.0
+        self._goal = start.phase.tension or 0.0
         self._first: float | None = None  # [N] when it began
         self._now = 0.0
-        self._started, self._furthest = state.s, max(phase.target, state.s)
-        self._stamp, self._allowed = -np.inf, state.s
+        self._furthest = start.furthest
+        self._stamp, self._allowed = -np.inf, start.state.s
 
     @property
     def progress(self) -> float:
         """Share of the change of tension, or of the way to the furthest s, that is done."""
         if self._first is None:
             return 0.0
-        way = share_done(self._started, self.state.s, self._furthest)
+        way = share_done(self._start.state.s, self.state.s, self._furthest)
         return max(way, share_done(self._first, self._now, self._goal))
 
     def _feel(self, tension: float) -> None:
@@ -198,34 +190,17 @@ class TensionPhase(TowardsTension):
     It fails where the tension does not rise with the pull.
 
     Args:
-        phase: With a path and a tension.
-        path: That of the phase.
-        state: Where on the path, and how fast, it starts.
-        opening: Of the jaws, which stays [rad].
-        bounds: Of the motion along the path.
-        brakes: Of a stop.
+        start: How it begins; its phase has a tension.
         config: Of the tension control.
         response: Of the tissue held.
     """
 
-    def __init__(
-        self,
-        phase: Phase,
-        path: Path,
-        state: PathState,
-        opening: float,
-        bounds: MotionBounds,
-        brakes: MotionBounds,
-        config: TensionConfig,
-        response: GraspResponse,
-    ) -> None:
-        super().__init__(phase, path, state, opening, brakes, response)
-        self._control = TensionControl(config, bounds, brakes, self._furthest, state, self._goal)
-
-    @property
-    def state(self) -> PathState:
-        """Where on the path it is."""
-        return self._brake.state if self._brake else self._control.state
+    def __init__(self, start: PhaseStart, config: TensionConfig, response: GraspResponse) -> None:
+        goal = start.phase.tension or 0.0
+        self._control = TensionControl(
+            config, start.bounds, start.brakes, start.furthest, start.state, goal
+        )
+        super().__init__(start, self._control, response)
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
         """Move on by a time [s]; see `PhaseExecution`."""

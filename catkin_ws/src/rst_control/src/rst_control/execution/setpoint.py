@@ -25,9 +25,7 @@ class SetpointState:
         self._grasp: Grasp | None = None
         self._sent_to = CLOSED  # [rad] opening of the last set-point before it was forgotten
         self.motion: Motion | None = None
-        self.held: Vector | None = (
-            None  # (10,), last set-point; None: not known where the joints are
-        )
+        self.held: Vector | None = None  # (10,), last set-point; None: unknown where the joints are
         self.changes = 0
 
     @property

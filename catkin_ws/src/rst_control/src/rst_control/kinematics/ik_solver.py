@@ -27,9 +27,7 @@ class IkResult:
 
     q: Vector  # (9,), [rad]; the nearest found where it is not solved
     is_solved: bool  # pose and trocar kept within the tolerance, joints inside their limits
-    residual: (
-        float  # [m], largest part of pose and trocar that is missing (a radian counts as 0.1 m)
-    )
+    residual: float  # [m], largest part of pose and trocar missing (a radian counts as 0.1 m)
     starts: int
     iterations: int
 

@@ -19,11 +19,7 @@ from rst_control.kinematics.forward import LOCKS, PITCH, SHAFT
 from rst_control.types import ARM_JOINTS, JOINTS
 
 Array = NDArray[np.float64]
-MOVING = (
-    *ARM_JOINTS,
-    "joint_pitch",
-    "joint_finger_left",
-)  # whose values are q: the last one is yaw
+MOVING = (*ARM_JOINTS, "joint_pitch", "joint_finger_left")  # whose values are q, yaw the last
 STRAIGHT = 1e-6  # [m] that the pitch joint may be beside the shaft
 FRAMES = ("interface_link", "tool0", "tool_tip")  # in the order of `forward.SHAFT` and so on
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -35,3 +36,14 @@ def rotation_of(turn: Sequence[float] | Array) -> Array:
         raise ValueError("a quaternion of norm zero")
     unit = PyKDL.Rotation.Quaternion(*(float(part) / norm for part in turn))
     return np.array([[unit[row, column] for column in range(3)] for row in range(3)])
+
+
+def turned(vector: Array) -> Array:
+    """Rotation matrix (3, 3) of a rotation vector (3,) [rad] (Rodrigues 1840)."""
+    angle = float(np.linalg.norm(vector))
+    if angle < 1e-12:
+        return np.eye(3)
+    x, y, z = vector / angle
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    R: Array = np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * K @ K
+    return R

@@ -42,9 +42,7 @@ class Phase:
     start: float = 0.0  # [m], s at the start; ignored where the robot already is on the path
     target: float = 0.0  # [m], s at the end, or the furthest s when a tension is asked for
     speed: float = 0.0  # [m/s] of s, not to be exceeded
-    acceleration: float = (
-        0.0  # [m/s^2] of s, not to be exceeded: what the joints can do on this path
-    )
+    acceleration: float = 0.0  # [m/s^2] of s, not to be exceeded: what joints can on this path
     braking: float = 0.0  # [m/s^2] of s, hardest that a stop may be; 0: as `acceleration`
     opening: float | None = None  # [rad] of the jaws at the end; None: as it is
     tension: float | None = None  # [N] to reach and hold; None: none asked for

@@ -283,7 +283,8 @@ class Servo:
     def _objection(self, point: Setpoint, now: float) -> str:
         limits = self._limits
         if point.stamp > now + self._config.lead:
-            return f"set-point stamped {point.stamp - now:.3f} s in the future"
+            ahead, allowed = point.stamp - now, self._config.lead
+            return f"set-point stamped {ahead:.3f} s in the future, allowed {allowed:.3f} s"
         j = joint_kernels.outside(point.position, limits.lower, limits.upper)
         if j >= 0:
             return (

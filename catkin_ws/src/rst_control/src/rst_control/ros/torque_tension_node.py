@@ -89,7 +89,7 @@ class TorqueTensionNode:
         if time.monotonic() - self._arrived > OLD:
             self._say("joint states are missing")
         elif found is not None:
-            self._tell(joints, found)
+            self._publish(joints, found)
 
     def _measurement(self, joints: JointState, taken: float) -> Measurement:
         """Joint states in the order of JOINTS.
@@ -108,7 +108,7 @@ class TorqueTensionNode:
             rows["position"], rows["velocity"], rows["effort"], taken, gripped=self._is_gripped
         )
 
-    def _tell(self, joints: JointState, found: TensionEstimate) -> None:
+    def _publish(self, joints: JointState, found: TensionEstimate) -> None:
         message = WrenchStamped()
         message.header.stamp, message.header.frame_id = joints.header.stamp, BASE
         force = message.wrench.force

@@ -15,9 +15,7 @@ from rst_control.types import PLAN_COUNT, Vector
 
 Array = NDArray[np.float64]
 RIGHT = "finger_right_link"
-FINGER = (
-    8  # row of the finger in `RobotModel.chain`, and its place among the joints that lead to it
-)
+FINGER = 8  # row of the finger in `RobotModel.chain`, and its number among the joints to it
 
 
 class JawTips:

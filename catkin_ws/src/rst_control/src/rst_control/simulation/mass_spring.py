@@ -21,9 +21,7 @@ Rows = NDArray[np.float64]  # (3, n): the same points, one axis after the other
 
 # Beside the four neighbours (strength 1), diagonals resist shear, second nodes resist folding.
 LINKS = (((1, 0), 1.0), ((0, 1), 1.0), ((1, 1), 0.5), ((1, -1), 0.5), ((2, 0), 0.1), ((0, 2), 0.1))
-COMPRESSION = (
-    0.2  # a link pushes with this share of its pull stiffness: a real sheet wrinkles instead
-)
+COMPRESSION = 0.2  # share of its pull stiffness with which a link pushes: real sheets wrinkle
 NO_LINK = 1.0  # [m] rest length where a kind has no link; its strength is zero
 
 

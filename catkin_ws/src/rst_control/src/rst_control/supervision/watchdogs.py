@@ -158,6 +158,7 @@ class Watchdogs:
             words = f"voice node silent for {age:.1f} s, allowed {allowed:.1f} s"
             return Cause(Reason.VOICE_SILENT, words)
         if watched.overtime > self._settings.phase_timeout:
-            words = f"phase took {self._settings.phase_timeout:.0f} s longer than planned"
+            limit = self._settings.phase_timeout
+            words = f"phase took {watched.overtime:.1f} s longer than planned, allowed {limit:g} s"
             return Cause(Reason.OVERTIME, words)
         return None

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.config import SceneConfig
+from rst_control.kinematics.rotations import turned
 from rst_control.tissue.sheet import free_sides, rest_points, rim_nodes, sheet_normal
 from rst_control.tissue.triangulation import best_anchors, pull_direction
 from rst_control.types import Vector, unit_vector
@@ -85,17 +86,6 @@ def grasp_pose(point: Vector, approach: Vector, axis: Vector) -> Array:
     T[:3, 0], T[:3, 1], T[:3, 2] = np.cross(y, z), y, z
     T[:3, 3] = point
     return T
-
-
-def turned(vector: Vector) -> Array:
-    """Rotation matrix (3, 3) of a rotation vector [rad], by Rodrigues' formula."""
-    angle = float(np.linalg.norm(vector))
-    if angle < 1e-12:
-        return np.eye(3)
-    x, y, z = vector / angle
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    R: Array = np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * K @ K
-    return R
 
 
 def _turns(scene: SceneConfig) -> tuple[float, ...]:

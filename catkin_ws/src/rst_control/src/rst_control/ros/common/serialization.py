@@ -46,7 +46,7 @@ class JointStateReader:
 
     def __init__(self, names: tuple[str, ...]) -> None:
         self._names = names
-        self._block = _name_block(names)
+        self._block = name_block(names)
         self._order: NDArray[np.intp] | None = None  # None: the names come in our order
         self._count = len(names)
         self._last_stamp = -1.0
@@ -140,7 +140,7 @@ def write_joint_state(
     return b"".join(
         (
             _STAMP.pack(*stamp, 0),
-            _name_block(names),
+            name_block(names),
             _COUNT.pack(len(position)),
             position.astype(np.float64).tobytes(),
             _COUNT.pack(len(velocity)),
@@ -151,7 +151,8 @@ def write_joint_state(
 
 
 @lru_cache(maxsize=4)
-def _name_block(names: tuple[str, ...]) -> bytes:
+def name_block(names: tuple[str, ...]) -> bytes:
+    """The names of a sensor_msgs/JointState as its bytes hold them."""
     encoded = [name.encode() for name in names]
     return _COUNT.pack(len(encoded)) + b"".join(_COUNT.pack(len(n)) + n for n in encoded)
 

@@ -14,7 +14,7 @@ from rst_control.ros.controller.messages import code_of
 from rst_control.types import LATCHED
 
 LATE_WARNING = 1.0  # [%] of ticks late, above which the loop is reported
-ERRORS_TOLD = 3  # of the newest errors in threads
+ERRORS_SHOWN = 3  # of the newest errors in threads
 
 
 class Diagnostics:
@@ -27,7 +27,7 @@ class Diagnostics:
 
     def error(self, words: str) -> None:
         """Note an error in one of the threads."""
-        self._errors = [*self._errors, words][-ERRORS_TOLD:]
+        self._errors = [*self._errors, words][-ERRORS_SHOWN:]
 
     def publish(
         self,

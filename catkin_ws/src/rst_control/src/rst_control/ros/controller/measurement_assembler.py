@@ -57,9 +57,7 @@ class MeasurementAssembler:
         self.gripped: bool | None = None  # None: not reported yet
         self.rest: Arrived | None = None  # where the robot holds the joints while nobody leads
         self.fault = ""
-        self.tension_invalid_reason = INVALID_AT_START[
-            tension
-        ]  # why the force must not be relied on
+        self.tension_invalid_reason = INVALID_AT_START[tension]  # why the force is not relied on
         self._has_tension = tension != "none"
         self.out_of_order = 0  # joint states refused for their stamps since the start
         self._joint_age, self._clock = watchdogs.joint_state_age, clock

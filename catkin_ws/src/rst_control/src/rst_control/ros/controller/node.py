@@ -32,6 +32,7 @@ from rst_control.robot.backend import RobotBackend
 from rst_control.ros.common.exposure_warning import warn_of_listeners
 from rst_control.ros.common.other_provider import other_provider
 from rst_control.ros.common.priority import ask_for_priority
+from rst_control.ros.common.republisher import Due
 from rst_control.ros.controller.control_loop import ControlLoop
 from rst_control.ros.controller.diagnostics import Diagnostics
 from rst_control.ros.controller.liveness_watch import LivenessWatch
@@ -122,7 +123,8 @@ class ControllerNode:
             self._known,
         )
         self._state_period = 1.0 / settings.state_rate
-        self._due = dict.fromkeys(("feedback", "diagnostics", "collect"), 0.0)
+        self._feedback_due = Due(1.0 / FEEDBACK_RATE)
+        self._diagnostics_due, self._collect_due = Due(DIAGNOSTICS_PERIOD), Due(COLLECT_PERIOD)
         self._is_sending = False
         self._stack = ExitStack()
         self._join_places(config, model, grasp_point, limiter)
@@ -217,9 +219,9 @@ class ControllerNode:
         while self._executor.events:
             self._event.publish(event_message(self._executor.events.popleft(), self._clock))
         now = time.monotonic()
-        if self._is_due("feedback", now, 1.0 / FEEDBACK_RATE):
+        if self._feedback_due(now):
             self._actions.publish_feedback()
-        if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
+        if self._diagnostics_due(now):
             loop, age = self._loop.statistics.summary(), now - self._service.last_command
             places = place_words(self._context, now)
             strangers = self._known.status("rst_control", "controller")
@@ -230,14 +232,8 @@ class ControllerNode:
                 self._settings.status(),
             )
             self._diagnostics.publish(view, loop, self._link.objection, age, places, others)
-        if not view.is_moving and self._is_due("collect", now, COLLECT_PERIOD):
+        if not view.is_moving and self._collect_due(now):
             gc.collect()
-
-    def _is_due(self, what: str, now: float, period: float) -> bool:
-        if now < self._due[what]:
-            return False
-        self._due[what] = now + period
-        return True
 
 
 def _in_any_namespace(callers: CallersConfig) -> CallersConfig:

@@ -29,6 +29,7 @@ from rst_control.kinematics.robot_model import RobotModel, parse_robot
 from rst_control.msg import ControllerState
 from rst_control.robot.crtk import OperatingState, measured_tip, operating_state, state_command
 from rst_control.ros.common.pose_message import pose_message
+from rst_control.ros.common.republisher import Repeated
 from rst_control.srv import Command
 from rst_control.types import BASE, JOINTS, Vector
 from typed_config import ConfigError
@@ -56,8 +57,8 @@ class CrtkNode:
     def __init__(self, config: CrtkConfig, model: RobotModel, arm: str) -> None:
         self._config, self._model = config, model
         self._state = ControllerState()
-        self._state_at = self._joints_at = self._shown_at = self._told_at = float("-inf")
-        self._told: OperatingState | None = None
+        self._state_at = self._joints_at = self._shown_at = float("-inf")
+        self._published: Repeated[OperatingState] = Repeated(AGAIN)
         self._commands: Queue[str] = Queue(WAITING)
         latched = {"queue_size": 10, "latch": True}
         self._operating_state = rospy.Publisher(
@@ -78,9 +79,9 @@ class CrtkNode:
         ]
 
     def run(self) -> None:
-        """Give commands and tell the state until ROS shuts down."""
+        """Give commands and publish the state until ROS shuts down."""
         while not rospy.is_shutdown():
-            self._tell()
+            self._publish_state()
             self._known.publish_status()
             with suppress(Empty):
                 self._give(self._commands.get(timeout=0.05))
@@ -125,15 +126,14 @@ class CrtkNode:
 
     # --- from the node's own thread
 
-    def _tell(self) -> None:
+    def _publish_state(self) -> None:
         """The state, where it changed or was not sent for a while."""
         now, limit = time.monotonic(), self._config.old_after
         is_heard, is_measured = now - self._state_at < limit, now - self._joints_at < limit
         state = self._state.state if is_heard else ""
         found = operating_state(state, self._state.assistance_enabled, is_measured)
-        if found == self._told and now - self._told_at < AGAIN:
+        if not self._published.is_due(found, now):
             return
-        self._told, self._told_at = found, now
         message = operating_state_message()
         message.header.stamp = rospy.Time.now()
         message.state, message.is_homed = found.state, found.is_homed

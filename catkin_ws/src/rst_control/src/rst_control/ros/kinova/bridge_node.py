@@ -27,7 +27,7 @@ from rst_control.kinova.homing import NotAllowed, home
 from rst_control.msg import BridgeBeat
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.raw_messages import RawJointState
-from rst_control.ros.common.republisher import Repeated
+from rst_control.ros.common.republisher import Due, Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
 from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.ros.kinova.arm_report import ArmFacts
@@ -52,7 +52,7 @@ from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.private_settings import robot_description
 from typed_config.ros.starting import starting
 
-TELL_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
+REPEAT_PERIOD = 0.5  # [s] between words on fault and grip where nothing but the wording changes
 DIAGNOSTICS_PERIOD = 1.0  # [s]
 ANSWER_TIME = 2.0  # [s] for the controller to say whether the tool may be homed
 NOBODY_KNOWS = (
@@ -82,12 +82,12 @@ class KinovaBridgeNode:
         self._bridge = Bridge(config, self._hardware, torques)
         self._offset, self._reader = wall_offset(), JointStateReader(JOINTS)
         self._jobs: deque[Callable[[], None]] = deque(maxlen=MAX_JOBS)
-        self._told: Measurement | None = None
-        self._told_grip: Repeated[bool] = Repeated(TELL_PERIOD)
-        self._told_fault: Repeated[str] = Repeated(TELL_PERIOD, lambda a, b: bool(a) is bool(b))
-        self._told_rest: Repeated[Vector] = Repeated(TELL_PERIOD, np.array_equal)
-        self._due = dict.fromkeys(("beat", "diagnostics"), 0.0)
-        self._told_course: LastCourse | None = None  # with the last beat
+        self._published: Measurement | None = None
+        self._grip: Repeated[bool] = Repeated(REPEAT_PERIOD)
+        self._last_fault: Repeated[str] = Repeated(REPEAT_PERIOD, lambda a, b: bool(a) is bool(b))
+        self._last_rest: Repeated[Vector] = Repeated(REPEAT_PERIOD, np.array_equal)
+        self._beat_due, self._diagnostics_due = Due(BEAT_PERIOD), Due(DIAGNOSTICS_PERIOD)
+        self._published_course: LastCourse | None = None  # with the last beat
         self._homing = threading.Lock()
         self._latest = 0.0
         self._advertise()
@@ -117,12 +117,12 @@ class KinovaBridgeNode:
             self._jobs.popleft()()
         now = time.monotonic()
         self._bridge.step(now)
-        self._tell(now)
+        self._publish_state(now)
         last = self._bridge.last_course
-        if self._is_due("beat", now, BEAT_PERIOD) or last is not self._told_course:
-            self._told_course = last
+        if self._beat_due(now) or last is not self._published_course:
+            self._published_course = last
             self._beat.publish(beat_message(last, now))
-        if self._is_due("diagnostics", now, DIAGNOSTICS_PERIOD):
+        if self._diagnostics_due(now):
             self._diagnose()
         return now
 
@@ -242,22 +242,22 @@ class KinovaBridgeNode:
         if words:
             raise NotAllowed(words)
 
-    def _tell(self, now: float) -> None:
+    def _publish_state(self, now: float) -> None:
         bridge, measured = self._bridge, self._bridge.measured
-        before, fault = self._told_fault.last, bridge.fault(now)
-        if self._told_fault.is_due(fault, now):
+        before, fault = self._last_fault.last, bridge.fault(now)
+        if self._last_fault.is_due(fault, now):
             if fault and fault != before:
                 rospy.logwarn("fault: %s", robot_fault(fault).words)
             self._fault.publish(String(fault))
-        if measured is None or measured is self._told:
+        if measured is None or measured is self._published:
             return
-        self._told = measured
+        self._published = measured
         rest = measured.sent_to
-        if rest is not None and self._told_rest.is_due(rest, now):
+        if rest is not None and self._last_rest.is_due(rest, now):
             self._rest.publish(self._joint_state(measured.stamp, rest, STILL, STILL))
-        if self._told_grip.is_due(bridge.is_gripped, now):
+        if self._grip.is_due(bridge.is_gripped, now):
             self._gripped.publish(Bool(bridge.is_gripped))
-        self._tell_tension(now)  # first: the controller takes it together with the joints
+        self._publish_tension(now)  # first: the controller takes it together with the joints
         self._joints.publish(
             self._joint_state(measured.stamp, measured.position, measured.velocity, measured.effort)
         )
@@ -269,7 +269,7 @@ class KinovaBridgeNode:
         message.header.stamp, message.header.frame_id = self._stamp(stamp), BASE
         return message
 
-    def _tell_tension(self, now: float) -> None:
+    def _publish_tension(self, now: float) -> None:
         force = self._bridge.force(now)
         if force is None:
             return
@@ -284,7 +284,7 @@ class KinovaBridgeNode:
 
     def _diagnose(self) -> None:
         self._offset = followed(self._offset)
-        health, fault = self._bridge.take_health(), self._told_fault.last
+        health, fault = self._bridge.take_health(), self._last_fault.last
         level = DiagnosticStatus.ERROR if fault else DiagnosticStatus.OK
         values = {
             "lead": health.lead.value,
@@ -307,12 +307,6 @@ class KinovaBridgeNode:
         array = DiagnosticArray(status=[status, strangers])
         array.header.stamp = rospy.Time.now()
         self._diagnostics.publish(array)
-
-    def _is_due(self, what: str, now: float, period: float) -> bool:
-        if now < self._due[what]:
-            return False
-        self._due[what] = now + period
-        return True
 
 
 def _wait(condition: Callable[[], bool], limit: float) -> bool:

@@ -29,6 +29,7 @@ from rst_control.config import SimulationConfig
 from rst_control.kinova.arm_state import FIRMWARE_SERVICE, LIMITS_SERVICE
 from rst_control.kinova.stand_in import KinovaRobot, StandInConfig
 from rst_control.kinova.stand_in.simulated_robot import ArmFeedback
+from rst_control.ros.common.republisher import Due
 from rst_control.ros.kinova.arm_report import read_report, written_limits, written_report
 from rst_control.ros.kinova.stand_in_goals import RosGoal
 from rst_control.ros.simulator.messages import Stamper, StateWriter
@@ -39,20 +40,6 @@ log = logging.getLogger("rosout.rst_control.kinova_stand_in")
 HOMING_LIMIT = 120.0  # [s] for a request to be answered
 FIRMWARE = "stand-in"
 ALIVE_PERIOD = 0.1  # [s] between checks whether the node ends while a request waits
-
-
-class Due:
-    """Says when something that is done at a rate is due; what was missed is not made up for."""
-
-    def __init__(self, period: float) -> None:
-        self._period, self._next = period, 0.0
-
-    def __call__(self, now: float) -> bool:
-        """Whether it is due at a time [s]."""
-        if now + 1e-9 < self._next:
-            return False
-        self._next = max(self._next + self._period, now)
-        return True
 
 
 class DriverInterface:
@@ -77,7 +64,7 @@ class DriverInterface:
         self._robot, self._jobs, self._stamper, self._config = robot, jobs, stamper, config
         self._drivers = KinovaRobot(config, simulation.limits, robot)
         self._writer = StateWriter(stamper)
-        self._told_grip: bool | None = None
+        self._published_grip: bool | None = None
         self._reports = 0  # of the arm's state so far
         self._arm_due = Due(1.0 / config.driver.feedback_rate)
         self._tool_due = Due(config.tool.period)
@@ -100,9 +87,9 @@ class DriverInterface:
         self._true_tension.publish(wrench)
         if self._force_sensor is not None:
             self._force_sensor.publish(wrench)
-        if self._robot.tissue.is_held != self._told_grip:
-            self._told_grip = self._robot.tissue.is_held
-            self._true_grip.publish(Bool(self._told_grip))
+        if self._robot.tissue.is_held != self._published_grip:
+            self._published_grip = self._robot.tissue.is_held
+            self._true_grip.publish(Bool(self._published_grip))
 
     def _advertise(self) -> None:
         arm, tool, topic = self._config.driver.name, self._config.tool.name, rospy.Publisher

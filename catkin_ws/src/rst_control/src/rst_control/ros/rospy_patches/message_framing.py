@@ -8,9 +8,7 @@ import threading
 from collections.abc import Callable
 from typing import Final
 
-LONGEST_MESSAGE: Final = (
-    65_536  # bytes; the longest that this package's nodes wait for has some 600
-)
+LONGEST_MESSAGE: Final = 65_536  # bytes; the longest that our nodes wait for has some 600
 LONGEST_HEADER: Final = 65_536  # bytes of a handshake; it holds the text of a message's definition
 NEWS_PERIOD: Final = 5.0  # [s] between reports about refusals in one place
 MAX_PLACES: Final = 64  # whose refusals are counted one by one

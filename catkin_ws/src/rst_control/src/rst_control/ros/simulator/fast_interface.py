@@ -27,7 +27,7 @@ from typed_config.ros.known_publishers import KnownPublishers
 log = logging.getLogger("rosout.rst_control.simulator")
 
 MAX_JOBS = 1000  # that wait for the loop; set-points beyond are missed, and the servo holds
-TELL_PERIOD = 0.5  # [s] between words on grip and fault where they stay the same
+REPEAT_PERIOD = 0.5  # [s] between words on grip and fault where they stay the same
 NO_STAMP = 0.0  # set-points sent by hand carry no stamp
 
 
@@ -66,9 +66,9 @@ class SetpointInterface:
         self._feedback: LateQueue[tuple[WrittenJointState, WrittenWrench]] = LateQueue(
             lateness.feedback_delay, lateness.feedback_jitter, random
         )
-        self._told_grip: Repeated[bool] = Repeated(TELL_PERIOD)
-        self._told_fault: Repeated[str] = Repeated(TELL_PERIOD)
-        self._told_rest: Repeated[NDArray[np.float64]] = Repeated(TELL_PERIOD, np.array_equal)
+        self._last_grip: Repeated[bool] = Repeated(REPEAT_PERIOD)
+        self._last_fault: Repeated[str] = Repeated(REPEAT_PERIOD)
+        self._last_rest: Repeated[NDArray[np.float64]] = Repeated(REPEAT_PERIOD, np.array_equal)
         self._joints = rospy.Publisher("joint_states", JointState, queue_size=5, tcp_nodelay=True)
         self._tension = rospy.Publisher(
             "robot/tension", WrenchStamped, queue_size=5, tcp_nodelay=True
@@ -100,12 +100,12 @@ class SetpointInterface:
             self._joints.publish(joints)
             self._tension.publish(wrench)
         rest = robot.rest
-        if rest is not None and self._told_rest.is_due(rest, now):
+        if rest is not None and self._last_rest.is_due(rest, now):
             self._rest.publish(self._writer.rest(now, rest))
-        if self._told_grip.is_due(robot.tissue.is_held, now):
+        if self._last_grip.is_due(robot.tissue.is_held, now):
             self._gripped.publish(Bool(robot.tissue.is_held))
-        before, fault = self._told_fault.last, robot.fault
-        if self._told_fault.is_due(fault, now):
+        before, fault = self._last_fault.last, robot.fault
+        if self._last_fault.is_due(fault, now):
             if fault and fault != before:
                 log.warning("fault: %s", robot_fault(fault).words)
             self._fault.publish(String(fault))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.ros.common.raw_messages import WrittenJointState, WrittenWrench
+from rst_control.ros.common.serialization import name_block
 from rst_control.ros.common.wall_clock import followed, wall_offset
 from rst_control.simulation.physics import JointReading
 from rst_control.types import BASE, JOINTS
@@ -48,10 +49,8 @@ class StateWriter:
 
     def __init__(self, stamper: Stamper) -> None:
         self._stamper, self._sent = stamper, 0
-        names = [name.encode() for name in JOINTS]
-        count = _COUNT.pack(len(names))
-        block = count + b"".join(_COUNT.pack(len(n)) + n for n in names)
-        self._joints_head = _text(BASE) + block + count
+        count = _COUNT.pack(len(JOINTS))
+        self._joints_head = _text(BASE) + name_block(JOINTS) + count
         self._count, self._wrench_head = count, _text(BASE)
         self._no_torque = bytes(24)
 

@@ -26,10 +26,7 @@ class SimulationPace:
         self._period = period / factor if factor > 0.0 else 0.0
         self._clock, self._sleep = clock, sleep
         self._due = clock()
-        self.periods, self.late = (
-            0,
-            0,
-        )  # periods so far; those that began half a period late or more
+        self.periods = self.late = 0  # so far; those of them that began half a period late or more
         self.given_up = 0.0  # [s] of lateness that was not made up for
 
     def start(self) -> None:

@@ -33,10 +33,8 @@ BED_MARGIN, BED_DOME = 0.075, 0.035  # [m] of the mound around the rim, and how 
 SAME = 2e-5  # [m] a sheet moved by less is not drawn again
 THICKNESS = 0.0012  # [m] of the sheet
 SLICES = 48
-FINENESS, EVENING = (
-    3,
-    4,
-)  # the sheet is drawn this much finer than its grid, its colours evened out
+FINENESS = 3  # times finer than its grid the sheet is drawn
+EVENING = 4  # times its colours are evened out
 
 
 class SceneShapes:

@@ -31,6 +31,5 @@ class SceneState:
     held: int = -1  # number of the node that the jaws hold; -1: none
     tip: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))  # (3,), [m]
     force: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))  # (3,), [N], on jaws
-    trail: NDArray[np.float64] = field(
-        default_factory=lambda: np.zeros((0, 3))
-    )  # (n, 3), [m], where the tip was, oldest first
+    # (n, 3), [m], where the tip was, oldest first
+    trail: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))

@@ -21,8 +21,8 @@ UNANSWERED = (
 )
 
 
-class Admission:
-    """Turns callers away.
+class SetUpCallers:
+    """Who may call the services that set something up; turns others away.
 
     Args:
         limiter: Knows who may set up, and how often.

@@ -11,7 +11,7 @@ from rst_control.registration.grasp_point import GraspPointRegistrar
 from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.ros.controller.places.frame_listener import FrameListener
 from rst_control.ros.controller.places.places_in_force import PlacesInForce
-from rst_control.ros.controller.services.admission import Admission, answer_of
+from rst_control.ros.controller.services.admission import SetUpCallers, answer_of
 from rst_control.srv import SetGraspPoint, SetGraspPointRequest, SetGraspPointResponse
 from rst_control.types import Cause
 
@@ -34,7 +34,7 @@ class GraspPointService:
         limiter: CallLimiter,
     ) -> None:
         self._registrar, self._places, self._frames = registrar, places, frames
-        self._admit = Admission(limiter)
+        self._admit = SetUpCallers(limiter)
 
     def start(self) -> None:
         """Begin to serve."""

@@ -19,7 +19,7 @@ from rst_control.registration.trocar import TrocarRegistrar
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.ros.controller.places.places_in_force import PlacesInForce
-from rst_control.ros.controller.services.admission import Admission, answer_of
+from rst_control.ros.controller.services.admission import SetUpCallers, answer_of
 from rst_control.srv import (
     FitTrocar,
     FitTrocarRequest,
@@ -49,7 +49,7 @@ class TrocarService:
         limiter: CallLimiter,
     ) -> None:
         self._executor, self._places = executor, places
-        self._admit = Admission(limiter)
+        self._admit = SetUpCallers(limiter)
         self._registrar = TrocarRegistrar(present, executor)
         config = present.current.config
         self._poses = ShaftPoses(present.current.model, config.rcm, config.controller.watchdogs)
