@@ -11,7 +11,7 @@ from bench.motion.insertion import situation
 from rst_control.commands.camera_step import CAMERA_STEPS, STEPS, picture, step_goal
 from rst_control.commands.table import COMMANDS
 from rst_control.commands.verifier import Verifier
-from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
 from rst_control.types import Reason, Rejected, State
