@@ -47,7 +47,7 @@ class TensionChange:
     target: float  # [N]
     held: float  # [N] at the end
     error: float  # [N] largest while held
-    overshoot: float  # share of the target, or of the change where it eases off
+    overshoot: float  # share of the target, beyond it in the way of the change
     settle: float  # [s] until it stays within tolerance, from when the tissue was loaded
     total: float  # [s] the same from the start of the pull
     travel: float  # [s] that the way since the tissue was loaded takes at full speed

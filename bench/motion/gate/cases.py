@@ -93,9 +93,9 @@ class Cases:
         self._starts = [path.end for path, _ in random_paths(usual, 30, seed=50, spread=0.3)]
         self._scenes = [self._scene(config, usual)]
         while len(self._scenes) < 20:
-            near = self._moved(0.3, 0.15)
+            moved = self._moved(0.3, 0.15)
             try:
-                self._scenes.append(self._scene(near, Planner(self._model, near)))
+                self._scenes.append(self._scene(moved, Planner(self._model, moved)))
             except Infeasible:
                 continue
         self._wrong: tuple[Callable[[], Case], ...] = (
@@ -186,15 +186,15 @@ class Cases:
 
     def _tension(self) -> Case:
         """A target over or under the band, by "tense" or by a step."""
-        rng = self._rng
+        rng, tension = self._rng, self._config.controller.tension
+        low, high = tension.minimum, tension.maximum
         if rng.uniform() < 0.5:
-            low, high = self._config.controller.tension.minimum, 2.0
             target = rng.uniform(0.01, low - 1e-3) if rng.uniform() < 0.5 else high + rng.uniform()
             return self._usual(Asked("tense", float(target + 1e-6)), Reason.TENSION_LIMIT)
         scene = self._scenes[rng.integers(len(self._scenes))]
         now = float(rng.uniform(0.3, 1.8))
         words = MOTIONS[rng.integers(2, 4)]
-        room = 2.0 - now if words == "pull more" else now - 0.1
+        room = high - now if words == "pull more" else now - low
         request = Asked(words, room + float(rng.uniform(0.001, 0.5)))
         held = self._held(scene, 0.01, now)
         return self._case(scene, request, held, Reason.TENSION_LIMIT, False)

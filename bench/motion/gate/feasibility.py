@@ -96,7 +96,7 @@ def _is_true(case: Case, decision: Rejected, judge: GateJudge) -> bool:
 
 
 def _execute(case: Case, simulation: SimulationConfig) -> str:
-    """Carry out "tense", then "pull more" and "release"; returns what went wrong."""
+    """Carry out "tense", then "pull less" and "release"; returns what went wrong."""
     tissue = replace(case.config.scene.tissue, nodes=NODES)
     config = replace(case.config, scene=replace(case.config.scene, tissue=tissue))
     with Rig(config, simulation, is_light=True) as rig:

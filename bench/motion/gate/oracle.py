@@ -207,7 +207,7 @@ class GateJudge:
         trocar, centre = np.array(config.scene.trocar), np.array(config.scene.workspace_centre)
         middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
         low, high = config.rcm.insertion
-        for s in np.linspace(min(phase.start, phase.target), phase.target, LOOKS):
+        for s in np.linspace(phase.start, phase.target, LOOKS):
             q, dq, ddq = path.evaluate(float(s))
             error, depth = self._trocar(q, trocar)
             tip = self._tip.frame(q)[:3, 3]
@@ -230,7 +230,7 @@ class GateJudge:
             return ""
         clearance = case.config.collision.clearance - 0.5 * RESOLUTION
         manipulability = case.config.limits.min_manipulability / SINGULAR_CLOSE
-        for s in np.linspace(min(phase.start, phase.target), phase.target, BODY_LOOKS):
+        for s in np.linspace(phase.start, phase.target, BODY_LOOKS):
             q = phase.path.evaluate(float(s)).q
             if self._min_distance(case, q) < clearance - BODY_TINY:
                 return f"collision at {s * 1e3:.1f} mm"

@@ -17,11 +17,14 @@ from bench.motion.gate.near_cases import with_clearance, with_manipulability
 from bench.motion.gate.oracle import GateJudge
 from rst_control.commands.request import Accepted
 from rst_control.config import load_motion_config, load_simulation_config
+from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.kinematics.robot_model import load_robot
 from rst_control.kinematics.rotations import turned
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.types import Reason, Rejected
 
 MOTION, SIMULATION = load_motion_config(), load_simulation_config()
+MODEL = load_robot()
 
 
 @pytest.fixture(scope="module")
@@ -77,6 +80,19 @@ def test_the_judge_finds_a_plan_that_is_too_fast(cases, judge):
     case, plan = accepted(cases)
     hasty = tuple(replace(phase, acceleration=50.0) for phase in plan.phases)
     assert "acceleration" in judge.objection(case, replace(plan, phases=hasty))
+
+
+def test_the_judge_looks_at_all_of_a_way_back(cases, judge):
+    case, plan = accepted(cases)
+    pull = plan.phases[-1]
+    back = replace(pull, start=pull.target, target=pull.start)
+    first, last = (pull.path.evaluate(s).q for s in (back.start, back.target))
+    held = replace(case, situation=replace(case.situation, setpoint=robot_joints(first, 0.0)))
+    begin, end = (Configuration(MODEL, q).tip for q in (first, last))
+    centre, radius = tuple(end), 0.5 * float(np.linalg.norm(begin - end))
+    narrow = with_scene(held, workspace_centre=centre, workspace_radius=radius)
+    assert judge.objection(held, replace(plan, phases=(back,))) == ""
+    assert judge.objection(narrow, replace(plan, phases=(back,))).startswith("pull: workspace")
 
 
 def test_no_reason_is_true_of_a_feasible_command(cases, judge):
