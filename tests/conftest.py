@@ -20,13 +20,24 @@ hypothesis.settings.register_profile("explore", max_examples=2000, deadline=None
 hypothesis.settings.load_profile("explore" if os.environ.get("EXPLORE") else "fixed")
 
 
+SLOW = frozenset((TESTS / "slow_tests.txt").read_text(encoding="utf-8").splitlines())
+
+
+def pytest_ignore_collect(collection_path, config):
+    """What is slow as a whole is not even imported where it is left out."""
+    is_left_out = config.getoption("markexpr") == "not slow"
+    is_ours = collection_path.is_relative_to(TESTS)
+    if is_left_out and is_ours and str(collection_path.relative_to(TESTS)) in SLOW:
+        return True
+    return None  # the others decide
+
+
 def pytest_collection_modifyitems(items):
     """Each test bears the name of its folder, as `-m property`, and `slow` where it is listed."""
-    slow = set((TESTS / "slow_tests.txt").read_text(encoding="utf-8").splitlines())
     for item in items:
         path = item.path.relative_to(TESTS)
         item.add_marker(path.parts[0])
         names = {str(parent) for parent in path.parents}
         test = item.name.partition("[")[0]
-        if slow & {*names, str(path), f"{path}::{test}"}:
+        if SLOW & {*names, str(path), f"{path}::{test}"}:
             item.add_marker("slow")

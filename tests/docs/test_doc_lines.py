@@ -3,6 +3,7 @@
 
 import pytest
 
+from tests.integration.test_tutorial import steps
 from tests.support.doc_lines import PAGES, ROOT, all_lines, doc_lines, marker_of, markers
 
 PAGE = """
@@ -34,6 +35,15 @@ def test_every_line_is_executed_or_its_reason_is_given():
         f"{line.page}:{line.number}: {line.text}" for line in all_lines() if marker_of(line) is None
     ]
     assert not unsaid
+
+
+def test_what_the_tutorial_is_to_execute_stands_in_its_terminals():
+    executed = {line for _, line, _ in steps()}
+    of_tutorial = [
+        line for line in all_lines() if (m := marker_of(line)) and m.system == "tutorial"
+    ]
+    assert len(of_tutorial) > 10
+    assert not [line for line in of_tutorial if line.text not in executed]
 
 
 def test_every_marker_is_the_one_of_some_line():

@@ -20,7 +20,7 @@ from tests.support.robot_client import RobotClient
 from typed_config import load_yaml
 
 PACKAGE = Path(__file__).resolve().parents[3] / "catkin_ws" / "src" / "session_log"
-ROOM = 2_000_000  # [B] more than the logs of a node, and some seconds of the session
+ROOM = 600_000  # [B] more than the logs of a node, and a second of the session
 EASING = ("release", "pull less", "withdraw", "stop")
 
 

@@ -9,13 +9,15 @@ from rst_control.ros.simulator.pace import SimulationPace
 
 
 class World:
-    now = 10.0
+    def __init__(self) -> None:
+        self.now, self.naps = 10.0, 0
 
     def clock(self) -> float:
         return self.now
 
     def sleep(self, duration: float) -> None:
         self.now += duration
+        self.naps += 1
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.0, 4.0])
@@ -37,6 +39,7 @@ def test_lateness_is_made_up_for_without_a_pause():
     assert late[-1] == pytest.approx(0.0)
     assert pace.late == pytest.approx(24, abs=1)
     assert world.now == pytest.approx(10.0 + 30 * 0.002)
+    assert world.naps == 30, "each time, others of its priority get their turn"
 
 
 def test_what_is_given_up_is_not_made_up_for():

@@ -79,9 +79,7 @@ class ControlLoop:
 
 
 def _sleep_until(due: float) -> None:
-    left = due - time.monotonic()
-    if left > 0.0:
-        time.sleep(left)
+    time.sleep(max(due - time.monotonic(), 0.0))  # of no length, too: see SimulationPace.wait
 
 
 def _go_first() -> None:

@@ -43,9 +43,8 @@ class SimulationPace:
         if self._period == 0.0:
             return 0.0
         self._due += self._period
-        left = self._due - self._clock()
-        if left > 0.0:
-            self._sleep(left)
+        # of no length, too: a loop in real time that never sleeps lets no thread of its own receive
+        self._sleep(max(self._due - self._clock(), 0.0))
         behind = self._clock() - self._due
         self.late += behind > 0.5 * self._period
         return behind
