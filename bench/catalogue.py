@@ -62,6 +62,12 @@ _SITE = Area(
         Part("site.stops", "Losses on the way to the arm", "site.stops", code.KINOVA),
         Part("site.turns", "Joints without end stops", "site.turns", code.CONTROLLER),
         Part("site.plant", "A plant that is not ideal", "site.plant", code.CONTROLLER),
+        Part(
+            "site.plant_velocities",
+            "The same, led by velocities",
+            "site.plant_velocities",
+            code.KINOVA,
+        ),
         Part("site.near_limits", "Joints near their limits", "site.near_limits", code.CONTROLLER),
         Part(
             "site.mounting",

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Commands for a while in a plant that is not ideal, beside the ideal one.
 
-Led by set-points and by velocities (kinova_strict), each in the ideal plant, in `lab` with a fixed
-trocar, with play and friction made up for (launch/lab.yaml) and not, and with a trocar that
+Led by set-points; `plant_velocities.py` leads by velocities. In the ideal plant, in `lab` with a
+fixed trocar, with play and friction made up for (launch/lab.yaml) and not, and with a trocar that
 breathes, followed and not. RCM error is the shaft's distance from where the trocar truly is. A stop
 that nobody asked for, or a command that is refused or given up, is needless: nothing is wrong. An
 arm that was stopped follows no trocar until "hey robot"; those 1.4 s of every second cycle count,
 too. Commands are given in pieces of a minute, which are kept.
 
-BENCH_PLANT_SECONDS is the simulated time of each; an hour is meant. BENCH_PLANT_LEADS names the
-ways of leading, BENCH_PLANT_PLANTS the plants, with a | between.
+BENCH_PLANT_SECONDS is the simulated time of each; an hour is meant. BENCH_PLANT_PLANTS names the
+plants, with a | between.
 """
 
 from __future__ import annotations
@@ -37,12 +37,10 @@ from rst_control.simulation.plant import LateRobot
 from support.figures import ROOT, Figure
 from typed_config import load_config, load_yaml, overlaid
 
-SECONDS: Final = float(os.environ.get("BENCH_PLANT_SECONDS", "3600"))  # of each of the nine
+SECONDS: Final = float(os.environ.get("BENCH_PLANT_SECONDS", "3600"))  # in each plant
 PIECE: Final = 60.0  # [s] of one piece: each begins anew, with noise of its own
 Job = tuple[int, str, str]  # number of the piece, way of leading, plant
 HOUR: Final = 3600.0  # [s]
-ALL: Final = "set-points,velocities"
-LEADS: Final = tuple(os.environ.get("BENCH_PLANT_LEADS", ALL).split(","))
 AS_IT_IS: Final = "nothing made up for"
 ALL_PLANTS: Final = (
     "ideal",
@@ -56,15 +54,20 @@ PLANTS: Final = tuple(os.environ.get("BENCH_PLANT_PLANTS", "|".join(ALL_PLANTS))
 
 
 def measure() -> list[Figure]:
-    """All figures: each way of leading in each plant, of the pieces that there was time for."""
+    """Figures of an arm that is led by set-points."""
+    return measured("set-points")
+
+
+def measured(lead: str) -> list[Figure]:
+    """Of a way of leading in each plant, of the pieces that there was time for."""
     count = max(1, round(SECONDS / PIECE))
-    every = itertools.product(range(count), LEADS, PLANTS)
-    jobs = [(job, _file(job)) for job in every if job[1:] != REFUSED]
+    plants = [plant for plant in PLANTS if (lead, plant) != REFUSED]
+    jobs = [(job, _file(job)) for job in itertools.product(range(count), [lead], plants)]
     with pool(JOBS, _prepare) as processes:
         list(carried_out("site.plant", jobs, _one, processes))
     figures: list[Figure] = []
-    for lead, plant in itertools.product(LEADS, PLANTS):
-        files = [file for (_, *both), file in jobs if both == [lead, plant] and file.is_file()]
+    for plant in plants:
+        files = [file for (_, _, of), file in jobs if of == plant and file.is_file()]
         pieces = [Seen(**json.loads(file.read_text(encoding="utf-8"))) for file in files]
         if pieces:
             figures += figures_of(f"{lead}, {plant}", pieces, is_fixed="breathing" not in plant)
