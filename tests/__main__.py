@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
-Tests with nodes mostly wait, so two systems run at once. The others run on every core beside them,
-at a lower priority. With other arguments: one pytest with them.
+Systems wait half of the time, so two run at once, and one process more has the tests with nodes but
+without a robot that is led. The tests without nodes run on every core beside them, at a lower
+priority. With other arguments: one pytest with them.
 """
 
 from __future__ import annotations
@@ -12,13 +13,24 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form, and what the tests beside printed
 WITH_NODES = ("rostest", "integration", "launch")
+WITHOUT_SYSTEM = (  # of those, what hardly computes
+    "launch",
+    "rostest/nodes",
+    "rostest/kinova/driver_contract.test",
+    "integration/test_interrupt.py",
+    "integration/test_microphone_pulse.py",
+    "integration/test_other_workspace.py",
+    "integration/test_recorder_node.py",
+    "integration/test_session_replay.py",
+    "integration/test_voice_node.py",
+)
 WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit")
 CORES = len(os.sched_getaffinity(0))
 SYSTEMS = 2  # that run at once; each takes less than a core
@@ -39,22 +51,40 @@ def main(arguments: Sequence[str]) -> int:
     if arguments:
         return subprocess.call(_pytest(*_places(arguments), *arguments))
     _compile_kernels()
-    print("Tests with nodes first; the others run beside them and are shown last.", flush=True)
-    log = RESULTS / "others.log"
-    with log.open("wb") as file:
-        beside = subprocess.Popen(
-            _command("others", WITHOUT, CORES),
+    print("Whole systems first; the others run beside them and are shown last.", flush=True)
+    beside = {
+        "nodes": _start("nodes", WITHOUT_SYSTEM, 1, os.setsid),
+        "others": _start("others", WITHOUT, CORES, _give_way),
+    }
+    left_out = [f"--ignore={ROOT / 'tests' / place}" for place in WITHOUT_SYSTEM]
+    places = [place for place in WITH_NODES if place not in WITHOUT_SYSTEM]
+    try:
+        codes = [subprocess.call(_command("systems", places, SYSTEMS, *left_out))]
+        codes += [process.wait() for process in beside.values()]
+    finally:
+        for name, process in beside.items():
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGINT)  # as Ctrl-C, so that its nodes are ended
+                process.wait()
+            print(_log(name).read_text(encoding="utf-8", errors="replace"), flush=True)
+    return _conclude(["systems", *beside], codes)
+
+
+def _log(name: str) -> Path:
+    return RESULTS / f"{name}.log"
+
+
+def _start(
+    name: str, places: Sequence[str], workers: int, before: Callable[[], None]
+) -> subprocess.Popen[bytes]:
+    """Begin a run whose output goes to a file; `before` is called in its process."""
+    with _log(name).open("wb") as file:
+        return subprocess.Popen(
+            _command(name, places, workers),
             stdout=file,
             stderr=subprocess.STDOUT,
-            preexec_fn=_give_way,
+            preexec_fn=before,
         )
-    try:
-        codes = [subprocess.call(_command("nodes", WITH_NODES, SYSTEMS)), beside.wait()]
-    finally:
-        if beside.poll() is None:
-            os.killpg(beside.pid, signal.SIGTERM)
-        print(log.read_text(encoding="utf-8", errors="replace"), flush=True)
-    return _conclude(["nodes", "others"], codes)
 
 
 def _conclude(names: Sequence[str], codes: Sequence[int]) -> int:
@@ -101,12 +131,12 @@ def _pytest(*words: str) -> list[str]:
     return [sys.executable, "-m", "pytest", *words]
 
 
-def _command(name: str, folders: Sequence[str], workers: int, *more: str) -> list[str]:
-    """Pytest over folders in so many processes, with its results in a file of the name."""
+def _command(name: str, places: Sequence[str], workers: int, *more: str) -> list[str]:
+    """Pytest over places in tests/ in so many processes, with its results in a file of the name."""
     results = RESULTS / f"{name}.xml"
     results.unlink(missing_ok=True)
-    places = [str(ROOT / "tests" / folder) for folder in folders]
-    return _pytest(*places, f"--junitxml={results}", "-n", str(workers), *SPREAD, *more)
+    paths = [str(ROOT / "tests" / place) for place in places]
+    return _pytest(*paths, f"--junitxml={results}", "-n", str(workers), *SPREAD, *more)
 
 
 def _places(arguments: Sequence[str]) -> list[str]:

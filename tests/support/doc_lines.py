@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import shlex
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import yaml
@@ -72,6 +73,7 @@ def all_lines() -> list[DocLine]:
     return [line for page in PAGES for line in doc_lines((ROOT / page).read_text("utf-8"), page)]
 
 
+@cache
 def markers() -> list[Marker]:
     """What doc_examples.yaml says."""
     data = yaml.safe_load(MARKERS.read_text(encoding="utf-8"))

@@ -13,6 +13,12 @@ def test_every_folder_of_tests_is_run():
     assert folders == {*runner.WITH_NODES, *runner.WITHOUT}
 
 
+def test_what_runs_apart_from_whole_systems_is_there_and_has_nodes():
+    for place in runner.WITHOUT_SYSTEM:
+        assert (runner.ROOT / "tests" / place).exists(), place
+        assert place.partition("/")[0] in runner.WITH_NODES
+
+
 class Ended:
     """A process that has ended."""
 
@@ -23,7 +29,8 @@ class Ended:
 @pytest.mark.parametrize(("nodes", "others", "status"), [(0, 0, 0), (1, 0, 1), (0, 2, 1)])
 def test_it_fails_when_either_run_fails(monkeypatch, tmp_path, capsys, nodes, others, status):
     monkeypatch.setattr(runner, "RESULTS", tmp_path)
-    monkeypatch.setattr(runner.subprocess, "Popen", lambda *_, **__: Ended(others))
+    given = iter((0, others))  # to the tests with nodes, and to those without
+    monkeypatch.setattr(runner.subprocess, "Popen", lambda *_, **__: Ended(next(given)))
     monkeypatch.setattr(runner.subprocess, "call", lambda *_, **__: nodes)
     assert runner.main([]) == status
     assert capsys.readouterr().out.endswith("\n0 passed, 0 failed, 0 skipped\n")
