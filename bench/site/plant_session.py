@@ -190,7 +190,7 @@ class Session:
         """What was added to the controller's course to make up for play and friction [rad]."""
         added: Array | float = 0.0
         if self._play is not None:
-            added = added + self._play.changes.at(self._rig.robot.now - self._delay).position
+            added = added + self._play.noted.at(self._rig.robot.now - self._delay).position
         return added if self._correction is None else added + self._correction.added
 
     def _trocar(self) -> Array:

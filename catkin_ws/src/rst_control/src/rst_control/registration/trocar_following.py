@@ -23,7 +23,7 @@ from rst_control.kinematics.robot_model import RobotModel
 from rst_control.registration.followed_trocar import TrackedTrocar
 from rst_control.registration.tracked_place import Report
 from rst_control.robot.backend import RobotBackend
-from rst_control.robot.sent_changes import SentChanges
+from rst_control.robot.sent_changes import ChangedRobot
 from rst_control.supervision.plausibility import FrozenJoints, kept_open
 from rst_control.types import ACTIVE_STATES, Cause, Measurement, Reason, Setpoint, State, Vector
 
@@ -31,8 +31,8 @@ CATCH_UP: Final = 0.1  # [s] in which a distance from the trocar is made up for
 NEAR: Final = 0.3  # share of the allowed distance, within which the shaft has caught up
 
 
-class TrocarFollowing(RobotBackend):
-    """Follows the trocar on the way to and from another robot. The control loop alone calls it.
+class TrocarFollowing(ChangedRobot):
+    """Follows the trocar on the way to and from another robot.
 
     Args:
         robot: What moves.
@@ -49,16 +49,13 @@ class TrocarFollowing(RobotBackend):
         state: Callable[[], State],
     ) -> None:
         settings, sensors = config.controller, config.controller.watchdogs.sensors
-        self._robot, self._model, self._state = robot, model, state
-        self._config, self._lag = settings.tracking.trocar, settings.tension.delay
-        self._changes = SentChanges(self._lag)
+        super().__init__(robot, settings.tension.delay, state)
+        self._model, self._config = model, settings.tracking.trocar
         self._trocar, self._tolerance = np.array(config.scene.trocar), config.rcm.measured_tolerance
         self.tracked = TrackedTrocar(settings.tracking, self._trocar)
         after = sensors.frozen_after + settings.watchdogs.joint_state_age + self._lag
         self._frozen = FrozenJoints(sensors.frozen_way, after)
         self.shift, self._speed = np.zeros(3), np.zeros(3)  # [m] followed so far, and [m/s]
-        self._raw: Measurement | None = None
-        self._seen: Measurement | None = None  # the same as the controller has it
         self._is_near = False  # it caught up with the trocar since it began to follow
         self._sent: Vector | None = None
 
@@ -66,27 +63,22 @@ class TrocarFollowing(RobotBackend):
         """Take in where a tracker sees the trocar."""
         self.tracked.update(report)
 
-    def measured_js(self) -> Measurement | None:
-        """What the robot says, as if the trocar had not moved."""
-        measured, last = self._robot.measured_js(), self._raw
-        if measured is None or (measured is last and self._seen is not None):
-            return self._seen
-        if last is not None:
-            self._frozen.update(last, measured, kept_open(measured, self._sent))
-        self._raw = measured
+    def _taken_in(self, measured: Measurement) -> Measurement:
+        """The joints as if the trocar had not moved, and whether it may be followed."""
+        if self._raw is not None:
+            self._frozen.update(self._raw, measured, kept_open(measured, self._sent))
         fault = measured.fault or self._fault(measured.stamp)
-        self._seen = replace(self._changes.undone(measured), fault=fault)
-        return self._seen
+        return replace(self.noted.undone(measured), fault=fault)
 
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Send a set-point, changed for the trocar as it is when the joints get there."""
-        span = self._changes.span(setpoint.stamp)
+        span = self.noted.span(setpoint.stamp)
         if span == 0.0:  # the stream begins anew, where the robot holds
             self._speed = np.zeros(3)
         self._go_on(setpoint.stamp, span)
         q, _ = planning_joints(setpoint.position)
         moved = robot_joints(shifted_joints(self._model, q, self._trocar, self.shift), 0.0)
-        change = self._changes.add(setpoint.stamp, moved, span)
+        change = self.noted.add(setpoint.stamp, moved, span)
         self._sent = setpoint.position + moved
         velocity = setpoint.velocity + change.velocity
         self._robot.servo_jp(Setpoint(self._sent, velocity, setpoint.stamp))
@@ -94,12 +86,7 @@ class TrocarFollowing(RobotBackend):
     def hold(self) -> None:
         """Slow down and stay; the shift stays, too."""
         self._sent, self._speed = None, np.zeros(3)
-        self._changes.rest()
-        self._robot.hold()
-
-    def clear_fault(self) -> None:
-        """Ask the robot to take set-points again."""
-        self._robot.clear_fault()
+        super().hold()
 
     def unfollowed(self, now: float) -> float:
         """How far the trocar is from where it is followed to [m]."""

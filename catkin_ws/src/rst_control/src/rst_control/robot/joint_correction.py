@@ -16,13 +16,13 @@ import numpy as np
 
 from rst_control.config import MotionConfig
 from rst_control.robot.backend import RobotBackend
-from rst_control.robot.sent_changes import SentChanges
+from rst_control.robot.sent_changes import ChangedRobot
 from rst_control.types import ACTIVE_STATES, JOINT_COUNT, Measurement, Setpoint, State, Vector
 
 ARM: Final = 7  # joints that are corrected
 
 
-class JointCorrection(RobotBackend):
+class JointCorrection(ChangedRobot):
     """Corrects the arm's joints while the controller is active; a latch lets that fade.
 
     Args:
@@ -34,49 +34,30 @@ class JointCorrection(RobotBackend):
     def __init__(
         self, robot: RobotBackend, config: MotionConfig, state: Callable[[], State]
     ) -> None:
-        settings = config.controller
-        self._robot, self._config, self._state = robot, settings.joint_correction, state
-        self._lag = settings.tension.delay
-        self._course = SentChanges(self._lag)  # of the controller
+        super().__init__(robot, config.controller.tension.delay, state)
+        self._config = config.controller.joint_correction
         self._short = np.zeros(ARM)  # [rad] of the joints behind it
         self.added = np.zeros(JOINT_COUNT)  # [rad] to the last set-point
-        self._raw: Measurement | None = None
-        self._seen: Measurement | None = None  # the same as the controller has it
 
-    def measured_js(self) -> Measurement | None:
-        """What the robot says; it holds where it was sent, less what was added to that."""
-        measured = self._robot.measured_js()
-        if measured is None:
-            return None
-        if measured is self._raw:
-            return self._seen
-        self._raw, time = measured, measured.stamp - self._lag
-        sent = self._course.at(time)
+    def _taken_in(self, measured: Measurement) -> Measurement:
+        """The joints as they are; sent to where the controller sent them."""
+        time = measured.stamp - self._lag
+        sent = self.noted.at(time)
         if np.isfinite(sent.stamp):
             course = sent.position + (time - sent.stamp) * sent.velocity
             self._short = (course - measured.position)[:ARM]
         rest = measured.sent_to
-        self._seen = measured if rest is None else replace(measured, sent_to=rest - self.added)
-        return self._seen
+        return measured if rest is None else replace(measured, sent_to=rest - self.added)
 
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Send a set-point, and the arm beyond it."""
-        span = self._course.span(setpoint.stamp)
-        self._course.add(setpoint.stamp, setpoint.position, span)
+        span = self.noted.span(setpoint.stamp)
+        self.noted.add(setpoint.stamp, setpoint.position, span)
         change = np.zeros(JOINT_COUNT)
         change[:ARM] = self._change(span)
         self.added = self.added + change
         position = setpoint.position + self.added
         self._robot.servo_jp(Setpoint(position, setpoint.velocity, setpoint.stamp))
-
-    def hold(self) -> None:
-        """Slow down and stay."""
-        self._course.rest()
-        self._robot.hold()
-
-    def clear_fault(self) -> None:
-        """Ask the robot to take set-points again."""
-        self._robot.clear_fault()
 
     def _change(self, span: float) -> Vector:
         """Of what is added in a time [s], [rad]; shape (7,)."""

@@ -19,7 +19,7 @@ import numpy as np
 from rst_control.config import MotionConfig
 from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.robot.backend import RobotBackend
-from rst_control.robot.sent_changes import SentChanges
+from rst_control.robot.sent_changes import ChangedRobot
 from rst_control.types import PLAN_COUNT, Measurement, Setpoint, State, Vector
 
 TOOL: Final = slice(7, PLAN_COUNT)  # pitch and yaw
@@ -27,69 +27,50 @@ REVERSAL: Final = 5e-4  # [rad] of a way back that counts
 THERE: Final = 1e-4  # [rad] from an end of the play that counts as reached
 
 
-class PlayCompensation(RobotBackend):
+class PlayCompensation(ChangedRobot):
     """Sends pitch and yaw ahead by half their play, and takes that from what is measured.
 
     Args:
         robot: What moves.
         config: Play, how fast it is taken up, and limits of the joints.
         state: What the controller is doing.
-
-    Attributes:
-        changes: By what the set-points sent differ from the controller's.
     """
 
     def __init__(
-        self,
-        robot: RobotBackend,
-        config: MotionConfig,
-        state: Callable[[], State],
+        self, robot: RobotBackend, config: MotionConfig, state: Callable[[], State]
     ) -> None:
-        settings = config.controller
-        self._robot, self._config, self._state = robot, settings.tool_play, state
-        self._limits, self._half = config.limits, 0.5 * np.array(settings.tool_play.width)
-        self.changes = SentChanges(settings.tension.delay)
+        super().__init__(robot, config.controller.tension.delay, state)
+        self._config, self._limits = config.controller.tool_play, config.limits
+        self._half = 0.5 * np.array(self._config.width)
         self._ahead, self._speed = np.zeros(2), np.zeros(2)  # [rad], [rad/s]
         self._way = np.ones(2)  # of each joint's last motion, -1 or 1
         self._turn: Vector | None = None  # [rad] furthest on that way
         self._seen_ends = np.zeros((2, 2), dtype=bool)  # lower and upper, of each joint
         self._is_loaded = False
-        self._raw: Measurement | None = None
-        self._seen: Measurement | None = None  # the same as the controller has it
 
-    def measured_js(self) -> Measurement | None:
-        """What the robot says, as if there was no play."""
-        measured = self._robot.measured_js()
-        if measured is None:
-            return None
-        if measured is not self._raw:
-            self._raw, self._is_loaded = measured, measured.gripped
-            self._seen = self.changes.undone(measured)
-        return self._seen
+    def _taken_in(self, measured: Measurement) -> Measurement:
+        """The joints as if there was no play."""
+        self._is_loaded = measured.gripped
+        return self.noted.undone(measured)
 
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Send a set-point, with the motors ahead of their joints."""
-        span = self.changes.span(setpoint.stamp)
+        span = self.noted.span(setpoint.stamp)
         q, opening = planning_joints(setpoint.position)
         self._note_way(q[TOOL])
         self._go_on(span)
         room = np.array([self._limits.pitch, self._limits.finger - 0.5 * opening])
         added = np.zeros(PLAN_COUNT)
         added[TOOL] = np.clip(self._ahead, -room - q[TOOL], room - q[TOOL])
-        change = self.changes.add(setpoint.stamp, robot_joints(added, 0.0), span)
+        change = self.noted.add(setpoint.stamp, robot_joints(added, 0.0), span)
         position = setpoint.position + change.position
         velocity = setpoint.velocity + change.velocity
         self._robot.servo_jp(Setpoint(position, velocity, setpoint.stamp))
 
     def hold(self) -> None:
-        """Slow down and stay."""
+        """Slow down and stay; the motors stay ahead by what they are."""
         self._speed = np.zeros(2)
-        self.changes.rest()
-        self._robot.hold()
-
-    def clear_fault(self) -> None:
-        """Ask the robot to take set-points again."""
-        self._robot.clear_fault()
+        super().hold()
 
     def _note_way(self, q: Vector) -> None:
         """In which way each joint moves; small ways back do not count."""

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What was added to set-points on their way to a robot, to be taken from what it measures."""
+"""A robot whose set-points are changed on their way, and its measurements on theirs back."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from rst_control.types import JOINT_COUNT, Measurement, Vector
+from rst_control.robot.backend import RobotBackend
+from rst_control.types import JOINT_COUNT, Measurement, State, Vector
 
 LONGEST: Final = 0.02  # [s] between two set-points of one stream
 KEPT: Final = 0.5  # [s] of changes that are remembered
@@ -78,3 +81,45 @@ class SentChanges:
             if change.stamp <= stamp:
                 return change
         return self._changes[0]
+
+
+class ChangedRobot(RobotBackend):
+    """What changes set-points and measurements between a controller and its robot.
+
+    The control loop alone calls it.
+
+    Args:
+        robot: What moves.
+        lag: From a set-point to its measurement [s].
+        state: What the controller is doing.
+
+    Attributes:
+        noted: Of the set-points on their way: what was added, or where the controller is.
+    """
+
+    def __init__(self, robot: RobotBackend, lag: float, state: Callable[[], State]) -> None:
+        self._robot, self._lag, self._state = robot, lag, state
+        self.noted = SentChanges(lag)
+        self._raw: Measurement | None = None  # the newest, as the robot has it
+        self._seen: Measurement | None = None  # the same as the controller has it
+
+    def measured_js(self) -> Measurement | None:
+        """What the robot says, as if its set-points had not been changed."""
+        measured = self._robot.measured_js()
+        if measured is not None and measured is not self._raw:
+            self._seen = self._taken_in(measured)
+            self._raw = measured
+        return self._seen
+
+    @abstractmethod
+    def _taken_in(self, measured: Measurement) -> Measurement:
+        """Take note of a new measurement; gives it as the controller has it."""
+
+    def hold(self) -> None:
+        """Slow down and stay; what was added stays, too."""
+        self.noted.rest()
+        self._robot.hold()
+
+    def clear_fault(self) -> None:
+        """Ask the robot to take set-points again."""
+        self._robot.clear_fault()
