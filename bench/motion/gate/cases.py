@@ -112,7 +112,7 @@ class Cases:
             target = float(self._rng.uniform(0.3, 2.0))
             return self._case(scene, Asked(words, target), self._free(), None, True)
         s, now = self._rng.uniform(0.005, 0.02), self._rng.uniform(0.6, 1.4)
-        step = float(self._rng.uniform(0.05, 0.45))
+        step = float(self._rng.uniform(0.05, 0.45)) if words != "release" else 0.0
         held = self._held(scene, float(s), float(now))
         return self._case(scene, Asked(words, step), held, None, True)
 

@@ -107,6 +107,17 @@ def test_no_reason_is_true_of_a_feasible_command(cases, judge):
         assert not judge.is_true(case, reason)
 
 
+def test_feasible_cases_are_accepted_with_plans_that_the_judge_has_nothing_against(cases, judge):
+    asked = Counter()
+    for _ in range(24):
+        case = cases.feasible()
+        decision = case.decide()
+        assert isinstance(decision, Accepted)
+        assert judge.objection(case, decision.plan) == ""
+        asked[case.request.words] += 1
+    assert set(asked) == {"tense", "pull more", "pull less", "release"}
+
+
 def test_infeasible_cases_are_refused_for_what_is_wrong_with_them(cases):
     for _ in range(60):
         case = cases.infeasible()
