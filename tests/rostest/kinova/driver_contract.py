@@ -20,6 +20,7 @@ from support.waiting import wait_until
 ANGLE = 0.007  # [rad] (0.4 deg) that one joint is moved, at most
 SPEED = 0.005  # [rad/s] at which it is turned
 LEAST_DELAY = 1.0  # [s] between a goal and its motion
+DELAY = 2.5  # [s] in which what is to move has begun to
 WARNING = """
 This suite moves joint_7 of {robot} by {angle:.1f} deg and back, a few times, and stops it.
 No other joint is moved. {rest}"""
@@ -101,7 +102,7 @@ class Arm(unittest.TestCase):
             start, end = self.start[: len(names)], self.elsewhere()[: len(names)]
             handle, _ = self.arm.send([(start, 0.0), (end, 1.0)], names)
             self.assertEqual(self.arm.finish(handle)[0], GoalStatus.REJECTED)
-        time.sleep(2.5)
+        time.sleep(DELAY)
         self.assertIsNone(self.arm.first_motion(first, self.start))
 
     def test_a_goal_moves_the_arm_to_its_end_but_not_before_a_second(self) -> None:
@@ -129,7 +130,7 @@ class Arm(unittest.TestCase):
         _, sent = self.arm.send([(self.start, 0.0), (self.elsewhere(), 1.0)])
         time.sleep(0.4)
         self.arm.say("stop")
-        time.sleep(4.0)
+        time.sleep(DELAY)
         self.assertIsNone(self.arm.first_motion(sent, self.start))
 
     def test_a_cancel_in_motion_stops(self) -> None:
@@ -183,7 +184,7 @@ class Arm(unittest.TestCase):
         handle, sent = self.arm.send([(self.start, 0.0), (broken, 1.0)])
         self.assertEqual(self.arm.finish(handle)[0], GoalStatus.ABORTED)
         self.arm.turn({6: float("nan")})
-        time.sleep(3.0)
+        time.sleep(DELAY)
         self.assertIsNone(self.arm.first_motion(sent, self.start))
 
     @only_simulated
