@@ -139,6 +139,31 @@ def test_latency_stands_beside_the_paper_with_bounds_where_there_are_values(summ
     assert rows["all"][0] == "102" and rows["all"][-1] == "1.75"
 
 
+def test_voice_and_pedal_stand_beside_each_other_with_their_bounds(summary, report_config):
+    def given(by, reaction, outcome="accepted"):
+        is_spoken = by == "voice"
+        times = (0.1, reaction) if is_spoken else (math.nan, math.nan)
+        return GivenCommand("tense", is_spoken, *times, outcome, "", False, by, reaction)
+
+    spoken = [given("voice", 0.3 + 0.01 * k) for k in range(9)] + [
+        given("voice", math.nan, "refused")
+    ]
+    pressed = [given("pedal", 0.02)]
+    said = changed(summary, ("tense", "tense"), ("stop", "tense"), ("tense", NOTHING))
+    pool = pool_of(report_config, replace(said, given=(*pressed, *spoken)))
+    assert pool_tables.inputs_table(pool).rows == [
+        (
+            "voice",
+            "10",
+            "1 (0.3 to 44.5\u00a0%)",
+            "1 (0.8 to 90.6\u00a0%)",
+            "0.34 (0.31 to 0.37)",
+            "0.38",
+        ),
+        ("pedal", "1", "0 (0.0 to 97.5\u00a0%)", "–", "0.02", "0.02"),
+    ]
+
+
 def test_a_command_unknown_to_the_paper_has_a_row_without_its_figure(summary, report_config):
     extra = GivenCommand("wave", True, 0.1, 0.2, "accepted", "", False)
     pool = pool_of(report_config, replace(summary, given=(extra,)))

@@ -68,6 +68,20 @@ def test_latency_runs_from_the_end_of_speech_to_the_start_of_motion(report_confi
     assert row.action_latency == pytest.approx(0.42)
 
 
+@pytest.mark.parametrize(
+    ("caller", "by"), [("/pedal", "pedal"), ("/rosservice_812_1764", "rosservice"), ("", "hand")]
+)
+def test_what_is_pressed_is_timed_from_its_answer(report_config, caller, by):
+    events = [
+        RecordedEvent(10.31, "accepted", "tense", "ok", caller=caller),
+        RecordedEvent(10.33, "motion_started", "tense", ""),
+    ]
+    (row,) = rows_of(report_config, [], events)
+    assert row.given_by == by
+    assert row.reaction == pytest.approx(0.02)
+    assert math.isnan(row.action_latency)
+
+
 def test_what_is_called_otherwise_than_it_is_said_is_joined_by_who_called(report_config):
     said, called = "pull two millimetres more", "pull more 2 mm"
     spoken = replace(heard(said, 10.0, 10.3), publisher="/voice_assist")

@@ -10,7 +10,7 @@ from pathlib import Path
 from session_log.report.figures import POOL_FIGURES
 from session_log.report.page import Image, Section, page, table_section
 from session_log.report.pool.pool import Pool
-from session_log.report.sections import figure_section, large_facts
+from session_log.report.sections import figure_section, inputs_section, large_facts
 from session_log.report.tables import pool_tables
 from session_log.report.tables.folder_tables import sessions_table, unread_table
 from session_log.report.tables.text_table import duration_words
@@ -43,6 +43,8 @@ def _sections(pool: Pool, images: Mapping[str, Image], folder: Path) -> Iterator
         if figure.name != "confusion" or figure.name in images:  # else the accuracy's says why
             yield figure_section(figure, images, pool)
     yield Section("Motion", table=pool_tables.motion_table(pool))
+    if len(pool.inputs) > 1:
+        yield inputs_section(pool)
     refused = pool_tables.refusals_table(pool)
     yield table_section("What was refused, and why", refused, "Nothing was refused.")
     if pool.unread:

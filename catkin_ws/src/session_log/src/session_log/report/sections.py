@@ -14,6 +14,12 @@ from session_log.report.pool.pool import Pool
 from session_log.report.tables import pool_tables
 from session_log.report.tables.text_table import length, newtons, percent, seconds
 
+INPUTS_NOTE = (
+    "Action: time from the end of speech, or from the controller's answer to a pedal or a hand. In "
+    "brackets: exact 95 % confidence bounds. Taken for another: known where it was recorded what "
+    "was to be said."
+)
+
 
 def large_facts(pool: Pool, commands: Mapping[str, int]) -> dict[str, str]:
     """The figures that are set large.
@@ -48,6 +54,11 @@ def figure_section(figure: ReportFigure[Any], images: Mapping[str, Image], pool:
         table, source = pool_tables.latency_table(pool), _latency_source(pool)
         return replace(section, table=table, source=source)
     return section
+
+
+def inputs_section(pool: Pool) -> Section:
+    """Voice beside pedals and hands."""
+    return Section("Voice, pedal and hand", INPUTS_NOTE, table=pool_tables.inputs_table(pool))
 
 
 def _latency_source(pool: Pool) -> str:

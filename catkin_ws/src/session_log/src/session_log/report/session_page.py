@@ -14,7 +14,7 @@ from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, ReportFigu
 from session_log.report.notes import Note
 from session_log.report.page import Image, Section, page, table_section
 from session_log.report.pool.pool import Pool
-from session_log.report.sections import figure_section, large_facts
+from session_log.report.sections import figure_section, inputs_section, large_facts
 from session_log.report.session.stops import stops
 from session_log.report.session.summary import SessionSummary
 from session_log.report.tables import session_tables
@@ -75,6 +75,8 @@ def _sections(
     yield table_section("What stopped the robot, and why", found, "Nothing stopped the robot.")
     refused = session_tables.refused_table(material)
     yield table_section("What was refused, and why", refused, "Nothing was refused.")
+    if len(pool.inputs) > 1:
+        yield inputs_section(pool)
     for name in BELOW_COMMANDS:
         if name != "confusion" or name in images:  # else the accuracy's place says why
             yield figure_section(_FIGURES[name], images, pool)

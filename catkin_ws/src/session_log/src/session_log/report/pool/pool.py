@@ -68,6 +68,15 @@ class Latencies:
     action: list[float] = field(default_factory=list)
 
 
+@dataclass
+class InputCounts:
+    """What was given by voice, by a node or by hand."""
+
+    given: int = 0
+    refused: int = 0
+    reactions: list[float] = field(default_factory=list)  # [s] to the action
+
+
 class Pool:
     """Sums over sessions; the order in which they are added does not matter."""
 
@@ -84,6 +93,7 @@ class Pool:
         self.duration = 0.0  # [s]
         self.rcm = self.rcm_joints = self.tension_error = MomentSummary()
         self.tension = -math.inf  # [N]
+        self.inputs: dict[str, InputCounts] = {}  # by what gave the commands
         self._latencies: dict[str, Latencies] = {}
         self._phrases: dict[str, None] = {}
 
@@ -132,12 +142,23 @@ class Pool:
         total = sum(counts.values())
         return Accuracy(right, total, proportion(right, total))
 
+    def taken_for_another(self) -> tuple[int, int]:
+        """Spoken commands that were taken for another one, of those whose meaning is known."""
+        meant = {p: n for p, n in self.confusions.items() if p[0] not in (NO_COMMAND, NOT_SAID)}
+        wrong = (n for (said, taken), n in meant.items() if taken not in (said, NOTHING, OTHER))
+        return sum(wrong), sum(meant.values())
+
     def sorted_members(self) -> list[PooledSession]:
         """Members by the time of their recording."""
         return sorted(self.members, key=lambda m: (m.started, str(m.path)))
 
     def _add_given(self, given: GivenCommand) -> None:
         self.outcomes[given.outcome] += 1
+        counts = self.inputs.setdefault(given.given_by, InputCounts())
+        counts.given += 1
+        counts.refused += given.outcome == "refused"
+        if math.isfinite(given.reaction):
+            counts.reactions.append(given.reaction)
         if given.outcome == "refused":
             self.refusals[given.command, reason_of(given.message)] += 1
         if given.is_spoken:

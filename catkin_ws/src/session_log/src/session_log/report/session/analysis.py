@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
@@ -44,6 +45,20 @@ class CommandRow:
         """
         times = (self.heard.decision if self.heard else None, self.answered)
         return min((time for time in times if time is not None), default=0.0)
+
+    @property
+    def given_by(self) -> str:
+        """Voice, or the node that asked without the numbers of its run; a hand where unknown."""
+        if self.heard:
+            return "voice"
+        return re.sub(r"(_\d+)+$", "", self.caller.lstrip("/")) or "hand"
+
+    @property
+    def reaction(self) -> float:
+        """From the end of speech, or else the answer, to the robot's action [s]; nan if none."""
+        if self.heard or self.action is None or self.answered is None:
+            return self.action_latency
+        return self.action - self.answered
 
     @property
     def decision_latency(self) -> float:

@@ -63,6 +63,8 @@ class GivenCommand:
     outcome: str  # accepted, refused or "no answer"
     message: str
     is_partial: bool
+    given_by: str = "voice"  # or a node, or "hand"
+    reaction: float = math.nan  # [s] from the end of speech, or the answer, to the action
 
 
 @dataclass(frozen=True)
@@ -164,6 +166,8 @@ def _given(row: CommandRow) -> GivenCommand:
         outcome=row.outcome,
         message=row.message,
         is_partial=row.heard is not None and row.heard.is_partial,
+        given_by=row.given_by,
+        reaction=row.reaction,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from session_log.report.bounds import quantile
+from session_log.report.bounds import proportion, quantile
 from session_log.report.pool.pool import Pool
 from session_log.report.session.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER
 from session_log.report.tables.text_table import (
@@ -89,6 +89,32 @@ def refusals_table(pool: Pool) -> TextTable:
     return TextTable(("command", "why", "times"), rows, numbers=(2,))
 
 
+def inputs_table(pool: Pool) -> TextTable:
+    """Voice, pedals and hands beside each other; what no session knows is a dash."""
+    columns = (
+        "given by",
+        "commands",
+        "refused",
+        "taken for another",
+        "action, median [s]",
+        "action, 95th percentile [s]",
+    )
+    rows = []
+    for name, counts in sorted(pool.inputs.items(), key=lambda item: (item[0] != "voice", item)):
+        wrong, meant = pool.taken_for_another() if name == "voice" else (0, 0)
+        rows.append(
+            (
+                name,
+                str(counts.given),
+                _share(counts.refused, counts.given),
+                _share(wrong, meant) if meant else NONE,
+                bounded(quantile(counts.reactions, 0.5)),
+                bounded(quantile(counts.reactions, 0.95)),
+            )
+        )
+    return TextTable(columns, rows, numbers=(1, 2, 3, 4, 5))
+
+
 def motion_table(pool: Pool) -> TextTable:
     """RCM error, tension and what they are held against."""
     limit = pool.config.rcm_limit
@@ -125,6 +151,12 @@ def _latency_row(pool: Pool, command: str, paper: float) -> tuple[str, ...]:
         bounded(quantile(action, 0.95)),
         _plain(paper),
     )
+
+
+def _share(hits: int, trials: int) -> str:
+    """A share with its exact bounds."""
+    share = proportion(hits, trials)
+    return f"{hits} ({share.low * 100:.1f} to {share.high * 100:.1f}\u00a0%)"
 
 
 def _plain(value: float) -> str:

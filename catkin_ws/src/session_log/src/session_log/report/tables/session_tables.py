@@ -110,8 +110,7 @@ def _command_row(row: CommandRow) -> tuple[str, ...]:
 
 def _asked(row: CommandRow) -> str:
     """The words that were heard; else the node that asked, or a hand where it is unknown."""
-    by = row.caller.lstrip("/") or "hand"
-    return f"“{row.heard.transcript}”" if row.heard else f"by\u00a0{by}"
+    return f"“{row.heard.transcript}”" if row.heard else f"by\u00a0{row.given_by}"
 
 
 def _nothing_row(heard: RecordedUtterance) -> tuple[str, ...]:
