@@ -220,7 +220,7 @@ class KinovaRig(LockStep):
         self.bridge.on_arm(self._read_arm.read(self.arm_names, values, now))
 
     def _report_tool(self, now: float) -> None:
-        self.bridge.tool.tell_state(int(self.drivers.tool.state))
+        self.bridge.tool.update_state(int(self.drivers.tool.state))
         feedback = self.drivers.tool_feedback()
         if feedback is not None:
             values = {"position": feedback[0], "velocity": feedback[1], "effort": ()}

@@ -59,7 +59,7 @@ class FakeHardware:
     def ready(self, config):
         """A bridge to this hardware, homed and guarded."""
         self.bridge = Bridge(config, self)
-        self.bridge.tool.tell_state(ToolState.POSITION_CONTROL.value)
+        self.bridge.tool.update_state(ToolState.POSITION_CONTROL.value)
         self.bridge.tool.is_homed = True
         self.bridge.watch.limits = SoftLimits(np.full(7, 0.87), ACCELERATION)
         self.tell()

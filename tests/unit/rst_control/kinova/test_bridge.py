@@ -198,8 +198,8 @@ def test_a_fault_clears_at_rest_only_and_asks_the_arm_to_clear_its_own(hardware,
 def test_nothing_moves_before_guard_and_tool_are_there(kinova, hardware, way):
     for spoil, words in (
         (lambda h: setattr(h, "guards", False), "stop guard"),
-        (lambda h: h.bridge.tool.tell_state(ToolState.CONNECTED.value), "not homed"),
-        (lambda h: h.bridge.tool.tell_state(ToolState.READY.value), "needed: POSITION_CONTROL"),
+        (lambda h: h.bridge.tool.update_state(ToolState.CONNECTED.value), "not homed"),
+        (lambda h: h.bridge.tool.update_state(ToolState.READY.value), "needed: POSITION_CONTROL"),
         (lambda h: setattr(h, "tells_tool", False), "joints of OpenRST"),
         (lambda h: setattr(h, "tells_arm", False), "joints of the arm"),
     ):
@@ -225,13 +225,13 @@ def test_what_is_lost_in_motion_stops_the_arm_and_latches(hardware, way, lost):
     if lost == "guard":
         hardware.guards = False
     elif lost == "homing":
-        hardware.bridge.tool.tell_state(ToolState.CONNECTED.value)
+        hardware.bridge.tool.update_state(ToolState.CONNECTED.value)
     else:
         hardware.tells_tool = False
     hardware.advance(1.0, way)
     assert np.abs(hardware.speed).max() == 0.0
     hardware.guards = hardware.tells_tool = True
-    hardware.bridge.tool.tell_state(ToolState.POSITION_CONTROL.value)
+    hardware.bridge.tool.update_state(ToolState.POSITION_CONTROL.value)
     hardware.bridge.tool.is_homed = True
     hardware.advance(0.5, way)
     assert hardware.bridge.fault(hardware.now) != ""

@@ -20,7 +20,7 @@ def feedback(*joints, stamp=NOW):
 @pytest.fixture
 def tool(kinova):
     made = Tool(kinova.bridge.tool, kinova.bridge.grip)
-    made.tell_state(ToolState.POSITION_CONTROL.value)
+    made.update_state(ToolState.POSITION_CONTROL.value)
     made.is_homed, made.feedback = True, feedback(0.0, 0.3, 0.3)
     return made
 
@@ -40,20 +40,20 @@ def test_a_homed_tool_in_position_control_may_move(tool):
     ],
 )
 def test_any_other_state_is_refused_by_name(tool, state, words):
-    tool.tell_state(state)
+    tool.update_state(state)
     assert words in tool.objection(NOW)
 
 
 def test_position_control_without_homing_is_refused(kinova):
     tool = Tool(kinova.bridge.tool, kinova.bridge.grip)
-    tool.tell_state(ToolState.POSITION_CONTROL.value)
+    tool.update_state(ToolState.POSITION_CONTROL.value)
     tool.feedback = feedback(0.0, 0.0, 0.0)
     assert "not homed" in tool.objection(NOW)
 
 
 def test_homing_is_lost_with_the_connection_and_does_not_come_back_with_the_state(tool):
-    tool.tell_state(ToolState.CONNECTED.value)
-    tool.tell_state(ToolState.POSITION_CONTROL.value)
+    tool.update_state(ToolState.CONNECTED.value)
+    tool.update_state(ToolState.POSITION_CONTROL.value)
     assert "not homed" in tool.objection(NOW)
 
 

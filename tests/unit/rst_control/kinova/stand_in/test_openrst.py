@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from rst_control.kinova.stand_in import load_stand_in_config
-from rst_control.kinova.stand_in.openrst import OpenRst, OpenRstState
+from rst_control.kinova.stand_in.openrst import OpenRst
+from rst_control.kinova.tool import ToolState
 
 CONFIG = load_stand_in_config().tool
 START = (0.5, 0.1, 0.1)
@@ -67,7 +68,7 @@ def test_homing_is_answered_at_its_end_and_drives_every_joint_against_both_stops
         assert seen[:, joint].max() == pytest.approx(stop)
         assert seen[:, joint].min() == pytest.approx(-stop)
     assert rig.node.position == pytest.approx([0.0, 0.0, 0.0])
-    assert rig.node.state is OpenRstState.READY
+    assert rig.node.state is ToolState.READY
 
 
 def test_the_jaws_never_cross_while_they_are_homed():
@@ -110,7 +111,7 @@ def test_position_control_is_granted_without_homing_and_then_means_nothing():
 def test_calibrate_before_connect_is_granted_at_once_and_homes_nothing():
     rig = Rig()
     assert rig.ask("calibrate") == [True]
-    assert rig.node.state is OpenRstState.READY
+    assert rig.node.state is ToolState.READY
     assert not rig.node.is_homed
 
 
@@ -119,7 +120,7 @@ def test_control_off_leaves_it_connected_not_ready():
     rig.node.take_command([0.4, 0.0, 0.0])
     rig.run(0.1)
     assert rig.ask("control_off") == [True]
-    assert rig.node.state is OpenRstState.CONNECTED
+    assert rig.node.state is ToolState.CONNECTED
     here = rig.node.position.copy()
     rig.run(1.0)
     assert rig.node.position == pytest.approx(here)
@@ -129,7 +130,7 @@ def test_control_off_leaves_it_connected_not_ready():
 def test_unknown_requests_fail(message):
     rig = Rig().home()
     assert rig.ask(message) is None
-    assert rig.node.state is OpenRstState.POSITION_CONTROL
+    assert rig.node.state is ToolState.POSITION_CONTROL
 
 
 @pytest.mark.parametrize("command", [[], [0.1], [0.1] * 4, [float("nan"), 0.0, 0.0]])

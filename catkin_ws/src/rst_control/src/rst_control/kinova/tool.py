@@ -8,7 +8,7 @@ sent is clamped here.
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import IntEnum
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from rst_control.types import Vector
 UNHOMED = JointFeedback(np.zeros(3), np.zeros(3), np.zeros(3), -np.inf)
 
 
-class ToolState(Enum):
+class ToolState(IntEnum):
     """What the node says of itself on `openrst_state`."""
 
     UNINITIALIZED = 0
@@ -54,7 +54,7 @@ class Tool:
         self.is_homed = False
         self.feedback: JointFeedback | None = None
 
-    def tell_state(self, number: int) -> None:
+    def update_state(self, number: int) -> None:
         """Take in what the node says; homing is lost where it was disconnected or switched off."""
         known = [state for state in ToolState if state.value == number]
         self.state = known[0] if known else None

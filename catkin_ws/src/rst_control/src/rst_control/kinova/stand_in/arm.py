@@ -199,24 +199,24 @@ class SimulatedArm:
             found.append(self._notices.popleft()[1])
         return found
 
-    def _tell(self, event: ArmEvent, now: float, details: str = "") -> None:
+    def _notify(self, event: ArmEvent, now: float, details: str = "") -> None:
         self._notices.append((now + self._config.notice_delay, Notice(event, details)))
 
     def _start(self, waypoints: list[Waypoint], now: float) -> None:
         if self.fault or self.mode is not ArmMode.HOLDING:
             why = self.fault or "the starting point is not where the joints are: they move"
-            self._tell(ArmEvent.PREPROCESS_START, now)
-            self._tell(ArmEvent.PREPROCESS_END, now)
-            self._tell(ArmEvent.ABORT, now, why)
+            self._notify(ArmEvent.PREPROCESS_START, now)
+            self._notify(ArmEvent.PREPROCESS_END, now)
+            self._notify(ArmEvent.ABORT, now, why)
             return
         config = self._config
         self._course = Course(self.position, waypoints)
         self._begin = now + config.preprocess_time + config.preprocess_point * len(waypoints)
         self.mode = ArmMode.PREPROCESSING
-        self._tell(ArmEvent.PREPROCESS_START, now)
+        self._notify(ArmEvent.PREPROCESS_START, now)
         both = [ArmEvent.PREPROCESS_END, ArmEvent.START]
         for event in reversed(both) if config.swapped_notices else both:
-            self._tell(event, self._begin)
+            self._notify(event, self._begin)
 
     def _turn(self, wanted: Vector, now: float) -> None:
         if self.fault:
@@ -239,13 +239,13 @@ class SimulatedArm:
             return
         self._course = None
         self._notices = deque(n for n in self._notices if n[0] <= now + self._config.notice_delay)
-        self._tell(ArmEvent.ABORT, now, why)
+        self._notify(ArmEvent.ABORT, now, why)
 
     def _follow(self, course: Course, now: float) -> None:
         self.position, self.velocity = course.at(now - self._begin)
         if now - self._begin >= course.duration:
             self.mode, self._course = ArmMode.HOLDING, None
-            self._tell(ArmEvent.END, now)
+            self._notify(ArmEvent.END, now)
 
     def _move(self, time: float) -> None:
         limits, is_stopping = self._limits, self.mode is ArmMode.STOPPING

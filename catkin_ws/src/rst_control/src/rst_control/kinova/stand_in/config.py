@@ -52,7 +52,7 @@ class DriverConfig:
     joints: tuple[str, ...] = text()
     feedback_rate: float = number(1.0, 1000.0, "Hz")
     goal_time_tolerance: float = number(0.0, 10.0, "s")
-    first_duration: float = number(0.0, 10.0, "s")
+    first_duration: float = number(1e-4, 10.0, "s")
     min_duration: float = number(1e-4, 1.0, "s")
     fault_wait: float = number(0.0, 10.0, "s")
     calls: CallsConfig

@@ -10,29 +10,19 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.kinova.stand_in.config import OpenRstConfig
 from rst_control.kinova.stand_in.homing import Homing
+from rst_control.kinova.tool import ToolState
 
 log = logging.getLogger("rosout.rst_control.openrst")
 
 Vector = NDArray[np.float64]
 Reply = Callable[[bool], None]
 STILL = 1e-6  # [rad/s] below which a joint stands
-
-
-class OpenRstState(IntEnum):
-    """As `openrst_state` reports it."""
-
-    UNINITIALIZED = 0
-    CONNECTED = 1
-    READY = 2
-    POSITION_CONTROL = 3
-    TORQUE_CONTROL = 4
 
 
 class OpenRst:
@@ -46,7 +36,7 @@ class OpenRst:
     def __init__(self, config: OpenRstConfig, position: Sequence[float] | Vector) -> None:
         self._config, self._stops = config, np.array(config.stops)
         self.position, self.velocity = np.array(position, dtype=float), np.zeros(3)
-        self.state, self.is_homed = OpenRstState.UNINITIALIZED, False
+        self.state, self.is_homed = ToolState.UNINITIALIZED, False
         self._command: Vector | None = None  # None: none since the controller started
         self._homing: Homing | None = None
         self._reply: Reply | None = None
@@ -60,7 +50,7 @@ class OpenRst:
     @property
     def reported(self) -> Vector | None:
         """Joint positions as its encoders report them [rad], shape (3,); None: it reports none."""
-        if self.state < OpenRstState.READY:
+        if self.state < ToolState.READY:
             return None
         return self.position.copy() if self.is_homed else np.zeros(3)
 
@@ -74,8 +64,8 @@ class OpenRst:
             "connect": self._connect,
             "disconnect": self._disconnect,
             "calibrate": self._calibrate,
-            "pos_control_on": lambda: self._control(OpenRstState.POSITION_CONTROL),
-            "torque_control_on": lambda: self._control(OpenRstState.TORQUE_CONTROL),
+            "pos_control_on": lambda: self._control(ToolState.POSITION_CONTROL),
+            "torque_control_on": lambda: self._control(ToolState.TORQUE_CONTROL),
             "control_off": self._control_off,
         }
         if message not in known:
@@ -95,7 +85,7 @@ class OpenRst:
         if not np.isfinite(values).all():
             log.error("command with a number that is not finite: what a motor does then is unknown")
             return
-        if self.state >= OpenRstState.READY:
+        if self.state >= ToolState.READY:
             self._command = np.array(values, dtype=float)
 
     def step(self, now: float, is_gripping: bool) -> None:
@@ -123,7 +113,7 @@ class OpenRst:
 
     def _gap(self) -> Vector:
         """What the controller has left to do, as it sees it, and as far as the stops let it."""
-        is_driven = self.state is OpenRstState.POSITION_CONTROL and self._command is not None
+        is_driven = self.state is ToolState.POSITION_CONTROL and self._command is not None
         if not is_driven or self._command is None or self._homing is not None:
             return np.zeros(3)
         seen = self.position if self.is_homed else np.zeros(3)  # unhomed encoders read zero
@@ -154,29 +144,29 @@ class OpenRst:
         return np.array(self._config.signs) * joints
 
     def _connect(self) -> None:
-        self.state, self._command = OpenRstState.CONNECTED, None
+        self.state, self._command = ToolState.CONNECTED, None
 
     def _disconnect(self) -> None:
-        self.state, self._command = OpenRstState.UNINITIALIZED, None
+        self.state, self._command = ToolState.UNINITIALIZED, None
 
-    def _control(self, state: OpenRstState) -> None:
-        if self.state is not OpenRstState.READY:
+    def _control(self, state: ToolState) -> None:
+        if self.state is not ToolState.READY:
             log.error("OpenRST is not READY but %s; granted all the same", self.state.name)
         if self._command is None:
             self._command = self.reported if self.reported is not None else np.zeros(3)
         self.state = state
 
     def _control_off(self) -> None:
-        self.state = OpenRstState.CONNECTED
+        self.state = ToolState.CONNECTED
 
     def _calibrate(self) -> None:
-        if self.state is OpenRstState.CONNECTED:
+        if self.state is ToolState.CONNECTED:
             self._homing = Homing(self._config)
             return
-        self.state = OpenRstState.READY  # without having homed
+        self.state = ToolState.READY  # without having homed
 
     def _end_homing(self) -> None:
         self._homing, self.is_homed, self._command = None, True, self.position.copy()
-        self.state = OpenRstState.READY
+        self.state = ToolState.READY
         if self._reply is not None:
             self._reply(True)

@@ -112,7 +112,7 @@ class Course:
         position = self._knots[at] + u * (first + u * (bend + u * twist))
         return position, (first + u * (2.0 * bend + 3.0 * u * twist)) / span
 
-    def greatest_acceleration(self) -> Vector:
+    def max_joint_acceleration(self) -> Vector:
         """Of each joint, as its mean speeds between way-points change [rad/s^2]; shape (7,)."""
         spans = np.diff(self._times)[:, None]
         means = np.diff(self._knots, axis=0) / spans  # (n, 7)
@@ -169,7 +169,7 @@ def objections(start: Vector, waypoints: Sequence[Waypoint], limits: ArmLimits) 
                 f"actuator {joint + 1} would go from {lowest[joint]:.4f} to {highest[joint]:.4f} "
                 f"rad, allowed {low:.4f} to {high:.4f}"
             )
-    speed, acceleration = course.max_joint_speed(), course.greatest_acceleration()
+    speed, acceleration = course.max_joint_speed(), course.max_joint_acceleration()
     found += _above("rad/s", speed, limits.speed)
     return found + _above("rad/s^2", acceleration, limits.acceleration)
 

@@ -144,7 +144,7 @@ class KinovaBridgeNode:
         self._hardware.listen(
             lambda feedback: self._jobs.append(lambda: bridge.on_arm(feedback)),
             lambda feedback: self._jobs.append(lambda: bridge.on_tool(feedback)),
-            lambda state: self._jobs.append(lambda: bridge.tool.tell_state(state)),
+            lambda state: self._jobs.append(lambda: bridge.tool.update_state(state)),
             lambda report: self._jobs.append(lambda: bridge.on_arm_report(report)),
         )
         watch, arm = bridge.watch, self._config.arm
