@@ -27,7 +27,6 @@ KEPT = 20  # violations that are described; all are counted
 ROUNDING = 1e-9  # [rad], [rad/s]
 SHARE = 1e-6  # of a limit, for rounding
 SETTLED = 0.05  # [s] after which nothing that was sent is in play any more
-RESTING = 0.01  # [rad/s] as watchdogs.at_rest_speed
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +40,7 @@ class SoakBounds:
     stop: float  # [s] of ticks from a stop until set-points stand still
     waking: float  # [s] that a "hey robot" may wait for the robot to be well
     period: float  # [s] of the loop
+    resting: float  # [rad/s] of a joint that counts as at rest
     max_periods: int  # of the path that one late tick may catch up with
 
 
@@ -255,8 +255,8 @@ class Checker:
         if moment.now - self._rested <= SETTLED:
             return
         fastest = float(np.abs(moment.velocity).max())
-        if fastest > RESTING:
-            words = f"{fastest:.4f} rad/s in {moment.after.mode.state.value}"
+        if fastest > (allowed := self.bounds.resting):
+            words = f"{fastest:.4f} rad/s in {moment.after.mode.state.value}, allowed {allowed:g}"
             self._note("mode: joints move at rest", moment, words)
 
 

@@ -18,6 +18,7 @@ from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.robot.setpoint_servo import Servo, ServoState
+from rst_control.ros.controller.measurement_assembler import LOST_AFTER
 from rst_control.simulation.pybullet_robot import servo_limits, start_joints
 from rst_control.simulation.tissue import Jaws, SimulatedTissue
 from rst_control.types import JOINT_COUNT, Cause, Measurement, Reason, Setpoint, frozen_array
@@ -103,13 +104,11 @@ class SensorLink:
 
     Joint states that stop leave the last ones standing, and after a quarter of a second the robot
     counts as not connected; what is no number is dropped and named as a fault: both as in
-    `rst_control.ros.controller.robot_link`, which only adds ROS.
+    `rst_control.ros.controller.measurement_assembler`.
 
     Args:
         robot: The robot.
     """
-
-    LOST_AFTER = 0.25  # [s] as in robot_link
 
     def __init__(self, robot: ServoRobot) -> None:
         self._robot = robot
@@ -121,7 +120,7 @@ class SensorLink:
     def measured_js(self) -> Measurement:
         """Newest joint states with the force on the jaws."""
         if self.is_frozen:
-            is_connected = self._robot.now - self._last.stamp < self.LOST_AFTER
+            is_connected = self._robot.now - self._last.stamp < LOST_AFTER
             if self._last.connected is not is_connected:
                 self._last = replace(self._last, connected=is_connected)
             return self._last

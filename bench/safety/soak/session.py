@@ -234,6 +234,7 @@ def make_bounds(config: MotionConfig) -> SoakBounds:
         stop=STOP_TIME,
         waking=RESET_TIME + LATE_TIME,
         period=1.0 / controller.rate,
+        resting=controller.watchdogs.at_rest_speed,
         max_periods=MAX_PERIODS,
     )
 

@@ -29,6 +29,7 @@ BOUNDS = SoakBounds(
     stop=0.4,
     waking=0.3,
     period=0.002,
+    resting=0.01,
     max_periods=5,
 )
 STOP = Cause(Reason.STOP_TOPIC, "stop")
