@@ -8,12 +8,14 @@ mid-motion, activation again, release, terminate. Tests use it, too.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message, MessageSource
 from support.message_classes import class_of, serialise, source_of
@@ -282,11 +284,19 @@ def write_session(path: Path, **options: Any) -> list[Message]:
     """Write the story to a new file; returns its messages."""
     messages = list(Story(**options).build())
     path.parent.mkdir(parents=True, exist_ok=True)
+    recording_of(path, messages, METADATA)
+    return messages
+
+
+def recording_of(
+    path: Path, messages: Iterable[Message] = (), metadata: Mapping[str, Any] = MappingProxyType({})
+) -> SessionReader:
+    """Write messages, and metadata by name, to a new file; returns its reader."""
     with SessionWriter(path) as writer:
-        for name, values in METADATA.items():
+        for name, values in metadata.items():
             writer.add_metadata(name, values)
         for index, message in enumerate(messages):
             writer.add(message)
             if index % COMMIT == 0:
                 writer.commit()
-    return messages
+    return SessionReader(path)

@@ -8,9 +8,9 @@ import wave
 import pytest
 
 from session_log.cli import main
-from session_log.mcap_file.writer import SessionWriter
 from session_log.recording.recorder import MANY_PUBLISHERS
 from session_log.types import Message, MessageSource
+from support.story import recording_of
 from typed_config import package_version
 
 
@@ -42,9 +42,8 @@ def test_info_is_also_for_machines(story, capsys):
 def test_info_names_a_clock_that_was_set_back_and_publishers_without_end(tmp_path, capsys):
     source = MessageSource("/t", "std_msgs/String", "992c", "string data", MANY_PUBLISHERS)
     now = 1_795_200_000 * 10**9
-    with SessionWriter(tmp_path / "s.mcap") as writer:
-        for k, time in enumerate((now, now - 60 * 10**9)):
-            writer.add(Message(source, b"x", time, k + 1))
+    times = enumerate((now, now - 60 * 10**9), 1)
+    recording_of(tmp_path / "s.mcap", [Message(source, b"x", time, k) for k, time in times])
     _, out, _ = run(capsys, "info", tmp_path / "s.mcap")
     assert "the clock was set back by 60.0 s at 20" in out and "complete" not in out
     assert "/t: more than 64 nodes published it" in out

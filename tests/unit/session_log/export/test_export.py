@@ -4,9 +4,7 @@ import wave
 import pytest
 
 from session_log.export.export import ParquetMissing, export_topics
-from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.writer import SessionWriter
-from support.story import Story
+from support.story import Story, recording_of
 
 
 def test_lost_sound_becomes_silence_of_the_same_length(tmp_path):
@@ -20,10 +18,8 @@ def test_lost_sound_becomes_silence_of_the_same_length(tmp_path):
             first_sample=first,
             samples=[value] * 512,
         )
-    with SessionWriter(tmp_path / "s.mcap") as writer:
-        for message in story.messages:
-            writer.add(message)
-    result = export_topics(SessionReader(tmp_path / "s.mcap"), tmp_path / "out", [], "/a")
+    session = recording_of(tmp_path / "s.mcap", story.messages)
+    result = export_topics(session, tmp_path / "out", [], "/a")
     assert (result.samples, result.lost_samples) == (1536, 1024)
     with wave.open(str(result.sound)) as sound:
         content = sound.readframes(sound.getnframes())
@@ -33,9 +29,7 @@ def test_lost_sound_becomes_silence_of_the_same_length(tmp_path):
 
 def test_parquet_without_pyarrow_says_what_to_install_and_writes_nothing(monkeypatch, tmp_path):
     monkeypatch.setattr("session_log.export.export.find_spec", lambda name: None)
-    with SessionWriter(tmp_path / "s.mcap"):
-        pass
-    reader = SessionReader(tmp_path / "s.mcap")
+    reader = recording_of(tmp_path / "s.mcap")
     with pytest.raises(ParquetMissing, match=r"requirements-parquet\.txt.*--format csv"):
         export_topics(reader, tmp_path / "out", [], "/a", ("csv", "parquet"))
     assert not (tmp_path / "out").exists()

@@ -12,9 +12,8 @@ from session_log.export import parquet
 from session_log.export.export import export_topics, flatten
 from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.writer import SessionWriter
 from support.message_classes import class_of
-from support.story import Story, numbered
+from support.story import Story, numbered, recording_of
 
 TOPICS = [
     "/voice_assist/utterance",
@@ -34,14 +33,6 @@ def exported(story, tmp_path_factory):
 
 def stem(topic):
     return topic.strip("/").replace("/", "_")
-
-
-def write(path, messages):
-    with SessionWriter(path) as writer:
-        for message in messages:
-            writer.add(message)
-            writer.commit()
-    return SessionReader(path)
 
 
 @pytest.mark.parametrize("topic", TOPICS)
@@ -124,7 +115,7 @@ def test_the_extremes_of_every_number_survive(tmp_path):
     big.first_sample, big.rate, big.samples = 2**64 - 1, 2**32 - 1, [-32768, 0, 32767]
     fields = {"first_sample": big.first_sample, "rate": big.rate, "samples": big.samples}
     story.say(0.0, "/a", "voice_assist/AudioChunk", **fields)
-    reader = write(tmp_path / "s.mcap", story.messages)
+    reader = recording_of(tmp_path / "s.mcap", story.messages)
     export_topics(reader, tmp_path, ["/a"], "/none", ("parquet",))
     (row,) = pq.read_table(tmp_path / "a.parquet").to_pylist()
     assert {name: row[name] for name in fields} == fields
@@ -135,7 +126,7 @@ def test_a_topic_that_changes_its_type_goes_on_in_a_second_file(tmp_path):
     story.say(0.0, "/a", "std_msgs/String", data="one")
     del story.sources["/a"]
     story.say(1.0, "/a", "voice_assist/Mode", mode="active", reason="two")
-    reader = write(tmp_path / "s.mcap", numbered(story.messages))
+    reader = recording_of(tmp_path / "s.mcap", numbered(story.messages))
     result = export_topics(reader, tmp_path, ["/a"], "/none", ("csv", "parquet"))
     assert sorted(path.name for path in result.rows) == [
         "a.csv",
@@ -153,7 +144,7 @@ def test_rows_are_written_in_groups(tmp_path, monkeypatch):
     for k in range(250):
         story.say(k * 0.01, "/a", "std_msgs/String", data=f"{k}")
     export_topics(
-        write(tmp_path / "s.mcap", story.messages), tmp_path, ["/a"], "/none", ("parquet",)
+        recording_of(tmp_path / "s.mcap", story.messages), tmp_path, ["/a"], "/none", ("parquet",)
     )
     file = pq.ParquetFile(tmp_path / "a.parquet")
     sizes = [file.metadata.row_group(k).num_rows for k in range(file.num_row_groups)]
@@ -167,7 +158,7 @@ def test_large_messages_make_smaller_groups(tmp_path, monkeypatch):
     for _ in range(5):
         story.say(0.0, "/a", "std_msgs/String", data="x" * 400)
     export_topics(
-        write(tmp_path / "s.mcap", story.messages), tmp_path, ["/a"], "/none", ("parquet",)
+        recording_of(tmp_path / "s.mcap", story.messages), tmp_path, ["/a"], "/none", ("parquet",)
     )
     assert pq.ParquetFile(tmp_path / "a.parquet").num_row_groups == 2
 
@@ -180,7 +171,7 @@ def test_memory_does_not_grow_with_the_session(tmp_path, monkeypatch):
         for k in range(messages):
             story.say(k * 1e-3, "/a", "std_msgs/String", data=f"{k:>2000}")
         path = tmp_path / f"{messages}_{run}.mcap"
-        reader = write(path, story.messages)
+        reader = recording_of(path, story.messages)
         del story
         before = pa.total_allocated_bytes()
         tracemalloc.start()

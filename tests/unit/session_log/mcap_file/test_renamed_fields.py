@@ -10,11 +10,9 @@ from genpy.dynamic import generate_dynamic
 
 from session_log.export.export import export_topics
 from session_log.mcap_file.decoder import RENAMED_FIELDS, Decoder, MissingField
-from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.writer import SessionWriter
 from session_log.report.session.extract import extract
 from support.message_classes import SEPARATOR, definition_of, serialise
-from support.story import Story
+from support.story import Story, recording_of
 
 FORMER = {
     "voice_assist/Utterance": """# One decision of the recogniser.
@@ -75,21 +73,13 @@ def as_recorded_before(message):
     return message._replace(source=source, data=serialise(former))
 
 
-def write(path, messages):
-    with SessionWriter(path) as writer:
-        for message in messages:
-            writer.add(message)
-        writer.commit()
-    return SessionReader(path)
-
-
 @pytest.fixture(scope="module")
 def readers(tmp_path_factory):
     """A session as recorded today, and the same as it would have been recorded before."""
     folder = tmp_path_factory.mktemp("renamed")
     messages = list(Story(duration=20.0, rate=20).build())
     before = [as_recorded_before(m) for m in messages]
-    return write(folder / "now.mcap", messages), write(folder / "before.mcap", before)
+    return recording_of(folder / "now.mcap", messages), recording_of(folder / "before.mcap", before)
 
 
 def test_a_recording_made_before_gives_the_same_report_rows(readers, report_config):
@@ -126,7 +116,7 @@ def test_a_field_that_was_not_recorded_is_refused_with_its_topic(readers, tmp_pa
     message = messages[0]._replace(source=source, data=serialise(short))
     with pytest.raises(MissingField, match=r"/voice_assist/utterance: .* without 'transcript'"):
         Decoder().read(message, lambda content: content.transcript)
-    found = extract(write(tmp_path / "s.mcap", [message]), report_config)
+    found = extract(recording_of(tmp_path / "s.mcap", [message]), report_config)
     assert found.heard == []
     assert found.missing_fields == {
         "/voice_assist/utterance: voice_assist/Utterance was recorded without 'transcript'"

@@ -16,6 +16,7 @@ from session_log.recording import recorder as recorder_module
 from session_log.recording.recorder import MANY_PUBLISHERS, MOST_PUBLISHERS, Recorder
 from session_log.types import Message, MessageSource
 from support.message_classes import class_of, serialise, source_of
+from support.story import recording_of
 from support.waiting import PATIENCE, wait_until
 
 
@@ -362,9 +363,7 @@ def test_topics_that_no_file_can_hold_are_named_and_the_others_recorded(
 def test_a_clock_that_was_set_back_is_told_from_one_that_goes_on(tmp_path, recorder_config):
     hour, now = 3600 * 10**9, 1_795_200_000 * 10**9
     times = [now, now + 10**9, now + 10**9 - hour, now + 2 * 10**9 - hour]
-    with SessionWriter(tmp_path / "s.mcap") as writer:
-        for k, log_time in enumerate(times):
-            writer.add(Message(text(), b"x", log_time, k + 1))
-    (step,) = read_summary(SessionReader(tmp_path / "s.mcap")).clock_steps
+    messages = [Message(text(), b"x", log_time, k) for k, log_time in enumerate(times, 1)]
+    (step,) = read_summary(recording_of(tmp_path / "s.mcap", messages)).clock_steps
     assert (step.before, step.after) == (times[1], times[2])
     assert str(step).startswith("the clock was set back by 3600.0 s at 2026-")

@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 from session_log.errors import SessionLogError
-from session_log.mcap_file.writer import SessionWriter
 from session_log.replay.spoken import AROUND, spoken
-from support.story import Story
+from support.story import Story, recording_of
 
 RATE, BLOCK = 16000, 512
 
@@ -38,9 +37,7 @@ def written(path, utterances, lost=()):
             speech_end=float(end),
             decision=float(end + 0.2),
         )
-    with SessionWriter(path) as writer:
-        for message in sorted(story.messages, key=lambda m: m.log_time):
-            writer.add(message)
+    recording_of(path, sorted(story.messages, key=lambda m: m.log_time))
     return path
 
 

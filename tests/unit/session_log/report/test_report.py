@@ -15,12 +15,11 @@ from PIL import Image
 
 from session_log.errors import OutputFailed
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.writer import SessionWriter
 from session_log.report import one_session
 from session_log.report.notes import Note, add_note
 from session_log.report.one_session import write_report
 from session_log.report.tables.text_table import length
-from support.story import Story, write_session
+from support.story import Story, recording_of, write_session
 
 FIGURES = {"timeline", "latency", "rcm_error", "tension", "scene", "joints", "loop_timing"}
 FIGURES |= {"accuracy", "confusion"}
@@ -151,10 +150,8 @@ def test_a_session_by_hand_has_commands_but_no_latency(tmp_path, report_config):
     story = Story(duration=3.0)
     story.event(1.0, "accepted", "tense", "reaches")
     story.event(1.1, "motion_started", "tense", "")
-    with SessionWriter(tmp_path / "s.mcap") as writer:
-        for message in story.messages:
-            writer.add(message)
-    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
+    session = recording_of(tmp_path / "s.mcap", story.messages)
+    result = write_report(session, tmp_path, report_config)
     page = Page(result.page.read_text(encoding="utf-8"))
     assert any(row[1:3] == ["by\u00a0hand", "tense"] for row in page.rows if len(row) == 8)
     assert "No spoken command led to an action." in page.words
@@ -218,14 +215,9 @@ def test_a_folder_that_cannot_be_made_is_named(story, tmp_path, report_config):
 def test_one_lost_message_of_thousands_is_a_note_and_many_are_a_warning(
     tmp_path, report_config, missed, is_warned
 ):
-    path = tmp_path / "s.mcap"
-    story = Story(rate=100)
-    with SessionWriter(path) as writer:
-        for message in story.build():
-            writer.add(message)
-        losses = {"/joint_states from /robot": f"0 dropped, {missed} missed"}
-        writer.add_metadata("losses", losses)
-    text = write_report(SessionReader(path), tmp_path, report_config).page.read_text()
+    losses = {"/joint_states from /robot": f"0 dropped, {missed} missed"}
+    session = recording_of(tmp_path / "s.mcap", Story(rate=100).build(), {"losses": losses})
+    text = write_report(session, tmp_path, report_config).page.read_text()
     words = f"Lost on /joint_states from /robot: 0 dropped, {missed} missed of"
     assert words in text
     warning = re.search(r'<p class="warn">(.*?)</p>', text)

@@ -11,12 +11,11 @@ import pytest
 
 from session_log.errors import OutputFailed, SessionMissing
 from session_log.mcap_file.session_folder import recordings
-from session_log.mcap_file.writer import SessionWriter
 from session_log.report import many_sessions, one_session
 from session_log.report.many_sessions import NothingReadable, write_folder_report
 from session_log.report.notes import Note, add_note
 from session_log.report.pool.parallel import EngineMissing, EngineUnreachable, run_parallel
-from support.story import write_session
+from support.story import recording_of, write_session
 from tests.unit.session_log.report.test_report import Page
 
 
@@ -147,8 +146,7 @@ def test_recordings_are_found_once_and_copies_left_out(sessions):
 
 
 def test_a_recovered_copy_without_its_original_counts(tmp_path):
-    with SessionWriter(tmp_path / "session_recovered.mcap"):
-        pass
+    recording_of(tmp_path / "session_recovered.mcap")
     assert [p.name for p in recordings([tmp_path])] == ["session_recovered.mcap"]
 
 

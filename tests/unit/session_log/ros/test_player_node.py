@@ -5,10 +5,9 @@ import sys
 
 import pytest
 
-from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.writer import SessionWriter
 from session_log.ros import player_node
 from session_log.types import Message, MessageSource
+from support.story import recording_of
 
 
 @pytest.mark.parametrize("is_there", [False, True])
@@ -36,15 +35,14 @@ def test_a_master_uri_that_is_no_address_is_named(monkeypatch, story, uri):
 
 def test_ctrl_c_ends_a_long_pause_of_the_recording(monkeypatch, tmp_path):
     """rospy takes Ctrl-C as a request to shut down, and Python's sleep goes on after a signal."""
-    path, hour = tmp_path / "s.mcap", 3600 * 10**9
+    hour = 3600 * 10**9
     source = MessageSource("/t", "std_msgs/String", "99" * 16, "string data", "/p")
-    with SessionWriter(path) as writer:
-        for k in range(2):
-            writer.add(Message(source, b"x", 1_795_200_000 * 10**9 + k * hour, k + 1))
+    times = enumerate((1_795_200_000 * 10**9, 1_795_200_000 * 10**9 + hour), 1)
+    session = recording_of(tmp_path / "s.mcap", [Message(source, b"x", t, k) for k, t in times])
     asked = iter([False] * 3)
     monkeypatch.setattr(player_node.rospy, "is_shutdown", lambda: next(asked, True))
     slept = []
     monkeypatch.setattr(player_node.time, "sleep", slept.append)
-    player = player_node.RecordingPlayer(SessionReader(path), 1.0, "/played", pytest.fail)
+    player = player_node.RecordingPlayer(session, 1.0, "/played", pytest.fail)
     player.play()
     assert slept and max(slept) <= player_node.LONGEST_SLEEP

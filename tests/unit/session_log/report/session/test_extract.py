@@ -4,15 +4,8 @@ import numpy as np
 import pytest
 
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.writer import SessionWriter
 from session_log.report.session.extract import extract
-from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, write_session
-
-
-def write(path, messages):
-    with SessionWriter(path) as writer:
-        for message in messages:
-            writer.add(message)
+from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, recording_of
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +49,7 @@ def test_a_lost_message_makes_no_late_cycle(tmp_path, report_config):
         data = story.messages[-1].data
         numbered = sequence.to_bytes(4, "little") + data[4:]
         story.messages[-1] = story.messages[-1]._replace(data=numbered)
-    write(tmp_path / "s.mcap", story.messages)
-    (loop,) = extract(SessionReader(tmp_path / "s.mcap"), report_config).loops
+    (loop,) = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config).loops
     assert list(loop.length) == pytest.approx([0.002] * 3, abs=1e-6)
 
 
@@ -67,8 +59,7 @@ def test_a_stamp_that_was_not_set_is_replaced_by_the_time_of_arrival(tmp_path, r
     (message,) = story.messages
     unset = message._replace(data=message.data[:4] + bytes(8) + message.data[12:])
     story.messages = [unset]
-    write(tmp_path / "s.mcap", story.messages)
-    (event,) = extract(SessionReader(tmp_path / "s.mcap"), report_config).events
+    (event,) = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config).events
     assert event.time == 0.0
 
 
@@ -76,8 +67,7 @@ def test_messages_that_do_not_fit_are_counted_not_fatal(tmp_path, report_config)
     story = Story(duration=1.0)
     story.event(0.5, "accepted", "tense", "")
     story.put(0.6, "/rst_control/event", b"\1\2")
-    write(tmp_path / "s.mcap", story.messages)
-    found = extract(SessionReader(tmp_path / "s.mcap"), report_config)
+    found = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config)
     assert found.undecodable == {"/rst_control/event": 1} and len(found.events) == 1
 
 
@@ -91,8 +81,8 @@ def test_many_pictures_are_thinned_over_the_whole_session(tmp_path, report_confi
             format="png",
             data=b"x",
         )
-    write(tmp_path / "s.mcap", story.messages)
-    times = [p.time for p in extract(SessionReader(tmp_path / "s.mcap"), report_config).pictures]
+    session = recording_of(tmp_path / "s.mcap", story.messages)
+    times = [p.time for p in extract(session, report_config).pictures]
     assert 8 <= len(times) <= 16 and times[0] == 0.0 and times[-1] > 160.0
 
 
@@ -103,8 +93,7 @@ def test_the_worst_of_diagnostics_is_kept_with_its_time(data):
 
 
 def test_an_empty_recording_has_nothing(tmp_path, report_config):
-    write_session(tmp_path / "s.mcap", duration=-1.0)
-    data = extract(SessionReader(tmp_path / "s.mcap"), report_config)
+    data = extract(recording_of(tmp_path / "s.mcap"), report_config)
     assert data.heard == [] and data.joints is None and data.recording.messages == 0
 
 
@@ -114,8 +103,7 @@ def test_what_came_of_a_call_to_a_device_is_kept(tmp_path, report_config):
     for time, is_done, message in ((1.0, True, ""), (2.0, False, "no answer in 1 s")):
         fields = {**call, "is_done": is_done, "message": message}
         story.say(time, "/voice_assist/device", "voice_assist/DeviceCall", **fields)
-    write(tmp_path / "s.mcap", story.messages)
-    calls = extract(SessionReader(tmp_path / "s.mcap"), report_config).device_calls
+    calls = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config).device_calls
     assert [(c.kind, c.command, c.message) for c in calls] == [
         ("accepted", "light on", "/theatre/light"),
         ("refused", "light on", "/theatre/light, no answer in 1 s"),

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.writer import SessionWriter
 from session_log.report.one_session import write_report
 from session_log.report.tables.latex import escape, table_text
 from session_log.report.tables.text_table import TextTable
+from support.story import recording_of
 
 SPECIAL = re.compile(r"(?<!\\)[&%$#_]")
 
@@ -97,9 +97,7 @@ def test_any_words_leave_the_structure_whole(rows):
 
 
 def test_a_session_without_anything_has_no_tables(tmp_path, report_config):
-    with SessionWriter(tmp_path / "s.mcap"):
-        pass
-    report = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config, latex=True)
+    report = write_report(recording_of(tmp_path / "s.mcap"), tmp_path, report_config, latex=True)
     assert report.latex == [] and not list(tmp_path.glob("*.tex"))
 
 
