@@ -7,7 +7,6 @@ import pytest
 from bench.common.rig import random_poses
 from bench.motion.bullet.witness import BulletWitness
 from bench.motion.insertion import InsertionJudge, outside_starts, situation
-from rst_control.commands.verifier import Verifier
 from rst_control.errors import Infeasible
 from rst_control.planning.plan import PhaseKind
 from rst_control.types import Rejected
@@ -24,11 +23,6 @@ RCM_WORST = 2e-6  # [m], of which 1 um is PyBullet's single precision
 def judge(planner, motion_config):
     with BulletWitness(motion_config) as witness:
         yield InsertionJudge(planner, witness)
-
-
-@pytest.fixture(scope="module")
-def verify(planner):
-    return Verifier(planner)
 
 
 @pytest.fixture(scope="module")

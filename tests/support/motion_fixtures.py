@@ -4,7 +4,9 @@
 import numpy as np
 import pytest
 
+from rst_control.commands.verifier import Verifier
 from rst_control.config import load_motion_config
+from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.planner import Planner
 
@@ -27,3 +29,14 @@ def planner(robot, motion_config):
 @pytest.fixture(scope="session")
 def home(motion_config):
     return np.array(motion_config.scene.home)
+
+
+@pytest.fixture(scope="session")
+def verify(planner):
+    return Verifier(planner)
+
+
+@pytest.fixture
+def joints(home):
+    """At home, the jaws open."""
+    return robot_joints(home, 0.0)

@@ -5,7 +5,9 @@ import pytest
 
 from session_log.cli import CONFIG
 from session_log.config import RecorderConfig, ReportConfig
+from session_log.mcap_file.reader import SessionReader
 from session_log.report import many_sessions, one_session
+from session_log.report.session.extract import extract
 from support.story import write_session
 from typed_config import load_config, load_yaml
 
@@ -41,3 +43,9 @@ def story(tmp_path_factory):
     """A sound recording of a whole session at a tenth of the real rate, and its messages."""
     path = tmp_path_factory.mktemp("story") / "session.mcap"
     return path, write_session(path, rate=50)
+
+
+@pytest.fixture(scope="session")
+def data(story, report_config):
+    """What a report takes from it."""
+    return extract(SessionReader(story[0]), report_config)

@@ -25,11 +25,6 @@ BACK = {c: COMMANDS[OPPOSITE[STEPS[c.phrase]]] for c in CAMERA_STEPS}
 
 
 @pytest.fixture(scope="module")
-def verify(planner):
-    return Verifier(planner)
-
-
-@pytest.fixture(scope="module")
 def witness(motion_config):
     with BulletWitness(motion_config) as made:
         yield made

@@ -15,11 +15,6 @@ MOTIONS = [COMMANDS["tense"], COMMANDS["release"], COMMANDS["pull more"], COMMAN
 
 
 @pytest.fixture
-def joints(home):
-    return robot_joints(home, 0.0)
-
-
-@pytest.fixture
 def conditions(planner):
     return Preconditions(planner)
 

@@ -31,11 +31,6 @@ def verify(blind, robot):
     return Verifier(Planner(robot, blind))
 
 
-@pytest.fixture
-def joints(home):
-    return robot_joints(home, 0.0)
-
-
 def held(plan, s, **more):
     """Tissue held, pulled so far [m]."""
     grasp = replace(plan.grasp, s=s, tension=None)

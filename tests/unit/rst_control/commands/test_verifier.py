@@ -17,16 +17,6 @@ STRICT = {"planned_tolerance": 1e-12}  # [m] nearer than a path can keep to
 
 
 @pytest.fixture
-def verify(planner):
-    return Verifier(planner)
-
-
-@pytest.fixture
-def joints(home):
-    return robot_joints(home, 0.0)
-
-
-@pytest.fixture
 def tensed(verify, joints):
     """The plan that grasped, from which later situations follow."""
     return verify(request("tense"), situation(joints)).plan

@@ -6,7 +6,6 @@ import pytest
 
 from bench.common.rig import random_poses
 from rst_control.commands.request import Accepted
-from rst_control.commands.verifier import Verifier
 from rst_control.errors import Infeasible, InsertionOutOfRange, TrocarDrift
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.planning.insertion import Insertion, ToolBent
@@ -32,11 +31,6 @@ def out(insertion, home):
 @pytest.fixture(scope="module")
 def gate(out):
     return out[-1].path.end
-
-
-@pytest.fixture(scope="module")
-def verify(planner):
-    return Verifier(planner)
 
 
 def kinds(legs):

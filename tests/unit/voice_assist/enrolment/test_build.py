@@ -20,7 +20,6 @@ from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile.active import PersonalRecognizer, personalise
 from voice_assist.profile.manifest import ACTIVE, COMMAND, REFUSED, TALK, Take
 from voice_assist.profile.profile import VoiceProfile, VoiceProfileError, create_profile
-from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
 from voice_assist.types import RATE, Samples
@@ -42,13 +41,6 @@ def spoken(text: str, rate: float = 1.0) -> Samples:
     quiet = np.random.default_rng(1).normal(0.0, 3e-4, len(sound) + RATE // 2)
     quiet[RATE // 4 : RATE // 4 + len(sound)] += sound / 32768.0
     return quiet.astype(np.float32)
-
-
-@pytest.fixture(scope="module")
-def base() -> EmbeddedRecognizer:
-    found = load_recognizer()
-    assert isinstance(found, EmbeddedRecognizer)
-    return found
 
 
 @pytest.fixture(scope="module")

@@ -15,18 +15,10 @@ from voice_assist.enrolment.examples import GRID, LONGEST, Example, broken_off, 
 from voice_assist.errors import ModelError
 from voice_assist.profile import model_file
 from voice_assist.profile.active import PersonalRecognizer
-from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.types import RATE, Samples, frozen_samples
 
 CONFIG = dataclasses.replace(load_enrolment_config().adapt, steps=3, batch=4)
-
-
-@pytest.fixture(scope="module")
-def base() -> EmbeddedRecognizer:
-    found = load_recognizer()
-    assert isinstance(found, EmbeddedRecognizer)
-    return found
 
 
 def buzz(pitch: float, seconds: float = 0.6) -> Samples:

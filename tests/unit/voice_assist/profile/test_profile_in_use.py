@@ -23,16 +23,8 @@ from voice_assist.profile.active import (
 )
 from voice_assist.profile.manifest import ACTIVE, REFUSED
 from voice_assist.profile.profile import VoiceProfile, VoiceProfileError, create_profile
-from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.replay.replayer import restore_settings
-
-
-@pytest.fixture(scope="module")
-def base() -> EmbeddedRecognizer:
-    found = load_recognizer()
-    assert isinstance(found, EmbeddedRecognizer)
-    return found
 
 
 @pytest.fixture

@@ -9,10 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from session_log.mcap_file.reader import SessionReader
 from session_log.report.pool.pool import Pool, reason_of
 from session_log.report.session.analysis import command_rows, rcm_while_moving, statistics
-from session_log.report.session.extract import extract
 from session_log.report.session.shaft import rcm_from_joints
 from session_log.report.session.summary import (
     GivenCommand,
@@ -23,11 +21,6 @@ from session_log.report.session.summary import (
 )
 from session_log.report.session.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER, PhraseTrial
 from session_log.report.tables import pool_tables
-
-
-@pytest.fixture(scope="module")
-def data(story, report_config):
-    return extract(SessionReader(story[0]), report_config)
 
 
 @pytest.fixture(scope="module")

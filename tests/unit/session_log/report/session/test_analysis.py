@@ -5,10 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.session import analysis
-from session_log.report.session.extract import extract
 from session_log.report.session.session_data import (
     Intervals,
     RecordedEvent,
@@ -16,11 +14,6 @@ from session_log.report.session.session_data import (
     SessionData,
     Span,
 )
-
-
-@pytest.fixture(scope="module")
-def data(story, report_config):
-    return extract(SessionReader(story[0]), report_config)
 
 
 def heard(command, end, decision, transcript=None):

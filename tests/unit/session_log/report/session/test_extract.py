@@ -3,14 +3,8 @@
 import numpy as np
 import pytest
 
-from session_log.mcap_file.reader import SessionReader
 from session_log.report.session.extract import extract
 from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, recording_of
-
-
-@pytest.fixture(scope="module")
-def data(story, report_config):
-    return extract(SessionReader(story[0]), report_config)
 
 
 def test_every_utterance_is_there_with_its_times(data):

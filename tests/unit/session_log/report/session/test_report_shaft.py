@@ -8,9 +8,7 @@ import pytest
 
 from bench.motion.bullet.robot import BulletRobot
 from rst_control.types import JOINTS
-from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import RecordingSummary
-from session_log.report.session.extract import extract
 from session_log.report.session.kinematics import ModelUnfit, poses
 from session_log.report.session.session_data import (
     RecordedTrocar,
@@ -23,11 +21,6 @@ from support.story_script import TROCAR_CHANGE, URDF, joint_text
 
 ROOT = Path(__file__).resolve().parents[5]
 REAL = ROOT / "urdf" / "gen3_openrst.urdf"
-
-
-@pytest.fixture(scope="module")
-def data(story, report_config):
-    return extract(SessionReader(story[0]), report_config)
 
 
 @pytest.mark.parametrize("link", ["interface_link", "tool_tip", "half_arm_2_link"])
