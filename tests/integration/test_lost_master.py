@@ -8,7 +8,7 @@ import subprocess
 import time
 
 from support.waiting import PATIENCE, wait_until
-from tests.support.ros_host import END, ROSTEST
+from tests.support.ros_host import ASK, END, ROSTEST
 
 
 def said(*words):
@@ -34,8 +34,8 @@ def test_all_brakes_is_named_and_found_again_with_the_next_master(host):
     host.launch(
         "controller", overrides=ROSTEST / "patient_controller.yaml", on_recording_loss="ignore"
     )
-    wait_until(lambda: host.is_found("/rst_control/command"), "a controller")
-    wait_until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted')
+    wait_until(lambda: host.is_found("/rst_control/command"), "a controller", every=ASK)
+    wait_until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted', every=1.0)
     parameters = said("rosparam", "get", "/controller")
     assert "tip_speed" in parameters
     time.sleep(2.0)  # for master_failover to have seen all
@@ -44,10 +44,14 @@ def test_all_brakes_is_named_and_found_again_with_the_next_master(host):
     wait_until(lambda: not host.is_there(), "the master gone")
     first.wait(END)  # roscore ends with the master
     host.start_master()
-    wait_until(lambda: host.is_found("/rst_control/command"), "the controller found by others")
+    wait_until(
+        lambda: host.is_found("/rst_control/command"), "the controller found by others", every=ASK
+    )
     assert state() == ("faulted", "the ROS master ended: nobody new could stop the robot")
-    wait_until(lambda: said("rosparam", "get", "/controller") == parameters, "the parameters")
-    wait_until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted')
+    wait_until(
+        lambda: said("rosparam", "get", "/controller") == parameters, "the parameters", every=1.0
+    )
+    wait_until(lambda: "accepted: True" in give("hey robot"), '"hey robot" accepted', every=1.0)
     assert state()[0] == "active"
     assert "accepted: True" in give("tense")
     assert "accepted: True" in give("stop")

@@ -101,7 +101,7 @@ def record(folder, **changes):
             with running(stub, environment):
                 wait_until((folder / "stub_ready").exists, "the controller's stub")
                 with running(voice, environment):
-                    wait_until(lambda: has_heard(path, LAST), repr(LAST), SPOKEN, every=0.2)
+                    wait_until(lambda: has_heard(path, LAST), repr(LAST), SPOKEN, every=1.0)
                     time.sleep(1.5)
     return path
 

@@ -26,6 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"<!-- terminal: (\w+)(, refused)? -->\n```\n(.*?)```", re.DOTALL)
 ENDED = "ended with"
+LOOK = 1.0  # [s] between two looks at the state, each of which starts a program of ROS
 START = 4 * PATIENCE  # [s] where the kinematics have to be compiled on a loaded machine
 PATIENT = "controller_overrides:=demo/overrides.yaml robot_overrides:=demo/robot_overrides.yaml"
 
@@ -112,6 +113,7 @@ def give(hand, line):
     wait_until(
         lambda: re.search(r'^state: "(standby|active|halted)"', hand.do(look)[1], re.MULTILINE),
         "the motion ends",
+        every=LOOK,
     )
     code, printed = hand.do(line)
     end = time.monotonic() + PATIENCE

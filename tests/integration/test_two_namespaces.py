@@ -8,7 +8,7 @@ import pytest
 from session_log.export.arrays import read_columns
 from session_log.mcap_file.reader import SessionReader
 from support.waiting import wait_until
-from tests.support.ros_host import Host
+from tests.support.ros_host import ASK, Host
 
 SIDES = ("left", "right")
 QUIET = {"voice": "false", "alarms": "false"}
@@ -26,7 +26,7 @@ def sessions(tmp_path_factory):
         for side in SIDES:
             host.launch("system", {"ROS_NAMESPACE": side}, sessions=folder, session=side, **QUIET)
         for side in SIDES:
-            wait_until(lambda side=side: host.is_found(f"/{side}/rst_control/command"))
+            wait_until(lambda side=side: host.is_found(f"/{side}/rst_control/command"), every=ASK)
         wait_until(lambda: call(host, "left", "hey robot").startswith("accepted: True"), every=0.5)
         assert "in standby" in call(host, "right", "tense")
     finally:

@@ -14,6 +14,7 @@ from support.waiting import wait_until
 ROOT = Path(__file__).resolve().parents[2]
 ROSTEST = ROOT / "tests" / "rostest"
 END = 20.0  # [s] for a process to end
+ASK = 0.1  # [s] between two questions to the master, each of which is work for both
 CORE = {"/rosout"}  # node of the master's own
 
 
@@ -56,7 +57,7 @@ class Host:
 
     def start_master(self):
         process = self.start("roscore", "-p", str(self.port))
-        wait_until(self.is_there, "a master")
+        wait_until(self.is_there, "a master", every=ASK)
         return process
 
     def launch(self, name, beside=None, **arguments):
@@ -76,7 +77,7 @@ class Host:
 
     def wait_for_nodes(self):
         """Wait until the first node of a launch is there; all parameters are set by then."""
-        wait_until(lambda: self.nodes() - CORE, "the first node")
+        wait_until(lambda: self.nodes() - CORE, "the first node", every=ASK)
 
     def nodes(self):
         """Names of the nodes that the master knows."""

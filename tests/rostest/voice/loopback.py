@@ -50,7 +50,7 @@ class Loopback(unittest.TestCase):
     def setUpClass(cls):
         cls.robot = RobotClient()
         cls.master = rosgraph.Master(rospy.get_name())
-        cls.robot.wait(lambda: set(cls.nodes()) >= NODES, VOICE_LIMIT)
+        cls.robot.wait(lambda: set(cls.nodes()) >= NODES, VOICE_LIMIT, every=0.2)
 
     @classmethod
     def nodes(cls):
