@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the rostests of the robot side share: a client that speaks by ROS alone."""
+"""What the rostests share: a client that speaks by ROS alone, and how they begin and end."""
 
 from __future__ import annotations
 
+import sys
 import time
+import unittest
 
 import rospy
+import rostest
 from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
@@ -153,3 +156,21 @@ class RobotClient:
         """Largest RCM error that the controller reported while in motion [m]."""
         moving = [s.rcm_error for s in self.states if s.state in ("moving", "stopping")]
         return max(moving, default=0.0)
+
+
+class RobotTest(unittest.TestCase):
+    """Tests that run in the order of their names and build on one robot, left as it was found."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.robot = RobotClient()
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.robot.leave()
+
+
+def run_tests(tests: type[unittest.TestCase] | str, node: str) -> None:
+    """Run the tests of a class, or of the suite of that name, as a node of this name."""
+    rospy.init_node(node)
+    rostest.rosrun("rst_control", node, tests, sys.argv)

@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import threading
-import unittest
 
 import numpy as np
 import rospy
 
 from support.theatre_sound import speak
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest
 from voice_assist.audio.source import FRAME
 from voice_assist.msg import AudioChunk, Utterance
 from voice_assist.types import FULL_SCALE, RATE
@@ -48,12 +47,13 @@ class Microphone:
         self.sent += FRAME
 
 
-class SpokenTo(unittest.TestCase):
+class SpokenTo(RobotTest):
     """Each test begins with a robot that is active; `heard` holds what was decided since then."""
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.robot, cls.microphone, cls.heard = RobotClient(), Microphone(), []
+        super().setUpClass()
+        cls.microphone, cls.heard = Microphone(), []
         rospy.Subscriber("voice_assist/utterance", Utterance, cls.heard.append)
         cls.robot.start_fresh()
         end = rospy.get_time() + READY
@@ -65,7 +65,7 @@ class SpokenTo(unittest.TestCase):
     @classmethod
     def tearDownClass(cls) -> None:
         cls.microphone.timer.shutdown()
-        cls.robot.leave()
+        super().tearDownClass()
 
     def setUp(self) -> None:
         self.robot.start_fresh()

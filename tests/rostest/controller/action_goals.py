@@ -2,31 +2,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The action server: every kind of ending, and feedback on the way."""
 
-import sys
-import unittest
-
 import actionlib
 import rospy
-import rostest
 from actionlib.action_client import CommState
 from actionlib_msgs.msg import GoalStatus
 
 from rst_control.msg import AssistAction, AssistGoal
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 
 
-class ActionGoals(unittest.TestCase):
+class ActionGoals(RobotTest):
     """Goals go through the same verification and motion as commands in words."""
 
     @classmethod
     def setUpClass(cls):
-        cls.robot = RobotClient()
+        super().setUpClass()
         cls.client = actionlib.SimpleActionClient("rst_control/execute", AssistAction)
         assert cls.client.wait_for_server(rospy.Duration(30))
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.robot.leave()
 
     def send(self, **goal):
         self.feedback = []
@@ -79,5 +71,4 @@ class ActionGoals(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("action_goals")
-    rostest.rosrun("rst_control", "action_goals", ActionGoals, sys.argv)
+    run_tests(ActionGoals, "action_goals")

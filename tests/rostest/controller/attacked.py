@@ -3,17 +3,14 @@
 """Messages of a stranger on every topic, a cancel and a goal at once, a second controller."""
 
 import subprocess
-import sys
-import unittest
 
 import rosgraph
 import roslib.message
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalID
 
 from rst_control.msg import AssistActionGoal, AssistActionResult
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 
 NODES = ("/controller", "/robot")
 STOPS = ("/rst_control/stop", "/rst_control/execute/cancel")  # anybody may stop
@@ -38,21 +35,17 @@ def plausible(kind):
     return message
 
 
-class Attacked(unittest.TestCase):
+class Attacked(RobotTest):
     """In the order of their names, on one robot."""
 
     @classmethod
     def setUpClass(cls):
-        cls.robot = RobotClient()
+        super().setUpClass()
         cls.goal = rospy.Publisher("rst_control/execute/goal", AssistActionGoal, queue_size=5)
         cls.cancel = rospy.Publisher("rst_control/execute/cancel", GoalID, queue_size=5)
         cls.results = []  # whose sender does not hear of its end is no goal
         rospy.Subscriber("rst_control/execute/result", AssistActionResult, cls.results.append)
         cls.robot.wait(lambda: cls.goal.get_num_connections() and cls.cancel.get_num_connections())
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.robot.leave()
 
     def flood(self):
         """Publish on every topic that the system hears but those of a stop; returns which."""
@@ -146,5 +139,4 @@ class Attacked(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("attacked")
-    rostest.rosrun("rst_control", "attacked", Attacked, sys.argv)
+    run_tests(Attacked, "attacked")

@@ -2,24 +2,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Somebody changes a setting on the parameter server while the system runs."""
 
-import sys
-import unittest
-
 import rospy
-import rostest
 
 from rst_control.msg import ReasonCode
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 
 LIMIT = "controller/controller/tension/limit"
 
 
-class ChangedSettings(unittest.TestCase):
+class ChangedSettings(RobotTest):
     """The tests run in the order of their names and build on one robot."""
 
     @classmethod
     def setUpClass(cls):
-        cls.robot = RobotClient()
+        super().setUpClass()
         cls.launched = rospy.get_param(LIMIT)
         cls.robot.start_fresh()
 
@@ -27,7 +23,7 @@ class ChangedSettings(unittest.TestCase):
     def tearDownClass(cls):
         rospy.set_param(LIMIT, cls.launched)
         rospy.delete_param("robot/pause")
-        cls.robot.leave()
+        super().tearDownClass()
 
     def test_1_a_changed_setting_latches_and_is_named(self):
         rospy.set_param(LIMIT, 24.0)
@@ -52,5 +48,4 @@ class ChangedSettings(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("changed_settings")
-    rostest.rosrun("rst_control", "changed_settings", ChangedSettings, sys.argv)
+    run_tests(ChangedSettings, "changed_settings")

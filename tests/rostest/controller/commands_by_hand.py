@@ -2,26 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Each command, given by the service alone, and what the simulated robot does about it."""
 
-import sys
-import unittest
-
 import rospy
-import rostest
 
 from rst_control.srv import Command, CommandRequest
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 
 
-class CommandsByHand(unittest.TestCase):
+class CommandsByHand(RobotTest):
     """The tests run in the order of their names and build on one robot."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.robot = RobotClient()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.robot.leave()
 
     def test_1_nothing_moves_before_hey_robot(self):
         for command in ("tense", "release", "pull more", "pull less", "terminate"):
@@ -100,5 +88,4 @@ class CommandsByHand(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("commands_by_hand")
-    rostest.rosrun("rst_control", "commands_by_hand", CommandsByHand, sys.argv)
+    run_tests(CommandsByHand, "commands_by_hand")

@@ -3,12 +3,9 @@
 """A client of CRTK sees the arm, brakes it, and asks for it; one that is not named only brakes."""
 
 import subprocess
-import sys
-import unittest
 
 import numpy as np
 import rospy
-import rostest
 from crtk_msgs.msg import StringStamped
 from crtk_msgs.msg import operating_state as operating_state_message
 from geometry_msgs.msg import PoseStamped, TwistStamped
@@ -16,7 +13,7 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.robot_model import parse_robot
 from rst_control.types import JOINTS
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 
 
 def stranger_gives(word):
@@ -25,12 +22,12 @@ def stranger_gives(word):
     subprocess.run(["rostopic", "pub", "-1", *given], check=True, stdout=subprocess.DEVNULL)
 
 
-class Crtk(unittest.TestCase):
+class Crtk(RobotTest):
     """Enabled, moved, paused, disabled."""
 
     @classmethod
     def setUpClass(cls):
-        cls.robot = RobotClient()
+        super().setUpClass()
         cls.shown, cls.warnings = operating_state_message(), []
         cls.pose, cls.twist = PoseStamped(), TwistStamped()
 
@@ -43,10 +40,6 @@ class Crtk(unittest.TestCase):
         rospy.Subscriber("gen3/warning", StringStamped, lambda m: cls.warnings.append(m.string))
         cls.commands = rospy.Publisher("gen3/state_command", StringStamped, queue_size=10)
         cls.robot.wait(lambda: cls.commands.get_num_connections() and cls.pose.header.frame_id)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.robot.leave()
 
     def give(self, word):
         self.commands.publish(StringStamped(string=word))
@@ -106,5 +99,4 @@ class Crtk(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("crtk_test")
-    rostest.rosrun("rst_control", "crtk_test", Crtk, sys.argv)
+    run_tests(Crtk, "crtk_test")

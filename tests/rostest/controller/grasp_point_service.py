@@ -2,28 +2,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The grasp point set at the site: in another frame, by a tracker, and by the tip's place."""
 
-import sys
-import unittest
-
 import numpy as np
 import rospy
-import rostest
 from geometry_msgs.msg import Point, PointStamped, TransformStamped, Vector3
 from tf2_msgs.msg import TFMessage
 
 from rst_control.srv import SetGraspPoint
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 
 CAMERA = np.array([0.3, 0.1, 0.9])  # [m] of a camera that looks straight down, x along the base's
 ASIDE = 0.008  # [m] along the tissue's edge, to the next node
 
 
-class GraspPointService(unittest.TestCase):
+class GraspPointService(RobotTest):
     """The tests run in the order of their names and build on one robot."""
 
     @classmethod
     def setUpClass(cls):
-        cls.robot = RobotClient()
+        super().setUpClass()
         cls.heard = []
         cls.topic = rospy.Subscriber("rst_control/grasp_point", PointStamped, cls.heard.append)
         rospy.wait_for_service("rst_control/set_grasp_point", 60.0)
@@ -42,7 +38,7 @@ class GraspPointService(unittest.TestCase):
     def tearDownClass(cls):
         cls.robot.start_fresh()
         assert cls.service(position=Point(*cls.first)).accepted
-        cls.robot.leave()
+        super().tearDownClass()
 
     @classmethod
     def published(cls):
@@ -100,5 +96,4 @@ class GraspPointService(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("grasp_point_service")
-    rostest.rosrun("rst_control", "grasp_point_service", GraspPointService, sys.argv)
+    run_tests(GraspPointService, "grasp_point_service")

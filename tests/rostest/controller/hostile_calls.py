@@ -7,19 +7,16 @@ How well the loop keeps its times meanwhile is measured by bench/safety/flood.py
 
 import random
 import struct
-import sys
-import unittest
 from contextlib import ExitStack, suppress
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, String, Time
 
 from rst_control.msg import AssistActionGoal
 from support.raw_peer import Flood, Peer, process_of, resident_memory
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 
 FLOOD_TIME = 2.0  # [s]
 GROWTH = 60.0  # [MB] that the controller may hold more after a second flood than after the first
@@ -42,20 +39,16 @@ def junk(kind, rng):
     return Junk
 
 
-class HostileCalls(unittest.TestCase):
+class HostileCalls(RobotTest):
     """The tests run in the order of their names and build on one robot."""
 
     @classmethod
     def setUpClass(cls):
         cls.strangers = ""
-        cls.robot = RobotClient()
+        super().setUpClass()
         cls.ticks = []
         cls.diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, cls.take_diagnostics)
         cls.process = process_of("controller")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.robot.leave()
 
     @classmethod
     def take_diagnostics(cls, array):
@@ -191,5 +184,4 @@ class HostileCalls(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("hostile_calls")
-    rostest.rosrun("rst_control", "hostile_calls", HostileCalls, sys.argv)
+    run_tests(HostileCalls, "hostile_calls")

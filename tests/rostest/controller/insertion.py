@@ -2,25 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The tool goes out and in by hand, by the service alone; that a voice may not: lost_nodes.py."""
 
-import sys
-import unittest
-
-import rospy
-import rostest
-
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 
 
-class Insertion(unittest.TestCase):
+class Insertion(RobotTest):
     """The tests run in the order of their names and build on one robot."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.robot = RobotClient()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.robot.leave()
 
     def test_1_a_stop_half_way_out_latches_and_hey_robot_lets_it_go_on(self):
         self.robot.start_fresh()
@@ -52,5 +38,4 @@ class Insertion(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("insertion")
-    rostest.rosrun("rst_control", "insertion", Insertion, sys.argv)
+    run_tests(Insertion, "insertion")

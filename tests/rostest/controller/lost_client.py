@@ -5,29 +5,20 @@
 import signal
 import subprocess
 import sys
-import unittest
 
 import actionlib
 import rospy
 import rostest
 
 from rst_control.msg import AssistAction, AssistGoal
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest
 
 CLIENT = "--client"
 WAIT = 60.0  # [s] for the client to find the controller
 
 
-class LostClient(unittest.TestCase):
+class LostClient(RobotTest):
     """The kernel's word, or the closed connection, is enough."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.robot = RobotClient()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.robot.leave()
 
     def set_off(self):
         """Let another process send a goal that moves the robot; gives that process."""

@@ -7,16 +7,14 @@ This test bears the name of the voice node, for the controller knows spoken comm
 
 import os
 import signal
-import sys
 import unittest
 from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
-import rostest
 from std_msgs.msg import Time
 
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotClient, run_tests
 
 
 class LostNodes(unittest.TestCase):
@@ -87,5 +85,4 @@ class LostNodes(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("voice_assist")
-    rostest.rosrun("rst_control", "voice_assist", LostNodes, sys.argv)
+    run_tests(LostNodes, "voice_assist")

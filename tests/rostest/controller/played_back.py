@@ -5,18 +5,14 @@
 It moves nothing, unlatches nothing and is named, whether it bears its own name or claims others'.
 """
 
-import sys
-import unittest
-
 import actionlib
 import rosgraph
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import JointState
 
 from rst_control.msg import AssistAction, AssistGoal
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 from tests.support.stranger import NAME, Copies, playing
 from typed_config.ros.known_publishers import KnownPublishers
 
@@ -32,12 +28,12 @@ def heard_topics():
     return {topic for topic, nodes in subscribers if SYSTEM & set(nodes)} - HALTS - {"/clock"}
 
 
-class PlayedBack(unittest.TestCase):
+class PlayedBack(RobotTest):
     """The tests run in the order of their names and play what was recorded at the start."""
 
     @classmethod
     def setUpClass(cls):
-        cls.robot = RobotClient()
+        super().setUpClass()
         cls.joints = None
         KnownPublishers().subscribe("joint_states", JointState, cls.take_joints, ["/robot"])
         cls.strangers = {}
@@ -59,12 +55,8 @@ class PlayedBack(unittest.TestCase):
         kept = [p for places in of_topic.values() for p in places[:: -(-len(places) // KEPT)]]
         cls.messages = [copies.messages[place] for place in sorted(kept)]
         cls.topics = set(of_topic)
-        cls.robot.leave()
+        super().tearDownClass()
         cls.robot.wait(lambda: max(map(abs, cls.joints.velocity)) < 1e-4)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.robot.leave()
 
     @classmethod
     def take_joints(cls, message):
@@ -133,5 +125,4 @@ class PlayedBack(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("played_back")
-    rostest.rosrun("rst_control", "played_back", PlayedBack, sys.argv)
+    run_tests(PlayedBack, "played_back")

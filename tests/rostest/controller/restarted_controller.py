@@ -4,17 +4,15 @@
 
 import os
 import signal
-import sys
 import unittest
 from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
-import rostest
 from geometry_msgs.msg import Point
 
 from rst_control.srv import SetGraspPoint
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotClient, run_tests
 
 FINGERS = slice(8, 10)
 HALF_OPEN = (0.03, 0.055)  # [rad]: no longer closed, and tissue is still held
@@ -65,5 +63,4 @@ class RestartedController(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("restarted_controller")
-    rostest.rosrun("rst_control", "restarted_controller", RestartedController, sys.argv)
+    run_tests(RestartedController, "restarted_controller")

@@ -4,15 +4,13 @@
 
 import os
 import signal
-import sys
 import unittest
 from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
-import rostest
 
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotClient, run_tests
 
 
 class RobotAlone(unittest.TestCase):
@@ -31,5 +29,4 @@ class RobotAlone(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("robot_alone")
-    rostest.rosrun("rst_control", "robot_alone", RobotAlone, sys.argv)
+    run_tests(RobotAlone, "robot_alone")

@@ -2,31 +2,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Stop by service, by topic and by action cancel, in the middle of a motion."""
 
-import sys
-import unittest
-
 import actionlib
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
 from std_msgs.msg import Empty
 
 from rst_control.msg import AssistAction, AssistGoal
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 
 
-class StopInMotion(unittest.TestCase):
+class StopInMotion(RobotTest):
     """Each test sets the robot moving, stops it and looks whether it stays stopped."""
 
     @classmethod
     def setUpClass(cls):
-        cls.robot = RobotClient()
+        super().setUpClass()
         cls.client = actionlib.SimpleActionClient("rst_control/execute", AssistAction)
         assert cls.client.wait_for_server(rospy.Duration(30))
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.robot.leave()
 
     def setUp(self):
         self.robot.start_fresh()
@@ -91,5 +83,4 @@ class StopInMotion(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("stop_in_motion")
-    rostest.rosrun("rst_control", "stop_in_motion", StopInMotion, sys.argv)
+    run_tests(StopInMotion, "stop_in_motion")

@@ -2,12 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The trocar set by service while the system runs, and the motion that then goes through it."""
 
-import sys
-import unittest
-
 import numpy as np
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, PointStamped
 
@@ -15,18 +11,18 @@ from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.rcm import rcm_error_vector
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.srv import SetTrocar
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 
 ASIDE = 4e-4  # [m] of the new trocar from the shaft
 SEATED = 50e-6  # [m] that the shaft may be off a trocar it goes through
 
 
-class TrocarService(unittest.TestCase):
+class TrocarService(RobotTest):
     """The tests run in the order of their names and build on one robot."""
 
     @classmethod
     def setUpClass(cls):
-        cls.robot = RobotClient()
+        super().setUpClass()
         cls.heard = []
         cls.topic = rospy.Subscriber("rst_control/trocar", PointStamped, cls.heard.append)
         rospy.wait_for_service("rst_control/set_trocar", 60.0)
@@ -38,7 +34,7 @@ class TrocarService(unittest.TestCase):
     def tearDownClass(cls):
         cls.robot.start_fresh()
         assert cls.service(Point(*cls.first)).accepted
-        cls.robot.leave()
+        super().tearDownClass()
 
     @classmethod
     def published(cls):
@@ -130,5 +126,4 @@ class TrocarService(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("trocar_service")
-    rostest.rosrun("rst_control", "trocar_service", TrocarService, sys.argv)
+    run_tests(TrocarService, "trocar_service")

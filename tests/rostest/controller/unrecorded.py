@@ -2,15 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Without a recorder, by the setting `ignore`: everything works, and it was said once."""
 
-import sys
 import unittest
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Log
 
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotClient, run_tests
 
 
 class Unrecorded(unittest.TestCase):
@@ -37,5 +35,4 @@ class Unrecorded(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("unrecorded")
-    rostest.rosrun("rst_control", "unrecorded", Unrecorded, sys.argv)
+    run_tests(Unrecorded, "unrecorded")

@@ -7,16 +7,14 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 from sensor_msgs.msg import JointState
 
 from tests.support.doc_lines import all_lines, marker_of
-from tests.support.robot_client import START_LIMIT, RobotClient
+from tests.support.robot_client import START_LIMIT, RobotClient, run_tests
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -110,5 +108,4 @@ class DocExamples(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("doc_examples")
-    rostest.rosrun("rst_control", "doc_examples", DocExamples, sys.argv)
+    run_tests(DocExamples, "doc_examples")

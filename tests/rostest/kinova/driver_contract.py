@@ -2,13 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the bridge relies on of the drivers of arm and tool, be they real or stood in for."""
 
-import sys
 import time
 import unittest
 
 import numpy as np
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
 from driver_client import MOVED, NAMES, STILL, DriverClient, wrapped
 from openrst_control.srv import openrst_request
@@ -16,6 +14,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, Int32MultiArray
 
 from support.waiting import wait_until
+from tests.support.robot_client import run_tests
 
 ANGLE = 0.007  # [rad] (0.4 deg) that one joint is moved, at most
 SPEED = 0.005  # [rad/s] at which it is turned
@@ -279,5 +278,4 @@ def suite() -> unittest.TestSuite:
 
 
 if __name__ == "__main__":
-    rospy.init_node("driver_contract")
-    rostest.rosrun("rst_control", "driver_contract", "driver_contract.suite", sys.argv)
+    run_tests("driver_contract.suite", "driver_contract")

@@ -4,12 +4,10 @@
 
 import os
 import signal
-import sys
 import unittest
 
 import numpy as np
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from kortex_driver.msg import BaseCyclic_Feedback, BaseFeedback
 from sensor_msgs.msg import JointState
@@ -22,7 +20,7 @@ from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.types import JOINTS
 from support.raw_peer import process_of
-from tests.support.robot_client import START_LIMIT, RobotClient
+from tests.support.robot_client import START_LIMIT, RobotClient, run_tests
 
 TROCAR = np.array([0.406, -0.024, 0.415])
 RCM = 1e-3  # [m] the limit; how far the arm lags depends on when the machine lets the bridge run
@@ -206,5 +204,4 @@ class KinovaSession(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("kinova_session")
-    rostest.rosrun("rst_control", "kinova_session", KinovaSession, sys.argv)
+    run_tests(KinovaSession, "kinova_session")

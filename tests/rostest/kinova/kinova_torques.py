@@ -2,16 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pulls through the bridge by a tension that is told from the arm's own noisy torques."""
 
-import sys
 import unittest
 
 import rospy
-import rostest
 from geometry_msgs.msg import WrenchStamped
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
 
-from tests.support.robot_client import START_LIMIT, Halted, RobotClient
+from tests.support.robot_client import START_LIMIT, Halted, RobotClient, run_tests
 
 ROUGH = 0.6  # [N] by which a pull led by noisy torques may miss; what they are worth says the bench
 CLOSE = 0.5  # [N] by which the estimate may be off, at rest
@@ -105,5 +103,4 @@ class KinovaTorques(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("kinova_torques")
-    rostest.rosrun("rst_control", "kinova_torques", KinovaTorques, sys.argv)
+    run_tests(KinovaTorques, "kinova_torques")

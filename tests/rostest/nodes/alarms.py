@@ -2,17 +2,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The alarm node's wiring: what comes in by topic goes out as an alarm and as a marker."""
 
-import sys
 import unittest
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_msgs.msg import Bool, Empty
 from visualization_msgs.msg import Marker
 
 from rst_control.msg import ControllerState, Event, ReasonCode
 from support.waiting import wait_until
+from tests.support.robot_client import run_tests
 from voice_assist.msg import Alarm, Utterance
 from voice_assist.text.phonetic_distance import can_pronounce
 
@@ -146,5 +145,4 @@ class Alarms(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("alarms_test")
-    rostest.rosrun("rst_control", "alarms_test", Alarms, sys.argv)
+    run_tests(Alarms, "alarms_test")

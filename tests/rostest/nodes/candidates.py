@@ -3,14 +3,13 @@
 """Commands that the voice node took are passed on as speech_recognition_msgs, nothing else is."""
 
 import subprocess
-import sys
 import unittest
 
 import rospy
-import rostest
 from speech_recognition_msgs.msg import SpeechRecognitionCandidates
 
 from support.waiting import wait_until
+from tests.support.robot_client import run_tests
 from voice_assist.msg import Utterance
 
 
@@ -35,5 +34,4 @@ class Candidates(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("candidates_test")
-    rostest.rosrun("rst_control", "candidates_test", Candidates, sys.argv)
+    run_tests(Candidates, "candidates_test")

@@ -9,13 +9,13 @@ import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalID, GoalStatus
 from std_msgs.msg import Bool, Empty, Float64
 from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.msg import AssistActionGoal, AssistActionResult
 from support.waiting import wait_until
+from tests.support.robot_client import run_tests
 from voice_assist.config.devices import DeviceCallConfig
 from voice_assist.msg import DeviceCall, Utterance
 from voice_assist.ros.devices.targets import make_target
@@ -138,5 +138,4 @@ class Devices(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("voice_assist")
-    rostest.rosrun("rst_control", "voice_assist", Devices, sys.argv)
+    run_tests(Devices, "voice_assist")

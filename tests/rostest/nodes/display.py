@@ -3,16 +3,15 @@
 """The operator's page: what comes in by topic is served, and its stop goes out by topic."""
 
 import json
-import sys
 import unittest
 from urllib.request import Request, urlopen
 
 import rospy
-import rostest
 from std_msgs.msg import Empty
 
 from rst_control.msg import ControllerState
 from support.waiting import wait_until
+from tests.support.robot_client import run_tests
 
 WITHIN = 10.0  # [s] for an answer
 
@@ -57,5 +56,4 @@ class Display(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("display_test")
-    rostest.rosrun("rst_control", "display_test", Display, sys.argv)
+    run_tests(Display, "display_test")

@@ -4,15 +4,14 @@
 
 import os
 import shutil
-import sys
 import threading
 import unittest
 from pathlib import Path
 
 import numpy as np
 import rospy
-import rostest
 
+from tests.support.robot_client import run_tests
 from voice_assist.msg import AudioChunk, Mode
 from voice_assist.srv import Enroll
 from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
@@ -120,5 +119,4 @@ class EnrolmentByService(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("enrolment_test")
-    rostest.rosrun("rst_control", "enrolment", EnrolmentByService, sys.argv)
+    run_tests(EnrolmentByService, "enrolment_test")

@@ -6,7 +6,6 @@ import asyncio
 import json
 import re
 import struct
-import sys
 import unittest
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,11 +14,11 @@ import aiohttp
 import roslib.message
 import rospy
 import rosservice
-import rostest
 from std_msgs.msg import String
 
 from rst_control.msg import Event
 from support.waiting import PATIENCE, wait_until
+from tests.support.robot_client import run_tests
 
 PROTOCOL = "foxglove.sdk.v1"
 MESSAGE = 1  # opcode of a message
@@ -176,5 +175,4 @@ class Foxglove(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("foxglove_test")
-    rostest.rosrun("rst_control", "foxglove_test", Foxglove, sys.argv)
+    run_tests(Foxglove, "foxglove_test")

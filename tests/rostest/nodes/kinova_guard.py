@@ -2,17 +2,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The stop guard's wiring: beats in, stops out."""
 
-import sys
 import time
 import unittest
 
 import rospy
-import rostest
 from kortex_driver.msg import Base_JointSpeeds
 from std_msgs.msg import Empty
 
 from rst_control.msg import BridgeBeat
 from support.waiting import wait_until
+from tests.support.robot_client import run_tests
 
 
 class KinovaGuard(unittest.TestCase):
@@ -64,5 +63,4 @@ class KinovaGuard(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("stop_guard")
-    rostest.rosrun("rst_control", "stop_guard", KinovaGuard, sys.argv)
+    run_tests(KinovaGuard, "stop_guard")

@@ -2,11 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The pedal node with a joy on a topic; this plays the controller."""
 
-import sys
 import unittest
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool, Empty
@@ -14,6 +12,7 @@ from std_msgs.msg import Bool, Empty
 from rst_control.msg import ControllerState
 from rst_control.srv import Command, CommandResponse
 from support.waiting import wait_until
+from tests.support.robot_client import run_tests
 
 REST, HELD = -1.0, 1.0  # of the dead-man's axis
 
@@ -92,5 +91,4 @@ class Pedal(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("pedal_test")
-    rostest.rosrun("rst_control", "pedal_test", Pedal, sys.argv)
+    run_tests(Pedal, "pedal_test")

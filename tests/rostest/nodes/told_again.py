@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A subscriber that misses the master's notice of a publisher gets it from master_failover."""
 
-import sys
 import threading
 import time
 import unittest
@@ -10,10 +9,10 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
 import rosgraph
 import rospy
-import rostest
 from std_msgs.msg import Bool
 
 from support.waiting import wait_until
+from tests.support.robot_client import run_tests
 
 TOPIC = "/told_again/news"
 
@@ -54,5 +53,4 @@ def registered():
 
 
 if __name__ == "__main__":
-    rospy.init_node("told_again")
-    rostest.rosrun("rst_control", "told_again", ToldAgain, sys.argv)
+    run_tests(ToldAgain, "told_again")

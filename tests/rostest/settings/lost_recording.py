@@ -11,12 +11,11 @@ import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotClient, run_tests
 from typed_config import load_yaml
 
 PACKAGE = Path(__file__).resolve().parents[3] / "catkin_ws" / "src" / "session_log"
@@ -140,5 +139,4 @@ class LostRecording(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("lost_recording")
-    rostest.rosrun("rst_control", "lost_recording", LostRecording, sys.argv)
+    run_tests(LostRecording, "lost_recording")

@@ -2,13 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pivot calibration on the running system: the shaft is tilted in a trocar that nobody told."""
 
-import sys
 import unittest
 from dataclasses import replace
 
 import numpy as np
 import rospy
-import rostest
 from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty, String
@@ -20,7 +18,7 @@ from rst_control.kinematics.robot_model import load_robot
 from rst_control.registration.trocar_context import TrocarContext
 from rst_control.srv import FitTrocar
 from rst_control.types import JOINTS
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotClient, run_tests
 
 TRUE = np.array([0.409, -0.026, 0.417])  # [m] where the trocar truly is; scene.yaml says elsewhere
 TILTS = ((0.0, 0.0), (0.025, 0.0), (-0.02, 0.0), (0.0, 0.025), (0.0, -0.025), (0.02, 0.02))  # [m]
@@ -153,5 +151,4 @@ class PivotCalibration(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("pivot_calibration")
-    rostest.rosrun("rst_control", "pivot_calibration", PivotCalibration, sys.argv)
+    run_tests(PivotCalibration, "pivot_calibration")

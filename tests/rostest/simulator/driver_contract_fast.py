@@ -6,18 +6,17 @@ It asks for nothing but `robot/servo_jp`, `robot/hold`, `robot/clear_fault`, `jo
 `robot/fault`, so whatever stands between the controller and a robot has to pass it, too.
 """
 
-import sys
 import threading
 import time
 import unittest
 
 import numpy as np
 import rospy
-import rostest
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty, String
 
 from support.waiting import wait_until
+from tests.support.robot_client import run_tests
 
 NAMES = [
     *(f"joint_{i}" for i in range(1, 8)),
@@ -166,5 +165,4 @@ class ControllerSide(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("driver_contract_fast")
-    rostest.rosrun("rst_control", "driver_contract_fast", ControllerSide, sys.argv)
+    run_tests(ControllerSide, "driver_contract_fast")

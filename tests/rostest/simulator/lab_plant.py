@@ -2,14 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A session with the simulated robot that is not ideal: its messages late, its joints off."""
 
-import sys
 import unittest
 
 import numpy as np
-import rospy
-import rostest
 
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotClient, run_tests
 
 STEP = 4.8e-5  # [rad] of the arm's encoders (plant.yaml)
 
@@ -29,5 +26,4 @@ class LabPlant(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("lab_plant")
-    rostest.rosrun("rst_control", "lab_plant", LabPlant, sys.argv)
+    run_tests(LabPlant, "lab_plant")

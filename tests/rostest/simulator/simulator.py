@@ -5,13 +5,11 @@
 What it makes of set-points: driver_contract_fast.py.
 """
 
-import sys
 import time
 import unittest
 
 import numpy as np
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import CompressedImage, JointState
@@ -19,6 +17,7 @@ from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
 
 from support.waiting import wait_until
+from tests.support.robot_client import run_tests
 
 LIMIT = 60.0  # [s] for whatever must happen on a loaded machine
 NAMES = [f"joint_{i}" for i in range(1, 8)] + [
@@ -80,5 +79,4 @@ class Simulator(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("simulator_test")
-    rostest.rosrun("rst_control", "simulator", Simulator, sys.argv)
+    run_tests(Simulator, "simulator_test")

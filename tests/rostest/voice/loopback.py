@@ -3,17 +3,15 @@
 """Every socket on which the system waits for peers is on loopback, as the kernel lists them."""
 
 import socket
-import sys
 import unittest
 from pathlib import Path
 from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
-import rostest
 
 from rst_control.host.listening_sockets import inodes_of, listeners, warnings
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotClient, run_tests
 
 NODES = {"/controller", "/robot", "/voice_assist", "/recorder", "/robot_state_publisher"}
 # Nodes in C++: the XML-RPC server of roscpp listens on every address, whatever ROS_IP says.
@@ -99,5 +97,4 @@ class Loopback(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rospy.init_node("loopback")
-    rostest.rosrun("rst_control", "loopback", Loopback, sys.argv)
+    run_tests(Loopback, "loopback")

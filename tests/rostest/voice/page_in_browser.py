@@ -7,14 +7,12 @@ import os
 import re
 import signal
 import sys
-import unittest
 from pathlib import Path
 from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rosnode
 import rospy
-import rostest
 from geometry_msgs.msg import Point, PointStamped
 
 from rst_control.config import load_simulation_config
@@ -23,18 +21,19 @@ from rst_control.srv import SetGraspPoint
 from rst_control.tissue.sheet import rest_points
 from support.browser import MISSING, Browser, find_browser
 from support.waiting import wait_until
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import RobotTest, run_tests
 from tests.support.spoken_topic import Microphone
 from voice_assist.msg import Utterance
 from voice_assist.ros.display.endoscope import camera_of
 
 
-class PageInBrowser(unittest.TestCase):
+class PageInBrowser(RobotTest):
     """One browser looks on while the session runs."""
 
     @classmethod
     def setUpClass(cls):
-        cls.robot, cls.microphone, cls.heard = RobotClient(), Microphone(), []
+        super().setUpClass()
+        cls.microphone, cls.heard = Microphone(), []
         rospy.Subscriber("voice_assist/utterance", Utterance, cls.heard.append)
         wait_until(lambda: rospy.has_param("display/page"))
         cls.loop = asyncio.Runner()
@@ -47,7 +46,7 @@ class PageInBrowser(unittest.TestCase):
         cls.loop.run(cls.browser.__aexit__())
         cls.loop.close()
         cls.microphone.timer.shutdown()
-        cls.robot.leave()
+        super().tearDownClass()
 
     @classmethod
     def ask(cls, script):
@@ -168,5 +167,4 @@ if __name__ == "__main__":
     if not find_browser():
         print(f"skipped: {MISSING}")
         sys.exit()
-    rospy.init_node("page_in_browser")
-    rostest.rosrun("rst_control", "page_in_browser", PageInBrowser, sys.argv)
+    run_tests(PageInBrowser, "page_in_browser")

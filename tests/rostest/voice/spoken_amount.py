@@ -2,11 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From the sound of an amount to a robot that goes for it, and near misses that move nothing."""
 
-import sys
-
-import rospy
-import rostest
-
+from tests.support.robot_client import run_tests
 from tests.support.spoken_topic import SpokenTo
 
 SAID, SENT, TARGET = "tension one point five", "tense 1.5 N", 1.5  # [N]
@@ -37,5 +33,4 @@ class SpokenAmount(SpokenTo):
 
 
 if __name__ == "__main__":
-    rospy.init_node("spoken_amount")
-    rostest.rosrun("rst_control", "spoken_amount", SpokenAmount, sys.argv)
+    run_tests(SpokenAmount, "spoken_amount")

@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From sound to a robot that stops, or does not: the same sentences at rest and in motion."""
 
-import sys
 from contextlib import suppress
 
 import rospy
-import rostest
 
+from tests.support.robot_client import run_tests
 from tests.support.spoken_topic import SpokenTo
 from voice_assist.msg import Mode
 
@@ -61,5 +60,4 @@ class StopInASentence(SpokenTo):
 
 
 if __name__ == "__main__":
-    rospy.init_node("stop_in_a_sentence")
-    rostest.rosrun("rst_control", "stop_in_a_sentence", StopInASentence, sys.argv)
+    run_tests(StopInASentence, "stop_in_a_sentence")
