@@ -55,7 +55,7 @@ class PlayedBack(RobotTest):
         kept = [p for places in of_topic.values() for p in places[:: -(-len(places) // KEPT)]]
         cls.messages = [copies.messages[place] for place in sorted(kept)]
         cls.topics = set(of_topic)
-        super().tearDownClass()
+        cls.robot.leave()
         cls.robot.wait(lambda: max(map(abs, cls.joints.velocity)) < 1e-4)
 
     @classmethod
