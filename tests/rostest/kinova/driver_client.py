@@ -107,7 +107,10 @@ class DriverClient:
     def finish(self, handle, limit: float = LIMIT):
         """Wait for the end of a goal; returns its status and result."""
         wait_until(lambda: handle.get_goal_status() in ENDS, "the goal never ended", limit)
-        return handle.get_goal_status(), handle.get_result()
+        status = handle.get_goal_status()
+        if status != GoalStatus.REJECTED:  # the result comes after the status, by a topic of its own
+            wait_until(handle.get_result, "the goal has no result", limit)
+        return status, handle.get_result()
 
     def first_motion(self, since: float, start) -> float | None:
         """Seconds after `since` at which a joint was away from `start`; None: never."""
