@@ -13,44 +13,94 @@ from collections import Counter
 from pathlib import Path
 
 from support.waiting import wait_until
-from tests.support.ros_host import ROSTEST
+from tests.support.ros_host import ROOT, ROSTEST
 
+JUMPS = {"both": (0.3, 30.0, -3.0), "robot": (30.0, -3.0), "controller": (30.0, -3.0)}  # [s]
 PROGRAMS = Path(__file__).parent / "programs"
 CLOCK = PROGRAMS / "other_clock"
+RST_CONTROL = ROOT / "catkin_ws" / "src" / "rst_control"
+KINOVA = ROSTEST / "kinova"
 STEP = 5e-3  # [rad] that no joint goes from one joint state to the next, 2 ms later
 HELD = 1e-5  # [rad] that it may go while it is held
 RCM = 1e-5  # [m]
 
 
 def test_at_worst_it_holds_names_it_and_goes_on_after_hey_robot(host, tmp_path):
-    results, clocks = tmp_path / "seen.json", {n: tmp_path / n for n in ("robot", "controller")}
-    path = f"{CLOCK}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+    clocks = {name: tmp_path / name for name in ("robot", "controller")}
     more = {"robot": {}, "controller": {"on_recording_loss": "ignore"}}
     host.start_master()
     for name, clock in clocks.items():
-        clock.write_text("0", encoding="utf-8")
         overrides = ROSTEST / f"patient_{name}.yaml"
-        beside = {"WALL_CLOCK": str(clock), "PYTHONPATH": path}
-        host.launch(name, beside, overrides=overrides, **more[name])
+        host.launch(name, clock_of(clock), overrides=overrides, **more[name])
+    found, said = witnessed(host, tmp_path, JUMPS, clocks.values())
+    assert Counter(one["whose"] for one in found) == {"both": 6, "robot": 4, "controller": 4}
+    for one in found:
+        assert one["drift"] < HELD and one["step"] < STEP and one["rcm"] < RCM, one
+    jumps = {f"{one['jump']:+.1f}" for one in found}
+    told = re.findall(r"the wall clock was set by (\S+) s", said)
+    assert {f"{float(one):+.1f}" for one in told} == jumps
+    assert {one["whose"] for one in found if one["state"] == "faulted"} == set(JUMPS)
+
+
+def test_a_kinova_arm_is_led_by_the_steady_clock(host, tmp_path):
+    """The clocks of its bridge, or of all nodes, are set."""
+    clocks = {name: tmp_path / name for name in ("kinova_bridge", "others")}
+    jumps = {"both": (30.0,), "robot": (30.0, -3.0)}
+    host.start_master()
+    settings = {
+        f"{name}_overrides": KINOVA / f"kinova_{file}.yaml"
+        for name, file in (
+            ("simulation", "robot"),
+            ("bridge", "bridge"),
+            ("controller", "controller"),
+        )
+    }
+    place = dict(zip(("trocar_x", "trocar_y", "trocar_z"), (0.406, -0.024, 0.415), strict=True))
+    off = dict.fromkeys(("voice", "alarms", "record"), "false")
+    limits = RST_CONTROL / "config" / "kinova_limits.yaml"
+    host.launch(
+        "kinova",
+        clock_of(clocks["others"], kinova_bridge=clocks["kinova_bridge"]),
+        simulate="true",
+        in_air="true",
+        speed_scale="1.0",
+        limits=limits,
+        **place,
+        **off,
+        **settings,
+    )
+    found, _ = witnessed(host, tmp_path, jumps, clocks.values())
+    assert Counter(one["whose"] for one in found) == {"both": 2, "robot": 4}
+    for one in found:
+        assert one["drift"] < 1e-4 and one["rcm"] < 1e-3, one
+
+
+def clock_of(file, **of_nodes):
+    """Variables for a launch whose nodes have a wall clock that can be set; some have their own."""
+    for each in (file, *of_nodes.values()):
+        each.write_text("0", encoding="utf-8")
+    more = {f"WALL_CLOCK_{name}": str(each) for name, each in of_nodes.items()}
+    path = f"{CLOCK}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+    return {"WALL_CLOCK": str(file), "PYTHONPATH": path, **more}
+
+
+def witnessed(host, folder, jumps, clocks):
+    """What the witness saw of each jump, and all that was printed."""
+    results = folder / "seen.json"
+    wait_until(lambda: host.is_found("/rst_control/command"), "a controller", limit=120.0)
     witness = host.start(
         sys.executable,
         str(PROGRAMS / "clock_witness.py"),
-        *map(str, clocks.values()),
+        json.dumps(jumps),
+        *map(str, clocks),
         str(results),
     )
     wait_until(lambda: witness.poll() is not None, "a robot that was watched", limit=240.0)
     said = host.said()
     assert witness.returncode == 0, said[-3000:]
     found = json.loads(results.read_text(encoding="utf-8"))
-    assert Counter(one["whose"] for one in found) == {"both": 6, "robot": 4, "controller": 4}
     for one in found:
         assert one["state"] in ("moving", "active", "halted", "faulted"), one
         assert one["reason"] or one["state"] in ("moving", "active"), one
         assert 'say "hey robot"' in one["refused"], one
-        assert one["drift"] < HELD and one["step"] < STEP and one["rcm"] < RCM, one
-    jumps = {f"{one['jump']:+.1f}" for one in found}
-    told = re.findall(r"the wall clock was set by (\S+) s", said)
-    assert {f"{float(one):+.1f}" for one in told} == jumps
-    assert {one["whose"] for one in found if one["state"] == "faulted"} == {
-        *("both", "robot", "controller")
-    }
+    return found, said

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sets the wall clock of running nodes in mid-motion, and writes down what the robot did.
 
-Arguments: the files that say how far the clocks of robot and controller are off (`other_clock`),
-and the file to write.
+Arguments: the jumps of each clock in JSON, the files that say how far the clocks of robot and
+controller are off (`other_clock`), and the file to write. A tool that has to be homed is homed, and
+the first motion confirmed.
 """
 
 import json
@@ -12,23 +13,21 @@ from pathlib import Path
 
 import numpy as np
 import rospy
+import rosservice
 from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
 
 from tests.support.robot_client import RobotClient
 
 WHOSE = {"both": (1.0, 1.0), "robot": (1.0, 0.0), "controller": (0.0, 1.0)}  # shares of a jump
-JUMPS = {  # [s] each in a motion, and back again at rest
-    "both": (0.3, 30.0, -3.0),
-    "robot": (30.0, -3.0),
-    "controller": (30.0, -3.0),
-}
 MOVING = 5e-3  # [rad/s] of the fastest joint, in whose midst the clock is set
 RESTING = 1e-4  # [rad] in half a second
 WATCHED = 1.0  # [s] after that, twice as long as the oldest joint states that are believed
 
 
 def main() -> None:
-    *clocks, results = map(Path, sys.argv[1:])
+    jumps_of = json.loads(sys.argv[1])  # [s] each in a motion, and back again at rest
+    *clocks, results = map(Path, sys.argv[2:])
     rospy.init_node("clock_witness")
     seen = []
     rospy.Subscriber(
@@ -36,10 +35,12 @@ def main() -> None:
     )
     robot = RobotClient()
     found = []
-    for whose, jump in [(name, jump) for name, jumps in JUMPS.items() for jump in jumps]:
+    if rospy.resolve_name("robot/home_tool") in rosservice.get_service_list():
+        prepare(robot)
+    for whose, jump in [(name, jump) for name, jumps in jumps_of.items() for jump in jumps]:
         robot.start_fresh()
         robot.say("tense")
-        robot.wait(lambda: robot.state.state == "moving" and robot.speed() > MOVING)
+        robot.wait(lambda: robot.state.phase == "reach" and robot.speed() > MOVING)
         for at in (jump, 0.0):
             seen.clear()
             for clock, share in zip(clocks, WHOSE[whose], strict=True):
@@ -49,6 +50,18 @@ def main() -> None:
     robot.start_fresh()
     robot.say_and_finish("tense")
     results.write_text(json.dumps(found), encoding="utf-8")
+
+
+def prepare(robot: RobotClient) -> None:
+    """Home the tool, and confirm that the first motion is safe."""
+    confirm = rospy.ServiceProxy("rst_control/confirm", Trigger)
+    home_tool = rospy.ServiceProxy("robot/home_tool", Trigger)
+    home_tool()
+    confirm()
+    robot.wait(lambda: home_tool().success)
+    robot.activate()
+    robot.refused("tense")  # the way is shown
+    robot.wait(lambda: confirm().success)
 
 
 def put_off(clock: Path, seconds: float) -> None:

@@ -108,7 +108,9 @@ class DriverClient:
         """Wait for the end of a goal; returns its status and result."""
         wait_until(lambda: handle.get_goal_status() in ENDS, "the goal never ended", limit)
         status = handle.get_goal_status()
-        if status != GoalStatus.REJECTED:  # the result comes after the status, by a topic of its own
+        if (
+            status != GoalStatus.REJECTED
+        ):  # the result comes after the status, by a topic of its own
             wait_until(handle.get_result, "the goal has no result", limit)
         return status, handle.get_result()
 

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Python reads this at its start where the folder is on PYTHONPATH: a wall clock that can be set.
 
-The file named by WALL_CLOCK holds how far it is ahead of the machine's [s]. The steady clock stays.
+The file named by WALL_CLOCK holds how far it is ahead of the machine's [s]. WALL_CLOCK_<node>
+names that of one node. The steady clock stays.
 """
 
 import os
+import sys
 import time
 from pathlib import Path
 
-_FILE = Path(os.environ["WALL_CLOCK"])
+_NODE = next((word[8:] for word in sys.orig_argv if word.startswith("__name:=")), "")
+_FILE = Path(os.environ.get(f"WALL_CLOCK_{_NODE}") or os.environ["WALL_CLOCK"])
 _REAL = time.time_ns
 
 
