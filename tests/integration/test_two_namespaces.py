@@ -57,6 +57,7 @@ def test_a_recording_has_the_names_and_the_nodes_of_its_system_alone(sessions, s
     assert {STATE, URDF, "/joint_states", "/rst_control/event", *SHARED} <= set(topics)
     other = [topic for topic in topics if topic.startswith(("/left", "/right"))]
     names = set().union(*topics.values()) - {"", "/rosout"}
+    names = {name for name in names if not name.startswith("/rosservice_")}  # a call by hand
     nodes = {"/controller", "/robot", "/recorder", "/robot_state_publisher", "/master_failover"}
     assert (other, names - nodes) == ([], set())
 
