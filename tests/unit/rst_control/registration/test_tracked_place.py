@@ -141,14 +141,20 @@ def test_an_older_report_changes_nothing():
     assert trocar.objection(now) is None
 
 
+def reported(place, now, count):
+    """The time after so many reports of the same place."""
+    for _ in range(count):
+        now += PERIOD
+        place.update(Report(HOME, now, arrived=now))
+    return now
+
+
 def test_one_report_from_the_future_does_not_shut_out_those_after_it():
     """A tracker's clock that was an hour ahead for one report: the trocar counts again."""
     trocar, now = tracked([HOME] * 60)
     trocar.update(Report(HOME, now + 3600.0, arrived=now))
     refused(trocar.objection(now), Reason.TRACKER_STALE, "3600.00 s ahead")
-    for _ in range(15):
-        now += PERIOD
-        trocar.update(Report(HOME, now, arrived=now))
+    now = reported(trocar, now, 15)
     assert trocar.objection(now) is None
     np.testing.assert_allclose(trocar.shift(now)[0], np.zeros(3), atol=1e-9)
 
@@ -157,7 +163,5 @@ def test_a_grasp_point_is_steady_again_after_one_report_from_the_future():
     place, now = steady([HOME] * 60)
     place.update(Report(HOME, now + 3600.0, arrived=now))
     refused(place.taken(now), Reason.TRACKER_STALE, "3600.00 s ahead")
-    for _ in range(60):
-        now += PERIOD
-        place.update(Report(HOME, now, arrived=now))
+    now = reported(place, now, 60)
     np.testing.assert_allclose(place.taken(now).place, HOME)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from session_log.report.bounds import proportion, quantile
+from session_log.report.bounds import Bounded, proportion, quantile
 from session_log.report.pool.pool import Pool
 from session_log.report.session.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER
 from session_log.report.tables.text_table import (
@@ -33,7 +33,7 @@ def accuracy_table(pool: Pool) -> TextTable:
             str(total),
             str(hits),
             percent(share.value),
-            f"{share.low * 100:.1f} to {share.high * 100:.1f}\u00a0%" if total else NONE,
+            _interval(share) if total else NONE,
         )
         for name, (hits, total, share) in entries
     ]
@@ -155,8 +155,11 @@ def _latency_row(pool: Pool, command: str, paper: float) -> tuple[str, ...]:
 
 def _share(hits: int, trials: int) -> str:
     """A share with its exact bounds."""
-    share = proportion(hits, trials)
-    return f"{hits} ({share.low * 100:.1f} to {share.high * 100:.1f}\u00a0%)"
+    return f"{hits} ({_interval(proportion(hits, trials))})"
+
+
+def _interval(share: Bounded) -> str:
+    return f"{share.low * 100:.1f} to {share.high * 100:.1f}\u00a0%"
 
 
 def _plain(value: float) -> str:
