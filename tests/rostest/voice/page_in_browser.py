@@ -21,6 +21,7 @@ from rst_control.srv import SetGraspPoint
 from rst_control.tissue.sheet import rest_points
 from support.browser import MISSING, Browser, find_browser
 from support.waiting import wait_until
+from tests.support.page import click, click_picture, enter, text
 from tests.support.robot_client import RobotTest, run_tests
 from tests.support.spoken_topic import Microphone
 from voice_assist.msg import Utterance
@@ -39,7 +40,7 @@ class PageInBrowser(RobotTest):
         cls.loop = asyncio.Runner()
         cls.browser = cls.loop.run(Browser().__aenter__())
         cls.loop.run(cls.browser.open(rospy.get_param("display/page")))
-        cls.wait("document.getElementById('state').textContent !== 'No news'")
+        cls.wait(f"{text('state')} !== 'No news'")
 
     @classmethod
     def tearDownClass(cls):
@@ -56,11 +57,14 @@ class PageInBrowser(RobotTest):
     def wait(cls, script):
         return cls.loop.run(cls.browser.until(script))
 
-    def text(self, name):
-        return self.ask(f"document.getElementById('{name}').textContent")
+    def said(self, name):
+        return self.ask(text(name))
 
-    def wait_for_text(self, name, text):
-        self.wait(f"document.getElementById('{name}').textContent.includes({text!r})")
+    def wait_for_text(self, name, words):
+        try:
+            self.wait(f"{text(name)}.includes({words!r})")
+        except RuntimeError as late:
+            raise AssertionError(f"{name} says {self.said(name)!r}: {late}") from None
 
     def test_1_a_spoken_word_is_shown_with_what_it_does(self):
         while not self.heard:  # the voice node starts up
@@ -79,7 +83,7 @@ class PageInBrowser(RobotTest):
         self.robot.say("tense")
         self.wait_for_text("state", "Moving")
         self.wait("document.title.startsWith('Moving')")
-        self.ask("document.getElementById('stop').click()")
+        self.ask(click("stop"))
         self.robot.wait_for_state("halted")
         self.wait_for_text("state", "Halted")
         self.wait_for_text("why", "/display")
@@ -94,21 +98,19 @@ class PageInBrowser(RobotTest):
             "rst_control/grasp_point", PointStamped, lambda m: grasp_points.append(m.point)
         )
         self.robot.start_fresh()
-        self.wait("!document.getElementById('pick').disabled")
-        self.ask("document.getElementById('pick').click()")
+        self.wait("!document.getElementById('pick').hidden")
+        self.ask(click("pick"))
         self.wait_for_text("act-words", "Enter the token first")
         self.enter_token()
         point, (x, y) = node_beside_the_grasp_point()
-        self.ask("document.getElementById('pick').click()")
-        self.click_picture(x, y)
-        self.wait_for_text("pick-words", "Set: grasp point")
+        self.ask(click("pick"))
+        self.click_picture(x, y, "Set: grasp point")
         self.robot.wait(lambda: len(grasp_points) > 1)
         found = grasp_points[-1]
         for wanted, is_there in zip(point, (found.x, found.y, found.z), strict=True):
             self.assertAlmostEqual(is_there, wanted, places=6)
-        self.ask("document.getElementById('pick').click()")
-        self.click_picture(0.2, 0.5)  # the overview
-        self.wait_for_text("pick-words", "Not set: that is outside the endoscope")
+        self.ask(click("pick"))
+        self.click_picture(0.2, 0.5, "Not set: that is outside the endoscope")  # the overview
         first = grasp_points[0]
         set_back = rospy.ServiceProxy("rst_control/set_grasp_point", SetGraspPoint)
         self.assertTrue(set_back(position=Point(first.x, first.y, first.z)).accepted)
@@ -116,18 +118,12 @@ class PageInBrowser(RobotTest):
     def enter_token(self):
         printed = Path(os.environ["ROS_HOME"]).with_name("said.txt").read_text(encoding="utf-8")
         token = re.findall(r"token: (\w+)", printed)[-1]
-        self.ask(
-            f"document.getElementById('token').value = {token!r},"
-            "document.getElementById('unlock').requestSubmit()"
-        )
+        self.ask(enter(token))
 
-    def click_picture(self, x, y):
-        self.ask(
-            "((i, b) => i.dispatchEvent(new MouseEvent('click', {"
-            f"clientX: b.left + {x} * b.width, clientY: b.top + {y} * b.height, bubbles: true"
-            "})))(document.getElementById('picture'),"
-            "document.getElementById('picture').getBoundingClientRect())"
-        )
+    def click_picture(self, x, y, words):
+        """Click into the first picture that is not old, and wait for what the page says of it."""
+        self.wait(f"{click_picture(x, y)}, !{text('pick-words')}.includes('picture is old')")
+        self.wait_for_text("pick-words", words)
 
     def test_4_a_killed_node_is_named_and_its_return_too(self):
         kill("/alarms")
@@ -137,7 +133,7 @@ class PageInBrowser(RobotTest):
     def test_5_a_lost_connection_is_said_and_comes_back(self):
         kill("/display")
         self.wait("!document.getElementById('lost').hidden")
-        self.assertIn("nothing below is as it is now", self.text("lost-words"))
+        self.assertIn("nothing below is as it is now", self.said("lost-words"))
         self.wait("document.getElementById('lost').hidden")
         self.wait_for_text("state", "Ready")
 

@@ -3,13 +3,17 @@
 
 import asyncio
 
+import numpy as np
 import pytest
 
+from rst_control.simulation.rendering.painter import png_bytes
 from support.browser import MISSING, Browser, find_browser
+from tests.support.page import click, click_picture, enter, text
 from tests.unit.voice_assist.display.support.theatre import (
     PULLING,
     TISSUE,
     TOKEN,
+    Clock,
     RecordedActs,
     make_server,
     make_theatre,
@@ -18,14 +22,6 @@ from voice_assist.display.snapshot import UtterancePart
 
 pytestmark = pytest.mark.skipif(not find_browser(), reason=MISSING)
 UNSURE = UtterancePart(" Pull more.", "", "nearly sure", "recognizer")
-
-
-def click(name):
-    return f"document.getElementById('{name}').click()"
-
-
-def text(name):
-    return f"document.getElementById('{name}').textContent"
 
 
 async def use(page, theatre, acts):
@@ -42,8 +38,7 @@ async def use(page, theatre, acts):
         await browser.until(f"{text('act-words')}.includes('Enter the token')")
         assert acts.asked == []
         for token in ("WRONGONE", TOKEN):
-            await browser.evaluate(f"document.getElementById('token').value = {token!r}")
-            await browser.evaluate("document.getElementById('unlock').requestSubmit()")
+            await browser.evaluate(enter(token))
             await browser.evaluate(click("yes"))
             wanted = "done" if token == TOKEN else "the token is wrong"
             await browser.until(f"{text('act-words')}.includes({wanted!r})")
@@ -64,3 +59,41 @@ def test_a_question_is_answered_after_the_token():
 
     asyncio.run(run())
     assert acts.asked == [("answer", "pull more", True), ("answer", "pull more", False)]
+
+
+async def pick(page, theatre, acts, clock):
+    """Click into a picture that became old meanwhile, and into the next one."""
+    picture = png_bytes(np.zeros((80, 120, 3), np.uint8))
+    async with Browser() as browser:
+        await browser.open(page)
+        theatre.see_picture("image/png", picture)
+        await browser.until("document.getElementById('picture').naturalWidth === 120")
+        await browser.evaluate(enter(TOKEN))
+        await browser.evaluate(click("pick"))
+        theatre.see_picture("image/png", picture)
+        clock.now += 1000.0
+        await browser.until(f"{text('picture-words')}.startsWith('OLD')")
+        await browser.evaluate(click_picture(0.25, 0.5))
+        assert "That picture is old" in await browser.evaluate(text("pick-words"))
+        assert acts.asked == []
+        theatre.see_picture("image/png", picture)
+        await browser.until(f"{text('picture-words')}.startsWith('Picture')")
+        await browser.evaluate(click_picture(0.25, 0.5))
+        await browser.until(f"{text('pick-words')} === 'Set: done'")
+        await browser.evaluate(click_picture(0.75, 0.5))  # no longer armed
+        assert await browser.evaluate(text("pick-words")) == "Set: done"
+
+
+def test_a_click_counts_in_a_fresh_picture_alone_and_is_not_lost_in_an_old_one():
+    clock, acts = Clock(), RecordedActs()
+    theatre = make_theatre(clock)
+    theatre.see_picture_period(300.0)
+
+    async def run():
+        async with make_server(theatre, acts) as server:
+            await pick(server.address, theatre, acts, clock)
+
+    asyncio.run(run())
+    (asked,) = acts.asked
+    assert asked[0] == "grasp"
+    assert asked[1:] == pytest.approx((0.25, 0.5), abs=0.01)

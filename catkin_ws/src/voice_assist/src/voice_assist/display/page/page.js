@@ -4,7 +4,8 @@
 
 const RETRY = 1000; // [ms] before a connection that was refused is tried again
 const SILENT = 3000; // [ms] without an event after which the connection is made anew
-const ACT_WITHIN = 4000; // [ms] for an act to be answered
+const STOP_WITHIN = 4000; // [ms] for a stop to be answered
+const ACT_WITHIN = 9000; // [ms] for any other act; the server gives up a second later
 const PICKED_FOR = 6000; // [ms] that a click into the picture stays marked
 const MANY = 10; // words, above which they are drawn smaller
 const QUIET = -60, LOUD = -3; // [dB] ends of the level bar, and what clips
@@ -24,6 +25,7 @@ const mm = (metres, digits) => `${(1000 * metres).toFixed(digits)} mm`;
 
 let news = null; // the newest snapshot
 let arrived = -Infinity; // [ms] when it came
+let taken = -Infinity; // [ms] when the picture that is shown came from the camera
 let source = null;
 let token = "";
 let heardSince = performance.now(); // [ms] of the last try or event
@@ -56,7 +58,7 @@ function draw() {
   drawRobot(since, limit);
   drawHearing(since, limit);
   drawTissue(since, limit);
-  drawPicture(since);
+  drawPicture();
   drawAlarm();
   drawFoot(since, limit);
 }
@@ -164,24 +166,23 @@ function drawTissue(since, limit) {
   say("depth", tissue.insertion === null ? "" : isOutside ? `${mm(-tissue.insertion, 0)} outside` : `depth ${mm(tissue.insertion, 0)}`);
 }
 
-function drawPicture(since) {
-  const picture = news.picture;
-  show("pick", Boolean(picture));
-  if (!picture) { say("picture-words", "No picture of the scene"); return; }
-  const image = byId("picture");
-  if (image.dataset.number !== String(picture.number) && !image.dataset.loading) {
-    const next = new Image(); // decoded before it is shown: no flicker, and one at a time
+function drawPicture() {
+  const picture = news.picture, image = byId("picture");
+  if (picture && image.dataset.number !== String(picture.number) && !image.dataset.loading) {
+    const next = new Image(), came = arrived - 1000 * picture.age; // decoded before it is shown: no flicker, and one at a time
     image.dataset.loading = "yes";
     const done = () => { delete image.dataset.loading; };
-    next.onload = () => { image.src = next.src; image.dataset.number = String(picture.number); image.hidden = false; done(); };
+    next.onload = () => { image.src = next.src; image.dataset.number = String(picture.number); image.hidden = false; taken = came; done(); };
     next.onerror = () => setTimeout(done, RETRY);
     next.src = `/picture?number=${picture.number}`;
   }
-  const age = picture.age + since;
-  const isOld = age > 2 * picture.period + news.old_after;
-  byId("pick").disabled = isOld;
-  say("picture-words", `${isOld ? "OLD picture" : "Picture"}, ${age.toFixed(1)} s ago`);
+  show("pick", Boolean(picture) && !image.hidden);
+  if (!picture || image.hidden) { say("picture-words", "No picture of the scene"); return; }
+  say("picture-words", `${isPictureOld() ? "OLD picture" : "Picture"}, ${pictureAge().toFixed(1)} s ago`);
 }
+
+const pictureAge = () => (performance.now() - taken) / 1000; // [s]
+const isPictureOld = () => !news.picture || pictureAge() > 2 * news.picture.period + news.old_after;
 
 function drawAlarm() {
   const alarm = news.alarm;
@@ -247,10 +248,11 @@ function tell(part, words, isFirstQuiet = false) {
 
 // --- acts
 
-async function act(name, fields, words) {
+// Gives whether it was done, and in which words; null: nobody knows.
+async function act(name, fields, words, within = ACT_WITHIN) {
   const body = fields ? JSON.stringify(fields) : undefined;
   const headers = fields ? { "Content-Type": "application/json", Authorization: `Bearer ${token}` } : {};
-  const signal = AbortSignal.timeout(ACT_WITHIN);
+  const signal = AbortSignal.timeout(within);
   try {
     const response = await fetch(`/act/${name}`, { method: "POST", body, headers, signal });
     if (!response.ok) {
@@ -260,7 +262,7 @@ async function act(name, fields, words) {
     const outcome = await response.json();
     return words(outcome.done, outcome.words);
   } catch (error) {
-    return words(false, "no answer");
+    return words(null, "no answer");
   }
 }
 
@@ -269,7 +271,7 @@ function stop() {
   if (performance.now() - pressed < 300) return; // a press is also a click
   pressed = performance.now();
   stopWords(true, "Stop is sent");
-  act("stop", null, (isDone, text) => stopWords(isDone, isDone ? text : `NOT STOPPED: ${text}. Press the emergency stop.`));
+  act("stop", null, (isDone, text) => stopWords(isDone, isDone ? text : `NOT STOPPED: ${text}. Press the emergency stop.`), STOP_WITHIN);
 }
 
 function stopWords(isDone, text) {
@@ -335,12 +337,13 @@ function markPick(event) {
 }
 byId("picture").addEventListener("click", (event) => {
   if (byId("pick").getAttribute("aria-pressed") !== "true") return;
+  if (isPictureOld()) { say("pick-words", "That picture is old: wait for a new one, then click again"); return; }
   arm(false);
   const box = byId("picture").getBoundingClientRect();
   const x = (event.clientX - box.left) / box.width, y = (event.clientY - box.top) / box.height;
   markPick(event);
   say("pick-words", "Asking the controller");
-  act("grasp", { x, y }, (isDone, text) => say("pick-words", isDone ? `Set: ${text}` : `Not set: ${text}`));
+  act("grasp", { x, y }, (isDone, text) => say("pick-words", `${isDone ? "Set" : isDone === null ? "Perhaps set" : "Not set"}: ${text}`));
 });
 
 function theme(name) {
