@@ -24,8 +24,6 @@ MISSING = "no Chromium: install Debian's chromium-headless-shell (docker/apt-pac
 # It runs as long as this program holds its end of a pipe, however this program ends: the group of
 # processes is killed then. Debian's program is a script; the browser is its child.
 WITH_US = '{ "$@" </dev/null; kill -KILL 0; } & read _; kill -KILL 0'
-START = 30.0  # [s] for it to come up on a loaded machine
-ANSWER = 30.0  # [s] for it to answer
 
 
 def find_browser() -> str:
@@ -161,7 +159,7 @@ class Browser:
         number = next(self._numbers)
         answer = self._answers[number] = asyncio.get_running_loop().create_future()
         await self._socket.send_json({"id": number, "method": method, "params": words})
-        reply = await asyncio.wait_for(answer, ANSWER)
+        reply = await asyncio.wait_for(answer, PATIENCE)
         if "error" in reply:
             raise RuntimeError(f"{method}: {reply['error']}")
         result: dict[str, Any] = reply["result"]
@@ -187,7 +185,7 @@ class Browser:
         return file.read_text().splitlines()[0] if file.exists() else ""
 
     async def _until(
-        self, ask: Callable[[], Any], what: str, limit: float = START, every: float = 0.05
+        self, ask: Callable[[], Any], what: str, limit: float = PATIENCE, every: float = 0.05
     ) -> Any:
         end = asyncio.get_running_loop().time() + limit
         while not (found := await ask()):

@@ -24,7 +24,7 @@ from support.process_groups import end_group, start_group
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = ROOT / "catkin_ws" / "src" / "rst_control" / "config"
 MASTER_PORTS = (20_000, 32_768)  # Linux deals out ports from 32768 on
-START_TIME = 20.0  # [s] allowed for roscore to answer
+START_TIME = 60.0  # [s] allowed for roscore to answer
 READY_TIME = 90.0  # [s] allowed for all parts to come up
 
 

@@ -20,6 +20,7 @@ PROGRAMS = Path(__file__).parent / "programs"
 CLOCK = PROGRAMS / "other_clock"
 RST_CONTROL = ROOT / "catkin_ws" / "src" / "rst_control"
 KINOVA = ROSTEST / "kinova"
+WATCHED = 600.0  # [s] for all jumps on a loaded machine
 STEP = 5e-3  # [rad] that no joint goes from one joint state to the next, 2 ms later
 HELD = 1e-5  # [rad] that it may go while it is held
 RCM = 1e-5  # [m]
@@ -87,7 +88,7 @@ def clock_of(file, **of_nodes):
 def witnessed(host, folder, jumps, clocks):
     """What the witness saw of each jump, and all that was printed."""
     results = folder / "seen.json"
-    wait_until(lambda: host.is_found("/rst_control/command"), "a controller", limit=120.0)
+    wait_until(lambda: host.is_found("/rst_control/command"), "a controller")
     witness = host.start(
         sys.executable,
         str(PROGRAMS / "clock_witness.py"),
@@ -95,7 +96,7 @@ def witnessed(host, folder, jumps, clocks):
         *map(str, clocks),
         str(results),
     )
-    wait_until(lambda: witness.poll() is not None, "a robot that was watched", limit=240.0)
+    wait_until(lambda: witness.poll() is not None, "a robot that was watched", limit=WATCHED)
     said = host.said()
     assert witness.returncode == 0, said[-3000:]
     found = json.loads(results.read_text(encoding="utf-8"))

@@ -27,6 +27,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(__file__).parent / "programs"
 SHORT = ROOT / "tests" / "data" / "short_session.yaml"
 SCRIPT = load_script(ROOT / "demo" / "session.yaml")
+LIMIT = 600.0  # [s] on a loaded machine
 COMMAND = [sys.executable, "-m", "demo", "--wav"]
 
 
@@ -46,7 +47,7 @@ def session(tmp_path_factory):
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=300.0,
+        timeout=LIMIT,
         check=False,
     )
     shown = done.stdout + done.stderr
@@ -178,7 +179,7 @@ def test_ctrl_c_ends_everything_and_leaves_a_readable_recording(tmp_path):
         assert line, f"ended before the system was up: {shown}"
         shown += line
     demo.send_signal(signal.SIGINT)
-    shown += demo.communicate(timeout=150.0)[0]
+    shown += demo.communicate(timeout=LIMIT)[0]
     assert demo.returncode == 130, shown
     assert any(True for _ in messages(tmp_path / "session.mcap", "/joint_states"))
     log = str(tmp_path / "ros_logs")

@@ -142,7 +142,7 @@ def test_the_system_takes_a_command_without_its_sources(run, system, home):
     answer = run("rosservice", "call", "/rst_control/command", "command: 'tense'")
     assert "accepted: True" in answer, answer + log.read_text()
     os.kill(process.pid, signal.SIGINT)
-    assert process.wait(60.0) == 0
+    assert process.wait(PATIENCE) == 0
     shown = log.read_text(encoding="utf-8")
     assert "Traceback" not in shown and "process has died" not in shown, shown
     (session,) = (home / "sessions").glob("*/session.mcap")

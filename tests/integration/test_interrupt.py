@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from support.waiting import PATIENCE
 from tests.support.heeding import heed
 
 ROOT = Path(__file__).resolve().parents[2]
-END = 40.0  # [s] allowed for roscore to end
 PROGRAM = """
 import sys, time
 from pathlib import Path
@@ -36,7 +36,7 @@ def test_the_system_ends_with_who_started_it(tmp_path, request_to_end):
         groups = [int(word) for word in program.stdout.readline().split()]
         assert groups
         assert all(members(group) for group in groups)
-        for wait in (0.5, END):  # who asks again while it is ending does not get less
+        for wait in (0.5, PATIENCE):  # who asks again while it is ending does not get less
             program.send_signal(request_to_end)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 program.wait(wait)

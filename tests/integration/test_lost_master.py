@@ -8,7 +8,7 @@ import subprocess
 import time
 
 from support.waiting import PATIENCE, wait_until
-from tests.support.ros_host import ASK, END, ROSTEST
+from tests.support.ros_host import ASK, ROSTEST
 
 
 def said(*words):
@@ -42,7 +42,7 @@ def test_all_brakes_is_named_and_found_again_with_the_next_master(host):
     assert "accepted: True" in give("tense")
     os.kill(host.master.getPid(), signal.SIGKILL)
     wait_until(lambda: not host.is_there(), "the master gone")
-    first.wait(END)  # roscore ends with the master
+    first.wait(PATIENCE)  # roscore ends with the master
     host.start_master()
     wait_until(
         lambda: host.is_found("/rst_control/command"), "the controller found by others", every=ASK

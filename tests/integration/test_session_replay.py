@@ -9,7 +9,6 @@ import json
 import signal
 import subprocess
 import sys
-import time
 from contextlib import closing, contextmanager
 from pathlib import Path
 
@@ -21,14 +20,16 @@ from demo.sound import render
 from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
 from support.theatre_sound import RATE
-from support.waiting import wait_until
+from support.waiting import PATIENCE, wait_until
 from tests.support.ros_host import Host
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(__file__).parent / "programs"
 PACKAGES = ROOT / "catkin_ws" / "src"
 SCRIPT = ROOT / "tests" / "data" / "replay_session.yaml"
-SPOKEN = 180.0  # [s] allowed for the last utterance
+SPOKEN = 300.0  # [s] allowed for a busy machine to hear all of it
+QUEUE = 10_000  # frames: no sound is lost on a slower machine
+ANSWERED = 30.0  # [s] allowed for an answer there
 LAST = "terminate"
 UTTERANCE, CIRCUMSTANCES = "/voice_assist/utterance", "/voice_assist/circumstances"
 
@@ -60,7 +61,7 @@ def running(words, environment):
     finally:
         process.send_signal(signal.SIGINT)
         try:
-            process.wait(40.0)
+            process.wait(PATIENCE)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
@@ -71,8 +72,15 @@ def contents(path, topic):
     return [decoder.decode(m) for m in SessionReader(path).messages({topic})]
 
 
-def has_heard(path, words):
-    return any(m.transcript == words for m in contents(path, UTTERANCE))
+def answers(path):
+    """Commands that were answered, and whether they were accepted."""
+    notes = [json.loads(m.data) for m in contents(path, CIRCUMSTANCES)]
+    return {n["command"]: n["is_accepted"] for n in notes if n["kind"] == "answered"}
+
+
+def has_ended(path):
+    """The last words were heard, and the controller answered them."""
+    return LAST in answers(path) and any(m.transcript == LAST for m in contents(path, UTTERANCE))
 
 
 def record(folder, **changes):
@@ -101,8 +109,7 @@ def record(folder, **changes):
             with running(stub, environment):
                 wait_until((folder / "stub_ready").exists, "the controller's stub")
                 with running(voice, environment):
-                    wait_until(lambda: has_heard(path, LAST), repr(LAST), SPOKEN, every=1.0)
-                    time.sleep(1.5)
+                    wait_until(lambda: has_ended(path), repr(LAST), SPOKEN, every=1.0)
     return path
 
 
@@ -113,13 +120,14 @@ def run_replay(path, out):
 
 
 def test_a_node_that_could_not_keep_up_is_heard_again_without_a_difference(tmp_path):
-    """Sound comes three times too fast: looks are skipped, and frames may be dropped."""
+    """Sound comes three times too fast: looks are skipped."""
     changes = {"audio__wav__speed": 3.0, "recognizer__early__max_backlog": 0.0}
-    path = record(tmp_path, **changes)
-    notes = [json.loads(m.data) for m in contents(path, CIRCUMSTANCES)]
-    assert "behind" in {n["kind"] for n in notes}, "the node kept up, so nothing is shown"
-    answers = {n["command"]: n["is_accepted"] for n in notes if n["kind"] == "answered"}
-    assert answers and answers == {command: command != "tense" for command in answers}
+    patient = {"audio__queue": QUEUE, "commands__answer_within": ANSWERED}
+    path = record(tmp_path, **changes, **patient)
+    kinds = {json.loads(m.data)["kind"] for m in contents(path, CIRCUMSTANCES)}
+    assert "behind" in kinds, "the node kept up, so nothing is shown"
+    answered = answers(path)
+    assert answered == {command: command != "tense" for command in answered}
     code, shown, result = run_replay(path, tmp_path / "r.json")
     assert code == 0 and result["sessions"][0]["recorded"] > 3, shown
     assert result["sessions"][0]["differences"] == []

@@ -7,7 +7,7 @@ import pytest
 
 from session_log.export.arrays import read_columns
 from session_log.mcap_file.reader import SessionReader
-from support.waiting import wait_until
+from support.waiting import PATIENCE, wait_until
 from tests.support.ros_host import ASK, Host
 
 SIDES = ("left", "right")
@@ -37,7 +37,7 @@ def sessions(tmp_path_factory):
 def call(host, side, command):
     words = ("rosservice", "call", f"/{side}/rst_control/command", f"command: '{command}'")
     return subprocess.run(
-        words, env=host.environment, capture_output=True, text=True, timeout=20
+        words, env=host.environment, capture_output=True, text=True, timeout=PATIENCE
     ).stdout
 
 

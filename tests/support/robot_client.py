@@ -17,7 +17,7 @@ from rst_control.msg import ControllerState, Event
 from rst_control.srv import Command
 from support.waiting import PATIENCE
 
-START_LIMIT = 60.0  # [s] for the simulator and the compiled kernels to come up on a loaded machine
+START_LIMIT = PATIENCE  # [s] for the simulator and the compiled kernels to come up
 STATE_RATE = 50.0  # [Hz] of rst_control/state, in controller.yaml
 
 

@@ -19,6 +19,7 @@ import rostopic
 from rospy.impl.tcpros_pubsub import TCPROSPub
 
 from session_log.ros.player_node import RawMessage
+from support.waiting import PATIENCE
 
 NAME = "/play_1700000000"
 PAUSE = 0.005  # [s] between messages
@@ -61,7 +62,7 @@ def playing(messages, *, claim=False):
             yield process
         finally:
             process.terminate()
-            process.wait(20.0)
+            process.wait(PATIENCE)
 
 
 def main():

@@ -23,7 +23,7 @@ from rst_control.srv import Command, CommandResponse
 from voice_assist.msg import AudioChunk, Mode, Utterance
 
 SEEN: dict[str, list] = {}
-HANG = 4.0  # [s]
+HANG = 30.0  # [s]
 EVERY = 0.2  # [s] that the file is written
 
 

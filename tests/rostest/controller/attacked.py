@@ -10,6 +10,7 @@ import rospy
 from actionlib_msgs.msg import GoalID
 
 from rst_control.msg import AssistActionGoal, AssistActionResult
+from support.waiting import PATIENCE
 from tests.support.robot_client import RobotTest, run_tests
 
 NODES = ("/controller", "/robot")
@@ -52,7 +53,7 @@ class Attacked(RobotTest):
         topics = {name: kind for name, kind in subscribed_topics().items() if name not in STOPS}
         kinds = {name: roslib.message.get_message_class(kind) for name, kind in topics.items()}
         publishers = {name: rospy.Publisher(name, kinds[name], queue_size=5) for name in topics}
-        rospy.sleep(0.5)
+        self.robot.wait(lambda: all(p.get_num_connections() for p in publishers.values()))
         for _ in range(TIMES):
             for name, publisher in publishers.items():
                 publisher.publish(plausible(kinds[name]))
@@ -109,15 +110,18 @@ class Attacked(RobotTest):
             rospy.sleep(1.0)
             self.assert_still(place)
             self.assertEqual(self.robot.state.state, "halted")
-            ended = {r.status.goal_id.id: r.result.outcome for r in self.results}
-            self.assertEqual(ended[f"moved-{number}"], "stopped")
-            self.assertIn(ended[f"late-{number}"], ("refused", "stopped"))
+            self.assertEqual(self.outcome(f"moved-{number}"), "stopped")
+            self.assertIn(self.outcome(f"late-{number}"), ("refused", "stopped"))
+
+    def outcome(self, goal):
+        self.robot.wait(lambda: goal in {r.status.goal_id.id for r in self.results})
+        return next(r.result.outcome for r in self.results if r.status.goal_id.id == goal)
 
     def test_5_a_goal_and_its_cancel_at_once_leave_it_at_rest(self):
         self.robot.start_fresh()
         self.send_goal("tense", "brief")
         self.cancel.publish(GoalID(id="brief"))
-        rospy.sleep(2.0)
+        self.outcome("brief")
         self.robot.wait(lambda: self.robot.speed() < 1e-3)
         self.assertIn(self.robot.state.state, ("halted", "active"))
 
@@ -128,14 +132,14 @@ class Attacked(RobotTest):
             ["rosrun", "rst_control", "controller", "__name:=second_controller"],
             capture_output=True,
             text=True,
-            timeout=60.0,
+            timeout=PATIENCE,
             check=False,
         )
         self.assertEqual(done.returncode, 2)
         self.assertIn("/controller is one already", done.stdout + done.stderr)
+        halts = len(self.robot.halts())
         self.robot.say("stop")
-        self.robot.wait_for_state("halted")
-        rospy.sleep(0.3)  # for its event to arrive
+        self.robot.wait(lambda: len(self.robot.halts()) > halts)
 
 
 if __name__ == "__main__":

@@ -34,8 +34,7 @@ class LostClient(RobotTest):
         reason = self.robot.state.halt_reason
         self.assertTrue(any(reason.endswith(f"{w} during its motion") for w in words), reason)
         self.assertIn("/goal_client", reason)
-        rospy.sleep(0.5)  # the robot of these tests plays set-points out late
-        self.assertEqual(self.robot.drift(0.5), 0.0)
+        self.robot.wait(lambda: self.robot.drift(0.5) == 0.0)  # set-points are played out late here
 
     def test_1_killed(self):
         self.set_off().kill()

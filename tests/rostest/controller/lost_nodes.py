@@ -30,11 +30,14 @@ class LostNodes(unittest.TestCase):
         api = rosgraph.Master(rospy.get_name()).lookupNode("robot")
         os.kill(ServerProxy(api).getPid(rospy.get_name())[2], signal.SIGKILL)
 
+    def tense(self):
+        """Give the command, once the heartbeats have come."""
+        self.robot.wait(lambda: self.robot.command("tense").accepted, every=0.1)
+
     def test_1_a_spoken_command_brakes_when_the_heartbeat_ends(self):
         self.robot.start_fresh()
         beat = rospy.Timer(rospy.Duration(0.05), lambda _: self.heartbeat.publish(Time()))
-        rospy.sleep(0.3)
-        self.robot.say("tense")
+        self.tense()
         self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
         beat.shutdown()
         self.robot.wait_for_state("faulted", limit=5)
@@ -50,18 +53,17 @@ class LostNodes(unittest.TestCase):
     def test_3_a_dead_robot_is_named_and_waited_for(self):
         beat = rospy.Timer(rospy.Duration(0.05), lambda _: self.heartbeat.publish(Time()))
         self.addCleanup(beat.shutdown)
-        rospy.sleep(0.3)
         self.robot.start_fresh()
         for command in ("insert", "withdraw"):
             self.assertIn("by hand, never by voice", self.robot.refused(command))
-        self.robot.say("tense")
+        self.tense()
         self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
         self._kill_the_robot()
         self.robot.wait_for_state("faulted", limit=5)
         self.assertRegex(self.robot.state.halt_reason, "stale|not connected")
         self.assertIn("halted", self.robot.refused("tense"))
         self.robot.activate()  # `respawn` has started it again; nothing else was
-        self.robot.say("tense")
+        self.tense()
         self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
         self.robot.say("stop")
         self.robot.wait_for_state("halted")
@@ -70,7 +72,7 @@ class LostNodes(unittest.TestCase):
         beat = rospy.Timer(rospy.Duration(0.05), lambda _: self.heartbeat.publish(Time()))
         self.addCleanup(beat.shutdown)
         self.robot.start_fresh()
-        self.robot.say("tense")
+        self.tense()
         self.robot.wait(lambda: self.robot.state.phase == "pull" and self.robot.tension > 0.2)
         self._kill_the_robot()
         self.robot.wait_for_state("faulted", limit=5)

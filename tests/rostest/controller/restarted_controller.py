@@ -15,6 +15,7 @@ from rst_control.srv import SetGraspPoint
 from tests.support.robot_client import RobotClient, run_tests
 
 FINGERS = slice(8, 10)
+ATTEMPTS = 4  # at stopping a release halfway
 HALF_OPEN = (0.03, 0.055)  # [rad]: no longer closed, and tissue is still held
 
 
@@ -25,7 +26,6 @@ class RestartedController(unittest.TestCase):
         robot = RobotClient()
         robot.activate()
         self._set_grasp_point(robot)
-        robot.say_and_finish("tense")
         self._release_halfway(robot)
         before = robot.joints.position
         self._kill()
@@ -48,14 +48,22 @@ class RestartedController(unittest.TestCase):
         robot.wait(lambda: robot.state.grasp_point_source == rospy.get_name())
 
     def _release_halfway(self, robot):
-        robot.say("release")
-        robot.wait(lambda: sum(robot.joints.position[FINGERS]) > HALF_OPEN[0])
-        robot.say("stop")
-        robot.wait_for_state("halted")
-        robot.wait(lambda: robot.speed() < 1e-3)
-        opening = sum(robot.joints.position[FINGERS])
-        self.assertTrue(HALF_OPEN[0] < opening < HALF_OPEN[1], opening)
+        """Again where a loaded machine stops it too late."""
+        for _ in range(ATTEMPTS):
+            robot.start_fresh()
+            robot.say_and_finish("tense")
+            robot.say("release")
+            robot.wait(lambda: self._opening(robot) > HALF_OPEN[0])
+            robot.say("stop")
+            robot.wait_for_state("halted")
+            robot.wait(lambda: robot.speed() < 1e-3)
+            if self._opening(robot) < HALF_OPEN[1]:
+                break
+        self.assertTrue(HALF_OPEN[0] < self._opening(robot) < HALF_OPEN[1])
         self.assertTrue(robot.state.tissue_held)
+
+    def _opening(self, robot):
+        return sum(robot.joints.position[FINGERS])
 
     def _kill(self):
         api = rosgraph.Master(rospy.get_name()).lookupNode("controller")

@@ -15,9 +15,8 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from support.waiting import wait_until
+from support.waiting import PATIENCE, wait_until
 
-LIMIT = 60.0  # [s] for whatever must happen on a loaded machine
 NAMES = [f"joint_{i}" for i in range(1, 8)]
 MOVED = 5e-4  # [rad] (0.03 deg) of a joint that has moved; encoders tremble by less
 STILL = 2e-4  # [rad] that a joint at rest changes by, at most
@@ -60,7 +59,7 @@ class DriverClient:
 
     def wait_until_there(self) -> None:
         """Wait for the driver to be there, in all its parts."""
-        there = self.action.wait_for_server(rospy.Duration(LIMIT))
+        there = self.action.wait_for_server(rospy.Duration(PATIENCE))
         assert there, f"no action server under {self.name}"
         wait_until(lambda: len(self.seen) > 5, f"no feedback under {self.name}")
         for topic, publisher in [*self._empty.items(), ("joint_velocity", self._speeds)]:
@@ -104,7 +103,7 @@ class DriverClient:
         handle = self.action.send_goal(goal)
         return handle, time.monotonic()
 
-    def finish(self, handle, limit: float = LIMIT):
+    def finish(self, handle, limit: float = PATIENCE):
         """Wait for the end of a goal; returns its status and result."""
         wait_until(lambda: handle.get_goal_status() in ENDS, "the goal never ended", limit)
         status = handle.get_goal_status()

@@ -13,11 +13,13 @@ from openrst_control.srv import openrst_request
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, Int32MultiArray
 
-from support.waiting import wait_until
+from support.waiting import PATIENCE, wait_until
 from tests.support.robot_client import run_tests
 
 ANGLE = 0.007  # [rad] (0.4 deg) that one joint is moved, at most
+FAR = 0.2  # [rad] that it would be moved, if it were not stopped; only where it is simulated
 SPEED = 0.005  # [rad/s] at which it is turned
+ON = 1e-3  # [rad] that it turns on by itself
 LEAST_DELAY = 1.0  # [s] between a goal and its motion
 DELAY = 2.5  # [s] in which what is to move has begun to
 WARNING = """
@@ -143,10 +145,9 @@ class Arm(unittest.TestCase):
         sent = time.monotonic()
         self.arm.turn({6: np.sign(self.elsewhere()[6] - self.start[6]) * SPEED})
         try:
-            wait_until(lambda: self.arm.first_motion(sent, self.start), "no motion", 10.0)
-            before = self.arm.q
-            time.sleep(0.6)  # nothing is sent meanwhile
-            self.assertGreater(abs(wrapped(self.arm.q - before)[6]), 0.3 * SPEED * 0.6)
+            wait_until(lambda: self.arm.first_motion(sent, self.start), "no motion")
+            before = self.arm.q  # nothing is sent from here on
+            wait_until(lambda: abs(wrapped(self.arm.q - before)[6]) > ON, "it went no further")
         finally:
             self.arm.say("stop")
         there = self.arm.rest()
@@ -156,7 +157,7 @@ class Arm(unittest.TestCase):
         sent = time.monotonic()
         self.arm.turn({6: np.sign(self.elsewhere()[6] - self.start[6]) * SPEED})
         try:
-            wait_until(lambda: self.arm.first_motion(sent, self.start), "no motion", 10.0)
+            wait_until(lambda: self.arm.first_motion(sent, self.start), "no motion")
             self.arm.turn(dict.fromkeys(range(7), 0.0))
             self.arm.rest()
         finally:
@@ -195,19 +196,21 @@ class Arm(unittest.TestCase):
         time.sleep(1.0)
         self.assertIsNone(self.arm.first_motion(sent, self.start))
         self.arm.say("clear_faults")
-        time.sleep(0.5)
-        self.arm.turn({6: SPEED})
-        wait_until(lambda: self.arm.first_motion(sent, self.start), "no motion after clear_faults")
+
+        def moves() -> float | None:
+            self.arm.turn({6: SPEED})
+            return self.arm.first_motion(sent, self.start)
+
+        wait_until(moves, "no motion after clear_faults", every=0.1)
         self.arm.say("stop")
 
     @only_simulated
     def test_a_new_goal_stops_the_old_one(self) -> None:
-        _, sent = self.arm.send([(self.start, 0.0), (self.elsewhere(0.2), 4.0)])
+        _, sent = self.arm.send([(self.start, 0.0), (self.elsewhere(FAR), 4.0)])
         wait_until(lambda: self.arm.first_motion(sent, self.start), "no motion")
-        _, again = self.arm.send([(self.start, 0.0), (self.start, 1.0)])
-        time.sleep(0.5)
-        moving = [m.velocity[6] for t, m in list(self.arm.seen) if t > again + 0.3]
-        self.assertLess(np.abs(moving).max(), 1e-3)
+        self.arm.send([(self.start, 0.0), (self.start, 1.0)])
+        wait_until(lambda: abs(self.arm.seen[-1][1].velocity[6]) < 1e-3, "the old one goes on")
+        self.assertLess(abs(wrapped(self.arm.q - self.start)[6]), 0.5 * FAR)
 
 
 class Tool(unittest.TestCase):
@@ -225,7 +228,7 @@ class Tool(unittest.TestCase):
         ]
         command = f"{name}/effort_controller/command"
         cls.command = rospy.Publisher(command, Float64MultiArray, queue_size=1)
-        rospy.wait_for_service(f"{name}/openrst_request", 60.0)
+        rospy.wait_for_service(f"{name}/openrst_request", PATIENCE)
         cls.ask = rospy.ServiceProxy(f"{name}/openrst_request", openrst_request)
         wait_until(lambda: cls.states and cls.command.get_num_connections(), "no tool")
 

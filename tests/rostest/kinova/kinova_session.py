@@ -42,7 +42,7 @@ class KinovaSession(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.fault, cls.truth, cls.gripped, cls.preview = None, [], False, None
-        cls.lead, cls.arm = "", {}
+        cls.arm = {}
         rospy.Subscriber("robot/fault", String, lambda m: setattr(cls, "fault", m.data))
         rospy.Subscriber("simulation/joint_states", JointState, cls.on_truth, tcp_nodelay=True)
         rospy.Subscriber("simulation/gripped", Bool, lambda m: setattr(cls, "gripped", m.data))
@@ -66,7 +66,6 @@ class KinovaSession(unittest.TestCase):
         for status in message.status:
             if status.name == "robot: kinova bridge":
                 cls.arm = {v.key: v.value for v in status.values}
-                cls.lead = cls.arm["lead"]
 
     def on_stop(self, _):
         self.stops += 1
@@ -100,9 +99,11 @@ class KinovaSession(unittest.TestCase):
         self.assertIn("1.00 1.00", self.arm["arm: soft acceleration [rad/s^2]"])
 
     def test_2b_hey_robot_is_refused_while_somebody_else_has_the_arm(self):
-        rospy.sleep(0.5)  # the bridge began to lead the arm
-        self.at_the_arm.publish(report(MANUALLY_CONTROLLED))
-        self.robot.wait_for_state("faulted")
+        def is_noticed():  # once the bridge has begun to lead the arm
+            self.at_the_arm.publish(report(MANUALLY_CONTROLLED))
+            return self.robot.state.state == "faulted"
+
+        self.robot.wait(is_noticed, every=0.1)
         self.assertEqual(self.robot.state.halt_reason_code, "arm_in_use")
         self.assertIn("connection 8", self.robot.refused("hey robot"))
         self.at_the_arm.publish(report(READY))

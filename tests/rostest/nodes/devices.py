@@ -14,7 +14,7 @@ from std_msgs.msg import Bool, Empty, Float64
 from std_srvs.srv import Trigger, TriggerResponse
 
 from rst_control.msg import AssistActionGoal, AssistActionResult
-from support.waiting import wait_until
+from support.waiting import PATIENCE, wait_until
 from tests.support.robot_client import run_tests
 from voice_assist.config.devices import DeviceCallConfig
 from voice_assist.msg import DeviceCall, Utterance
@@ -76,7 +76,7 @@ class Devices(unittest.TestCase):
 
     def test_2_words_reach_services_and_topics(self):
         type(self).theatre = subprocess.Popen([sys.executable, str(THEATRE)])
-        rospy.wait_for_service("/theatre/insufflator/lower", 30.0)
+        rospy.wait_for_service("/theatre/insufflator/lower", PATIENCE)
         self.assertTrue(self.say("light on").is_done)
         self.assertTrue(self.say("take this down").is_done)
         wait_until(lambda: self.light == [True] and self.recorder == [True])
@@ -107,7 +107,7 @@ class Devices(unittest.TestCase):
         hang = threading.Event()
         self.addCleanup(hang.set)
         other = rospy.Service("/theatre/light", Trigger, lambda _: TriggerResponse())
-        slow = rospy.Service("/theatre/insufflator/lower", Trigger, lambda _: hang.wait(30.0))
+        slow = rospy.Service("/theatre/insufflator/lower", Trigger, lambda _: hang.wait(PATIENCE))
         self.addCleanup(slow.shutdown)
         self.addCleanup(other.shutdown)
         self.assertIn("md5", self.say("light on").message)

@@ -10,10 +10,8 @@ import rospy
 from std_msgs.msg import Empty
 
 from rst_control.msg import ControllerState
-from support.waiting import wait_until
+from support.waiting import PATIENCE, wait_until
 from tests.support.robot_client import run_tests
-
-WITHIN = 10.0  # [s] for an answer
 
 
 class Display(unittest.TestCase):
@@ -30,13 +28,13 @@ class Display(unittest.TestCase):
 
     def newest(self):
         """The next snapshot that a viewer gets."""
-        with urlopen(f"{self.page}/events", timeout=WITHIN) as events:
+        with urlopen(f"{self.page}/events", timeout=PATIENCE) as events:
             line = next(line for line in events if line.startswith(b"data:"))
         return json.loads(line.removeprefix(b"data:"))
 
     def test_1_the_page_is_on_loopback(self):
         self.assertTrue(self.page.startswith("http://127.0.0.1:"), self.page)
-        with urlopen(self.page, timeout=WITHIN) as answer:
+        with urlopen(self.page, timeout=PATIENCE) as answer:
             self.assertIn("default-src", answer.headers["Content-Security-Policy"])
 
     def test_2_the_robots_state_is_shown_with_its_age(self):
@@ -50,7 +48,7 @@ class Display(unittest.TestCase):
         self.assertGreater(self.newest()["robot"]["age"], 0.5)
 
     def test_3_its_stop_needs_no_token(self):
-        with urlopen(Request(f"{self.page}/act/stop", method="POST"), timeout=WITHIN) as answer:
+        with urlopen(Request(f"{self.page}/act/stop", method="POST"), timeout=PATIENCE) as answer:
             self.assertFalse(json.load(answer)["done"])  # no controller answers its service here
         wait_until(lambda: self.stops)
 

@@ -15,6 +15,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
+from support.waiting import PATIENCE
 from tests.support.robot_client import RobotClient, run_tests
 from typed_config import load_yaml
 
@@ -37,11 +38,11 @@ class Recorder:
 
     def kill(self):
         self._process.kill()
-        self._process.wait(20)
+        self._process.wait(PATIENCE)
 
     def end(self):
         self._process.send_signal(signal.SIGINT)
-        self._process.wait(20)
+        self._process.wait(PATIENCE)
 
     def limit(self, size):
         """Let the system take files up to a size [B] only, as a disk that is full from there on."""

@@ -16,10 +16,9 @@ from sensor_msgs.msg import CompressedImage, JointState
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
 
-from support.waiting import wait_until
+from support.waiting import PATIENCE, wait_until
 from tests.support.robot_client import run_tests
 
-LIMIT = 60.0  # [s] for whatever must happen on a loaded machine
 NAMES = [f"joint_{i}" for i in range(1, 8)] + [
     "joint_pitch",
     "joint_finger_left",
@@ -50,14 +49,14 @@ class Simulator(unittest.TestCase):
         self.assertLess(abs(stamps[-1] - time.time()), 5.0)
 
     def test_tension_and_grip_are_told_from_the_start(self) -> None:
-        wrench = rospy.wait_for_message("robot/tension", WrenchStamped, LIMIT)
+        wrench = rospy.wait_for_message("robot/tension", WrenchStamped, PATIENCE)
         self.assertEqual(wrench.header.frame_id, "base_link")
         self.assertEqual((wrench.wrench.force.x, wrench.wrench.force.z), (0.0, 0.0))
-        self.assertFalse(rospy.wait_for_message("robot/gripped", Bool, LIMIT).data)
+        self.assertFalse(rospy.wait_for_message("robot/gripped", Bool, PATIENCE).data)
 
     def test_snapshot_publishes_a_picture(self) -> None:
         count = len(self.pictures)
-        rospy.wait_for_service("robot/snapshot", LIMIT)
+        rospy.wait_for_service("robot/snapshot", PATIENCE)
         ask = rospy.ServiceProxy("robot/snapshot", Trigger)
         wait_until(lambda: ask().success, "a picture")  # drawn with what others leave of the cores
         wait_until(lambda: len(self.pictures) > count)

@@ -28,7 +28,7 @@ def launch():
 
 
 def test_a_node_is_all_that_descends_from_it_and_the_rest_is_of_ros(launch):
-    first = wait_until(lambda: is_held(usage([launch])), "the memory", 20.0)
+    first = wait_until(lambda: is_held(usage([launch])), "the memory")
     time.sleep(0.3)
     last = usage([launch])
     assert set(last) == {ROS, "robot"}

@@ -8,6 +8,7 @@ import pytest
 
 from demo import first_sound
 from demo.first_sound import FirstSound
+from support.waiting import PATIENCE
 
 RATE = 16000
 BEGAN = 100.0  # [s] when the node captured its first sample
@@ -36,13 +37,13 @@ def test_the_first_that_is_no_silence_counts_and_what_came_late_does_not():
     push(sound, 0, [0, 2, -3] * 100, late=0.08)
     push(sound, 512, [0] * 256 + [900] * 256, late=0.05)
     threading.Timer(0.05, push, (sound, 1024, [-900] * 512)).start()
-    assert sound.wait(10.0) == pytest.approx(BEGAN + 768 / RATE, abs=1e-6)
+    assert sound.wait(PATIENCE) == pytest.approx(BEGAN + 768 / RATE, abs=1e-6)
 
 
 def test_of_a_file_the_beginning_counts():
     sound = FirstSound(is_file=True)
     push(sound, 5120, [0] * 512)
-    assert sound.wait(10.0) == pytest.approx(BEGAN, abs=1e-6)
+    assert sound.wait(PATIENCE) == pytest.approx(BEGAN, abs=1e-6)
 
 
 def test_silence_is_told():

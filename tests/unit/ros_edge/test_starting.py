@@ -8,6 +8,7 @@ from contextlib import suppress
 import pytest
 import rospy
 
+from support.waiting import PATIENCE
 from typed_config.ros.starting import starting, wait_for_clock
 
 NUMBERS = (signal.SIGINT, signal.SIGTERM)
@@ -76,7 +77,7 @@ def test_a_node_that_has_started_is_shut_down_beside_what_it_does(clock, monkeyp
         signal.raise_signal(number)
         signal.raise_signal(number)  # roslaunch and `respawn` both send it
         assert reasons == []
-    assert is_over.wait(30.0)
+    assert is_over.wait(PATIENCE)
     assert reasons == [f"signal-{number:d}"]
 
 
@@ -94,7 +95,7 @@ def test_loops_end_before_the_topics_are_closed(clock, monkeypatch):
     with starting("node"):
         rospy.on_shutdown(lambda: seen.append(rospy.core.is_shutdown()))
     signal.raise_signal(signal.SIGINT)
-    assert is_over.wait(30.0)
+    assert is_over.wait(PATIENCE)
     assert seen == [False, True]
 
 

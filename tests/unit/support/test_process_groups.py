@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from support.process_groups import end_group, start_group
+from support.waiting import wait_until
 
 # Notes its number, and that it was asked to end.
 CHILD = """
@@ -20,7 +21,7 @@ def end(*_):
     sys.exit(0)
 signal.signal(signal.SIGINT, end)
 pathlib.Path(sys.argv[1], "started").write_text(str(os.getpid()))
-time.sleep(60)
+time.sleep(600)
 """
 PARENT = """
 import sys, threading
@@ -35,19 +36,11 @@ else:
     thread.join()
 input()
 """
-PATIENCE = 10.0  # [s]
-
-
-def until(condition):
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 def started(folder):
     file = folder / "started"
-    until(lambda: file.exists() and file.read_text())
+    wait_until(lambda: file.exists() and file.read_text())
     return int(file.read_text())
 
 
@@ -58,8 +51,8 @@ def test_what_was_started_is_asked_to_end_where_its_starter_is_killed(tmp_path, 
     child = started(tmp_path)
     parent.send_signal(number)
     parent.wait()
-    until((tmp_path / "asked").exists)
-    until(lambda: not is_there(child))
+    wait_until((tmp_path / "asked").exists)
+    wait_until(lambda: not is_there(child))
 
 
 def test_the_end_of_a_thread_that_started_something_ends_nothing(tmp_path):

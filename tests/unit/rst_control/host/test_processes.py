@@ -6,11 +6,11 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 
 import pytest
 
 from rst_control.host.processes import ENDED, STOPPED, Process, process_of
+from support.waiting import wait_until
 
 SERVER = """
 import socket, sys
@@ -18,7 +18,6 @@ server = socket.create_server(("127.0.0.1", 0))
 print(server.getsockname()[1], flush=True)
 sys.stdin.read()
 """
-LIMIT = 20.0  # [s] for the kernel to carry out a signal
 
 
 @pytest.fixture
@@ -32,9 +31,7 @@ def server():
 
 
 def becomes(process, words):
-    end = time.monotonic() + LIMIT
-    while process.state() != words:
-        assert time.monotonic() < end, process.state()
+    wait_until(lambda: process.state() == words, words or "running")
 
 
 def test_one_that_runs_is_well_whether_it_works_or_waits(server):

@@ -12,6 +12,7 @@ from contextlib import suppress
 import pytest
 from aiohttp import ClientSession, ClientTimeout, TCPConnector
 
+from support.waiting import PATIENCE
 from tests.unit.voice_assist.display.support.theatre import (
     TOKEN,
     Clock,
@@ -25,7 +26,7 @@ from voice_assist.display import connections
 from voice_assist.display.http_rules import HEADERS
 from voice_assist.display.server import AT_WORK, FILES, MOST_BODY
 
-LIMIT = ClientTimeout(20.0)
+LIMIT = ClientTimeout(PATIENCE)
 RIGHT = {"Authorization": f"Bearer {TOKEN}"}
 
 
@@ -321,12 +322,12 @@ def test_a_viewer_that_never_reads_is_dropped_and_delays_nobody():
         async with session.get("/events") as awake:
             while len(server.viewers) < 2:
                 await asyncio.sleep(0.01)
-            slowest, last = 0.0, time.monotonic()
+            count = 0
             while len(server.viewers) > 1:
                 await awake.content.readline()
                 await awake.content.readline()
-                slowest, last = max(slowest, time.monotonic() - last), time.monotonic()
-            assert slowest < 1.0
+                count += 1
+            assert count > 4, "it waited for the one that does not read"
             assert (await first_event(awake))["robot"]
         asleep.close()
 
@@ -342,7 +343,7 @@ def test_a_connection_that_says_nothing_or_too_little_ends(monkeypatch):
             reader, writer = await asyncio.open_connection("127.0.0.1", port)
             writer.write(words)
             with suppress(ConnectionResetError):
-                assert await asyncio.wait_for(reader.read(), 5.0) == b""
+                assert await asyncio.wait_for(reader.read(), PATIENCE) == b""
             writer.close()
 
     run(act)
@@ -358,7 +359,7 @@ def test_connections_without_end_leave_room_for_none_but_are_bounded(monkeypatch
         ended = 0
         for reader, _ in idle:
             try:
-                ended += await asyncio.wait_for(reader.read(), 5.0) == b""
+                ended += await asyncio.wait_for(reader.read(), PATIENCE) == b""
             except ConnectionResetError:
                 ended += 1
         assert ended == 30

@@ -3,12 +3,11 @@ import threading
 
 import pytest
 
+from support.waiting import PATIENCE
 from tests.unit.voice_assist.support.fake_speech import quiet_frame
 from voice_assist.side_inputs import SideInputKind, ignore
 from voice_assist.spotter.spotter import Spotted
 from voice_assist.spotter.thread import SpotterThread
-
-WAIT = 20.0  # [s] for another thread; only a broken one lets it pass
 
 
 class Scripted:
@@ -19,7 +18,7 @@ class Scripted:
         self.go, self.done = threading.Event(), threading.Event()
 
     def __call__(self, frame):
-        assert self.go.wait(WAIT)
+        assert self.go.wait(PATIENCE)
         self.heard.append(frame.first_sample)
         result = self.script.pop(0) if self.script else None
         if not self.script:
@@ -99,7 +98,7 @@ def test_the_pipeline_cannot_reset_the_stream_of_the_thread(start):
 def test_the_pipeline_waits_for_the_thread_to_hear_the_frame(start):
     spotter = Scripted(Spotted(1.0, 9.0))
     noted = []
-    thread, _, _ = start(spotter, patience=WAIT, observer=noted.append)
+    thread, _, _ = start(spotter, patience=PATIENCE, observer=noted.append)
     threading.Timer(0.05, spotter.go.set).start()
     thread.feed(quiet_frame(0))
     assert thread(quiet_frame(0)) == Spotted(1.0, 9.0, is_sent=True)
@@ -108,11 +107,11 @@ def test_the_pipeline_waits_for_the_thread_to_hear_the_frame(start):
 
 def test_what_the_thread_heard_ahead_of_the_pipeline_stays_hidden(start):
     spotter = Scripted(None, Spotted(1.0, 9.0))
-    thread, _, _ = start(spotter, patience=WAIT)
+    thread, _, _ = start(spotter, patience=PATIENCE)
     spotter.go.set()
     thread.feed(quiet_frame(0))
     thread.feed(quiet_frame(512))
-    assert spotter.done.wait(WAIT)
+    assert spotter.done.wait(PATIENCE)
     assert thread(quiet_frame(0)) is None
     thread.best(0.0)
     assert spotter.shown_until == 512
@@ -139,7 +138,7 @@ def test_a_late_thread_does_not_keep_the_recogniser_from_deciding(start):
     assert thread.best(0.0) is None  # nobody listens in time
     spotter.go.set()
     thread.feed(quiet_frame(512))
-    assert spotter.done.wait(WAIT)
+    assert spotter.done.wait(PATIENCE)
     while thread.best(0.0) is None:  # the thread has yet to say that it has heard the frame
         thread(quiet_frame(512))
     assert thread.best(0.0) == 1.0

@@ -3,7 +3,6 @@
 
 import socket
 import threading
-import time
 
 import pytest
 import rospy.topics
@@ -12,6 +11,7 @@ from rospy.impl.tcpros_pubsub import TCPROSPub
 from std_msgs.msg import String
 
 from rst_control.ros.rospy_patches.nonblocking_publish import NonblockingConnection
+from support.waiting import PATIENCE, wait_until
 
 
 class PipeTransport:
@@ -96,9 +96,7 @@ def test_after_a_jam_messages_go_out_at_once_again(transport):
     for data in jam:
         connection.write_data(data)
     assert read(transport.far, 40 * 5000) == b"".join(jam)  # none dropped: 0 is without limit
-    deadline = time.monotonic() + 5.0
-    while connection._is_held_up and time.monotonic() < deadline:
-        time.sleep(0.001)
+    wait_until(lambda: not connection._is_held_up, every=0.001)
     connection.write_data(b"again")
     assert transport.far.recv(5, socket.MSG_DONTWAIT) == b"again"
 
@@ -120,7 +118,7 @@ def test_rospy_may_close_a_connection_while_a_message_fails_on_it(transport):
     def fail(_):
         closing = threading.Thread(target=transport.callback, args=(transport,), daemon=True)
         closing.start()
-        closing.join(5.0)
+        closing.join(PATIENCE)
         is_closed.append(not closing.is_alive())
         raise ConnectionError("closed")
 
@@ -177,7 +175,7 @@ def test_a_jam_ends_with_the_connection(transport):
         connection.write_data(message(number, 5000))
     thread = connection._thread
     transport.close()
-    thread.join(5.0)
+    thread.join(PATIENCE)
     assert not thread.is_alive()
 
 
