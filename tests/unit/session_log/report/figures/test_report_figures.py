@@ -90,7 +90,7 @@ def test_pooled_figures_name_every_command_and_the_unit(material, name, layout):
 
 def test_many_points_are_drawn_in_bounded_number(material):
     given = tuple(
-        GivenCommand("tense", True, 0.1, 0.001 * k, "accepted", "", False) for k in range(20_000)
+        GivenCommand("tense", 0.1, 0.001 * k, "accepted", "", False) for k in range(20_000)
     )
     figure = POOLED["latency"].draw(pool_of(material, given=given), WIDE)
     points = sum(len(line.get_xdata()) for line in figure.axes[0].lines)

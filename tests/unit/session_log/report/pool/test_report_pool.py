@@ -118,11 +118,11 @@ def test_accuracy_counts_commands_apart_from_words_that_are_none(summary, report
 
 def test_latency_stands_beside_the_paper_with_bounds_where_there_are_values(summary, report_config):
     def given(command, action):
-        return GivenCommand(command, True, 0.2, action, "accepted", "", False)
+        return GivenCommand(command, 0.2, action, "accepted", "", False)
 
     many = tuple(given("tense", 0.01 * k) for k in range(1, 101))
     few = (given("stop", 0.3), given("stop", 0.5), given("release", math.nan))
-    by_hand = (GivenCommand("tense", False, math.nan, math.nan, "accepted", "", False),)
+    by_hand = (GivenCommand("tense", math.nan, math.nan, "accepted", "", False, "hand"),)
     pool = pool_of(report_config, replace(summary, given=(*many, *few, *by_hand)))
     rows = {row[0]: row[1:] for row in pool_tables.latency_table(pool).rows}
     assert rows["tense"][:3] == ("100", "0.20", "0.51")
@@ -134,9 +134,8 @@ def test_latency_stands_beside_the_paper_with_bounds_where_there_are_values(summ
 
 def test_voice_and_pedal_stand_beside_each_other_with_their_bounds(summary, report_config):
     def given(by, reaction, outcome="accepted"):
-        is_spoken = by == "voice"
-        times = (0.1, reaction) if is_spoken else (math.nan, math.nan)
-        return GivenCommand("tense", is_spoken, *times, outcome, "", False, by, reaction)
+        decided = 0.1 if by == "voice" else math.nan
+        return GivenCommand("tense", decided, reaction, outcome, "", False, by)
 
     spoken = [given("voice", 0.3 + 0.01 * k) for k in range(9)] + [
         given("voice", math.nan, "refused")
@@ -158,7 +157,7 @@ def test_voice_and_pedal_stand_beside_each_other_with_their_bounds(summary, repo
 
 
 def test_a_command_unknown_to_the_paper_has_a_row_without_its_figure(summary, report_config):
-    extra = GivenCommand("wave", True, 0.1, 0.2, "accepted", "", False)
+    extra = GivenCommand("wave", 0.1, 0.2, "accepted", "", False)
     pool = pool_of(report_config, replace(summary, given=(extra,)))
     rows = {row[0]: row for row in pool_tables.latency_table(pool).rows}
     assert rows["wave"] == ("wave", "1", "0.10", "0.20", "0.20", "0.20", "–")
@@ -179,7 +178,7 @@ def test_refusals_are_counted_by_their_kind(message, reason):
 
 def test_refusals_of_many_sessions_are_counted_most_frequent_first(summary, report_config):
     def refused(command, message):
-        return GivenCommand(command, True, 0.1, math.nan, "refused", message, False)
+        return GivenCommand(command, 0.1, math.nan, "refused", message, False)
 
     given = [refused("tense", "halted; say"), refused("stop", "x"), refused("tense", "halted")]
     pool = pool_of(report_config, replace(summary, given=tuple(given)))

@@ -15,7 +15,7 @@ from session_log.report.notes import Note
 from session_log.report.session.summary import SessionSummary, from_json
 
 FILE_NAME = "report_summary.json"
-VERSION = 3  # of what a summary holds and of how it is computed; raise it when either changes
+VERSION = 4  # of what a summary holds and of how it is computed; raise it when either changes
 
 
 def key_of(recording: Path, config: ReportConfig, notes: Sequence[Note] = ()) -> dict[str, object]:

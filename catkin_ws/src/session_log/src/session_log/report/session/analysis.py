@@ -20,6 +20,7 @@ from session_log.report.session.session_data import (
 )
 
 STOP = "stop"
+VOICE = "voice"  # by which a command was given
 SHUTDOWN = "shutdown"  # reason code of rst_control/ReasonCode
 ANSWERS = ("accepted", "refused", "stop_received")
 CLOCK_SLACK = 0.02  # [s] an answer may be stamped this much before the decision it answers
@@ -50,7 +51,7 @@ class CommandRow:
     def given_by(self) -> str:
         """Voice, or the node that asked without the numbers of its run; a hand where unknown."""
         if self.heard:
-            return "voice"
+            return VOICE
         return re.sub(r"(_\d+)+$", "", self.caller.lstrip("/")) or "hand"
 
     @property

@@ -12,6 +12,7 @@ import numpy as np
 
 from session_log.config import ReportConfig
 from session_log.report.session.analysis import (
+    VOICE,
     CommandRow,
     loop_timing,
     rcm_while_moving,
@@ -57,14 +58,22 @@ class GivenCommand:
     """One command that was taken or given by hand."""
 
     command: str
-    is_spoken: bool
     decision_latency: float  # [s] after the end of speech; nan if not spoken
-    action_latency: float  # [s] after the end of speech; nan if there was no action
+    reaction: float  # [s] from the end of speech, or the answer, to the action; nan: none
     outcome: str  # accepted, refused or "no answer"
     message: str
     is_partial: bool
-    given_by: str = "voice"  # or a node, or "hand"
-    reaction: float = math.nan  # [s] from the end of speech, or the answer, to the action
+    given_by: str = VOICE  # or a node, or "hand"
+
+    @property
+    def is_spoken(self) -> bool:
+        """It was heard."""
+        return self.given_by == VOICE
+
+    @property
+    def action_latency(self) -> float:
+        """From the end of speech to the action [s]; nan if not spoken, or there was none."""
+        return self.reaction if self.is_spoken else math.nan
 
 
 @dataclass(frozen=True)
@@ -160,14 +169,12 @@ def from_json(values: dict[str, Any]) -> SessionSummary:
 def _given(row: CommandRow) -> GivenCommand:
     return GivenCommand(
         command=row.command,
-        is_spoken=row.heard is not None,
         decision_latency=row.decision_latency,
-        action_latency=row.action_latency,
+        reaction=row.reaction,
         outcome=row.outcome,
         message=row.message,
         is_partial=row.heard is not None and row.heard.is_partial,
         given_by=row.given_by,
-        reaction=row.reaction,
     )
 
 
