@@ -8,6 +8,7 @@ import yaml
 
 from rst_control.config import CONFIG_FOLDER
 from rst_control.kinova.preflight import NotReady, check, main
+from support.documents.release import version
 from typed_config import ConfigError, load_yaml
 
 LIMITS, SCENE = CONFIG_FOLDER / "kinova_limits.yaml", CONFIG_FOLDER / "scene.yaml"
@@ -86,3 +87,10 @@ def test_the_launch_hears_of_it_by_the_exit_status(capsys):
     assert "does not start" in capsys.readouterr().err
     main(["--emergency-stop", "true", *arguments])
     assert "the real robot" in capsys.readouterr().out
+
+
+def test_it_names_its_version(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["--version"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out == f"kinova_preflight {version()}\n"

@@ -19,7 +19,7 @@ from rst_control.errors import RstError
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
-from typed_config import ConfigError, load_file
+from typed_config import ConfigError, add_common_options, load_file
 
 REACH = 1.6  # [m] from base_link, beyond which no trocar is
 STOP_WORDS = (
@@ -104,13 +104,14 @@ def _check_home(scene: SceneConfig, trocar: Sequence[float], file: Path) -> None
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Check, print what holds, or end with the reason on the error output."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(prog="kinova_preflight", description=__doc__)
     parser.add_argument("--emergency-stop", choices=("true", "false"), required=True)
     parser.add_argument("--simulate", choices=("true", "false"), required=True)
     parser.add_argument("--trocar", nargs=3, type=float, required=True)
     parser.add_argument("--limits", type=Path, required=True)
     parser.add_argument("--scene", type=Path, required=True)
     parser.add_argument("--speed-scale", type=float, required=True)
+    add_common_options(parser, "rst_control")
     given = parser.parse_args(argv)
     try:
         words = check(

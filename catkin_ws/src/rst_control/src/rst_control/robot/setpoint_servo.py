@@ -123,7 +123,8 @@ class Servo:
         self._deceleration = np.array(config.brake_deceleration)
         self._points: deque[Setpoint] = deque(maxlen=config.buffer)
         self._brake = _Brake.standing(position)
-        self._fade = _Fade(np.zeros_like(position), 0.0, 0.0)
+        self._still = np.zeros_like(position)
+        self._fade = _Fade(self._still, 0.0, 0.0)
         self._closed_until = -np.inf  # set-points stamped earlier do not count
         self.state, self.fault = ServoState.HOLDING, ""
 
@@ -315,11 +316,11 @@ class Servo:
 
     def _too_sudden(self, point: Setpoint, span: float) -> str:
         """Whether the speed changes faster than the joints can: they would leave their course."""
-        allowed, still = self._limits.acceleration, np.zeros_like(point.velocity)
+        allowed = self._limits.acceleration
         if allowed is None:
             return ""
-        last = self._points[-1].velocity if self._points else still
-        j, change = joint_kernels.fastest(point.velocity, still, last, span, allowed)
+        last = self._points[-1].velocity if self._points else self._still
+        j, change = joint_kernels.fastest(point.velocity, self._still, last, span, allowed)
         if change <= allowed[j]:
             return ""
         name = self._limits.names[j]
