@@ -7,6 +7,7 @@ import time
 from functools import cache
 
 FAST = ("/joint_states", "/robot/servo_jp", "/robot/tension")
+ARRIVED = 1.5  # [s] after which what was sent had arrived
 ODD = """
 uint8 LIMIT=5
 strange_msgs/Part[] parts
@@ -76,8 +77,10 @@ class Talker:
 
 def traffic(count):
     import rospy
-    from std_msgs.msg import Empty, String
+    from std_msgs.msg import Empty, String, Time
 
+    written = []
+    rospy.Subscriber("/session_log/written", Time, written.append)
     latched = rospy.Publisher("/latched", String, latch=True, queue_size=1)
     latched.publish("said once, long ago")
     odd = rospy.Publisher("/odd", odd_classes()["strange_msgs/Odd"], latch=True, queue_size=1)
@@ -91,7 +94,9 @@ def traffic(count):
             late = rospy.Publisher("/late", Empty, latch=True, queue_size=1)
             late.publish()
         rate.sleep()
-    rospy.sleep(1.5)
+    end = time.time() + ARRIVED
+    while not written or written[-1].data.to_sec() < end:
+        rospy.sleep(0.05)
     say(published=talker.count, late=late is not None)
 
 

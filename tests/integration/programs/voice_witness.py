@@ -27,8 +27,9 @@ HANG = 30.0  # [s]
 EVERY = 0.2  # [s] that the file is written
 
 
-def note(kind, *facts):
-    SEEN.setdefault(kind, []).append([*facts, time.time()])
+def note(kind, *facts, at=None):
+    """Keep facts, and when they came, or when they were sent."""
+    SEEN.setdefault(kind, []).append([*facts, time.time() if at is None else at.to_sec()])
 
 
 def serve(behaviour):
@@ -78,7 +79,7 @@ def main():
         serve(behaviour)
     topics = {
         "rst_control/stop": (Empty, lambda m: note("stop")),
-        "rst_control/heartbeat": (Time, lambda m: note("heartbeat", m.data.to_sec())),
+        "rst_control/heartbeat": (Time, lambda m: note("heartbeat", at=m.data)),
         "voice_assist/audio": (AudioChunk, lambda m: note("audio", m.first_sample, m.rate)),
         "voice_assist/say": (String, lambda m: note("say", m.data)),
         "voice_assist/partial": (String, lambda m: note("partial", m.data)),
@@ -100,7 +101,7 @@ def main():
                 note("diagnostics", s.level, s.message) for s in m.status if "voice" in s.name
             ],
         ),
-        "/rosout": (Log, lambda m: note("log", m.name, m.level, m.msg)),
+        "/rosout": (Log, lambda m: note("log", m.name, m.level, m.msg, at=m.header.stamp)),
     }
     for topic, (kind, take) in topics.items():
         rospy.Subscriber(topic, kind, take)
