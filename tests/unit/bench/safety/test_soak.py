@@ -3,6 +3,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -199,6 +200,7 @@ def test_the_summary_counts_every_violation_and_the_growth_of_later_pieces():
 
 
 def test_the_key_is_made_of_code_and_settings_of_both_packages(monkeypatch):
+    monkeypatch.setattr(suite, "code", cache(suite.code))
     before = suite.identity()
     assert all(len(suite._settings(name)) > 5 for name in suite.PACKAGES)
     assert all(len(list(suite._source(name).rglob("*.py"))) > 50 for name in suite.PACKAGES)

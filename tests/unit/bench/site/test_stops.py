@@ -25,6 +25,25 @@ def test_a_bridge_lost_at_full_speed_leaves_the_shaft_in_the_trocar_and_the_way_
     assert trial.way_back == "" and trial.beside == ""
 
 
+class IdleRig:
+    """In the place of a robot that is homed, where no drill leads it."""
+
+    def __init__(self, _motion):
+        pass
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def run(self, _seconds):
+        pass
+
+    def home(self):
+        pass
+
+
 def test_a_course_that_is_refused_counts_and_the_way_back_is_tried(one_trial, monkeypatch):
     calls = iter([stops.Stopped(0.02, 1e-5, 5e-3, None), stops.DoesNotSetOff("joint_2 starts")])
 
@@ -35,6 +54,8 @@ def test_a_course_that_is_refused_counts_and_the_way_back_is_tried(one_trial, mo
         return found
 
     monkeypatch.setattr(stops, "PIECE", 2)
+    monkeypatch.setattr(stops, "KinovaRig", IdleRig)
+    monkeypatch.setattr(stops.Drill, "__init__", lambda self, rig, rng: None)
     monkeypatch.setattr(stops.Drill, "__call__", drill)
     monkeypatch.setattr(stops.Drill, "go_on", lambda self: "still")
     calls = iter([*list(calls), stops.Stopped(0.02, 2e-5, 5e-3, "")])

@@ -3,6 +3,7 @@
 
 import importlib.util
 from dataclasses import make_dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -41,11 +42,24 @@ def test_settings_count_by_their_values_and_not_by_their_names():
     assert fingerprint.values(before) == fingerprint.values(renamed) != fingerprint.values(other)
 
 
+CODE, MAKE = cache(fingerprint.code), fingerprint.make_recognizer
+
+
+@cache
+def network(model):
+    return MAKE(fingerprint.load_voice_config(recognizer__model=model))
+
+
 @pytest.fixture
 def decided(tmp_path, monkeypatch):
-    """What the pipeline decides on the fixed clips, instead of half a minute of listening."""
+    """What the pipeline decides on the fixed clips, instead of half a minute of listening.
+
+    Code is read, and a network loaded, once for all tests.
+    """
     decided = ["stop"]
     monkeypatch.setattr(fingerprint, "decisions", lambda model: list(decided))
+    monkeypatch.setattr(fingerprint, "code", CODE)
+    monkeypatch.setattr(fingerprint, "make_recognizer", lambda c: network(c.recognizer.model))
     monkeypatch.setattr(resumable, "CACHE", tmp_path)
     return decided
 
