@@ -18,6 +18,8 @@ from tests.unit.voice_assist.display.support.theatre import (
 from typed_config import load_config, load_yaml
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.config.commands import CommandsConfig
+from voice_assist.config.display import LANGUAGES
+from voice_assist.display.page_texts import ENGLISH
 from voice_assist.display.snapshot import UtterancePart
 from voice_assist.ros.display.messages import word_rules
 
@@ -36,6 +38,14 @@ OUT_OF_ITS_BAND = """[...document.querySelectorAll('.part')].flatMap((part) =>
 UNDER_THE_EDGE = "innerWidth < 900 ? 0 : document.documentElement.scrollHeight - innerHeight"
 BACKGROUND = "getComputedStyle(document.body).backgroundColor"
 WORDS = "[...document.querySelectorAll('#words b')].map((e) => e.textContent)"
+UNTRANSLATED = """(() => {
+    const known = new Set(Object.keys(texts).filter((e) => texts[e] !== e)), left = [];
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (walker.nextNode()) {
+        if (known.has(walker.currentNode.data.trim())) left.push(walker.currentNode.data);
+    }
+    return left;
+})()"""
 
 
 def everything_that_can_be_said():
@@ -57,17 +67,18 @@ def busy_theatre(robot, alarm=None):
     return theatre
 
 
-async def look(theatre):
+async def look(theatre, language=ENGLISH):
     """Faults of each screen and theme, the colours behind, and the words that count."""
     faults, backgrounds = [], set()
-    async with Browser() as browser, make_server(theatre) as server:
+    async with Browser() as browser, make_server(theatre, language=language) as server:
         await browser.open(server.address, *SCREENS[0])
-        await browser.until("document.getElementById('state').textContent !== 'No news'")
+        await browser.until(f"document.documentElement.lang === {language!r} && news !== null")
+        await browser.until("document.getElementById('robot').dataset.state !== undefined")
         words = await browser.evaluate(WORDS)
         for screen in SCREENS:
             for theme in ("light", "dark"):
                 await browser.set_screen(*screen, theme)
-                for script in (TOO_WIDE, CUT_OFF, OUT_OF_ITS_BAND, UNDER_THE_EDGE):
+                for script in (TOO_WIDE, CUT_OFF, OUT_OF_ITS_BAND, UNDER_THE_EDGE, UNTRANSLATED):
                     if found := await browser.evaluate(script):
                         faults.append((*screen, theme, found))
                 backgrounds.add((theme, await browser.evaluate(BACKGROUND)))
@@ -90,3 +101,12 @@ def test_every_band_holds_all_of_it_on_every_screen_in_every_theme(parts):
     assert len({colour for _, colour in backgrounds}) == 2
     assert "stop" in words and "save this" in words
     assert "pull … more" in words or parts[0].state == "halted"
+
+
+@pytest.mark.skipif(not find_browser(), reason=MISSING)
+@pytest.mark.parametrize("language", LANGUAGES[1:])
+def test_every_band_holds_the_words_of_another_language_and_none_stays_english(language):
+    theatre = busy_theatre(replace(HALTED, halt_reason="stopped by /display"), STOPPED)
+    faults, _, words = asyncio.run(look(theatre, language))
+    assert faults == []
+    assert "stop" in words

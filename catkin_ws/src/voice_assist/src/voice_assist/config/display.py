@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from typed_config import integer, number, text
+from typed_config import choice, integer, number, text
 from voice_assist.config.voice import CONFIG_DIR
 
+LANGUAGES = ("en", "de", "es", "fr")  # of the page's own words
 FILE = CONFIG_DIR / "display.yaml"
 
 
@@ -34,4 +35,5 @@ class DisplayConfig:
     old_after: float = number(0.1, 10.0, "s")
     max_viewers: int = integer(1, 1000)
     backlog: int = integer(2, 1000)
+    language: str = choice(*LANGUAGES)
     picture: PictureConfig

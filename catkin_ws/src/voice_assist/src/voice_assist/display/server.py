@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Serves the page: three files, the picture, one stream of events, four acts."""
+"""Serves the page: four files and its texts, the picture, one stream of events, four acts."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from voice_assist.display.acts import FORMS, STOP, Acts, BadRequestError, Outcom
 from voice_assist.display.connections import Connection, Connections
 from voice_assist.display.encoding import event
 from voice_assist.display.http_rules import HostRules, answer, strict
+from voice_assist.display.page_texts import page_texts
 from voice_assist.display.theatre import Theatre
 from voice_assist.display.viewers import Viewer, Viewers
 
@@ -26,7 +27,9 @@ FILES = {
     "/": ("index.html", "text/html"),
     "/page.css": ("page.css", "text/css"),
     "/page.js": ("page.js", "text/javascript"),
+    "/texts.js": ("texts.js", "text/javascript"),
 }
+TEXTS = "/texts.json"  # of the page's language
 MOST_BODY = 2048  # [B] of an act
 AT_WORK = 4  # acts at once
 ENDS_WITHIN = 1.0  # [s] for answers under way when the server ends
@@ -58,6 +61,8 @@ class DisplayServer:
         self._files = {
             path: (kind, PAGE.joinpath(name).read_bytes()) for path, (name, kind) in FILES.items()
         }
+        texts = {"language": config.language, "texts": page_texts(config.language)}
+        self._files[TEXTS] = "application/json", json.dumps(texts).encode()
         self.viewers = Viewers(config.max_viewers, config.backlog)
         self._threads = ThreadPoolExecutor(AT_WORK, "act")
         self._at_work = 0

@@ -51,9 +51,9 @@ function draw() {
   const limit = news ? news.old_after : 0.5;
   const isLost = since > limit;
   show("lost", isLost);
-  document.title = isLost ? "No connection" : title();
-  if (isLost) say("lost-words", news ? ` for ${since.toFixed(0)} s: nothing below is as it is now` : " yet");
-  tell("lost", isLost ? "No connection to the robot's display" : news ? "Connected" : "");
+  document.title = isLost ? t`No connection` : title();
+  if (isLost) say("lost-words", news ? t` for ${since.toFixed(0)} s: nothing below is as it is now` : t` yet`);
+  tell("lost", isLost ? t`No connection to the robot's display` : news ? t`Connected` : "");
   if (!news) return;
   drawRobot(since, limit);
   drawHearing(since, limit);
@@ -67,31 +67,31 @@ function draw() {
 function mark(id, part, since, limit, what) {
   const age = part ? (part.age === null ? Infinity : part.age + since) : Infinity;
   const isOld = age > limit;
-  const words = age === Infinity ? `No news of the ${what}` : `Old: ${what} silent for ${age < 10 ? age.toFixed(1) : age.toFixed(0)} s`;
+  const words = age === Infinity ? t`No news of the ${what}` : t`Old: ${what} silent for ${age < 10 ? age.toFixed(1) : age.toFixed(0)} s`;
   byId(id).classList.toggle("is-old", isOld);
   byId(id).dataset.old = isOld ? words : "";
-  tell(id, isOld ? `No news of the ${what}` : `News of the ${what}`, !isOld);
+  tell(id, isOld ? t`No news of the ${what}` : t`News of the ${what}`, !isOld);
   return Boolean(part);
 }
 
 function title() {
   const robot = news.robot;
-  return robot ? `${NAMES[robot.state] || robot.state} - Theatre` : "Theatre";
+  return robot ? `${word(NAMES[robot.state] || robot.state)} - ${t`Theatre`}` : t`Theatre`;
 }
 
 function drawRobot(since, limit) {
   const robot = news.robot;
-  if (!mark("robot", robot, since, limit, "controller")) return;
+  if (!mark("robot", robot, since, limit, t`controller`)) return;
   byId("robot").dataset.state = robot.state;
-  const name = NAMES[robot.state] || robot.state;
+  const name = word(NAMES[robot.state] || robot.state);
   say("state", name);
   shape("state-shape", SHAPES[robot.state] || "clock");
-  const held = robot.is_tissue_held ? "tissue held" : "nothing held";
-  say("why", robot.halt_reason || (robot.state === "standby" ? `${held}; say "hey robot" to begin` : held));
+  const held = robot.is_tissue_held ? t`tissue held` : t`nothing held`;
+  say("why", robot.halt_reason || (robot.state === "standby" ? t`${held}; say “${robot.words[0] || "hey robot"}” to begin` : held));
   const isUnderWay = robot.state === "moving" || robot.state === "stopping";
-  const phase = PHASES[robot.phase] || robot.phase;
-  say("phase", isUnderWay ? [robot.command, phase].filter(Boolean).join(": ") : robot.command ? `Last: ${robot.command}` : "At rest");
-  say("remaining", isUnderWay && robot.remaining !== null ? `about ${robot.remaining.toFixed(1)} s` : "");
+  const phase = word(PHASES[robot.phase] || robot.phase);
+  say("phase", isUnderWay ? [robot.command, phase].filter(Boolean).join(": ") : robot.command ? t`Last: ${robot.command}` : t`At rest`);
+  say("remaining", isUnderWay && robot.remaining !== null ? t`about ${robot.remaining.toFixed(1)} s` : "");
   bar("progress", isUnderWay ? robot.progress : 0, Math.round(100 * robot.progress), `${phase}, ${Math.round(100 * robot.progress)} %`);
   const words = robot.words.join("|");
   if (byId("words").dataset.words !== words) {
@@ -105,14 +105,14 @@ function drawRobot(since, limit) {
 
 function drawHearing(since, limit) {
   const hearing = news.hearing;
-  if (!mark("hearing", hearing, since, limit, "voice")) return;
-  say("microphone", hearing.microphone || "not named");
+  if (!mark("hearing", hearing, since, limit, t`voice`)) return;
+  say("microphone", hearing.microphone || t`not named`);
   const share = Math.min(1, Math.max(0, (hearing.level - QUIET) / -QUIET));
   bar("level", share, Math.max(QUIET, hearing.level).toFixed(0), `${hearing.level.toFixed(0)} decibel`);
   byId("level").classList.toggle("is-loud", hearing.level > LOUD);
   say("level-number", `${hearing.level.toFixed(0)} dB`);
-  say("level-words", hearing.trouble || (hearing.level > LOUD ? "Too loud: it clips" : `Voice ${hearing.mode || "unknown"}`));
-  say("partial", hearing.partial ? `hearing “${hearing.partial}” ?` : "");
+  say("level-words", hearing.trouble || (hearing.level > LOUD ? t`Too loud: it clips` : t`Voice ${word(hearing.mode || "unknown")}`));
+  say("partial", hearing.partial ? t`hearing “${hearing.partial}” ?` : "");
   drawUtterance(hearing.utterance, hearing.device);
   drawQuestion(hearing.question);
 }
@@ -122,48 +122,48 @@ function drawQuestion(question) {
   show("partial", !question);
   if (!question) return;
   byId("question").dataset.command = question.command;
-  say("question-words", `${question.command}? Yes within ${Math.ceil(question.remaining)} s`);
-  tell("question", `${question.command}? Say or press yes`);
+  say("question-words", t`${question.command}? Yes within ${Math.ceil(question.remaining)} s`);
+  tell("question", t`${question.command}? Say or press yes`);
 }
 
 function drawUtterance(said, device) {
   show("utterance", Boolean(said));
-  if (!said) { say("utterance-why", "Nothing has been said yet"); return; }
+  if (!said) { say("utterance-why", t`Nothing has been said yet`); return; }
   const isTaken = Boolean(said.command);
   byId("utterance").classList.toggle("is-taken", isTaken);
   byId("utterance").classList.toggle("is-refused", !isTaken);
   shape("utterance-shape", isTaken ? "tick" : "cross");
   const text = said.transcript.trim();
-  say("utterance-words", isTaken ? said.command : text ? `“${text}”` : "no words");
-  const ago = said.age < 1.5 ? "now" : said.age < 90 ? `${said.age.toFixed(0)} s ago` : `${(said.age / 60).toFixed(0)} min ago`;
-  const by = said.decided_by === "spotter" ? ", by the spotter" : "";
-  const why = isTaken ? `taken from “${text}”${by}` : `not taken: ${said.reason}`;
+  say("utterance-words", isTaken ? said.command : text ? `“${text}”` : t`no words`);
+  const ago = said.age < 1.5 ? t`now` : said.age < 90 ? t`${said.age.toFixed(0)} s ago` : t`${(said.age / 60).toFixed(0)} min ago`;
+  const by = said.decided_by === "spotter" ? t`, by the spotter` : "";
+  const why = isTaken ? `${t`taken from “${text}”`}${by}` : t`not taken: ${said.reason}`;
   say("utterance-why", device || `${why}, ${ago}`);
   if (device) tell("device", device);
-  tell("utterance", isTaken ? `Heard ${said.command}` : `Not taken: ${text}. ${said.reason}`);
+  tell("utterance", isTaken ? t`Heard ${said.command}` : `${text}. ${t`not taken: ${said.reason}`}`);
 }
 
 function drawTissue(since, limit) {
   const tissue = news.tissue;
-  if (!mark("tissue", tissue, since, limit, "measurements")) return;
+  if (!mark("tissue", tissue, since, limit, t`measurements`)) return;
   const top = 1.1 * (tissue.tension_limit || 2);
   const tension = tissue.tension;
-  say("tension", tension === null ? "no value" : `${tension.toFixed(2)} N`);
+  say("tension", tension === null ? t`no value` : `${tension.toFixed(2)} N`);
   bar("tension-bar", (tension || 0) / top, (tension || 0).toFixed(2), `${(tension || 0).toFixed(2)} newton`);
   byId("tension-bar").setAttribute("aria-valuemax", top.toFixed(2));
   byId("tension-bar").parentElement.classList.toggle("is-over", Boolean(tissue.tension_limit) && tension > tissue.tension_limit);
   place("target-mark", tissue.tension_target, top);
   place("limit-mark", tissue.tension_limit, top);
-  say("tension-target", tissue.invalid_reason ? `Not valid: ${tissue.invalid_reason}` : tissue.tension_target === null ? "no target" : `target ${tissue.tension_target.toFixed(2)} N`);
-  say("tension-limit", tissue.tension_limit === null ? "" : `limit ${tissue.tension_limit.toFixed(2)} N`);
+  say("tension-target", tissue.invalid_reason ? t`Not valid: ${tissue.invalid_reason}` : tissue.tension_target === null ? t`no target` : t`target ${tissue.tension_target.toFixed(2)} N`);
+  say("tension-limit", tissue.tension_limit === null ? "" : t`limit ${`${tissue.tension_limit.toFixed(2)} N`}`);
   const isOutside = tissue.insertion !== null && tissue.insertion < 0;
   const error = tissue.rcm_error, bound = tissue.rcm_limit;
-  say("rcm", error === null ? "no value" : error < 0.01 ? mm(error, 3) : mm(error, 1));
-  bar("rcm-bar", bound && error !== null ? error / (1.1 * bound) : 0, error === null ? 0 : (1000 * error).toFixed(3), error === null ? "no value" : mm(error, 3));
+  say("rcm", error === null ? t`no value` : error < 0.01 ? mm(error, 3) : mm(error, 1));
+  bar("rcm-bar", bound && error !== null ? error / (1.1 * bound) : 0, error === null ? 0 : (1000 * error).toFixed(3), error === null ? t`no value` : mm(error, 3));
   byId("rcm-bar").setAttribute("aria-valuemax", bound ? (1100 * bound).toFixed(2) : 1);
   byId("rcm-bar").parentElement.classList.toggle("is-over", !isOutside && Boolean(bound) && error > bound);
-  say("rcm-limit", isOutside ? "outside: no limit" : bound === null ? "" : `limit ${mm(bound, 2)}`);
-  say("depth", tissue.insertion === null ? "" : isOutside ? `${mm(-tissue.insertion, 0)} outside` : `depth ${mm(tissue.insertion, 0)}`);
+  say("rcm-limit", isOutside ? t`outside: no limit` : bound === null ? "" : t`limit ${mm(bound, 2)}`);
+  say("depth", tissue.insertion === null ? "" : isOutside ? t`${mm(-tissue.insertion, 0)} outside` : t`depth ${mm(tissue.insertion, 0)}`);
 }
 
 function drawPicture() {
@@ -177,8 +177,9 @@ function drawPicture() {
     next.src = `/picture?number=${picture.number}`;
   }
   show("pick", Boolean(picture) && !image.hidden);
-  if (!picture || image.hidden) { say("picture-words", "No picture of the scene"); return; }
-  say("picture-words", `${isPictureOld() ? "OLD picture" : "Picture"}, ${pictureAge().toFixed(1)} s ago`);
+  if (!picture || image.hidden) { say("picture-words", t`No picture of the scene`); return; }
+  const age = pictureAge().toFixed(1);
+  say("picture-words", isPictureOld() ? t`OLD picture, ${age} s ago` : t`Picture, ${age} s ago`);
 }
 
 const pictureAge = () => (performance.now() - taken) / 1000; // [s]
@@ -189,8 +190,8 @@ function drawAlarm() {
   const isShown = !alarm || ["stop", "fault", "refusal"].includes(alarm.kind); // notices would make the page jump
   show("alarm", isShown);
   if (!alarm) {
-    say("alarm-cause", "No alarms are watched");
-    say("alarm-next", "Start the alarm node, or watch the log");
+    say("alarm-cause", t`No alarms are watched`);
+    say("alarm-next", t`Start the alarm node, or watch the log`);
     byId("alarm").dataset.kind = "fault";
     byId("alarm").dataset.priority = "2";
   } else if (isShown) {
@@ -198,8 +199,8 @@ function drawAlarm() {
     byId("alarm").dataset.priority = alarm.priority;
     byId("alarm").classList.toggle("is-acknowledged", alarm.is_acknowledged);
     say("alarm-cause", alarm.cause);
-    say("alarm-next", alarm.next_step ? `Next: ${alarm.next_step}` : "");
-    say("alarm-others", alarm.others.length ? `also: ${alarm.others.join("; ")}` : "");
+    say("alarm-next", alarm.next_step ? t`Next: ${alarm.next_step}` : "");
+    say("alarm-others", alarm.others.length ? t`also: ${alarm.others.join("; ")}` : "");
   }
   const words = alarm && isShown ? `${alarm.cause}. ${alarm.next_step}` : "";
   if (words !== said.alarm) { said.alarm = words; say("alert", words); }
@@ -214,8 +215,8 @@ function drawFoot(since, limit) {
   shape("recording-shape", isOn ? "disc" : "cross");
   const file = recording && recording.file ? recording.file.split("/").slice(-2, -1)[0] : "";
   const took = recording && recording.since !== null ? duration(recording.since) : "";
-  say("recording-words", isOn ? `Recording ${took} ${file}` : recording ? (isOld ? "Recorder silent" : `Not recorded: ${recording.problem}`) : "Not recorded");
-  say("disk", recording && recording.free !== null ? `${(recording.free / 1e9).toFixed(1)} GB free` : "");
+  say("recording-words", isOn ? t`Recording ${`${took} ${file}`}` : recording ? (isOld ? t`Recorder silent` : t`Not recorded: ${recording.problem}`) : t`Not recorded`);
+  say("disk", recording && recording.free !== null ? t`${(recording.free / 1e9).toFixed(1)} GB free` : "");
   say("time", new Date(1000 * news.time).toLocaleTimeString("en-GB"));
 }
 
@@ -262,7 +263,7 @@ async function act(name, fields, words, within = ACT_WITHIN) {
     const outcome = await response.json();
     return words(outcome.done, outcome.words);
   } catch (error) {
-    return words(null, "no answer");
+    return words(null, t`no answer`);
   }
 }
 
@@ -270,8 +271,8 @@ let pressed = -Infinity;
 function stop() {
   if (performance.now() - pressed < 300) return; // a press is also a click
   pressed = performance.now();
-  stopWords(true, "Stop is sent");
-  act("stop", null, (isDone, text) => stopWords(isDone, isDone ? text : `NOT STOPPED: ${text}. Press the emergency stop.`), STOP_WITHIN);
+  stopWords(true, t`Stop is sent`);
+  act("stop", null, (isDone, text) => stopWords(isDone, isDone ? text : t`NOT STOPPED: ${text}. Press the emergency stop.`), STOP_WITHIN);
 }
 
 function stopWords(isDone, text) {
@@ -290,7 +291,7 @@ function lock() {
 }
 
 function needToken() {
-  if (!token) { say("act-words", "Enter the token first: it is printed where the page was started"); byId("more").open = true; }
+  if (!token) { say("act-words", t`Enter the token first: it is printed where the page was started`); byId("more").open = true; }
   return !token;
 }
 
@@ -301,7 +302,7 @@ byId("unlock").addEventListener("submit", (event) => {
   token = byId("token").value.trim();
   sessionStorage.setItem("token", token);
   byId("token").value = "";
-  say("act-words", token ? "The token is kept until this page is closed" : "");
+  say("act-words", token ? t`The token is kept until this page is closed` : "");
   if (token) byId("more").open = false; // it covers what lies above
 });
 byId("choose").addEventListener("click", () => {
@@ -326,7 +327,7 @@ byId("pick").addEventListener("click", () => {
   const isArmed = byId("pick").getAttribute("aria-pressed") !== "true";
   if (isArmed && needToken()) return;
   arm(isArmed);
-  say("pick-words", isArmed ? "Click the tissue in the endoscope's picture" : "");
+  say("pick-words", isArmed ? t`Click the tissue in the endoscope's picture` : "");
 });
 function markPick(event) {
   const frame = byId("picture-frame").getBoundingClientRect(), picked = byId("picked");
@@ -337,13 +338,13 @@ function markPick(event) {
 }
 byId("picture").addEventListener("click", (event) => {
   if (byId("pick").getAttribute("aria-pressed") !== "true") return;
-  if (isPictureOld()) { say("pick-words", "That picture is old: wait for a new one, then click again"); return; }
+  if (isPictureOld()) { say("pick-words", t`That picture is old: wait for a new one, then click again`); return; }
   arm(false);
   const box = byId("picture").getBoundingClientRect();
   const x = (event.clientX - box.left) / box.width, y = (event.clientY - box.top) / box.height;
   markPick(event);
-  say("pick-words", "Asking the controller");
-  act("grasp", { x, y }, (isDone, text) => say("pick-words", `${isDone ? "Set" : isDone === null ? "Perhaps set" : "Not set"}: ${text}`));
+  say("pick-words", t`Asking the controller`);
+  act("grasp", { x, y }, (isDone, text) => say("pick-words", isDone ? t`Set: ${text}` : isDone === null ? t`Perhaps set: ${text}` : t`Not set: ${text}`));
 });
 
 function theme(name) {
@@ -355,7 +356,8 @@ function theme(name) {
 theme(localStorage.getItem("theme") || "");
 byId("theme").value = localStorage.getItem("theme") || "";
 token = sessionStorage.getItem("token") || "";
-say("stop-words", "Brakes and holds. Not an emergency stop.");
+
+translate().then(() => say("stop-words", t`Brakes and holds. Not an emergency stop.`));
 connect();
 setInterval(() => {
   if (performance.now() - heardSince > SILENT) connect();
