@@ -41,6 +41,8 @@ def test_an_amount_is_taken_in_any_of_its_wordings(text, command):
         ("pull two metres more", "'two metres' is not among its amounts"),
         ("pull two more", "'two' has no unit"),
         ("tension one", "'one' has no unit"),
+        ("tension one point nine", "'one point nine' is not among its amounts"),
+        ("pull one point five more", "'one point five' has no unit"),
         ("pull millimetres more", "'millimetres' has no number"),
         ("newton less", "'newton' has no number"),
     ],

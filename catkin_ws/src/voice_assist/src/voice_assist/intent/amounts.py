@@ -48,10 +48,13 @@ class AmountTalk:
         said = amount_words(words)
         if commands is None or not said:
             return ""
-        numbers = [word for word in said if not is_unit(word)]
+        units = sum(is_unit(word) for word in said)
+        may_lack = "point" in said and any(not c.slot.needs_unit for c in commands)
         lacks = "is not among its amounts"
-        if len(numbers) in (0, len(said)):
-            lacks = "has no unit" if numbers else "has no number"
+        if units == len(said):
+            lacks = "has no number"
+        elif not units and not may_lack:
+            lacks = "has no unit"
         what = f"{' '.join(said)!r} {lacks}"
         allowed = "; ".join(f"{c.template!r} takes {c.slot.allowed}" for c in commands)
         return f"{what}: {allowed}"
