@@ -7,7 +7,7 @@ from whisper.model import ModelDimensions
 from voice_assist.recognizer.checkpoint import Checkpoint
 from voice_assist.recognizer.whisper_shapes import whisper_shapes
 from voice_assist.spotter.overlap import WINDOW, untrained
-from voice_assist.training.data.kokoro import FOREIGN, NATIVE, plan_kokoro
+from voice_assist.training.data.kokoro import FOREIGN, NATIVE, plan_words
 from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.spotter.overlap_mixture import arrange, draw
@@ -74,6 +74,6 @@ def test_only_the_last_blocks_and_the_head_are_trained(material):
 
 def test_no_held_out_voice_of_kokoro_speaks():
     assert not [v for v in (*NATIVE, *FOREIGN) if v.startswith(HELD_OUT)]
-    prompts = plan_kokoro()
+    prompts = plan_words()
     assert {p.voice for p in prompts if p.text == "stop"} == {*NATIVE, *FOREIGN}
     assert all(p.sounds.endswith(".") for p in prompts)

@@ -21,10 +21,11 @@ from voice_assist.spotter.overlap import (
     PATH,
     TRAINED,
     OverlapNetwork,
+    read_overlap,
     untrained,
     write_overlap,
 )
-from voice_assist.training.data.kokoro import spoken_words
+from voice_assist.training.data.kokoro import plan_words, spoken
 from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.precision import cheap_numbers
 from voice_assist.training.spotter.dataset import LOG, SpotterAmounts, load_material
@@ -46,6 +47,7 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training" / "overlap")
     add("--packages", type=Path, default=REPOSITORY / ".cache" / "training" / "openai")
     add("--out", type=Path, default=PATH)
+    add("--from", dest="start", type=Path, help="file of an earlier run to train further")
     add("--seed", type=int, default=1)
     add("--steps", type=int, default=3000)
     add("--batch", type=int, default=24, help="windows of a step")
@@ -58,10 +60,10 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
 def load_overlap_material(speech: Path, cache: Path, packages: Path, seed: int) -> OverlapMaterial:
     """People, synthetic voices and surroundings; spoken once, and kept in the cache."""
     material = load_material(speech, cache, seed, AMOUNTS)
-    kokoro = spoken_words(packages, cache / "kokoro")
+    kokoro = spoken(plan_words(), packages, cache / "kokoro")
     said = [clip for clip in kokoro if clip.text == WORD]
     near = [clip for clip in kokoro if clip.text != WORD]
-    # Kokoro's few clips count twice, since its voices are the most like people.
+    # Kokoro's clips count twice, since its voices are the most like people.
     synthetic = [*material.synthetic, *said, *said]
     return arrange(
         material.stops, synthetic, material.words, [*material.near, *near, *near], material.around
@@ -93,7 +95,8 @@ def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[Overl
     """
     torch.manual_seed(options.seed)
     checkpoint = read_checkpoint(EMBEDDED_PATH)
-    network, mean = untrained(checkpoint), untrained(checkpoint)
+    network = read_overlap(options.start)[0].train() if options.start else untrained(checkpoint)
+    mean = untrained(checkpoint)
     mean.load_state_dict(network.state_dict())
     freeze(network)
     blocks = [w for w in network.encoder.parameters() if w.requires_grad]

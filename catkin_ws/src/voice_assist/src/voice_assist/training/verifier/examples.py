@@ -26,9 +26,17 @@ from voice_assist.recognizer.verification import BLOCKS, segments
 from voice_assist.recognizer.vocabulary import encode
 from voice_assist.training.array_file import write_arrays
 from voice_assist.training.data import voices
+from voice_assist.training.data.accents import english, for_kokoro
 from voice_assist.training.data.augment import Strength, add_background, colour, resample_linear
 from voice_assist.training.data.foreign_words import WORDS
-from voice_assist.training.data.kokoro import FOREIGN, NATIVE, SPEEDS
+from voice_assist.training.data.kokoro import (
+    FOREIGN,
+    LANGUAGES,
+    NATIVE,
+    SPEEDS,
+    KokoroPrompt,
+    is_british,
+)
 from voice_assist.training.data.noise import Surroundings
 from voice_assist.training.data.synthesis import cast_voice
 from voice_assist.training.data.voices import Prompt
@@ -41,14 +49,7 @@ _ADDED = 2400  # samples of silence that the pipeline puts behind a settled tran
 _COMMANDS, _ACCENTED = 250, 200  # clips of each phrase: any voice, and voices of other languages
 _TAKES = 3  # voices for each word
 _UNLIKE = -1.2  # [nat] for each letter of a phrase below which a sound would not be taken for it
-_IPA = {  # American, British
-    "tense": ("tˈɛns", "tˈɛns"),
-    "release": ("ɹɪlˈis", "ɹɪlˈis"),
-    "pull more": ("pˈʊl mˈɔɹ", "pˈʊl mˈɔː"),
-    "pull less": ("pˈʊl lˈɛs", "pˈʊl lˈɛs"),
-}
 _KOKORO_WORDS = 15  # of each language
-_KOKORO = {"e": "es", "f": "fr-fr", "j": "ja", "p": "pt-br"}  # first letter of a style's name
 
 
 @dataclass(frozen=True)
@@ -56,16 +57,6 @@ class Said:
     """A text in a voice, and the command that it is; empty: none."""
 
     prompt: Prompt
-    command: str
-
-
-@dataclass(frozen=True)
-class SaidByKokoro:
-    """Sounds in one of Kokoro's voices."""
-
-    sounds: str
-    voice: str
-    speed: float
     command: str
 
 
@@ -110,20 +101,20 @@ def plan(seed: int) -> list[Said]:
     return found
 
 
-def plan_kokoro(seed: int) -> list[SaidByKokoro]:
+def plan_kokoro(seed: int) -> list[KokoroPrompt]:
     """Commands by Kokoro's voices, and words of other languages by those that speak them."""
     rng = Random(seed)
     found = []
     for voice in (*NATIVE, *FOREIGN):
-        for phrase, (american, british) in _IPA.items():
-            sounds = british if voice.startswith("b") else american
-            found.append(SaidByKokoro(f"{sounds}.", voice, rng.choice(SPEEDS), phrase))
+        for phrase in PHRASES:
+            sounds = english(phrase, british=is_british(voice))
+            found.append(KokoroPrompt(phrase, sounds, voice, rng.choice(SPEEDS)))
     words = foreign()
-    for initial, language in _KOKORO.items():
+    for initial, language in LANGUAGES.items():
         styles = [voice for voice in FOREIGN if voice.startswith(initial)]
         for text in rng.sample(words[language], _KOKORO_WORDS):
-            sounds = f"{ipa(text, language)}."
-            found.append(SaidByKokoro(sounds, rng.choice(styles), rng.choice(SPEEDS), ""))
+            sounds = for_kokoro(ipa(text, language))
+            found.append(KokoroPrompt(text, sounds, rng.choice(styles), rng.choice(SPEEDS)))
     return found
 
 

@@ -10,7 +10,6 @@ import argparse
 import json
 import logging
 from collections.abc import Callable, Iterator
-from itertools import groupby
 from pathlib import Path
 from zlib import crc32
 
@@ -19,16 +18,16 @@ import torch
 from numpy.typing import NDArray
 from torch.nn.functional import binary_cross_entropy_with_logits
 
-from voice_assist.answers.kokoro import Kokoro
 from voice_assist.audio.espeak import Int16
 from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.recognizer.embedded import restore
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.verification import PATH, write_verifier
+from voice_assist.training.data import kokoro
 from voice_assist.training.data.human import load_sounds, read_manifest
 from voice_assist.training.data.noise import Surroundings, build_rooms
-from voice_assist.training.data.synthesis import read_sounds, save_sounds, speak_all
+from voice_assist.training.data.synthesis import speak_all
 from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.verifier import examples
 from voice_assist.training.verifier.examples import Examples, Seen
@@ -143,19 +142,14 @@ def _sounds(options: argparse.Namespace) -> Iterator[tuple[Int16, str, str]]:
     folder = options.cache / "verifier"
     for prompt, sound in speak_all(prompts, folder, options.threads):
         yield sound, planned[prompt], f"{prompt.engine}:{prompt.voice}"
-    kokoro: Kokoro | None = None
-    by_voice = sorted(examples.plan_kokoro(options.seed), key=lambda one: one.voice)
-    for voice, group in groupby(by_voice, key=lambda one: one.voice):
-        said, path = list(group), folder / f"kokoro_{voice}_{options.seed}.npz"
-        if not path.exists():
-            try:
-                kokoro = kokoro or Kokoro(options.packages, options.packages / "package" / "voices")
-            except ModelError as error:
-                LOG.info("Kokoro left out: %s", error)
-                return
-            save_sounds([kokoro(one.sounds, one.voice, one.speed) for one in said], path)
-        for one, sound in zip(said, read_sounds(path), strict=True):
-            yield sound, one.command, f"kokoro:{voice}"
+    try:
+        said = kokoro.speak(examples.plan_kokoro(options.seed), options.packages, folder)
+    except ModelError as error:
+        LOG.info("Kokoro left out: %s", error)
+        return
+    for one, sound in said:
+        command = one.text if one.text in examples.PHRASES else ""
+        yield sound, command, f"kokoro:{one.voice}"
 
 
 if __name__ == "__main__":
