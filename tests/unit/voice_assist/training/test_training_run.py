@@ -64,3 +64,13 @@ def test_a_checkpoint_is_trained_further_in_a_run_of_its_own(tiny_corpus, tmp_pa
     first, second = (read_checkpoint(path).ctc for path in (EMBEDDED_PATH, tmp_path / "m.pt"))
     assert not torch.equal(first["weight"], second["weight"])
     torch.testing.assert_close(first["weight"], second["weight"], atol=0.01, rtol=0.01)
+
+
+def test_held_blocks_stay_as_they_are_and_the_others_move(tiny_corpus, tmp_path):
+    more = ("--from", "embedded", "--held", "2", "--lesson", "voices")
+    train_recognizer.TrainingRun(options(tmp_path, 1, *more), tiny_corpus).train()
+    before, after = (read_checkpoint(path).state for path in (EMBEDDED_PATH, tmp_path / "m.pt"))
+    moved = {name for name in before if not torch.equal(before[name], after[name])}
+    held = tuple(f"encoder.{part}." for part in ("conv1", "conv2", "blocks.0", "blocks.1"))
+    assert not [name for name in moved if name.startswith(held)]
+    assert {f"encoder.blocks.{i}.mlp.0.weight" for i in (2, 3)} <= moved

@@ -14,6 +14,8 @@ from voice_assist.training.data.human import (
     read_manifest,
     training_sentences,
 )
+from voice_assist.training.data.kokoro import spoken
+from voice_assist.training.data.neural_voices import folded, plan_foreign, plan_neural
 from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import (
     SynthesisAmounts,
@@ -21,6 +23,7 @@ from voice_assist.training.data.synthesis import (
     plan_held_out,
     plan_training,
     plan_twins,
+    speak_all,
     synthesise,
 )
 from voice_assist.training.data.texts import TALK
@@ -40,7 +43,12 @@ class Corpus:
 
 
 def load_corpus(
-    speech: Path, cache: Path, seed: int, amounts: SynthesisAmounts, workers: int
+    speech: Path,
+    cache: Path,
+    seed: int,
+    amounts: SynthesisAmounts,
+    workers: int,
+    packages: Path | None = None,
 ) -> Corpus:
     """Synthesise, or read from the cache, and load recordings where present.
 
@@ -50,12 +58,19 @@ def load_corpus(
         seed: Of all chance.
         amounts: Synthetic prompts.
         workers: Processes that synthesise.
+        packages: Of Kokoro's voices, where they and words of other languages are wanted.
+
+    Raises:
+        ModelError: A package of Kokoro's is missing.
     """
     rows, recordings = read_manifest(speech), cache / "recordings"
     sentences = training_sentences(rows) + list(TALK)
     prompts = plan_training(sentences, seed, amounts)
     train = synthesise(prompts, cache / "synthetic", workers)
     train += synthesise(plan_twins(seed, amounts.twin), cache / "twins", workers)
+    if packages:
+        train += spoken(plan_neural(sentences, seed), packages, cache / "neural")
+        train += _foreign(seed, cache / "foreign", workers)
     human = [c for c in load_speech(rows, "train", recordings) if c.text and c.text.isascii()]
     rng = np.random.default_rng(seed)
     rooms = build_rooms(load_sounds(rows, "rir"), rng)
@@ -68,3 +83,11 @@ def load_corpus(
         people=load_speech(rows, "dev", recordings),
         talk=talk,
     )
+
+
+def _foreign(seed: int, cache: Path, workers: int) -> list[TrainingClip]:
+    """Words of other languages, written in the recogniser's letters."""
+    return [
+        TrainingClip(sound, folded(prompt.text), "foreign", f"espeak:{prompt.voice}")
+        for prompt, sound in speak_all(plan_foreign(seed), cache, workers)
+    ]

@@ -6,7 +6,7 @@ from __future__ import annotations
 import hashlib
 import multiprocessing
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import groupby
 from pathlib import Path
 from random import Random
@@ -45,7 +45,11 @@ class SynthesisAmounts:
     talk: int = 2500
     span: int = 12000
     short: int = 4000  # spans of one or two words
-    twin: int = 0  # what is most like a command, for the lesson "twins"
+    twin: int = 0  # what is most like a command, for the lessons "twins" and "voices"
+
+    def part(self, share: float) -> SynthesisAmounts:
+        """A share of each."""
+        return SynthesisAmounts(**{kind: round(n * share) for kind, n in asdict(self).items()})
 
 
 def plan_training(sentences: Sequence[str], seed: int, amounts: SynthesisAmounts) -> list[Prompt]:

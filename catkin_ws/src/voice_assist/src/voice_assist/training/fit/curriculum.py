@@ -4,7 +4,8 @@
 A run that continues a checkpoint of an earlier one has a single lesson: pieces again,
 with more of what that checkpoint got wrong, in louder noise; or, once near misses have made
 it slow to write a command in noise, with more commands among them; or with many twins, which
-differ from a command by a sound or two. One that starts from a Whisper
+differ from a command by a sound or two; or with neural voices, accents and words of other
+languages. One that starts from a Whisper
 model, which hears well already, first learns to write in letters, then has that lesson too.
 """
 
@@ -62,6 +63,10 @@ TWINNED = {
     **{"human stop": 5, "human rare": 4, "human close": 6, "human word": 6, "sentence": 3},
     **{"human span": 14, "human cut": 4, "cut": 6, "splice": 8, "mined": 5},
 }
+VOICED = {
+    **{**TWINNED, "command": 20, "neural": 26, "neural near": 14, "neural span": 6},
+    **{"accent": 12, "accent near": 5, "foreign": 12},
+}
 HARSH = Strength(snr=(-3.0, 25.0), noise=0.8, warp=0.12, telephone=0.06)
 
 STAGES = (
@@ -74,6 +79,7 @@ CONTINUED = {
     "mending": (TrainingStage(1_000_000, MENDING, 80.0, 7.8, HARSH, True),),
     "balanced": (TrainingStage(1_000_000, BALANCED, 80.0, 7.8, HARSH, True),),
     "twins": (TrainingStage(1_000_000, TWINNED, 80.0, 7.8, HARSH, True),),
+    "voices": (TrainingStage(1_000_000, VOICED, 80.0, 7.8, HARSH, True),),
 }
 LESSONS = tuple(CONTINUED)
 FINE_TUNED = (TrainingStage(400, WHOLE, 80.0, 7.8, Strength(), False), *CONTINUED["mending"])

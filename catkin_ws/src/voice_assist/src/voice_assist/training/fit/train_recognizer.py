@@ -61,9 +61,13 @@ class TrainingRun:
         self.options, self.corpus = options, corpus
         start = start_from(options.start, options.lesson) if options.start else start_anew()
         self.model, self.stages = start.model, start.stages
+        hold_lower(self.model, options.held)
         self.schedule = Schedule(options.steps, options.rate, decay=options.decay)
         self.optimiser = torch.optim.AdamW(
-            self.model.parameters(), betas=(0.9, 0.98), weight_decay=0.02, fused=True
+            [weight for weight in self.model.parameters() if weight.requires_grad],
+            betas=(0.9, 0.98),
+            weight_decay=0.02,
+            fused=True,
         )
         self.average = Average(self.model)
         self.folder: Path = options.cache / f"run_{options.out.stem}"  # each run of its own
@@ -159,6 +163,18 @@ class TrainingRun:
         return aligned
 
 
+def hold_lower(model: WhisperCtc, blocks: int) -> None:
+    """Keep the encoder as it is up to a block, and with it the networks that are built on it.
+
+    Args:
+        model: To be trained.
+        blocks: Held ones, from the input on; 0 holds nothing.
+    """
+    encoder = model.whisper.encoder
+    for part in (encoder.conv1, encoder.conv2, *encoder.blocks[:blocks]) if blocks else ():
+        part.requires_grad_(False)
+
+
 def _to_align(clips: list[TrainingClip]) -> list[TrainingClip]:
     """Sentences with wanted words, a third of the others, and some synthesis."""
     sentences = [clip for clip in clips if clip.kind == "sentence"]
@@ -177,6 +193,9 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--out", type=Path, default=PACKAGE / "models" / "embedded.pt")
     add("--from", dest="start", help="checkpoint to continue, or Whisper model such as base.en")
     add("--lesson", choices=LESSONS, default=LESSONS[0], help="with which --from continues a run")
+    add("--held", type=int, default=0, help="blocks of the encoder that stay as they are")
+    add("--packages", type=Path, default=REPOSITORY / ".cache" / "training" / "openai")
+    add("--share", type=float, default=1.0, help="of the synthetic corpus that is spoken")
     add("--seed", type=int, default=1)
     add("--steps", type=int, default=4000)
     add("--rate", type=float, default=1.5e-3, help="peak learning rate")
@@ -191,8 +210,11 @@ def main() -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     options = parse()
     torch.set_num_threads(options.threads)
-    amounts = SynthesisAmounts(twin=TWINS if options.lesson == "twins" else 0)
-    corpus = load_corpus(options.speech, options.cache, options.seed, amounts, options.threads)
+    amounts = SynthesisAmounts(twin=TWINS if options.lesson in ("twins", "voices") else 0)
+    said = amounts.part(options.share)
+    packages = options.packages if options.lesson == "voices" else None
+    where = (options.speech, options.cache, options.seed)
+    corpus = load_corpus(*where, said, options.threads, packages)
     LOG.info("%d training clips", len(corpus.train))
     run = TrainingRun(options, corpus)
     with disable_sdpa():  # its backward pass is slow on processors
