@@ -8,7 +8,8 @@ the folder that KOKORO names.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple
 from pathlib import Path
 from random import Random
 
@@ -19,14 +20,18 @@ from bench.voice.material.foreign_words import LANGUAGES, NAMED
 from bench.voice.material.held_out_voices import PITCHES, RATES
 from bench.voice.material.synthesis import SpokenClip, spoken
 from support.figures import ROOT
-from voice_assist.answers.kokoro import Kokoro
 from voice_assist.audio.espeak import ipa
 from voice_assist.errors import ModelError
+from voice_assist.training.data.accents import english, for_kokoro
+from voice_assist.training.data.kokoro import SPEEDS, KokoroPrompt, is_british, speak
 from voice_assist.training.data.voices import Prompt, espeak_variants
 from voice_assist.types import RATE
 
 SEED = 19
 NEAR_VOICES, NAMED_VOICES = 2, 8  # of espeak-ng for each word; all others have one
+NATIVE_STYLES = ("af_sky", "am_puck", "bf_emma", "bm_fable")
+FOREIGN_STYLES = {"ef_dora": "Spanish", "jm_kumo": "Japanese"}  # and the sounds of their language
+FOREIGN_SOUNDS = ("Hindi", "Italian", "Chinese", "German")
 PACKAGES = Path(os.environ.get("KOKORO", ROOT / ".cache" / "training" / "openai"))
 
 
@@ -59,26 +64,54 @@ def by_espeak() -> dict[str, list[SpokenClip]]:
 
 def by_kokoro() -> list[SpokenClip]:
     """Near words in Kokoro's voices; none where its packages are missing."""
-    said = [
-        (text, one.voice, style)
-        for one in LANGUAGES.values()
-        for style in one.styles
-        for text in one.near.split("|")
-    ]
-    folder = CACHE / "kokoro" / digest(said)
-    kokoro: Kokoro | None = None
+    return _by_kokoro(
+        [
+            KokoroPrompt(text, for_kokoro(ipa(text, one.voice)), style, 1.0)
+            for one in LANGUAGES.values()
+            for style in one.styles
+            for text in one.near.split("|")
+        ]
+    )
+
+
+def commands_by_kokoro(commands: Sequence[str]) -> dict[str, list[SpokenClip]]:
+    """English commands in six styles that training never hears, and in other languages' sounds.
+
+    The sounds are made by the rules that training has, the styles are others. A style of another
+    language says English sounds, too.
+    """
+    said = [(style, speed, "") for style in NATIVE_STYLES for speed in SPEEDS]
+    accented = [(style, 1.0, accent) for style in NATIVE_STYLES for accent in FOREIGN_SOUNDS]
+    for style, own in FOREIGN_STYLES.items():
+        accented += [(style, 1.0, ""), (style, 1.0, own)]
+    return {
+        name: _by_kokoro(
+            [
+                KokoroPrompt(
+                    text, english(text, british=is_british(style), accent=accent), style, speed
+                )
+                for style, speed, accent in cast
+                for text in commands
+            ]
+        )
+        for name, cast in (("Kokoro's natives", said), ("Kokoro's accents", accented))
+    }
+
+
+def _by_kokoro(prompts: Sequence[KokoroPrompt]) -> list[SpokenClip]:
+    """Clips of prompts; none where a package is missing."""
+    folder = CACHE / "kokoro" / digest(list(map(astuple, prompts)))
+    try:
+        spoken_ones = speak(prompts, PACKAGES, folder)
+    except ModelError as error:
+        print(f"Kokoro left out: {error}")
+        return []
     clips = []
-    for number, (text, language, style) in enumerate(said):
+    for number, (prompt, sound) in enumerate(spoken_ones):
         path = folder / f"{number:03d}.wav"
         if not path.is_file():
-            try:
-                kokoro = kokoro or Kokoro(PACKAGES, PACKAGES / "package" / "voices")
-            except ModelError as error:
-                print(f"Kokoro left out: {error}")
-                return []
-            folder.mkdir(parents=True, exist_ok=True)
-            soundfile.write(path, kokoro(f"{ipa(text, language)}.", style), RATE)
-        clips.append(SpokenClip(str(path.relative_to(ROOT)), text, "kokoro", style))
+            soundfile.write(path, sound, RATE)
+        clips.append(SpokenClip(str(path.relative_to(ROOT)), prompt.text, "kokoro", prompt.voice))
     return clips
 
 

@@ -12,7 +12,12 @@ from functools import cache
 
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
-from bench.voice.material.foreign_clips import by_espeak, by_kokoro, language_of
+from bench.voice.material.foreign_clips import (
+    by_espeak,
+    by_kokoro,
+    commands_by_kokoro,
+    language_of,
+)
 from bench.voice.material.held_out_voices import SyntheticVoice, foreigners, natives, spread
 from bench.voice.material.mixing import PER_CHUNK, StreamedTrial, trials_of
 from bench.voice.material.synthesis import SpokenClip, spoken
@@ -26,7 +31,10 @@ EACH = 2  # times that each held-out native voice says each command
 COMMANDS = (*MOTIONS, *STOP)
 STRANGE = "it sounds like another word"  # how the reason of the verifier begins
 FOREIGN = ("near words", "words", "talk", "named", "MBROLA", "Kokoro")
-ENGLISH = ("held-out voices", "accents", "trained voices")
+ENGLISH = (
+    *("held-out voices", "accents", "trained voices"),
+    *("Kokoro's natives", "Kokoro's accents"),
+)
 
 
 def measure() -> list[Figure]:
@@ -62,6 +70,7 @@ def plan() -> dict[str, list[StreamedTrial]]:
         "held-out voices": spoken(spread(COMMANDS, natives().present, EACH, SEED)),
         "accents": spoken(spread(COMMANDS, foreigners().present, 2, SEED)),
         "trained voices": spoken(spread(COMMANDS, sorted(cast), 1, SEED)),
+        **commands_by_kokoro(COMMANDS),
     }
     return {name: trials_of(clips) for name, clips in sets.items() if clips}
 
