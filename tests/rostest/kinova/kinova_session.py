@@ -18,6 +18,7 @@ from visualization_msgs.msg import MarkerArray
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
+from rst_control.kinova.arm_state import BEGINS
 from rst_control.types import JOINTS
 from support.raw_peer import process_of
 from tests.support.robot_client import START_LIMIT, RobotClient, run_tests
@@ -99,11 +100,9 @@ class KinovaSession(unittest.TestCase):
         self.assertIn("1.00 1.00", self.arm["arm: soft acceleration [rad/s^2]"])
 
     def test_2b_hey_robot_is_refused_while_somebody_else_has_the_arm(self):
-        def is_noticed():  # once the bridge has begun to lead the arm
-            self.at_the_arm.publish(report(MANUALLY_CONTROLLED))
-            return self.robot.state.state == "faulted"
-
-        self.robot.wait(is_noticed, every=0.1)
+        rospy.sleep(4 * BEGINS)  # a connection that comes as it begins to lead is the bridge's own
+        self.at_the_arm.publish(report(MANUALLY_CONTROLLED))
+        self.robot.wait_for_state("faulted")
         self.assertEqual(self.robot.state.halt_reason_code, "arm_in_use")
         self.assertIn("connection 8", self.robot.refused("hey robot"))
         self.at_the_arm.publish(report(READY))
