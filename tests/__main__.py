@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
-Systems wait half of the time, so two run at once, and one process more has the tests with nodes but
-without a robot that is led. The tests without nodes run on every core beside them, at a lower
-priority. With other arguments: one pytest with them.
+The demo comes first, and no other system beside it, for it takes both cores. Systems wait half of
+the time, so then two run at once, and one process more has the tests with nodes but without a robot
+that is led. The tests without nodes run on every core beside them, at a lower priority. With other
+arguments: one pytest with them.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ WITHOUT_SYSTEM = (  # of those, what hardly computes
     "integration/test_session_replay.py",
     "integration/test_voice_node.py",
 )
+ALONE = ("integration/test_end_to_end.py",)  # the demo: all nodes, a browser and two pictures
 WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit")
 CORES = len(os.sched_getaffinity(0))
 SYSTEMS = 2  # that run at once; each takes less than a core
@@ -52,14 +54,13 @@ def main(arguments: Sequence[str]) -> int:
         return subprocess.call(_pytest(*_places(arguments), *arguments))
     _compile_kernels()
     print("Whole systems first; the others run beside them and are shown last.", flush=True)
-    beside = {
-        "nodes": _start("nodes", WITHOUT_SYSTEM, 1, os.setsid),
-        "others": _start("others", WITHOUT, CORES, _give_way),
-    }
-    left_out = [f"--ignore={ROOT / 'tests' / place}" for place in WITHOUT_SYSTEM]
+    beside = {"others": _start("others", WITHOUT, CORES, _give_way)}
+    left_out = [f"--ignore={ROOT / 'tests' / place}" for place in (*ALONE, *WITHOUT_SYSTEM)]
     places = [place for place in WITH_NODES if place not in WITHOUT_SYSTEM]
     try:
-        codes = [subprocess.call(_command("systems", places, SYSTEMS, *left_out))]
+        codes = [subprocess.call(_command("demo", ALONE, 1))]
+        beside["nodes"] = _start("nodes", WITHOUT_SYSTEM, 1, os.setsid)
+        codes += [subprocess.call(_command("systems", places, SYSTEMS, *left_out))]
         codes += [process.wait() for process in beside.values()]
     finally:
         for name, process in beside.items():
@@ -67,7 +68,7 @@ def main(arguments: Sequence[str]) -> int:
                 os.killpg(process.pid, signal.SIGINT)  # as Ctrl-C, so that its nodes are ended
                 process.wait()
             print(_log(name).read_text(encoding="utf-8", errors="replace"), flush=True)
-    return _conclude(["systems", *beside], codes)
+    return _conclude(["demo", "systems", *beside], codes)
 
 
 def _log(name: str) -> Path:

@@ -14,7 +14,7 @@ def test_every_folder_of_tests_is_run():
 
 
 def test_what_runs_apart_from_whole_systems_is_there_and_has_nodes():
-    for place in runner.WITHOUT_SYSTEM:
+    for place in (*runner.ALONE, *runner.WITHOUT_SYSTEM):
         assert (runner.ROOT / "tests" / place).exists(), place
         assert place.partition("/")[0] in runner.WITH_NODES
 
