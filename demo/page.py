@@ -22,6 +22,7 @@ SHOWS_THE_SCENE = (
     " && !document.getElementById('picture-words').textContent.startsWith('OLD')"
 )
 PATIENCE = 3.0  # [s] for the scene, which a busy machine draws late; the moment would be over
+LOOK = 0.05  # [s] between two looks for a moment
 NOWHERE = "about:blank"  # between pictures: a page that is drawn all the time takes a core
 
 
@@ -55,6 +56,12 @@ class PagePictures:
             self._moments.put("")
             self._thread.join()
 
+    async def _next(self) -> str:
+        """The next moment; a thread that waited for it would outlive an interrupted demo."""
+        while self._moments.empty():
+            await asyncio.sleep(LOOK)
+        return self._moments.get()
+
     def _run(self) -> None:
         try:
             asyncio.run(self._photograph())
@@ -63,7 +70,7 @@ class PagePictures:
 
     async def _photograph(self) -> None:
         async with Browser() as browser:
-            while moment := await asyncio.to_thread(self._moments.get):
+            while moment := await self._next():
                 await browser.open(self._address)
                 await browser.until(SHOWS_THE_SESSION)
                 with suppress(RuntimeError):
