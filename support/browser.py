@@ -182,7 +182,8 @@ class Browser:
         if self._process.returncode is not None:
             raise RuntimeError("the browser ended before it was up")
         file = Path(self._folder.name, "DevToolsActivePort")
-        return file.read_text().splitlines()[0] if file.exists() else ""
+        port, end, _ = (file.read_text() if file.exists() else "").partition("\n")
+        return port if end else ""  # it may be there before it is written
 
     async def _until(
         self, ask: Callable[[], Any], what: str, limit: float = PATIENCE, every: float = 0.05
