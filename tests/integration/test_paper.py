@@ -12,7 +12,7 @@ from mcap_ros1.decoder import DecoderFactory
 
 ROOT = Path(__file__).resolve().parents[2]
 VOICE = "espeak-german"  # whose order of phrases grasps once
-LIMIT = 600.0  # [s] on a loaded machine
+LIMIT = 280.0  # [s] on a loaded machine, less than pytest gives: what hangs is ended
 COMMANDS = {"hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate"}
 
 

@@ -185,6 +185,7 @@ def test_what_is_being_heard_is_published_as_it_grows(session):
     partials = firsts(session, "partial")
     beginnings = ("he", "he said", "he said pull", "he said pull more")  # a busy machine looks less
     assert not set(beginnings).isdisjoint(partials)
+    assert any(a and b.startswith(f"{a} ") for a, b in itertools.pairwise(partials))
     assert partials[-1] == ""
 
 
@@ -324,7 +325,9 @@ def test_sound_of_another_format_is_named_and_not_heard(master, tmp_path):
         master, tmp_path, lambda seen: "played" in seen and errors(seen), [play], **settings
     )
     assert "utterance" not in seen
-    assert any("times real time if it is 2 x 16000 Hz S16LE" in e for e in errors(seen))
+    words = r"(\d\.\d\d) times real time if it is 2 x 16000 Hz S16LE"
+    ratio = float(re.search(words, "\n".join(errors(seen)))[1])
+    assert ratio == pytest.approx(0.5, abs=0.1)  # a busy machine plays slower
 
 
 def test_what_a_recording_has_said_is_not_said_again_after_a_crash(master, tmp_path):

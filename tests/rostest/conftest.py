@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from support.waiting import PATIENCE
 from tests.support.ros_host import Host
 
 HERE = Path(__file__).parent
@@ -51,6 +52,7 @@ class RosTest(pytest.Item):
         super().__init__(**more)
         (self.script,) = HERE.rglob(tag.get("type"))
         self.limit = float(tag.get("time-limit"))
+        self.add_marker(pytest.mark.timeout(self.limit + PATIENCE))  # its own limit ends it first
 
     def runtest(self):
         words = [sys.executable, str(self.script), "--text", f"__name:={self.name}"]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple
 from pathlib import Path
 from random import Random
 
@@ -100,7 +99,7 @@ def commands_by_kokoro(commands: Sequence[str]) -> dict[str, list[SpokenClip]]:
 
 def _by_kokoro(prompts: Sequence[KokoroPrompt]) -> list[SpokenClip]:
     """Clips of prompts; none where a package is missing."""
-    folder = CACHE / "kokoro" / digest(list(map(astuple, prompts)))
+    folder = CACHE / "kokoro" / digest(prompts)
     try:
         spoken_ones = speak(prompts, PACKAGES, folder)
     except ModelError as error:

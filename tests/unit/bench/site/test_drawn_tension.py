@@ -15,7 +15,7 @@ from rst_control.tension.falls_at_rest import FallsAtRest
 LIMIT = site(200.0, False).controller.tension.limit
 
 
-@pytest.mark.parametrize("index", range(20_000, 20_000 + len(KINDS)))
+@pytest.mark.parametrize("index", range(20_000, 20_000 + 2 * len(KINDS)))
 def test_no_fault_of_the_sensor_passes_the_limit(index, motion_config):
     rate = motion_config.controller.rate
     assert carry_out(draw_situation(index), rate).peak <= ABOVE * LIMIT
