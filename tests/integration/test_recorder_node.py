@@ -270,7 +270,7 @@ def test_it_closes_the_file_whatever_it_does_when_it_is_interrupted(ros, tmp_pat
 
 def test_a_wrong_setting_is_named_and_ends_the_node(ros, tmp_path):
     with recorder(ros, tmp_path, flush_perod=1.0) as process:
-        assert process.wait(PATIENCE) == 1
+        assert process.wait(PATIENCE) == 2
     assert not (tmp_path / "session.mcap").exists()
 
 

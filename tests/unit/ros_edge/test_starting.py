@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The start of a node: a signal ends it at once, and a missing clock is named."""
+"""The start of a node: a signal ends it at once, a wrong setting and a missing clock are named."""
 
 import signal
 import threading
@@ -8,8 +8,10 @@ from contextlib import suppress
 import pytest
 import rospy
 
+from rst_control.host import respawn
 from support.waiting import PATIENCE
-from typed_config.ros.starting import starting, wait_for_clock
+from typed_config import ConfigError
+from typed_config.ros.starting import WRONG, starting, wait_for_clock
 
 NUMBERS = (signal.SIGINT, signal.SIGTERM)
 HANDLED = (*NUMBERS, signal.SIGALRM)
@@ -59,6 +61,22 @@ def test_code_that_swallows_the_exit_and_goes_on_gets_it_again(clock, number):
         pytest.fail("it went on")
     assert ended.value.code == 128 + number
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("advice", ["", "alarms.launch"])
+def test_a_wrong_setting_is_named_once_and_ends_the_node(clock, monkeypatch, advice):
+    said = []
+    monkeypatch.setattr(rospy, "logfatal", lambda words, *facts: said.append(words % facts))
+    with pytest.raises(SystemExit) as ended, starting("alarms", launch=advice):
+        raise ConfigError("sound.volume", 5.0, "0 to 1")
+    assert ended.value.code == WRONG == respawn.WRONG
+    words = "alarms cannot start: sound.volume is 5.0, allowed: 0 to 1"
+    assert said == [words + "; launch/alarms.launch starts it" * bool(advice)]
+
+
+def test_another_error_is_a_crash(clock):
+    with pytest.raises(ArithmeticError), starting("alarms"):
+        raise ArithmeticError
 
 
 @pytest.mark.parametrize("number", NUMBERS)

@@ -71,6 +71,35 @@ def test_crashes_far_apart_are_not_added_up(tmp_path, monkeypatch):
     assert len(pids(tmp_path)) == 2 * respawn.MOST
 
 
+@pytest.mark.parametrize("then", [0, 1, respawn.WRONG, 7])
+def test_what_is_always_started_anew_is_so_however_it_ends_later(tmp_path, then):
+    ends = f"""
+if count <= {2 * respawn.MOST}:
+    sys.exit({then} if count > 1 else 1)
+os.kill(os.getppid(), signal.SIGINT)
+signal.pause()
+"""
+    program = "from rst_control.host import respawn; respawn.PAUSE = 0.0; respawn.main()"
+    words = (sys.executable, "-c", program, "--always", *command(tmp_path, ends))
+    subprocess.run(words, env=with_paths(), timeout=PATIENCE, check=False)
+    assert len(pids(tmp_path)) == 2 * respawn.MOST + 1
+
+
+def test_a_wrong_setting_at_first_ends_what_is_always_started_anew(tmp_path):
+    wrong = command(tmp_path, f"sys.exit({respawn.WRONG})")
+    assert respawn.Respawner(wrong, is_always=True).run() == respawn.WRONG
+    assert len(pids(tmp_path)) == 1
+
+
+@pytest.mark.parametrize("words", [(), ("--always",)])
+def test_a_command_is_needed(monkeypatch, capsys, words):
+    monkeypatch.setattr(sys, "argv", ["respawn", *words])
+    with pytest.raises(SystemExit) as ended:
+        respawn.main()
+    assert ended.value.code == respawn.WRONG
+    assert "usage: respawn [--always] COMMAND" in capsys.readouterr().err
+
+
 def kept(tmp_path):
     """A keeper in a process of its own, whose command waits."""
     program = "from rst_control.host.respawn import main; main()"

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs a command and starts it again after a crash: `respawn COMMAND ARGUMENTS`, before a node.
+"""Runs a command and starts it again: `respawn [--always] COMMAND ARGUMENTS`, before a node.
 
 roslaunch can start a node again, but after a wrong setting it would do so for ever. This program
 knows a crash by the status: a signal, or 1. A wrong setting ends a node with status 2, after it has
 said why, and a node that was asked to end has status 0. Both of these end the launch, and so does a
 node that crashes again and again.
+
+With `--always`, for a node that moves nothing, only a wrong setting at the first start ends the
+launch. Later the system is at work, and goes on without the node while that is started again.
 
 Neither outlives its parent. Where roslaunch is killed, so that nobody is left to end its
 nodes, the node is asked to end, and killed where it does not; and where this is killed, so is it.
@@ -39,19 +42,21 @@ class Respawner:
 
     Args:
         command: With its arguments.
+        is_always: It is started again however it ended, but for a wrong setting at first.
     """
 
-    def __init__(self, command: Sequence[str]) -> None:
-        self._command = tuple(command)
+    def __init__(self, command: Sequence[str], is_always: bool = False) -> None:
+        self._command, self._is_always = tuple(command), is_always
         self._child: subprocess.Popen[bytes] | None = None
         self._crashes: deque[float] = deque(maxlen=MOST)  # [s] when, steady clock
         self._is_asked_to_end = False
         self._parent = os.getppid()
 
     def run(self) -> int:
-        """Run it until it ends otherwise than by a crash; gives its status."""
+        """Run it until it is not to be started again; gives its status."""
         variables = dict(os.environ)
         while True:
+            is_first = RESTART not in variables
             try:
                 self._child = subprocess.Popen(
                     self._command, preexec_fn=_die_with_parent, env=variables
@@ -63,7 +68,7 @@ class Respawner:
             if self._is_asked_to_end:
                 self._child.send_signal(signal.SIGINT)
             status = self._wait(self._child)
-            if self._is_asked_to_end or not is_crash(status) or not self._may_go_on():
+            if self._is_asked_to_end or not self._may_start_again(status, is_first):
                 return status if status >= 0 else 128 - status
             _say(f"{self._command[0]} {ending(status)}; it is started anew")
             time.sleep(PAUSE)
@@ -92,7 +97,13 @@ class Respawner:
             child.kill()
             return child.wait()
 
-    def _may_go_on(self) -> bool:
+    def _may_start_again(self, status: int, is_first: bool) -> bool:
+        if self._is_always:
+            return not (is_first and status == WRONG)
+        return is_crash(status) and self._is_rare()
+
+    def _is_rare(self) -> bool:
+        """Whether it may crash once more; counts the crashes."""
         now = time.monotonic()
         self._crashes.append(now)
         if len(self._crashes) < MOST or now - self._crashes[0] > SPAN:
@@ -128,10 +139,12 @@ def main() -> None:
     Raises:
         SystemExit: It has ended.
     """
-    if len(sys.argv) < 2:
-        _say("usage: respawn COMMAND [ARGUMENT...]")
+    is_always = sys.argv[1:2] == ["--always"]
+    command = sys.argv[1 + is_always :]
+    if not command:
+        _say("usage: respawn [--always] COMMAND [ARGUMENT...]")
         sys.exit(WRONG)
-    respawner = Respawner(sys.argv[1:])
+    respawner = Respawner(command, is_always)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, respawner.end)
     sys.exit(respawner.run())

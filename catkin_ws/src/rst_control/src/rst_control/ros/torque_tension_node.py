@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 import time
 from collections import deque
@@ -144,15 +143,11 @@ class TorqueTensionNode:
 
 def main() -> None:
     """Run the node."""
-    with starting("torque_tension"):
-        try:
-            settings = launch_settings()
-            scene = load_config(SceneConfig, settings.pop("scene", {}), "torque_tension: scene")
-            config = load_config(TorqueTensionConfig, settings, "torque_tension parameters")
-            node = TorqueTensionNode(config, robot_description(), scene.gravity)
-        except (ConfigError, RstError) as error:
-            rospy.logfatal(f"torque_tension cannot start: {error}")
-            sys.exit(2)
+    with starting("torque_tension", refusals=(ConfigError, RstError)):
+        settings = launch_settings()
+        scene = load_config(SceneConfig, settings.pop("scene", {}), "torque_tension: scene")
+        config = load_config(TorqueTensionConfig, settings, "torque_tension parameters")
+        node = TorqueTensionNode(config, robot_description(), scene.gravity)
     warn_of_listeners()
     pace = 1.0 / config.rate
     while not rospy.is_shutdown():

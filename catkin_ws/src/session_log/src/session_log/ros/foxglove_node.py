@@ -25,7 +25,7 @@ from std_msgs.msg import String
 from session_log.config import FoxgloveConfig
 from session_log.recording.namespace import Namespace
 from session_log.types import URDF_TOPIC
-from typed_config import ConfigError, package_file
+from typed_config import package_file
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 
@@ -194,12 +194,9 @@ def main() -> None:
     with suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, 0, NICE)
     with starting("foxglove", needs_clock=False):
+        config = private_settings(FoxgloveConfig, FILE)
         try:
-            config = private_settings(FoxgloveConfig, FILE)
             import foxglove  # noqa: F401
-        except ConfigError as error:
-            rospy.logfatal("%s", error)
-            sys.exit(2)
         except ImportError:
             rospy.logfatal("no topics for Foxglove: %s", INSTALL)
             sys.exit(2)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import hashlib
-import sys
 import threading
 import time
 from functools import partial
@@ -22,7 +21,7 @@ from session_log.recording.recorder import Recorder
 from session_log.ros.diagnostics import RecorderDiagnostics
 from session_log.ros.discovery import Discovery, TopicSubscriber
 from session_log.types import URDF_TOPIC, MessageSource
-from typed_config import ConfigError, load_config, package_folder, package_version
+from typed_config import load_config, package_folder, package_version
 from typed_config.ros.starting import starting
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
@@ -212,10 +211,6 @@ def main() -> None:
     """Run the recorder node."""
     with starting("recorder", needs_clock=False):
         settings: Any = rospy.get_param("~", {})
-        try:
-            config = load_config(RecorderConfig, settings, "recorder.yaml")
-        except ConfigError as error:
-            rospy.logfatal("NOT RECORDING: %s", error)
-            sys.exit(1)
+        config = load_config(RecorderConfig, settings, "recorder.yaml")
         node = RecorderNode(config)
     node.run()

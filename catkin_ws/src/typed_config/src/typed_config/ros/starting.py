@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The start of a node: how a signal ends it, and that it has the time of ROS."""
+"""The start of a node: what ends it, and that it has the time of ROS."""
 
 from __future__ import annotations
 
@@ -16,6 +16,9 @@ from typing import NoReturn
 
 import rospy
 
+from typed_config.errors import ConfigError
+
+WRONG = 2  # status of what cannot be started as it was asked for; `respawn` goes by it
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 END_AGAIN = 0.5  # [s] after which a node that still starts is ended again
 END_LIMIT = 10.0  # [s] at the exit for what the shutdown has still to do
@@ -25,8 +28,15 @@ CLOCK_AGAIN = 10.0  # [s] after which it is named again
 
 
 @contextmanager
-def starting(name: str, needs_clock: bool = True) -> Iterator[None]:
+def starting(
+    name: str,
+    needs_clock: bool = True,
+    refusals: tuple[type[Exception], ...] = (ConfigError,),
+    launch: str = "",
+) -> Iterator[None]:
     """Begin a node of a name; what is done within is its start.
+
+    An error that says why it cannot start is logged, and ends the process with status WRONG.
 
     SIGINT and SIGTERM end a node at once while it starts, and rospy takes it off the master at the
     exit. Code that swallows the exit, as a destructor does, gets it again. Afterwards signals shut
@@ -35,6 +45,8 @@ def starting(name: str, needs_clock: bool = True) -> Iterator[None]:
     Args:
         name: Of the node.
         needs_clock: Where the time is simulated, the start waits for /clock.
+        refusals: Kinds of such errors.
+        launch: File that starts the node with all that it needs; named beside the error.
     """
     received: list[int] = []
 
@@ -52,6 +64,10 @@ def starting(name: str, needs_clock: bool = True) -> Iterator[None]:
         if needs_clock:
             wait_for_clock()
         yield
+    except refusals as error:
+        advice = f"; launch/{launch} starts it" if launch else ""
+        rospy.logfatal("%s cannot start: %s%s", name, error, advice)
+        sys.exit(WRONG)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
     _shut_down_on_signals()

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -30,12 +29,8 @@ _AUDIO, _MODE, _SERVICE = "voice_assist/audio", "voice_assist/mode", "voice_assi
 
 def main() -> None:
     """Run the enrolment node."""
-    with starting("enrolment"):
-        try:
-            EnrolmentNode()
-        except (ConfigError, VoiceError) as error:
-            rospy.logfatal("%s", error)
-            sys.exit(2)
+    with starting("enrolment", refusals=(ConfigError, VoiceError)):
+        EnrolmentNode()
     rospy.spin()
 
 

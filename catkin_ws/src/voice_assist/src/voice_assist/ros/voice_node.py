@@ -65,16 +65,12 @@ _DIAGNOSTICS_EVERY = 20  # heartbeats
 def main() -> None:
     """Run the voice node."""
     priority = hear_first()
-    try:
-        with starting("voice_assist"):
-            rospy.loginfo("priority: %s", priority)
-            config = node_settings()
-            require_known(config.commands)
-            node = VoiceNode(config)
-        node.run()
-    except (ConfigError, VoiceError) as error:
-        rospy.logfatal("%s", error)
-        sys.exit(2)
+    with starting("voice_assist", refusals=(ConfigError, VoiceError)):
+        rospy.loginfo("priority: %s", priority)
+        config = node_settings()
+        require_known(config.commands)
+        node = VoiceNode(config)
+    node.run()
 
 
 class VoiceNode:

@@ -246,19 +246,13 @@ def main() -> None:
     """Run the controller node."""
     limit_messages()
     publish_without_waiting()
-    with starting("controller"):
+    with starting("controller", refusals=(ConfigError, RstError), launch="controller.launch"):
         if other := other_provider(COMMAND):
             rospy.logfatal(f"the controller cannot start: {other} is one already; end it first")
             sys.exit(2)
-        try:
-            config = load_config(MotionConfig, launch_settings(), "controller parameters")
-            model = parse_robot(robot_description())
-            node = ControllerNode(config, model)
-        except (ConfigError, RstError) as error:
-            rospy.logfatal(
-                f"the controller cannot start: {error}; start it by launch/controller.launch"
-            )
-            sys.exit(2)
+        config = load_config(MotionConfig, launch_settings(), "controller parameters")
+        model = parse_robot(robot_description())
+        node = ControllerNode(config, model)
     with node:
         rospy.on_shutdown(node.close)
         warn_of_listeners()

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 import re
-import sys
 import time
 from contextlib import suppress
 from queue import Empty, Full, Queue
@@ -188,12 +187,8 @@ def _arm(name: object) -> str:
 def main() -> None:
     """Run the CRTK node."""
     os.setpriority(os.PRIO_PROCESS, 0, NICE)
-    with starting("crtk"):
-        try:
-            config = private_settings(CrtkConfig, CRTK_FILE)
-            model = parse_robot(robot_description())
-            node = CrtkNode(config, model, _arm(rospy.get_param("~arm", ARM)))
-        except (ConfigError, RobotModelError) as error:
-            rospy.logfatal("crtk cannot start: %s", error)
-            sys.exit(2)
+    with starting("crtk", refusals=(ConfigError, RobotModelError)):
+        config = private_settings(CrtkConfig, CRTK_FILE)
+        model = parse_robot(robot_description())
+        node = CrtkNode(config, model, _arm(rospy.get_param("~arm", ARM)))
     node.run()

@@ -322,13 +322,9 @@ def main() -> None:
     """Run the bridge node."""
     limit_messages()
     publish_without_waiting()
-    with starting("kinova_bridge"):
-        try:
-            config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
-            node = KinovaBridgeNode(config, robot_description())
-        except (ConfigError, RstError) as error:
-            rospy.logfatal(f"the bridge cannot start: {error}; launch/kinova.launch starts it")
-            sys.exit(2)
+    with starting("kinova_bridge", refusals=(ConfigError, RstError), launch="kinova.launch"):
+        config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
+        node = KinovaBridgeNode(config, robot_description())
     sys.setswitchinterval(SWITCH_INTERVAL)
     gc.collect()
     gc.freeze()

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from typing import Any
 
@@ -18,7 +17,7 @@ from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.kinova.beat import course_of
 from rst_control.ros.kinova.hardware import speeds_message
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
-from typed_config import ConfigError, load_config
+from typed_config import load_config
 from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
@@ -31,13 +30,9 @@ ALIVE_EVERY = 4  # rounds between two beats for the bridge
 def main() -> None:
     """Run the guard node."""
     publish_without_waiting()
-    with starting("kinova_guard", needs_clock=False):
-        try:
-            settings = launch_settings()
-            config = load_config(BridgeConfig, settings.get("bridge", {}), "guard parameters")
-        except ConfigError as error:
-            rospy.logfatal(f"the stop guard cannot start: {error}; launch/kinova.launch starts it")
-            sys.exit(2)
+    with starting("kinova_guard", needs_clock=False, launch="kinova.launch"):
+        settings = launch_settings()
+        config = load_config(BridgeConfig, settings.get("bridge", {}), "guard parameters")
         node = GuardNode(config)
         rospy.on_shutdown(node.close)
     ask_for_priority()

@@ -221,16 +221,13 @@ def main() -> None:
     """Run the simulator node."""
     limit_messages()
     publish_without_waiting()
-    with starting("robot", needs_clock=False):
-        try:
-            given = launch_settings()
-            config, stand_in = read_parameters(given)
-            if config.simulator.real_time_factor == 1.0:
-                wait_for_clock()  # else the clock is that of this node
-            node = SimulatorNode(config, Path(str(given.get("urdf", URDF_FILE))), stand_in)
-        except (ConfigError, RstError, SceneLostError, OSError) as error:
-            rospy.logfatal(f"the simulator cannot start: {error}; launch/robot.launch starts it")
-            sys.exit(2)
+    refusals = (ConfigError, RstError, SceneLostError, OSError)
+    with starting("robot", needs_clock=False, refusals=refusals, launch="robot.launch"):
+        given = launch_settings()
+        config, stand_in = read_parameters(given)
+        if config.simulator.real_time_factor == 1.0:
+            wait_for_clock()  # else the clock is that of this node
+        node = SimulatorNode(config, Path(str(given.get("urdf", URDF_FILE))), stand_in)
     sys.setswitchinterval(SWITCH_INTERVAL)
     gc.collect()
     gc.freeze()

@@ -7,7 +7,6 @@ the threads that hear and move.
 
 from __future__ import annotations
 
-import sys
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
@@ -20,7 +19,7 @@ from std_msgs.msg import Empty as EmptyMessage
 from visualization_msgs.msg import Marker
 
 from rst_control.msg import ControllerState, Event
-from typed_config import ConfigError, load_config
+from typed_config import load_config
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 from voice_assist.alarms.annunciator import Annunciator
@@ -207,12 +206,8 @@ class AlarmNode:
 def main() -> None:
     """Run the alarm node."""
     with starting("alarms"):
-        try:
-            config = private_settings(AlarmsConfig, FILE)
-            node = AlarmNode(config, _load_commands() if config.speech.is_enabled else None)
-        except ConfigError as error:
-            rospy.logfatal("%s", error)
-            sys.exit(2)
+        config = private_settings(AlarmsConfig, FILE)
+        node = AlarmNode(config, _load_commands() if config.speech.is_enabled else None)
     node.run()
 
 

@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-import sys
-
 import rospy
 from std_msgs.msg import Empty as EmptyMessage
 from std_msgs.msg import String
 
 from rst_control.msg import Event
-from typed_config import ConfigError, load_config
+from typed_config import load_config
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 from voice_assist.config import CommandsConfig
@@ -97,13 +95,9 @@ class DevicesNode:
 def main() -> None:
     """Run the devices node."""
     with starting("devices", needs_clock=False):
-        try:
-            config = devices_config({"calls": launch_settings().get("calls", [])})
-            given = rospy.get_param(f"{VOICE}/commands", {})
-            commands = load_config(CommandsConfig, given, "commands.yaml")
-            require_harmless(config, commands)
-            node = DevicesNode(config, commands)
-        except ConfigError as error:
-            rospy.logfatal("%s", error)
-            sys.exit(2)
+        config = devices_config({"calls": launch_settings().get("calls", [])})
+        given = rospy.get_param(f"{VOICE}/commands", {})
+        commands = load_config(CommandsConfig, given, "commands.yaml")
+        require_harmless(config, commands)
+        node = DevicesNode(config, commands)
     node.run()

@@ -171,12 +171,8 @@ def main() -> None:
     with suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, 0, NICE)
     with starting("display", needs_clock=False):
-        try:
-            config = private_settings(DisplayConfig, FILE)
-            believed_config(rospy.get_param("~believed", None))
-        except ConfigError as error:
-            rospy.logfatal("%s", error)
-            sys.exit(2)
+        config = private_settings(DisplayConfig, FILE)
+        believed_config(rospy.get_param("~believed", None))
     try:
         asyncio.run(serve(config))
     except OSError as error:

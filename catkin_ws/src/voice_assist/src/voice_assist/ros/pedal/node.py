@@ -7,7 +7,6 @@ Its stop is a supplementary stop as any other: it goes by this process and by th
 from __future__ import annotations
 
 import argparse
-import sys
 import threading
 import time
 from collections.abc import Mapping
@@ -18,7 +17,6 @@ from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool, Empty
 
 from rst_control.msg import ControllerState
-from typed_config import ConfigError
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 from voice_assist.config.pedal import PedalConfig, pedal_config
@@ -195,13 +193,9 @@ def main() -> None:
         print("\n".join(sorted(set(devices().values()))) or "there is no input device")
         return
     with starting("pedal", needs_clock=False):
-        try:
-            given = launch_settings()
-            keys = PedalConfig.__dataclass_fields__
-            config = pedal_config({key: given[key] for key in keys if key in given})
-            require_pedal_commands(config)
-            node = PedalNode(config)
-        except ConfigError as error:
-            rospy.logfatal("%s", error)
-            sys.exit(2)
+        given = launch_settings()
+        keys = PedalConfig.__dataclass_fields__
+        config = pedal_config({key: given[key] for key in keys if key in given})
+        require_pedal_commands(config)
+        node = PedalNode(config)
     node.run()
