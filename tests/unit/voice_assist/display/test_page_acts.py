@@ -21,6 +21,7 @@ from tests.unit.voice_assist.display.support.theatre import (
 from voice_assist.display.snapshot import UtterancePart
 
 pytestmark = pytest.mark.skipif(not find_browser(), reason=MISSING)
+STAMP = 1795676782.123456789  # [s] of the picture that is clicked
 UNSURE = UtterancePart(" Pull more.", "", "nearly sure", "recognizer")
 
 
@@ -66,17 +67,17 @@ async def pick(page, theatre, acts, clock):
     picture = png_bytes(np.zeros((80, 120, 3), np.uint8))
     async with Browser() as browser:
         await browser.open(page)
-        theatre.see_picture("image/png", picture)
+        theatre.see_picture("image/png", picture, 10.0)
         await browser.until("document.getElementById('picture').naturalWidth === 120")
         await browser.evaluate(enter(TOKEN))
         await browser.evaluate(click("pick"))
-        theatre.see_picture("image/png", picture)
+        theatre.see_picture("image/png", picture, 20.0)
         clock.now += 1000.0
         await browser.until(f"{text('picture-words')}.startsWith('OLD')")
         await browser.evaluate(click_picture(0.25, 0.5))
         assert "That picture is old" in await browser.evaluate(text("pick-words"))
         assert acts.asked == []
-        theatre.see_picture("image/png", picture)
+        theatre.see_picture("image/png", picture, STAMP)
         await browser.until(f"{text('picture-words')}.startsWith('Picture')")
         await browser.evaluate(click_picture(0.25, 0.5))
         await browser.until(f"{text('pick-words')} === 'Set: done'")
@@ -96,4 +97,5 @@ def test_a_click_counts_in_a_fresh_picture_alone_and_is_not_lost_in_an_old_one()
     asyncio.run(run())
     (asked,) = acts.asked
     assert asked[0] == "grasp"
-    assert asked[1:] == pytest.approx((0.25, 0.5), abs=0.01)
+    assert asked[1:3] == pytest.approx((0.25, 0.5), abs=0.01)
+    assert asked[3] == STAMP  # of the picture that was clicked

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A click into the endoscope's picture means the point of tissue that is drawn there."""
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -11,8 +12,11 @@ from rst_control.config import load_simulation_config
 from rst_control.ros.simulator.pictures import endoscope_messages
 from rst_control.simulation.camera_geometry import camera_matrix, camera_pose
 from rst_control.tissue.sheet import rest_points, sheet_normal
-from voice_assist.display.picking import NotOnTissueError, Sheet
-from voice_assist.ros.display.endoscope import camera_of
+from tests.unit.voice_assist.display.support.theatre import Clock
+from typed_config import load_file
+from voice_assist.config.display import FILE, DisplayConfig
+from voice_assist.display.picking import KEPT, NotOnTissueError, Sheet, StampedHistory
+from voice_assist.ros.display.endoscope import Endoscope, camera_of
 
 CONFIG = load_simulation_config()
 NODES = rest_points(CONFIG.scene.tissue)
@@ -88,6 +92,80 @@ def test_tissue_behind_the_camera_or_on_edge_is_not_hit():
     edge = replace(SHEET, normal=np.cross(here.pose[:3, 2], SHEET.normal))
     with pytest.raises(NotOnTissueError, match="edge"):
         edge.nearest(here, 0.75, 0.5)
+
+
+@pytest.fixture
+def history():
+    """What was said of the camera; its clock shows what is set."""
+    clock = Clock()
+    return StampedHistory(clock), clock
+
+
+def test_a_camera_that_never_moves_is_said_once_for_all_pictures(history):
+    said, clock = history
+    with pytest.raises(NotOnTissueError, match="nobody says where"):
+        said.at(5.0)
+    said.add(0.0, "here")
+    clock.now += 100.0 * KEPT
+    assert [said.at(stamp) for stamp in (0.0, 5.0, 1e9)] == ["here"] * 3
+
+
+def test_the_last_that_was_said_before_a_picture_counts(history):
+    said, clock = history
+    for stamp in range(10, 13):
+        said.add(stamp, f"at {stamp}")
+        clock.now += 1.0
+    assert [said.at(stamp) for stamp in (10.0, 11.9, 12.0, 99.0)] == [
+        "at 10",
+        "at 11",
+        "at 12",
+        "at 12",
+    ]
+    with pytest.raises(NotOnTissueError, match="no longer known: click into a newer"):
+        said.at(9.9)
+    with pytest.raises(NotOnTissueError, match="has no time stamp"):
+        said.at(0.0)
+
+
+def test_what_was_said_long_ago_is_kept_no_more_but_for_what_still_holds(history):
+    said, clock = history
+    said.add(10.0, "old")
+    clock.now += KEPT + 1.0
+    said.add(20.0, "new")
+    assert said.at(19.0) == "old"  # it held until just now
+    clock.now += KEPT + 1.0
+    said.add(30.0, "newest")
+    assert said.at(29.0) == "new"
+    with pytest.raises(NotOnTissueError, match="no longer known"):
+        said.at(19.0)
+
+
+class Heard:
+    """Stands for ROS: what each topic's callback is."""
+
+    def __init__(self):
+        self.callbacks = {}
+
+    def hear(self, by, topic, kind, callback, **options):
+        self.callbacks[topic] = callback
+
+
+def test_a_click_means_what_the_camera_saw_when_the_picture_was_taken(monkeypatch):
+    config, heard = load_file(DisplayConfig, FILE).picture, Heard()
+    monkeypatch.setattr("voice_assist.ros.display.endoscope._sheet", lambda: SHEET)
+    endoscope = Endoscope(config, heard)
+    info, pose = endoscope_messages(CONFIG)
+    heard.callbacks[config.camera_info](info)
+    node, (x, y) = seen_nodes()[40]
+    for stamp, moved in ((10, 0.0), (20, 0.02)):
+        pose = deepcopy(pose)
+        pose.header.stamp.secs = stamp
+        pose.pose.position.x += moved
+        heard.callbacks[config.camera_pose](pose)
+    np.testing.assert_allclose(endoscope.point(x, y, 15.0), node, atol=1e-9)
+    assert np.linalg.norm(np.subtract(endoscope.point(x, y, 25.0), node)) > 0.01
+    with pytest.raises(NotOnTissueError, match="no longer known"):
+        endoscope.point(x, y, 5.0)
 
 
 def spoiled(change):

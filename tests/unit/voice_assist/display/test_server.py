@@ -24,8 +24,9 @@ from tests.unit.voice_assist.display.support.theatre import (
 from typed_config import load_file
 from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display import connections
+from voice_assist.display.acts import BadRequestError, read_act
 from voice_assist.display.http_rules import HEADERS
-from voice_assist.display.server import AT_WORK, FILES, MOST_BODY
+from voice_assist.display.server import AT_WORK, FILES, MOST_BODY, STAMP
 
 LIMIT = ClientTimeout(PATIENCE)
 RIGHT = {"Authorization": f"Bearer {TOKEN}"}
@@ -134,9 +135,10 @@ def test_pictures_come_as_they_are():
     async def act(_, session):
         async with session.get("/picture") as answer:
             assert answer.status == 404
-        theatre.see_picture("image/jpeg", b"\xff\xd8\xff")
-        async with session.get("/picture?number=1") as answer:
+        theatre.see_picture("image/jpeg", b"\xff\xd8\xff", 1795676782.123456789)
+        async with session.get("/picture") as answer:
             assert (answer.content_type, await answer.read()) == ("image/jpeg", b"\xff\xd8\xff")
+            assert float(answer.headers[STAMP]) == 1795676782.123456789
             assert_strict(answer.headers)
 
     run(act, theatre=theatre)
@@ -220,6 +222,27 @@ def test_what_is_asked_for_badly_is_named_and_does_nothing(body):
 
     run(act, acts=acts)
     assert not acts.asked
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"x": 1.0}, "x is a share of the picture, from 0 up to below 1"),
+        ({"y": -0.1}, "y is a share"),
+        ({"y": True}, "y is a share"),
+        ({"stamp": None}, "stamp is when the picture was taken, in seconds from 0 on"),
+        ({"stamp": -1.0}, "stamp is when"),
+        ({"stamp": float("inf")}, "stamp is when"),
+        ({"z": 0.0}, "grasp takes x, y, stamp, and nothing else"),
+    ],
+)
+def test_a_click_is_three_numbers(wrong, words):
+    right = {"x": 0.5, "y": 0.0, "stamp": 7}
+    acts = RecordedActs()
+    read_act("grasp", json.dumps(right).encode())(acts)
+    assert acts.asked == [("grasp", 0.5, 0.0, 7.0)]
+    with pytest.raises(BadRequestError, match=words):
+        read_act("grasp", json.dumps({**right, **wrong}).encode())
 
 
 def test_an_act_that_fails_is_logged_and_answered():

@@ -15,7 +15,7 @@ from tests.unit.voice_assist.display.support.theatre import (
 from voice_assist.display.access_token import FREE_TRIES, LENGTH, WAIT, AccessToken
 from voice_assist.display.encoding import event
 from voice_assist.display.phase_clock import PhaseClock
-from voice_assist.display.snapshot import UtterancePart
+from voice_assist.display.snapshot import Picture, UtterancePart
 from voice_assist.display.theatre import DEVICE_FOR, PARTIAL_FOR, QUIET, Theatre
 from voice_assist.display.words import words_that_count
 
@@ -92,10 +92,10 @@ def test_limits_and_why_the_tension_is_invalid_are_shown_with_it(theatre):
 
 
 def test_pictures_are_numbered(theatre):
-    theatre.see_picture("image/png", b"one")
-    theatre.see_picture("image/jpeg", b"two")
+    theatre.see_picture("image/png", b"one", 1.0)
+    theatre.see_picture("image/jpeg", b"two", 2.0)
     assert theatre.snapshot().picture.number == theatre.picture.number == 2
-    assert (theatre.picture.kind, theatre.picture.data) == ("image/jpeg", b"two")
+    assert theatre.picture == Picture(2, "image/jpeg", b"two", 2.0)
 
 
 def test_words_count_by_mode_state_and_what_is_held():

@@ -74,8 +74,8 @@ class RecordedActs:
     def answer(self, command, is_yes):
         return self._take(("answer", command, is_yes))
 
-    def set_grasp_point(self, x, y):
-        return self._take(("grasp", x, y))
+    def set_grasp_point(self, x, y, stamp):
+        return self._take(("grasp", x, y, stamp))
 
     def _take(self, what):
         self.asked.append(what)

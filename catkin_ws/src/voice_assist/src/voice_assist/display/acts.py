@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Protocol
+from typing import Final, Protocol, TypeGuard
 
 STOP = "stop"  # needs no token
 MOST_LETTERS = 200  # of a text that is asked for
@@ -40,8 +40,8 @@ class Acts(Protocol):
         """Answer what the voice node asked: do this command, or drop it."""
         ...
 
-    def set_grasp_point(self, x: float, y: float) -> Outcome:
-        """Take the tissue at a place of the picture: shares of its width and height."""
+    def set_grasp_point(self, x: float, y: float, stamp: float) -> Outcome:
+        """Take the tissue at a place of the picture of that stamp: shares of width and height."""
         ...
 
 
@@ -51,19 +51,10 @@ class BadRequestError(ValueError):
 
 @dataclass(frozen=True)
 class _Form:
-    """The fields of one act, and what it does with them."""
+    """The fields of one act, each with what reads it, and what it does with them."""
 
-    fields: Mapping[str, type]
+    fields: Mapping[str, Callable[[str, object], object]]
     call: Callable[..., Outcome]  # with the system, and the fields in their order
-
-
-FORMS: Final[Mapping[str, _Form]] = {
-    "microphone": _Form({"name": str}, lambda acts, name: acts.choose_microphone(name)),
-    "answer": _Form(
-        {"command": str, "yes": bool}, lambda acts, command, yes: acts.answer(command, yes)
-    ),
-    "grasp": _Form({"x": float, "y": float}, lambda acts, x, y: acts.set_grasp_point(x, y)),
-}
 
 
 def read_act(name: str, body: bytes) -> Callable[[Acts], Outcome]:
@@ -83,24 +74,45 @@ def read_act(name: str, body: bytes) -> Callable[[Acts], Outcome]:
         raise BadRequestError("the body is not JSON") from None
     if not isinstance(given, dict) or set(given) != set(form.fields):
         raise BadRequestError(f"{name} takes {', '.join(form.fields)}, and nothing else")
-    values = [_read(key, kind, given[key]) for key, kind in form.fields.items()]
+    values = [read(key, given[key]) for key, read in form.fields.items()]
     return lambda acts: form.call(acts, *values)
 
 
-def _read(key: str, kind: type, value: Any) -> Any:
-    if kind is str:
-        return _text(key, value)
-    if kind is bool:
-        if isinstance(value, bool):
-            return value
-        raise BadRequestError(f"{key} is true or false")
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if is_number and math.isfinite(value) and 0.0 <= value < 1.0:
+def _yes(key: str, value: object) -> bool:
+    if isinstance(value, bool):
+        return value
+    raise BadRequestError(f"{key} is true or false")
+
+
+def _share(key: str, value: object) -> float:
+    if _is_number(value) and 0.0 <= value < 1.0:
         return float(value)
     raise BadRequestError(f"{key} is a share of the picture, from 0 up to below 1")
+
+
+def _stamp(key: str, value: object) -> float:
+    if _is_number(value) and 0.0 <= value < math.inf:
+        return float(value)
+    raise BadRequestError(f"{key} is when the picture was taken, in seconds from 0 on")
+
+
+def _is_number(value: object) -> TypeGuard[int | float]:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _text(key: str, value: object) -> str:
     if isinstance(value, str) and 0 < len(value) <= MOST_LETTERS and value.isprintable():
         return value
     raise BadRequestError(f"{key} is printable text of up to {MOST_LETTERS} letters")
+
+
+FORMS: Final[Mapping[str, _Form]] = {
+    "microphone": _Form({"name": _text}, lambda acts, name: acts.choose_microphone(name)),
+    "answer": _Form(
+        {"command": _text, "yes": _yes}, lambda acts, command, yes: acts.answer(command, yes)
+    ),
+    "grasp": _Form(
+        {"x": _share, "y": _share, "stamp": _stamp},
+        lambda acts, x, y, stamp: acts.set_grasp_point(x, y, stamp),
+    ),
+}

@@ -13,7 +13,7 @@ R = TypeVar("R", bound=web.StreamResponse)
 HEADERS: Mapping[str, str] = {
     "Content-Security-Policy": (
         "default-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
-        "object-src 'none'"
+        "object-src 'none'; img-src 'self' blob:"
     ),
     "Cache-Control": "no-store",
     "X-Content-Type-Options": "nosniff",

@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +15,51 @@ Array = NDArray[np.float64]
 
 ASIDE = 0.006  # [m] from the click to a node of the sheet, at most
 FLAT = 0.05  # cosine of the ray to the sheet's normal, from which the hit is sharp enough
+KEPT = 10.0  # [s] for which it is known how the camera was
+
+T = TypeVar("T")
 
 
 class NotOnTissueError(ValueError):
     """A click means no point of the tissue; says why."""
+
+
+class StampedHistory(Generic[T]):
+    """What was said of the camera, by the time from which it holds.
+
+    Args:
+        clock: Steady clock [s].
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._said: deque[tuple[float, float, T]] = deque()  # when it came, its stamp, what
+
+    def add(self, stamp: float, value: T) -> None:
+        """Take what holds from a stamp on [s]; with 0, for all pictures."""
+        now = self._clock()
+        self._said.append((now, stamp, value))
+        while len(self._said) > 1 and self._said[1][0] < now - KEPT:
+            self._said.popleft()
+
+    def at(self, stamp: float) -> T:
+        """What held when a picture of that stamp was taken.
+
+        Raises:
+            NotOnTissueError: Nothing was ever said, or nothing of that time is kept.
+        """
+        said = tuple(self._said)  # others come meanwhile
+        if not said:
+            raise NotOnTissueError("nobody says where the endoscope is")
+        for _, since, value in reversed(said):
+            if since <= stamp:
+                return value
+        if stamp == 0.0:
+            raise NotOnTissueError("that picture has no time stamp, but the endoscope moves")
+        raise NotOnTissueError(
+            "where the endoscope was when that picture was taken is no longer known: "
+            "click into a newer picture"
+        )
 
 
 @dataclass(frozen=True, eq=False)

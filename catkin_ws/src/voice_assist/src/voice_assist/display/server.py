@@ -30,6 +30,7 @@ FILES = {
     "/texts.js": ("texts.js", "text/javascript"),
 }
 TEXTS = "/texts.json"  # of the page's language
+STAMP = "Picture-Stamp"  # header: [s] when it was taken; a click into the picture names it
 MOST_BODY = 2048  # [B] of an act
 AT_WORK = 4  # acts at once
 ENDS_WITHIN = 1.0  # [s] for answers under way when the server ends
@@ -134,7 +135,8 @@ class DisplayServer:
         picture = self._theatre.picture
         if picture is None:
             return answer(404, "there is no picture yet")
-        return strict(web.Response(body=picture.data, content_type=picture.kind))
+        headers = {STAMP: repr(picture.stamp)}
+        return strict(web.Response(body=picture.data, content_type=picture.kind, headers=headers))
 
     async def _events(self, request: web.BaseRequest) -> Answer:
         viewer = self.viewers.join()

@@ -96,7 +96,7 @@ class RecordingPart:
 
 @dataclass(frozen=True)
 class PicturePart:
-    """The newest picture, which is fetched by its number."""
+    """The newest picture, which a viewer fetches when its number is another."""
 
     number: int
     period: float  # [s] between two of them at present
@@ -124,3 +124,4 @@ class Picture:
     number: int
     kind: str  # image/png or image/jpeg
     data: bytes
+    stamp: float  # [s] when it was taken, by the camera's clock; 0: unknown

@@ -150,16 +150,17 @@ class Theatre:
         """Of the recorder's disk [B]; None: unknown."""
         self._free = free
 
-    def see_picture(self, kind: str, data: bytes) -> None:
+    def see_picture(self, kind: str, data: bytes, stamp: float) -> None:
         """A picture of the scene.
 
         Args:
             kind: image/png or image/jpeg.
             data: The file.
+            stamp: When it was taken, by the camera's clock [s]; 0: the camera does not say.
         """
         with self._lock:
             number = 1 if self._picture is None else self._picture.value.number + 1
-            self._picture = _News(Picture(number, kind, data), self._clock())
+            self._picture = _News(Picture(number, kind, data, stamp), self._clock())
 
     def see_picture_period(self, period: float) -> None:
         """How often a picture can come [s]."""

@@ -169,17 +169,27 @@ function drawTissue(since, limit) {
 function drawPicture() {
   const picture = news.picture, image = byId("picture");
   if (picture && image.dataset.number !== String(picture.number) && !image.dataset.loading) {
-    const next = new Image(), came = arrived - 1000 * picture.age; // decoded before it is shown: no flicker, and one at a time
-    image.dataset.loading = "yes";
+    image.dataset.loading = "yes"; // one at a time
     const done = () => { delete image.dataset.loading; };
-    next.onload = () => { image.src = next.src; image.dataset.number = String(picture.number); image.hidden = false; taken = came; done(); };
-    next.onerror = () => setTimeout(done, RETRY);
-    next.src = `/picture?number=${picture.number}`;
+    loadPicture(image, picture, arrived - 1000 * picture.age).then(done, () => setTimeout(done, RETRY));
   }
   show("pick", Boolean(picture) && !image.hidden);
   if (!picture || image.hidden) { say("picture-words", t`No picture of the scene`); return; }
   const age = pictureAge().toFixed(1);
   say("picture-words", isPictureOld() ? t`OLD picture, ${age} s ago` : t`Picture, ${age} s ago`);
+}
+
+// With its stamp, by which a click names the picture that it was made into.
+async function loadPicture(image, picture, came) {
+  const answer = await fetch("/picture", { signal: AbortSignal.timeout(ACT_WITHIN) }), next = new Image();
+  if (!answer.ok) throw new Error(answer.statusText);
+  next.src = URL.createObjectURL(await answer.blob());
+  await next.decode().catch((error) => { URL.revokeObjectURL(next.src); throw error; }); // before it is shown: no flicker
+  URL.revokeObjectURL(image.src);
+  image.src = next.src;
+  Object.assign(image.dataset, { number: picture.number, stamp: answer.headers.get("Picture-Stamp") });
+  image.hidden = false;
+  taken = came;
 }
 
 const pictureAge = () => (performance.now() - taken) / 1000; // [s]
@@ -344,7 +354,7 @@ byId("picture").addEventListener("click", (event) => {
   const x = (event.clientX - box.left) / box.width, y = (event.clientY - box.top) / box.height;
   markPick(event);
   say("pick-words", t`Asking the controller`);
-  act("grasp", { x, y }, (isDone, text) => say("pick-words", isDone ? t`Set: ${text}` : isDone === null ? t`Perhaps set: ${text}` : t`Not set: ${text}`));
+  act("grasp", { x, y, stamp: Number(byId("picture").dataset.stamp) }, (isDone, text) => say("pick-words", isDone ? t`Set: ${text}` : isDone === null ? t`Perhaps set: ${text}` : t`Not set: ${text}`));
 });
 
 function theme(name) {

@@ -62,10 +62,10 @@ class RosActs:
         self._theatre.end_question()
         return Outcome(bool(reply.success), reply.message)
 
-    def set_grasp_point(self, x: float, y: float) -> Outcome:
+    def set_grasp_point(self, x: float, y: float, stamp: float) -> Outcome:
         """Take the tissue where a click meets it, if the controller finds that it can."""
         try:
-            point = self._endoscope.point(x, y)
+            point = self._endoscope.point(x, y, stamp)
         except NotOnTissueError as error:
             return Outcome(False, str(error))
         reply = _call(GRASP_POINT, SetGraspPoint, Point(*point), Vector3(), "")

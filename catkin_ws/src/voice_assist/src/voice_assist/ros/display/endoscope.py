@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -16,7 +17,7 @@ from rst_control.tissue.sheet import rest_points, sheet_normal
 from rst_control.types import BASE
 from typed_config import ConfigError, load_config
 from voice_assist.config.display import PictureConfig
-from voice_assist.display.picking import Camera, NotOnTissueError, Sheet
+from voice_assist.display.picking import Camera, NotOnTissueError, Sheet, StampedHistory
 from voice_assist.ros.believed import Believed
 
 SCENE = "controller/scene"  # parameter
@@ -31,33 +32,32 @@ class Endoscope:
     """
 
     def __init__(self, config: PictureConfig, known: Believed) -> None:
-        self._info: CameraInfo | None = None
-        self._pose: PoseStamped | None = None
+        self._info = StampedHistory[CameraInfo](time.monotonic)
+        self._pose = StampedHistory[PoseStamped](time.monotonic)
         self._topics = [
             known.hear("camera", config.camera_info, CameraInfo, self._on_info, queue_size=1),
             known.hear("camera", config.camera_pose, PoseStamped, self._on_pose, queue_size=1),
         ]
 
     def _on_info(self, message: CameraInfo) -> None:
-        self._info = message
+        self._info.add(message.header.stamp.to_sec(), message)
 
     def _on_pose(self, message: PoseStamped) -> None:
-        self._pose = message
+        self._pose.add(message.header.stamp.to_sec(), message)
 
-    def point(self, x: float, y: float) -> tuple[float, ...]:
+    def point(self, x: float, y: float, stamp: float) -> tuple[float, ...]:
         """The point of the tissue that is meant, base frame [m].
 
         Args:
             x: Share of the picture's width.
             y: Share of its height.
+            stamp: Of the picture [s].
 
         Raises:
-            NotOnTissueError: There is none, or what the camera sees is not known.
+            NotOnTissueError: There is none, or what the camera saw then is not known.
         """
-        info, pose = self._info, self._pose
-        if info is None or pose is None:
-            raise NotOnTissueError("nobody says where the endoscope is")
-        found = _sheet().nearest(camera_of(info, pose), x, y)
+        camera = camera_of(self._info.at(stamp), self._pose.at(stamp))
+        found = _sheet().nearest(camera, x, y)
         return tuple(map(float, found))
 
 

@@ -52,7 +52,7 @@ class Pictures:
             self._period += SMOOTHING * (now - self._last - self._period)
         self._last = now
         self._theatre.see_picture_period(self._period)
-        self._theatre.see_picture(kind, bytes(message.data))
+        self._theatre.see_picture(kind, bytes(message.data), message.header.stamp.to_sec())
 
     def _ask(self) -> None:
         """Ask again and again; a picture that takes long is asked for less often."""
