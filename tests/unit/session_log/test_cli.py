@@ -134,7 +134,6 @@ def test_report_over_a_folder_names_what_it_could_not_read(story, tmp_path, caps
         (["bag.mcap", "empty"], "2 inputs and no place for the report over them: give --out DIR"),
         (["bag.mcap", "none", "--out", "o"], "none: no such file or folder"),
         (["bags"], "none of 1 recordings can be read: "),
-        (["empty", "--jobs", "0"], "--jobs 0: allowed is 1 or more"),
     ],
 )
 def test_report_says_what_is_wrong_in_one_line(tmp_path, capsys, monkeypatch, words, wrong):
@@ -156,6 +155,11 @@ def test_a_wrong_key_in_the_settings_is_named(story, tmp_path, capsys):
     (tmp_path / "report.yaml").write_text("rcm_limits: 3\n", encoding="utf-8")
     code, _, err = run(capsys, "report", story[0], "--config", tmp_path / "report.yaml")
     assert code == 1 and "did you mean rcm_limit?" in err
+
+
+def test_a_report_by_no_process_names_what_is_allowed(capsys):
+    code, _, error = run(capsys, "report", "session", "--jobs", "0")
+    assert code == 2 and "'0', allowed: a whole number from 1" in error
 
 
 @pytest.mark.parametrize("time", ["-1", "soon", "nan", "inf"])

@@ -71,7 +71,7 @@ def tilted(config, trocar, angle, **changes):
     text = text.replace("xyz='0 0 1'", "xyz='1 0 0'")
     text += joint_text("tip", "fixed", "interface_link", "tool_tip", 0.3)
     joints = SampledTable(("time", "turn"))
-    joints.append(0.0, angle)
+    joints.extend(np.array([0.0]), np.array([angle]))
     parts = {"urdf": f"<robot>{text}</robot>", "joints": joints}
     parts["trocars"] = [RecordedTrocar(5.0, trocar, "base_link")]
     return rcm_from_joints(SessionData(RecordingSummary(None), **{**parts, **changes}), config)

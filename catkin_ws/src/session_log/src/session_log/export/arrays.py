@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from session_log.mcap_file.decoder import Decoder, MissingField
+from session_log.mcap_file.decoder import Decoder, MissingField, fields_of, is_time
 from session_log.mcap_file.reader import SessionReader
 
 NANOSECONDS = 1_000_000_000
@@ -35,7 +34,7 @@ def read_columns(reader: SessionReader, topic: str) -> dict[str, NDArray[Any]]:
     decoder, columns = Decoder(), dict[str, list[Any]]()
     for message in reader.messages({topic}):
         row: dict[str, Any] = {LOG_TIME: np.datetime64(message.log_time, "ns")}
-        row.update(_values(decoder.decode(message), ""))
+        row.update((name, _plain(value)) for name, value in fields_of(decoder.decode(message)))
         for name in columns or row:
             if name not in row:
                 raise MissingField(message, name)
@@ -43,15 +42,8 @@ def read_columns(reader: SessionReader, topic: str) -> dict[str, NDArray[Any]]:
     return {name: _column(values) for name, values in columns.items()}
 
 
-def _values(content: Any, prefix: str) -> Iterator[tuple[str, Any]]:
-    for name in content.__slots__:
-        value = getattr(content, name)
-        if hasattr(value, "secs") and hasattr(value, "nsecs"):
-            yield prefix + name, np.datetime64(value.secs * NANOSECONDS + value.nsecs, "ns")
-        elif hasattr(value, "__slots__"):
-            yield from _values(value, f"{prefix}{name}.")
-        else:
-            yield prefix + name, value
+def _plain(value: Any) -> Any:
+    return np.datetime64(value.secs * NANOSECONDS + value.nsecs, "ns") if is_time(value) else value
 
 
 def _column(values: list[Any]) -> NDArray[Any]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from session_log.errors import OutputFailed, SessionLogError
-from session_log.mcap_file.decoder import Decoder, Undecodable
+from session_log.mcap_file.decoder import Decoder, Undecodable, fields_of, is_time
 from session_log.mcap_file.reader import SessionReader
 from session_log.types import Message
 
@@ -150,9 +150,7 @@ class _Exporter:
         path = self._folder / f"{stem}.{name}"
         if name == "csv":
             return _CsvFile(path)
-        from session_log.export.parquet import (
-            ParquetFile,  # loads pyarrow, which takes its time
-        )
+        from session_log.export.parquet import ParquetFile  # loads pyarrow, which takes its time
 
         return ParquetFile(path, first)
 
@@ -215,20 +213,17 @@ class _WaveFile:
         self._file.close()
 
 
-def flatten(content: Any, prefix: str = "") -> Iterator[tuple[str, object]]:
+def flatten(content: Any) -> Iterator[tuple[str, object]]:
     """Yield the fields of a decoded message as (dotted name, plain value); lists become JSON."""
-    for name in content.__slots__:
-        value = getattr(content, name)
-        if hasattr(value, "secs") and hasattr(value, "nsecs"):
-            yield prefix + name, f"{value.secs}.{value.nsecs:09d}"
-        elif hasattr(value, "__slots__"):
-            yield from flatten(value, f"{prefix}{name}.")
+    for name, value in fields_of(content):
+        if is_time(value):
+            yield name, f"{value.secs}.{value.nsecs:09d}"
         elif isinstance(value, (list, tuple)):
-            yield prefix + name, json.dumps([_plain(entry) for entry in value])
+            yield name, json.dumps([_plain(entry) for entry in value])
         elif isinstance(value, (bytes, bytearray)):
-            yield prefix + name, value.hex()
+            yield name, value.hex()
         else:
-            yield prefix + name, value
+            yield name, value
 
 
 def _plain(entry: Any) -> object:

@@ -7,7 +7,7 @@ A field that had another name when a session was recorded is read under its pres
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from mcap.records import Schema
@@ -93,6 +93,21 @@ class Decoder:
         if decode is None:
             raise ValueError("no definition")
         return decode
+
+
+def fields_of(content: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield dotted names and values of a decoded message; those of nested ones in their place."""
+    for name in content.__slots__:
+        value = getattr(content, name)
+        if hasattr(value, "__slots__") and not is_time(value):
+            yield from fields_of(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
+
+
+def is_time(value: Any) -> bool:
+    """Whether a decoded value is a time or a duration."""
+    return hasattr(value, "secs") and hasattr(value, "nsecs")
 
 
 def present_definition(datatype: str, definition: str) -> str:

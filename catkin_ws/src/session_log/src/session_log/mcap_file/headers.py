@@ -17,7 +17,7 @@ class HeaderStamp(NamedTuple):
 
 
 def starts_with_header(definition: str) -> bool:
-    """Tell whether the first field of a message definition is a std_msgs/Header."""
+    """Whether the first field of a message definition is a std_msgs/Header."""
     for line in definition.splitlines():
         words = line.split("#", 1)[0].split()
         if not words or "=" in line.split("#", 1)[0]:

@@ -13,7 +13,7 @@ from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.session_folder import recordings, report_folder
-from typed_config import numbered_recordings
+from typed_config import count_option, numbered_recordings
 
 if TYPE_CHECKING:  # the report's own modules load matplotlib and scipy: not for an error's sake
     from session_log.report.many_sessions import FolderReport
@@ -27,13 +27,6 @@ class OutputUnclear(SessionLogError):
         super().__init__(f"{inputs} inputs and no place for the report over them: give --out DIR")
 
 
-class WrongNumber(SessionLogError):
-    """A number on the command line is out of range."""
-
-    def __init__(self, option: str, value: int, allowed: str) -> None:
-        super().__init__(f"{option} {value}: allowed is {allowed}")
-
-
 def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
     """Write the report and print what was written.
 
@@ -42,8 +35,6 @@ def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
     """
     if arguments.no_sound:
         config = replace(config, utterance_sound=False)
-    if arguments.jobs < 1:
-        raise WrongNumber("--jobs", arguments.jobs, "1 or more")
     named: list[Path] = arguments.sessions
     if len(named) == 1 and (not named[0].is_dir() or numbered_recordings(named[0])):
         report = _one(named[0], arguments, config)
@@ -102,7 +93,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--no-sound", action="store_true", help="keep the sound of the utterances off the pages"
     )
     parser.add_argument(
-        "--jobs", type=int, default=1, metavar="N", help="of a folder: processes (needs dask)"
+        "--jobs",
+        type=count_option,
+        default=1,
+        metavar="N",
+        help="of a folder: processes (needs dask)",
     )
     parser.add_argument(
         "--cluster", default="", metavar="ADDRESS", help="of a folder: dask scheduler, host:port"

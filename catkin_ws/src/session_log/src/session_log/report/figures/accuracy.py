@@ -24,7 +24,7 @@ from session_log.report.tables.text_table import percent
 
 LACKING = (
     "Nobody recorded what was meant to be said, so accuracy is unknown. A program that plays or "
-    "prompts phrases publishes each on {topic} as it begins to sound."
+    "prompts phrases publishes each on /voice_assist/intended as it begins to sound."
 )
 
 
@@ -33,10 +33,10 @@ class AccuracyFigure(PoolFigure):
 
     name = "accuracy"
     title = "Recognition accuracy"
-    lacking = LACKING.format(topic="/voice_assist/intended")
+    lacking = LACKING
 
     def can_draw(self, material: Pool) -> bool:
-        """Tell whether it is known what was meant."""
+        """Whether it is known what was meant."""
         return any(material.accuracy(c).meant for c in (*material.commands, NO_COMMAND))
 
     def caption(self, material: Pool) -> str:

@@ -28,7 +28,7 @@ class ConfusionFigure(PoolFigure):
     lacking = "It is not known what was meant to be said."
 
     def can_draw(self, material: Pool) -> bool:
-        """Tell whether it is known what was meant."""
+        """Whether it is known what was meant."""
         return bool(material.confusions)
 
     def caption(self, material: Pool) -> str:

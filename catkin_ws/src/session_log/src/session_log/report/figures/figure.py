@@ -46,7 +46,7 @@ class ReportFigure(ABC, Generic[M]):
 
     @abstractmethod
     def can_draw(self, material: M) -> bool:
-        """Tell whether there is what the figure shows."""
+        """Whether there is what the figure shows."""
 
     @abstractmethod
     def caption(self, material: M) -> str:

@@ -33,7 +33,7 @@ class JointsFigure(SessionFigure):
     lacking = "The recording holds no joint states."
 
     def can_draw(self, material: SessionMaterial) -> bool:
-        """Tell whether joint states were recorded."""
+        """Whether joint states were recorded."""
         joints = material.data.joints
         return joints is not None and len(joints) > 0
 

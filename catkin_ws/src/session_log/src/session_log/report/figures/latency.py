@@ -27,7 +27,7 @@ class LatencyFigure(PoolFigure):
     lacking = "No spoken command led to an action."
 
     def can_draw(self, material: Pool) -> bool:
-        """Tell whether a spoken command led to an action."""
+        """Whether a spoken command led to an action."""
         return bool(material.latencies().action)
 
     def caption(self, material: Pool) -> str:

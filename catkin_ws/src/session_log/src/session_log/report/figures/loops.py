@@ -19,7 +19,7 @@ class LoopsFigure(SessionFigure):
     lacking = "The recording holds no joint states or set-points."
 
     def can_draw(self, material: SessionMaterial) -> bool:
-        """Tell whether a fast topic was recorded."""
+        """Whether a fast topic was recorded."""
         return bool(material.data.loops)
 
     def caption(self, material: SessionMaterial) -> str:

@@ -24,7 +24,7 @@ class PicturesFigure(SessionFigure):
     lacking = "The recording holds no pictures of the scene."
 
     def can_draw(self, material: SessionMaterial) -> bool:
-        """Tell whether a readable picture was recorded."""
+        """Whether a readable picture was recorded."""
         return any(_image(picture) is not None for picture in material.data.pictures)
 
     def caption(self, material: SessionMaterial) -> str:

@@ -35,7 +35,7 @@ class RcmErrorFigure(SessionFigure):
     lacking = "The recording holds no moment with the tool inside the patient."
 
     def can_draw(self, material: SessionMaterial) -> bool:
-        """Tell whether either error is known at some time."""
+        """Whether either error is known at some time."""
         stated = material.data.controller["rcm_error"]
         return bool(np.isfinite(stated).any() or np.isfinite(material.rcm.error).any())
 

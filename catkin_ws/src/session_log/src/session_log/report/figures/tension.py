@@ -33,7 +33,7 @@ class TensionFigure(SessionFigure):
     lacking = "The recording holds no tension."
 
     def can_draw(self, material: SessionMaterial) -> bool:
-        """Tell whether tension was recorded."""
+        """Whether tension was recorded."""
         return len(material.data.tension) > 0 or len(material.data.controller) > 0
 
     def caption(self, material: SessionMaterial) -> str:

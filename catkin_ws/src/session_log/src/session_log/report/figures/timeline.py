@@ -78,7 +78,7 @@ class TimelineFigure(SessionFigure):
     lacking = "The recording holds no utterances, events or controller states."
 
     def can_draw(self, material: SessionMaterial) -> bool:
-        """Tell whether anything happened."""
+        """Whether anything happened."""
         data = material.data
         return bool(data.heard or data.events or data.states)
 

@@ -169,7 +169,7 @@ def _answers_to(
 
 
 def _is_same_stop(first: RecordedEvent, sooner: RecordedEvent) -> bool:
-    """Tell whether a node stopped the robot in the same word, before it had decided on it all."""
+    """Whether a node stopped the robot in the same word, before it had decided on it all."""
     is_stop = _command_of(first) == STOP and sooner.kind == "stop_received"
     return is_stop and sooner.caller == first.caller != ""
 
@@ -180,7 +180,7 @@ def _is_answer(event: RecordedEvent) -> bool:
 
 
 def _belongs(first: RecordedEvent, other: RecordedEvent) -> bool:
-    """Tell whether two answers are about the same stop: it may come by service and by topic."""
+    """Whether two answers are about the same stop: it may come by service and by topic."""
     is_stop = _command_of(first) == _command_of(other) == STOP
     return is_stop and abs(other.time - first.time) < 10 * CLOCK_SLACK
 

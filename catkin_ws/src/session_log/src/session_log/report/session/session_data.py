@@ -97,14 +97,10 @@ class NodeHealth:
 
 @dataclass(eq=False)
 class SampledTable:
-    """Numbers sampled over time: one row each `append`."""
+    """Numbers sampled over time."""
 
     columns: tuple[str, ...]
     _rows: array[float] = field(default_factory=lambda: array("d"))
-
-    def append(self, *row: float) -> None:
-        """Add one row, the time [s] first."""
-        self._rows.extend(row)
 
     def extend(self, *columns: NDArray[Any]) -> None:
         """Add rows by their columns, each of shape (n,), the time [s] first."""

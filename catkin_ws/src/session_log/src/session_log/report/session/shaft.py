@@ -40,7 +40,7 @@ def rcm_from_joints(data: SessionData, config: ReportConfig) -> JointRcm:
 
 
 def is_within(time: Track, spans: Sequence[Span], words: Sequence[str]) -> NDArray[np.bool_]:
-    """Tell for each time [s], shape (n,), whether one of the words held then. Shape (n,)."""
+    """Whether one of the words held, at each time [s]. Shape (n,), as of `time`."""
     found = np.zeros(len(time), dtype=bool)
     for span in spans:
         if span.word in words:

@@ -7,6 +7,7 @@ import math
 
 from session_log.report.bounds import Bounded, proportion, quantile
 from session_log.report.pool.pool import Pool
+from session_log.report.session.analysis import VOICE
 from session_log.report.session.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER
 from session_log.report.tables.text_table import (
     NONE,
@@ -100,8 +101,8 @@ def inputs_table(pool: Pool) -> TextTable:
         "action, 95th percentile [s]",
     )
     rows = []
-    for name, counts in sorted(pool.inputs.items(), key=lambda item: (item[0] != "voice", item)):
-        wrong, meant = pool.taken_for_another() if name == "voice" else (0, 0)
+    for name, counts in sorted(pool.inputs.items(), key=lambda item: (item[0] != VOICE, item)):
+        wrong, meant = pool.taken_for_another() if name == VOICE else (0, 0)
         rows.append(
             (
                 name,
