@@ -83,7 +83,7 @@ def with_value(value, at=30_000):
             r"values up to 98\d\d\.\d\d?, allowed: -1 to 1, as of float samples, from 0\.00 s on",
         ),
         (lambda p: p / "a.wav", "no such file"),
-        (lambda p: p, ": no file"),
+        (lambda p: p, ": not a file"),
     ],
 )
 def test_what_cannot_be_read_right_is_refused_before_anything_is_heard(tmp_path, make, words):

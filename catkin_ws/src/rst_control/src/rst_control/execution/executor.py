@@ -231,13 +231,8 @@ class Executor:
     def _resume(self, order: Order | None) -> None:
         if order is None:
             return
-        was, measured, held = self._mode, self._robot.measurement, self._setpoint_state.held
-        if (
-            measured is not None
-            and self._setpoint_state.motion is None
-            and (held is None or self._watchdogs.following(measured, held) is not None)
-        ):
-            self._synchronise(measured)
+        was = self._mode
+        self._robot.synchronise_if_elsewhere(self._setpoint_state)
         self._event_log.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
         self._change(state_machine.activated(was))
@@ -301,17 +296,11 @@ class Executor:
     def _keep_still(self, measured: Measurement, held: Vector | None) -> None:
         if held is None:
             if self._watchdogs.is_at_rest(measured):
-                self._synchronise(measured)
+                self._robot.synchronise(self._setpoint_state)
         elif self._mode.state is State.ACTIVE:
             self._fault(self._watchdogs.following(measured, held))
         if not measured.gripped:
             self._setpoint_state.drop_grasp()
-
-    def _synchronise(self, measured: Measurement) -> None:
-        """Take over where the joints are: as the robot's side says, unless they are elsewhere."""
-        sent_to = measured.sent_to
-        is_there = sent_to is not None and not self._watchdogs.following(measured, sent_to)
-        self._setpoint_state.synchronise(measured, sent_to if is_there else None)
 
     @property
     def _serial(self) -> int:

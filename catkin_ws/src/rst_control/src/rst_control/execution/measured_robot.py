@@ -63,6 +63,22 @@ class MeasuredRobot:
         if self.measurement is not None:
             self.trocar_pose = self.trocar_pose_of(self.measurement.position)
 
+    def synchronise(self, state: SetpointState) -> None:
+        """Take over where the joints are: as the robot's side says, unless they are elsewhere."""
+        measured = self.measurement
+        if measured is not None:
+            sent_to = measured.sent_to
+            is_there = sent_to is not None and not self._watchdogs.following(measured, sent_to)
+            state.synchronise(measured, sent_to if is_there else None)
+
+    def synchronise_if_elsewhere(self, state: SetpointState) -> None:
+        """The same, where nothing leads the joints and they are not at their set-point."""
+        measured, held = self.measurement, state.held
+        if measured is None or state.motion is not None:
+            return
+        if held is None or self._watchdogs.following(measured, held) is not None:
+            self.synchronise(state)
+
     def _judge(self, measured: Measurement, state: SetpointState) -> Measurement:
         """Say what is known against it."""
         measured = self._trust.judge(measured, state.held)

@@ -35,7 +35,7 @@ def content_of(chunk: McapRecord) -> bytes:
     """
     outer = Chunk.read(ReadDataStream(BytesIO(chunk.body)))
     if outer.uncompressed_size > LONGEST:
-        raise ValueError(f"{outer.uncompressed_size} B in one chunk")
+        raise ValueError(f"{outer.uncompressed_size} B in one chunk, allowed: {LONGEST}")
     stream, size = get_chunk_data_stream(outer, validate_crc=True)
     return stream.read(size)
 

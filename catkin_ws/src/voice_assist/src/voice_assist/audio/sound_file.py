@@ -103,7 +103,7 @@ class _Sequential(soundfile.SoundFile):  # type: ignore[misc]
 @contextmanager
 def _opened(path: Path) -> Iterator[_Sequential]:
     if not path.is_file():
-        raise AudioError(f"{path}: {'no file' if path.exists() else 'no such file'}")
+        raise AudioError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
     try:
         file = _Sequential(str(path))
     except (soundfile.LibsndfileError, RuntimeError) as error:

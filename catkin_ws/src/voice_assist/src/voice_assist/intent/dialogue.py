@@ -78,11 +78,9 @@ def step(state: DialogueState, event: CommandRecognized | Answered | ModeReporte
 
 
 def _answered(state: DialogueState, event: Answered) -> DialogueStep:
-    if event.is_accepted:
+    if event.is_accepted or state.reason != event.command:
         return DialogueStep(state, ())
     reason = f"{event.command}, refused by the robot: {event.message}"
-    if state.reason != event.command:
-        return DialogueStep(state, ())
     return DialogueStep(DialogueState(state.mode, reason), (SetMode(state.mode, reason),))
 
 

@@ -15,6 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+MAX_NAMES = 1000  # of joints in a message
 _STAMP = struct.Struct("<4I")  # sequence number, seconds, nanoseconds, length of frame_id
 _COUNT = struct.Struct("<I")
 _FORCE = struct.Struct("<3d")
@@ -159,8 +160,8 @@ def name_block(names: tuple[str, ...]) -> bytes:
 
 def _read_names(raw: bytes, start: int) -> tuple[list[str], int]:
     (count,) = _COUNT.unpack_from(raw, start)
-    if count > 1000:
-        raise BadMessage(f"joint states with {count} names")
+    if count > MAX_NAMES:
+        raise BadMessage(f"joint states with {count} names, allowed: {MAX_NAMES}")
     start += _COUNT.size
     names = []
     for _ in range(count):
