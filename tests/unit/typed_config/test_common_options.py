@@ -2,13 +2,15 @@
 """Both command lines complete their verbs in bash, and say which shells they know."""
 
 import argparse
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from session_log.cli import main as session_log
-from typed_config import count_option, number_option
+from typed_config import ConfigError, count_option, number_option, run_command
 from voice_assist.cli.main import main as voice_assist
 
 PROGRAMS = {"voice_assist": (voice_assist, "evaluate"), "session_log": (session_log, "replay")}
@@ -63,3 +65,49 @@ def test_a_count_is_a_whole_number_from_1(words):
     with pytest.raises(argparse.ArgumentTypeError, match="allowed: a whole number from 1"):
         count_option(words)
     assert count_option("12") == 12
+
+
+def raising(error):
+    def act():
+        raise error
+
+    return act
+
+
+@pytest.mark.parametrize(
+    ("action", "status", "words"),
+    [
+        (lambda: None, 0, ""),
+        (lambda: 3, 3, ""),
+        (raising(ConfigError("rate", 0, "1 to 9")), 7, "name: rate is 0, allowed: 1 to 9\n"),
+        (raising(KeyboardInterrupt()), 130, ""),
+    ],
+)
+def test_a_command_ends_with_a_status_and_in_one_line(action, status, words, capsys):
+    assert run_command(action, "name", (ConfigError,), failed=7) == status
+    assert capsys.readouterr().err == words
+
+
+def test_an_error_that_nobody_foresaw_keeps_its_traceback():
+    with pytest.raises(ArithmeticError):
+        run_command(raising(ArithmeticError()), "name", (ConfigError,), failed=7)
+
+
+@pytest.mark.parametrize(
+    ("output", "words"),
+    [("/dev/full", "name: the output: No space left on device\n"), (None, "")],
+)
+def test_output_that_cannot_be_written_is_said_and_that_nobody_reads_is_not(output, words):
+    program = (
+        "import sys; from typed_config import run_command; "
+        "sys.exit(run_command(lambda: print('x' * 100_000), 'name', (), failed=7))"
+    )
+    sink = Path(output).open("w") if output else subprocess.PIPE
+    paths = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = subprocess.Popen(
+        (sys.executable, "-c", program), stdout=sink, stderr=subprocess.PIPE, text=True, env=paths
+    )
+    (command.stdout or sink).close()
+    with command:
+        assert command.stderr.read() == words
+    assert command.returncode == 7

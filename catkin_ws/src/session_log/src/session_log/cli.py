@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -27,6 +26,7 @@ from typed_config import (
     load_file,
     number_option,
     package_folder,
+    run_command,
 )
 
 CONFIG = package_folder("session_log") / "config" / "report.yaml"
@@ -35,26 +35,8 @@ CONFIG = package_folder("session_log") / "config" / "report.yaml"
 def main(words: Sequence[str] | None = None) -> None:
     """Run the command line; exits with 0, or with 1 and what is wrong."""
     arguments = _parser().parse_args(words)
-    try:
-        code = arguments.run(arguments)
-        sys.stdout.flush()
-    except (SessionLogError, ConfigError) as error:
-        print(f"session_log: {error}", file=sys.stderr)
-        code = 1
-    except KeyboardInterrupt:
-        code = 130
-    except BrokenPipeError:
-        code = _drop_output()
-    except OSError as error:
-        print(f"session_log: {error.filename or 'the output'}: {error.strerror}", file=sys.stderr)
-        code = _drop_output()
-    sys.exit(code)
-
-
-def _drop_output() -> int:
-    """Let go what nobody takes, which Python would try to write once more at its end."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return 1
+    refusals = (SessionLogError, ConfigError)
+    sys.exit(run_command(lambda: arguments.run(arguments), "session_log", refusals, failed=1))
 
 
 def _info(arguments: argparse.Namespace) -> int:

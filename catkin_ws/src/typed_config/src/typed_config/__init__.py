@@ -4,7 +4,7 @@
 And what else the packages share: where their files and recordings lie, versions, completion.
 """
 
-from typed_config.common_options import add_common_options, count_option, number_option
+from typed_config.common_options import add_common_options, count_option, number_option, run_command
 from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
 from typed_config.loader import load_config, load_file, with_present_keys
@@ -51,6 +51,7 @@ __all__ = [
     "require",
     "require_rising",
     "require_way",
+    "run_command",
     "text",
     "with_present_keys",
 ]

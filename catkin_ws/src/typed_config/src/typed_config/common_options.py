@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What command lines share: `--version`, `--print-completion bash`, and numbers within bounds."""
+"""What command lines share: common options, numbers within bounds, and how they end."""
 
 from __future__ import annotations
 
 import argparse
 import math
+import os
+import sys
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -44,6 +46,38 @@ def add_common_options(parser: argparse.ArgumentParser, package: str) -> None:
         metavar="SHELL",
         help=f"print the completion for a shell ({', '.join(SHELLS)}), to be sourced there",
     )
+
+
+def run_command(
+    action: Callable[[], int | None], name: str, refusals: tuple[type[Exception], ...], failed: int
+) -> int:
+    """Do what a command line asks for, with no traceback for what its user can do about.
+
+    Args:
+        action: Gives the exit status; None: 0.
+        name: Of the command, in front of what is wrong.
+        refusals: Kinds of errors that say what is wrong.
+        failed: Exit status after one of them, or after an error of the system.
+
+    Returns:
+        The exit status; 130 after Ctrl-C.
+    """
+    try:
+        status = action() or 0
+        sys.stdout.flush()
+    except refusals as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        return failed
+    except KeyboardInterrupt:
+        return 130
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError):  # whose reader has gone, as `head` does
+            words = f"{error.filename or 'the output'}: {error.strerror}"
+            print(f"{name}: {words}", file=sys.stderr)
+        # Python would try to write once more at its end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return failed
+    return status
 
 
 def number_option(low: float, high: float = math.inf, unit: str = "") -> Callable[[str], float]:

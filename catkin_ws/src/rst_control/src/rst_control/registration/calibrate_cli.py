@@ -22,18 +22,18 @@ from rst_control.registration.pivot_calibration import PivotFit, fit_pivot
 from rst_control.registration.pose_file import ArmSample, read_arm, rest_poses
 from rst_control.registration.shaft_poses import fit_words, shaft_line
 from rst_control.types import Vector
-from typed_config import ConfigError, add_common_options, number_option
+from typed_config import ConfigError, add_common_options, number_option, run_command
 
 
 def main(words: Sequence[str] | None = None) -> None:
     """Run the command line; exits with 0, or with 1 and what is wrong."""
-    arguments = _parser().parse_args(words)
-    try:
-        poses, fit = _fit(arguments)
-    except (RstError, ConfigError) as error:
-        print(f"calibrate_trocar: {error}", file=sys.stderr)
-        sys.exit(1)
-    print(_report(poses, fit))
+    arguments, refusals = _parser().parse_args(words), (RstError, ConfigError)
+    if status := run_command(lambda: _calibrate(arguments), "calibrate_trocar", refusals, failed=1):
+        sys.exit(status)
+
+
+def _calibrate(arguments: argparse.Namespace) -> None:
+    print(_report(*_fit(arguments)))
 
 
 def _fit(arguments: argparse.Namespace) -> tuple[list[ArmSample], PivotFit]:

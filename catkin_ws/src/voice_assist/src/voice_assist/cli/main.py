@@ -17,6 +17,7 @@ from typed_config import (
     count_option,
     load_file,
     number_option,
+    run_command,
 )
 from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
 from voice_assist.errors import VoiceError
@@ -26,21 +27,9 @@ from voice_assist.intent.mapper import Mapper
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; ends with 2 where what was asked cannot be done."""
     options = _parser().parse_args(arguments)
-    try:
-        options.run(options)
-        sys.stdout.flush()
-    except (VoiceError, ConfigError) as error:
-        print(f"voice_assist {options.verb}: {error}", file=sys.stderr)
-        sys.exit(2)
-    except KeyboardInterrupt:
-        sys.exit(130)
-    except BrokenPipeError:  # the reader of our output has gone, as `head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except OSError as error:
-        named = error.filename or "the output"
-        print(f"voice_assist {options.verb}: {named}: {error.strerror}", file=sys.stderr)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(2)
+    name, refusals = f"voice_assist {options.verb}", (VoiceError, ConfigError)
+    if status := run_command(lambda: options.run(options), name, refusals, failed=2):
+        sys.exit(status)
 
 
 def settings(options: argparse.Namespace) -> VoiceConfig:
@@ -220,7 +209,8 @@ def _add_evaluate(verbs: Any) -> None:
     parser.add_argument("manifest", type=Path, help="CSV with the columns path and transcript")
     parser.add_argument("--out", type=Path, required=True, help="JSON file to write")
     parser.add_argument("--noise", type=Path, help="folder of sound files to add")
-    parser.add_argument("--snr", type=float, help="speech over noise [dB]; with --noise")
+    snr = number_option(-60.0, 120.0, "dB")
+    parser.add_argument("--snr", type=snr, help="speech over noise [dB]; with --noise")
     help_ = "what counts: moving is active while the robot moves; default: active"
     parser.add_argument("--mode", choices=MODES, default="active", help=help_)
     parser.add_argument("--jobs", type=count_option, help="processes; default: one per core")
