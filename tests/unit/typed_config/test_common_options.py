@@ -5,7 +5,6 @@ import argparse
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -102,12 +101,15 @@ def test_output_that_cannot_be_written_is_said_and_that_nobody_reads_is_not(outp
         "import sys; from typed_config import run_command; "
         "sys.exit(run_command(lambda: print('x' * 100_000), 'name', (), failed=7))"
     )
-    sink = Path(output).open("w") if output else subprocess.PIPE
+    sink = os.open(output, os.O_WRONLY) if output else subprocess.PIPE
     paths = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     command = subprocess.Popen(
         (sys.executable, "-c", program), stdout=sink, stderr=subprocess.PIPE, text=True, env=paths
     )
-    (command.stdout or sink).close()
+    if command.stdout is None:
+        os.close(sink)
+    else:
+        command.stdout.close()
     with command:
         assert command.stderr.read() == words
     assert command.returncode == 7
