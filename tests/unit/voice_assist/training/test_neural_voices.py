@@ -44,7 +44,7 @@ def test_a_change_of_language_within_a_word_is_no_sound():
 
 @needs_espeak
 def test_every_voice_says_every_command_and_no_twin_that_sounds_like_one():
-    prompts = plan_neural(["the patient is stable today"], 1)
+    prompts = plan_neural(["the patient is stable today"])
     plain = {(p.voice, p.text, p.speed) for p in prompts if p.kind == "neural"}
     voices = (*NATIVE, *FOREIGN)
     assert plain == {(v, t, s) for v in voices for t in texts.COMMANDS for s in SPEEDS}

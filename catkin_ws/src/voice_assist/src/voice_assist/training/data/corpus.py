@@ -69,7 +69,7 @@ def load_corpus(
     train = synthesise(prompts, cache / "synthetic", workers)
     train += synthesise(plan_twins(seed, amounts.twin), cache / "twins", workers)
     if packages:
-        train += spoken(plan_neural(sentences, seed), packages, cache / "neural")
+        train += spoken(plan_neural(sentences), packages, cache / "neural")
         train += _foreign(seed, cache / "foreign", workers)
     human = [c for c in load_speech(rows, "train", recordings) if c.text and c.text.isascii()]
     rng = np.random.default_rng(seed)

@@ -25,6 +25,7 @@ from voice_assist.training.data.kokoro import (
 )
 from voice_assist.training.data.voices import Prompt, espeak_variants, random_style
 
+_SEED = 3
 _NEAR, _TALK, _WORDS = 18, 6, 14  # texts of each voice
 _ACCENTED = 2  # accents of each native voice
 _ACCENTED_NEAR = 3  # near words of each accent
@@ -33,17 +34,16 @@ _OWN = {"e": "Spanish", "f": "French", "j": "Japanese", "p": "Portuguese"}
 _LATIN = ("de", "fr-fr", "es", "it", "pt-br", "nl", "cmn-latn-pinyin")  # written in letters
 
 
-def plan_neural(sentences: Sequence[str], seed: int) -> list[KokoroPrompt]:
-    """What each voice says, commands at every speed.
+def plan_neural(sentences: Sequence[str]) -> list[KokoroPrompt]:
+    """What each voice says, commands at every speed; the same in every run, for it takes long.
 
     Args:
         sentences: Of which some words are said.
-        seed: Of all chance.
 
     Raises:
         ModelError: espeak-ng, which knows the sounds, is not installed.
     """
-    rng = Random(seed)
+    rng = Random(_SEED)
     near = [*texts.TWINS, *texts.TWINS, *texts.NEAR_MISSES, *texts.HARD]
     prompts: list[KokoroPrompt] = []
     for voice in (*NATIVE, *FOREIGN):

@@ -18,7 +18,7 @@ import torch
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from voice_assist.audio.espeak import Int16, ipa
+from voice_assist.audio.espeak import Int16
 from voice_assist.recognizer.ctc import best_alignment
 from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
@@ -26,17 +26,8 @@ from voice_assist.recognizer.verification import BLOCKS, segments
 from voice_assist.recognizer.vocabulary import encode
 from voice_assist.training.array_file import write_arrays
 from voice_assist.training.data import voices
-from voice_assist.training.data.accents import english, for_kokoro
 from voice_assist.training.data.augment import Strength, add_background, colour, resample_linear
 from voice_assist.training.data.foreign_words import WORDS
-from voice_assist.training.data.kokoro import (
-    FOREIGN,
-    LANGUAGES,
-    NATIVE,
-    SPEEDS,
-    KokoroPrompt,
-    is_british,
-)
 from voice_assist.training.data.noise import Surroundings
 from voice_assist.training.data.synthesis import cast_voice
 from voice_assist.training.data.voices import Prompt
@@ -49,7 +40,6 @@ _ADDED = 2400  # samples of silence that the pipeline puts behind a settled tran
 _COMMANDS, _ACCENTED = 250, 200  # clips of each phrase: any voice, and voices of other languages
 _TAKES = 3  # voices for each word
 _UNLIKE = -1.2  # [nat] for each letter of a phrase below which a sound would not be taken for it
-_KOKORO_WORDS = 15  # of each language
 
 
 @dataclass(frozen=True)
@@ -98,23 +88,6 @@ def plan(seed: int) -> list[Said]:
             for _ in range(_TAKES):
                 voice = f"{language}+{rng.choice(variants)}"
                 found.append(Said(Prompt(text, "espeak", voice, *voices.random_style(rng)), ""))
-    return found
-
-
-def plan_kokoro(seed: int) -> list[KokoroPrompt]:
-    """Commands by Kokoro's voices, and words of other languages by those that speak them."""
-    rng = Random(seed)
-    found = []
-    for voice in (*NATIVE, *FOREIGN):
-        for phrase in PHRASES:
-            sounds = english(phrase, british=is_british(voice))
-            found.append(KokoroPrompt(phrase, sounds, voice, rng.choice(SPEEDS)))
-    words = foreign()
-    for initial, language in LANGUAGES.items():
-        styles = [voice for voice in FOREIGN if voice.startswith(initial)]
-        for text in rng.sample(words[language], _KOKORO_WORDS):
-            sounds = for_kokoro(ipa(text, language))
-            found.append(KokoroPrompt(text, sounds, rng.choice(styles), rng.choice(SPEEDS)))
     return found
 
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 import argparse
 import json
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from zlib import crc32
 
@@ -25,9 +26,17 @@ from voice_assist.recognizer.embedded import restore
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.verification import PATH, write_verifier
 from voice_assist.training.data import kokoro
-from voice_assist.training.data.human import load_sounds, read_manifest
+from voice_assist.training.data.human import (
+    ManifestRow,
+    load_sounds,
+    load_speech,
+    read_manifest,
+    training_sentences,
+)
+from voice_assist.training.data.neural_voices import plan_neural
 from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import speak_all
+from voice_assist.training.data.texts import TALK
 from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.verifier import examples
 from voice_assist.training.verifier.examples import Examples, Seen
@@ -46,6 +55,7 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
     add("--packages", type=Path, default=REPOSITORY / ".cache" / "training" / "openai")
+    add("--recogniser", type=Path, default=EMBEDDED_PATH, help="that it belongs to")
     add("--out", type=Path, default=PATH)
     add("--seed", type=int, default=1)
     add("--threads", type=int, default=1)
@@ -57,9 +67,10 @@ def main() -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     options = parse()
     torch.set_num_threads(options.threads)
-    checkpoint = read_checkpoint(EMBEDDED_PATH)
+    checkpoint = read_checkpoint(options.recogniser)
     model = restore(checkpoint).eval()
-    kept = options.cache / "verifier" / f"examples_{options.seed}.npz"
+    key = f"{checkpoint.sha256[:12]}_{options.seed}"
+    kept = options.cache / "verifier" / f"examples_{key}.npz"
     if not kept.exists():
         examples.save(list(_seen(model, options)), kept)
     weights = {}
@@ -126,7 +137,8 @@ def _seen(model: WhisperCtc, options: argparse.Namespace) -> Iterator[Seen]:
     rows, rng = read_manifest(options.speech), np.random.default_rng(options.seed)
     rooms = build_rooms(load_sounds(rows, "rir"), rng)
     around = Surroundings(load_sounds(rows, "noise"), rooms, ())
-    for number, (sound, command, voice) in enumerate(_sounds(options)):
+    said = chain(_espeak(options), _people(rows, options), _kokoro(rows, options))
+    for number, (sound, command, voice) in enumerate(said):
         for _ in range(TAKES[bool(command)]):
             varied = examples.varied(sound, around, rng)
             for phrase, seen in examples.phrase_segments(model, varied, command):
@@ -135,21 +147,35 @@ def _seen(model: WhisperCtc, options: argparse.Namespace) -> Iterator[Seen]:
             LOG.info("%d clips", number)
 
 
-def _sounds(options: argparse.Namespace) -> Iterator[tuple[Int16, str, str]]:
-    """Clip, the command that it says, and its voice."""
+_Clip = tuple[Int16, str, str]  # sound, the command that it says, its voice
+
+
+def _espeak(options: argparse.Namespace) -> Iterator[_Clip]:
     planned = {one.prompt: one.command for one in examples.plan(options.seed)}
     prompts = sorted(planned, key=lambda p: (p.engine, p.voice, p.text, p.rate))
-    folder = options.cache / "verifier"
-    for prompt, sound in speak_all(prompts, folder, options.threads):
+    for prompt, sound in speak_all(prompts, options.cache / "verifier", options.threads):
         yield sound, planned[prompt], f"{prompt.engine}:{prompt.voice}"
+
+
+def _people(rows: Sequence[ManifestRow], options: argparse.Namespace) -> Iterator[_Clip]:
+    """Single words of people, none of them of a command."""
+    of_commands = {word for phrase in examples.PHRASES for word in phrase.split()}
+    for clip in load_speech(rows, "train", options.cache / "recordings"):
+        if clip.kind == "word" and of_commands.isdisjoint(clip.text.split()):
+            yield clip.samples, "", f"human:{clip.speaker}"
+
+
+def _kokoro(rows: Sequence[ManifestRow], options: argparse.Namespace) -> Iterator[_Clip]:
+    """Commands, in accents, too, and words of other languages."""
+    plan = plan_neural([*training_sentences(rows), *TALK])
     try:
-        said = kokoro.speak(examples.plan_kokoro(options.seed), options.packages, folder)
+        said = kokoro.speak(plan, options.packages, options.cache / "neural")
     except ModelError as error:
         LOG.info("Kokoro left out: %s", error)
         return
     for one, sound in said:
-        command = one.text if one.text in examples.PHRASES else ""
-        yield sound, command, f"kokoro:{one.voice}"
+        if one.text in examples.PHRASES or one.kind == "foreign":
+            yield sound, "" if one.kind == "foreign" else one.text, f"kokoro:{one.voice}"
 
 
 if __name__ == "__main__":
