@@ -20,11 +20,13 @@ from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods
 from voice_assist.recognizer.vocabulary import (
     BLANK,
     CHARACTERS,
+    MULTILINGUAL_IDS,
     PROMPT,
     WHISPER_IDS,
     decode,
     encode,
 )
+from voice_assist.training.data import batches as batches_of_pools
 from voice_assist.training.data import synthesis, texts, voices
 from voice_assist.training.data.augment import Strength, telephone
 from voice_assist.training.data.batches import IGNORED, Batches, teacher_tensors
@@ -43,7 +45,7 @@ from voice_assist.training.fit.checkpoints import (
     load_progress,
     save_progress,
 )
-from voice_assist.training.fit.curriculum import CONTINUED, FINE_TUNED, SHORT, stage_of
+from voice_assist.training.fit.curriculum import CONTINUED, SHORT, WRITING, stage_of
 from voice_assist.training.fit.export import export
 from voice_assist.training.fit.objective import joint_loss
 from voice_assist.training.fit.start import start_from
@@ -246,13 +248,28 @@ def clips():
     return [*made, clip("tents", 0.5, "near"), clip("stop", 0.8, "word")]
 
 
+@pytest.fixture(autouse=True)
+def small_pools(monkeypatch):
+    monkeypatch.setattr(batches_of_pools, "POOL", 96)
+
+
 def test_batches_depend_on_the_seed_and_the_pool_alone():
-    made = [
-        Batches(Mixture(clips(), [], SHORT), surroundings(), Strength(), 7, 20.0) for _ in range(2)
-    ]
-    first, second = (next(batches.pools(3))[1] for batches in made)
-    torch.testing.assert_close(first.mel, second.mel, rtol=0, atol=0)
-    assert first.texts == second.texts
+    mixture = Mixture(clips(), [], SHORT)
+    one, three = (
+        Batches(mixture, surroundings(), Strength(), 7, 20.0, workers).pools(3)
+        for workers in (1, 3)
+    )
+    for _ in range(20):  # of several pools
+        (pool, first), (same, second) = next(one), next(three)
+        assert (pool, first.texts) == (same, second.texts)
+        torch.testing.assert_close(first.mel, second.mel, rtol=0, atol=0)
+    assert pool > 3
+
+
+def test_batches_need_a_process_that_makes_them():
+    batches = Batches(Mixture(clips(), [], SHORT), surroundings(), Strength(), 7, 20.0, 0)
+    with pytest.raises(ValueError, match="0 processes to make batches, allowed: at least 1"):
+        next(batches.pools(0))
 
 
 def test_batches_stay_within_the_encoders_context():
@@ -308,20 +325,23 @@ def test_a_broken_off_run_goes_on_where_it_stood(model, tmp_path):
         torch.testing.assert_close(other.state_dict()[name], weight)
 
 
-def test_fine_tuning_starts_from_whispers_weights(tmp_path):
+@pytest.mark.parametrize(
+    ("size", "ids_of_letters"), [(51864, WHISPER_IDS), (51865, MULTILINGUAL_IDS)]
+)
+def test_fine_tuning_starts_from_whispers_weights(tmp_path, size, ids_of_letters):
     torch.manual_seed(0)
-    dims = ModelDimensions(80, 1500, 32, 2, 2, 51864, 448, 32, 2, 1)
+    dims = ModelDimensions(80, 1500, 32, 2, 2, size, 448, 32, 2, 1)
     theirs = whisper.model.Whisper(dims).eval()
     torch.nn.init.normal_(theirs.decoder.positional_embedding)
     torch.save({"dims": vars(dims), "model_state_dict": theirs.state_dict()}, tmp_path / "w.pt")
     start = start_from(str(tmp_path / "w.pt"))
-    assert start.stages == FINE_TUNED
+    assert start.stages == (WRITING, *CONTINUED["mending"])
     ours = start.model.eval()
     states = ours.encode(log_mel(torch.from_numpy(sound())[None]))
     ids = [*PROMPT, *encode("stop")]
-    wide = theirs.decoder(torch.tensor([[WHISPER_IDS[index] for index in ids]]), states)
+    wide = theirs.decoder(torch.tensor([[ids_of_letters[index] for index in ids]]), states)
     narrow = ours.logits(torch.tensor([ids]), states)
-    used = list(WHISPER_IDS)
+    used = list(ids_of_letters)
     torch.testing.assert_close(wide[..., used], narrow[..., : len(used)], atol=1e-4, rtol=1e-4)
     assert (ours.dims.n_audio_ctx, ours.dims.n_text_ctx) == (512, 192)
 
@@ -357,7 +377,7 @@ def test_a_continued_run_has_one_lesson_with_word_times():
         assert {stage_of(step, stages)[0] for step in (0, 1000, 50000)} == {0}
         assert stage_of(0, stages)[1].needs_word_times
     assert [stage_of(step)[0] for step in (0, 900, 1400)] == [0, 1, 2]
-    assert [stage_of(step, FINE_TUNED)[0] for step in (0, 400)] == [0, 1]
+    assert [stage_of(step, (WRITING, *CONTINUED["mending"]))[0] for step in (0, 400)] == [0, 1]
 
 
 def test_a_telephone_keeps_its_band_and_level_alone():

@@ -23,6 +23,10 @@ def has_bfloat16(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
     return not FAST.isdisjoint(cpuinfo.read_text(encoding="utf-8").split())
 
 
-def cheap_numbers() -> torch.autocast:
-    """A context in which networks compute in bfloat16 where that is fast."""
-    return torch.autocast("cpu", torch.bfloat16, enabled=has_bfloat16())
+def cheap_numbers(device: str = "cpu") -> torch.autocast:
+    """A context in which networks compute in bfloat16 where that is fast.
+
+    Args:
+        device: Where they compute: "cpu", or another that torch knows and that is fast in it.
+    """
+    return torch.autocast(device, torch.bfloat16, enabled=device != "cpu" or has_bfloat16())

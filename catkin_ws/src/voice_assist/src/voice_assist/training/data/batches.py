@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +20,7 @@ from voice_assist.recognizer.vocabulary import (
     encode,
 )
 from voice_assist.training.data import augment
+from voice_assist.training.data.ahead import ahead
 from voice_assist.training.data.augment import Strength
 from voice_assist.training.data.mixture import Item, Mixture
 from voice_assist.training.data.noise import Surroundings
@@ -40,6 +40,12 @@ class Batch:
     tokens: Tensor  # (batch, length), compact ids fed to the decoder
     targets: Tensor  # (batch, length), compact ids wanted, IGNORED for padding
     texts: list[list[int]]  # characters of each item, for CTC
+
+    def to(self, device: str) -> Batch:
+        """The same with its tensors on a device."""
+        return Batch(
+            self.mel.to(device), self.tokens.to(device), self.targets.to(device), self.texts
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +68,7 @@ class Batches:
         how: Strength,
         seed: int,
         seconds: float = 110.0,
+        workers: int = 1,
     ) -> None:
         """Set what to draw from.
 
@@ -71,32 +78,23 @@ class Batches:
             how: Augmentation.
             seed: Of all chance.
             seconds: Sound per batch, padding included [s].
+            workers: Processes that make batches.
         """
         self._mixture, self._around, self._how = mixture, around, how
-        self._seed, self._samples = seed, int(seconds * RATE)
+        self._seed, self._samples, self._workers = seed, int(seconds * RATE), workers
 
     def pools(self, first: int) -> Iterator[tuple[int, Batch]]:
-        """Pool index and batch, from the first pool on, made one ahead."""
-        with ThreadPoolExecutor(1, "batches", torch.set_num_threads, (1,)) as worker:
-            plans = self._plans(first)
-            pool, drawn, seed = next(plans)
-            ahead = worker.submit(self._make, drawn, seed)
-            while True:
-                index, ready = pool, ahead
-                pool, drawn, seed = next(plans)
-                following = worker.submit(self._make, drawn, seed)
-                yield index, ready.result()
-                ahead = following
+        """Pool index and batch, from the first pool on."""
+        for pool, batches in enumerate(ahead(self._pool, first, self._workers), first):
+            for batch in batches:
+                yield pool, batch
 
-    def _plans(self, first: int) -> Iterator[tuple[int, list[Drawn], int]]:
-        pool = first
-        while True:
-            rng = np.random.default_rng((self._seed, pool))
-            drawn = sorted((self._draw(rng) for _ in range(POOL)), key=_length)
-            groups = self._split(drawn[::-1], rng)
-            for index in rng.permutation(len(groups)):
-                yield pool, groups[index], int(rng.integers(2**31))
-            pool += 1
+    def _pool(self, pool: int) -> list[Batch]:
+        rng = np.random.default_rng((self._seed, pool))
+        drawn = sorted((self._draw(rng) for _ in range(POOL)), key=_length)
+        groups = self._split(drawn[::-1], rng)
+        order = rng.permutation(len(groups))
+        return [self._make(groups[index], int(rng.integers(2**31))) for index in order]
 
     def _draw(self, rng: Generator) -> Drawn:
         while True:  # a span whose word times went astray can be longer than the encoder

@@ -66,7 +66,8 @@ def load_progress(
     """Restore a run in place; a fresh Progress where the file is absent."""
     if not path.exists():
         return Progress()
-    state = torch.load(path, map_location="cpu", weights_only=True)
+    where = next(model.parameters()).device
+    state = torch.load(path, map_location=where, weights_only=True)
     model.load_state_dict(state["model"])
     optimiser.load_state_dict(state["optimiser"])
     weights: dict[str, Tensor] = state["average"]

@@ -65,7 +65,8 @@ TWINNED = {
 }
 VOICED = {
     **{**TWINNED, "command": 20, "neural": 26, "neural near": 14, "neural span": 6},
-    **{"accent": 12, "accent near": 5, "foreign": 12},
+    **{"accent": 12, "accent near": 5, "foreign": 12, "human stop": 8, "human word": 16},
+    **{"human close": 8, "human span": 26, "sentence": 6},
 }
 HARSH = Strength(snr=(-3.0, 25.0), noise=0.8, warp=0.12, telephone=0.06)
 
@@ -82,7 +83,7 @@ CONTINUED = {
     "voices": (TrainingStage(1_000_000, VOICED, 80.0, 7.8, HARSH, True),),
 }
 LESSONS = tuple(CONTINUED)
-FINE_TUNED = (TrainingStage(400, WHOLE, 80.0, 7.8, Strength(), False), *CONTINUED["mending"])
+WRITING = TrainingStage(400, WHOLE, 80.0, 7.8, Strength(), False)  # in letters
 
 
 def stage_of(step: int, stages: Sequence[TrainingStage] = STAGES) -> tuple[int, TrainingStage]:

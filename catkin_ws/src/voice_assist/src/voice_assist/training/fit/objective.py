@@ -29,7 +29,7 @@ class JointLoss:
 
 def joint_loss(model: WhisperCtc, batch: Batch) -> JointLoss:
     """Hybrid CTC/attention loss (Watanabe et al. 2017), in bfloat16 where safe."""
-    with cheap_numbers():
+    with cheap_numbers(batch.mel.device.type):
         states = model.encode(batch.mel)
         logprobs = model.ctc_logprobs(states)
         logits = model.logits(batch.tokens, states)
@@ -52,6 +52,7 @@ def ctc_loss(logprobs: Tensor, texts: list[list[int]]) -> Tensor:
         texts: Character ids of each item; empty for none.
     """
     joined = torch.tensor([index for text in texts for index in text], dtype=torch.long)
+    joined = joined.to(logprobs.device)
     lengths = torch.tensor([len(text) for text in texts])
     times = torch.full((len(texts),), logprobs.shape[1])
     loss = functional.ctc_loss(

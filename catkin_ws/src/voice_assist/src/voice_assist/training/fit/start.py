@@ -12,8 +12,12 @@ from whisper.model import ModelDimensions
 from voice_assist.recognizer.checkpoint import Checkpoint, find_checkpoint, read_checkpoint
 from voice_assist.recognizer.embedded import EMBEDDING, restore
 from voice_assist.recognizer.hybrid import WhisperCtc
-from voice_assist.recognizer.vocabulary import WHISPER_IDS
-from voice_assist.training.fit.curriculum import CONTINUED, FINE_TUNED, STAGES, TrainingStage
+from voice_assist.recognizer.vocabulary import (
+    MULTILINGUAL_IDS,
+    N_MULTILINGUAL,
+    WHISPER_IDS,
+)
+from voice_assist.training.fit.curriculum import CONTINUED, STAGES, WRITING, TrainingStage
 
 POSITIONS = {"encoder.positional_embedding": 512, "decoder.positional_embedding": 192}
 TEXT_LAYERS = 1  # kept of a Whisper decoder: letters need little, and each more costs 3 ms a pass
@@ -53,7 +57,7 @@ def start_from(name: str, lesson: str = "mending") -> Start:
     Args:
         name: A file of an earlier run, which has a CTC head and goes on as it is, or
             what whisper.load_model takes, such as "base.en", to be fine-tuned.
-        lesson: What a file of an earlier run goes on with, one of curriculum.LESSONS.
+        lesson: What it goes on with, one of curriculum.LESSONS.
 
     Raises:
         ModelError: The checkpoint is missing or damaged.
@@ -61,11 +65,11 @@ def start_from(name: str, lesson: str = "mending") -> Start:
     checkpoint = read_checkpoint(find_checkpoint(name))
     if checkpoint.ctc is not None:
         return Start(restore(checkpoint), CONTINUED[lesson])
-    return Start(_narrowed(checkpoint), FINE_TUNED)
+    return Start(_narrowed(checkpoint), (WRITING, *CONTINUED[lesson]))
 
 
 def _narrowed(checkpoint: Checkpoint) -> WhisperCtc:
-    """An English Whisper model cut to short sound, to the letters and to a short decoder.
+    """A Whisper model cut to short sound, to the letters and to a short decoder.
 
     All tokens that it will never write begin as their mean.
     """
@@ -74,10 +78,11 @@ def _narrowed(checkpoint: Checkpoint) -> WhisperCtc:
     for key, length in POSITIONS.items():
         state[key] = state[key][:length]
     full = state[EMBEDDING]
+    ids = list(MULTILINGUAL_IDS if len(full) == N_MULTILINGUAL else WHISPER_IDS)
     is_unused = torch.ones(len(full), dtype=torch.bool)
-    is_unused[list(WHISPER_IDS)] = False
+    is_unused[ids] = False
     garbage = full[is_unused].mean(dim=0, keepdim=True)
-    state[EMBEDDING] = torch.cat([full[list(WHISPER_IDS)], garbage])
+    state[EMBEDDING] = torch.cat([full[ids], garbage])
     sizes = {"n_audio_ctx": SMALL.n_audio_ctx, "n_text_ctx": SMALL.n_text_ctx}
     model = WhisperCtc(replace(checkpoint.dims, **sizes, n_text_layer=layers))
     model.whisper.load_state_dict(state)

@@ -60,7 +60,7 @@ class TrainingRun:
         torch.manual_seed(options.seed)
         self.options, self.corpus = options, corpus
         start = start_from(options.start, options.lesson) if options.start else start_anew()
-        self.model, self.stages = start.model, start.stages
+        self.model, self.stages = start.model.to(options.device), start.stages
         hold_lower(self.model, options.held)
         self.schedule = Schedule(options.steps, options.rate, decay=options.decay)
         self.optimiser = torch.optim.AdamW(
@@ -86,8 +86,14 @@ class TrainingRun:
             corpus = self.corpus
             aligned = self._word_times(number) if stage.needs_word_times else []
             mixture = Mixture(corpus.train, aligned, stage.weights, stage.longest)
-            seed = self.options.seed
-            batches = Batches(mixture, corpus.around, stage.how, seed, stage.seconds)
+            batches = Batches(
+                mixture,
+                corpus.around,
+                stage.how,
+                self.options.seed,
+                stage.seconds * self.options.batch,
+                self.options.workers,
+            )
             self._stage(batches, min(stage.until, self.options.steps))
 
     def _stage(self, batches: Batches, until: int) -> None:
@@ -113,7 +119,7 @@ class TrainingRun:
     def _step(self, batch: Batch) -> tuple[float, float]:
         for group in self.optimiser.param_groups:
             group["lr"] = self.schedule.rate(self.progress.step)
-        loss = joint_loss(self.model, batch)
+        loss = joint_loss(self.model, batch.to(self.options.device))
         loss.total.backward()
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), 1.0)
         self.optimiser.step()
@@ -198,10 +204,13 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--share", type=float, default=1.0, help="of the synthetic corpus that is spoken")
     add("--seed", type=int, default=1)
     add("--steps", type=int, default=4000)
+    add("--batch", type=float, default=1.0, help="times the sound of the lesson in a batch")
     add("--rate", type=float, default=1.5e-3, help="peak learning rate")
     add("--decay", type=float, default=0.5, help="share of steps on the way down")
     add("--measure-every", type=int, default=400, help="steps")
     add("--threads", type=int, default=2)
+    add("--workers", type=int, default=1, help="processes that make batches")
+    add("--device", default="cpu", help="that the network is trained on, such as cuda")
     return parser.parse_args(arguments)
 
 

@@ -25,6 +25,7 @@ from voice_assist.spotter.overlap import (
     untrained,
     write_overlap,
 )
+from voice_assist.training.data.ahead import ahead
 from voice_assist.training.data.kokoro import plan_words, spoken
 from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.precision import cheap_numbers
@@ -46,6 +47,7 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training" / "overlap")
     add("--packages", type=Path, default=REPOSITORY / ".cache" / "training" / "openai")
+    add("--recogniser", type=Path, default=EMBEDDED_PATH, help="whose encoder it takes")
     add("--out", type=Path, default=PATH)
     add("--from", dest="start", type=Path, help="file of an earlier run to train further")
     add("--seed", type=int, default=1)
@@ -54,6 +56,8 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--head-rate", type=float, default=1e-3, help="peak learning rate of the head")
     add("--rate", type=float, default=1e-4, help="peak learning rate of the encoder's last blocks")
     add("--threads", type=int, default=1)
+    add("--workers", type=int, default=1, help="processes that mix windows")
+    add("--device", default="cpu", help="that the network is trained on, such as cuda")
     return parser.parse_args(arguments)
 
 
@@ -79,11 +83,13 @@ def freeze(network: OverlapNetwork) -> None:
 
 def loss_of(network: OverlapNetwork, batch: Batch) -> Tensor:
     """Cross entropy of the windows, and some of their frames."""
-    with cheap_numbers():
-        states = encode_short(network.encoder, log_mel(torch.from_numpy(batch.sound)))
-        odds, there = network.judge(states)
-    said = binary_cross_entropy_with_logits(odds.float(), torch.from_numpy(batch.is_word))
-    where = binary_cross_entropy_with_logits(there.float(), torch.from_numpy(batch.frames))
+    device = next(network.parameters()).device
+    parts = (batch.sound, batch.is_word, batch.frames)
+    sound, is_word, frames = (torch.from_numpy(part).to(device) for part in parts)
+    with cheap_numbers(device.type):
+        odds, there = network.judge(encode_short(network.encoder, log_mel(sound)))
+    said = binary_cross_entropy_with_logits(odds.float(), is_word)
+    where = binary_cross_entropy_with_logits(there.float(), frames)
     return said + _SHARE_OF_FRAMES * where
 
 
@@ -94,9 +100,12 @@ def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[Overl
         The running mean of the network, and the digest of the recogniser it began from.
     """
     torch.manual_seed(options.seed)
-    checkpoint = read_checkpoint(EMBEDDED_PATH)
-    network = read_overlap(options.start)[0].train() if options.start else untrained(checkpoint)
-    mean = untrained(checkpoint)
+    checkpoint = read_checkpoint(options.recogniser)
+    network = untrained(checkpoint).train()
+    if options.start:
+        network = read_overlap(options.start, options.recogniser)[0].train()
+    network.to(options.device)
+    mean = untrained(checkpoint).to(options.device)
     mean.load_state_dict(network.state_dict())
     freeze(network)
     blocks = [w for w in network.encoder.parameters() if w.requires_grad]
@@ -108,12 +117,12 @@ def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[Overl
     progress = options.cache / f"progress_{options.seed}_{options.steps}_{options.batch}.pt"
     done = _resume(progress, network, mean, optimiser)
     began, sum_ = time.monotonic(), 0.0
+    batches = ahead(lambda step: _batch(material, options, step), done + 1, options.workers)
     for step in range(done + 1, options.steps + 1):
-        rng = np.random.default_rng([options.seed, step])  # the same after a break
         left = (options.steps - step + 1) / options.steps
         for group in optimiser.param_groups:
             group["lr"] = group["peak"] * min(1.0, step / 50, left / (1.0 - _PLAIN))
-        loss = loss_of(network, draw(material, options.batch, rng))
+        loss = loss_of(network, next(batches))
         optimiser.zero_grad(set_to_none=True)
         loss.backward()
         torch.nn.utils.clip_grad_norm_([w for w in network.parameters() if w.requires_grad], 1.0)
@@ -127,6 +136,11 @@ def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[Overl
             _save(progress, step, network, mean, optimiser)
             write_overlap(mean, checkpoint.sha256, options.cache / f"step_{step:05d}.pt")
     return mean, checkpoint.sha256
+
+
+def _batch(material: OverlapMaterial, options: argparse.Namespace, step: int) -> Batch:
+    """The windows of a step, the same after a break."""
+    return draw(material, options.batch, np.random.default_rng([options.seed, step]))
 
 
 def average(mean: OverlapNetwork, network: OverlapNetwork, step: int) -> None:
@@ -155,7 +169,8 @@ def _resume(
     """Go on where a run was broken off; gives the steps that are done."""
     if not path.exists():
         return 0
-    state = torch.load(path, map_location="cpu", weights_only=True)
+    where = next(network.parameters()).device
+    state = torch.load(path, map_location=where, weights_only=True)
     network.load_state_dict(state["network"], strict=False)
     mean.load_state_dict(state["mean"], strict=False)
     optimiser.load_state_dict(state["optimiser"])
