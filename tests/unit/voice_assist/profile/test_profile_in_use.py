@@ -16,13 +16,17 @@ from voice_assist.config.profile import NOBODY
 from voice_assist.profile import model_file, thresholds
 from voice_assist.profile.active import (
     PersonalRecognizer,
-    facts_of,
     personalise,
     profile_in_use,
     with_profile,
 )
 from voice_assist.profile.manifest import ACTIVE, REFUSED
-from voice_assist.profile.profile import VoiceProfile, VoiceProfileError, create_profile
+from voice_assist.profile.profile import (
+    VoiceProfile,
+    VoiceProfileError,
+    create_profile,
+    facts_of,
+)
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.replay.replayer import restore_settings
 

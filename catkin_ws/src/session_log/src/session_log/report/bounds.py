@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import binomtest, quantile_test
+from scipy.special import bdtr, betaincinv
 
 CONFIDENCE = 0.95
 
@@ -44,8 +44,7 @@ def at_least(hits: int, trials: int, confidence: float = CONFIDENCE) -> float:
         trials: At least one.
         confidence: That the share is not below it, in (0, 1).
     """
-    test = binomtest(hits, trials, alternative="greater")
-    return float(test.proportion_ci(confidence, "exact").low)
+    return float(betaincinv(hits, trials - hits + 1, 1.0 - confidence)) if hits else 0.0
 
 
 def at_most(hits: int, trials: int, confidence: float = CONFIDENCE) -> float:
@@ -56,8 +55,7 @@ def at_most(hits: int, trials: int, confidence: float = CONFIDENCE) -> float:
         trials: At least one.
         confidence: That the share is not above it, in (0, 1).
     """
-    test = binomtest(hits, trials, alternative="less")
-    return float(test.proportion_ci(confidence, "exact").high)
+    return float(betaincinv(hits + 1, trials - hits, confidence)) if hits < trials else 1.0
 
 
 def quantile(values: Sequence[float], p: float) -> Bounded:
@@ -73,5 +71,11 @@ def quantile(values: Sequence[float], p: float) -> Bounded:
     x = np.sort(np.asarray(values, dtype=float))
     if not len(x):
         return Bounded(math.nan, math.nan, math.nan)
-    bounds = quantile_test(x, q=float(np.quantile(x, p)), p=p).confidence_interval(CONFIDENCE)
-    return Bounded(float(np.quantile(x, p)), float(bounds.low), float(bounds.high))
+    below = bdtr(np.arange(len(x) + 1), len(x), p)  # that so many values or fewer are below it
+    side = 0.5 * (1.0 - CONFIDENCE)
+    low, high = np.searchsorted(below, (side, 1.0 - side))
+    return Bounded(
+        float(np.quantile(x, p)),
+        float(x[low - 1]) if low else math.nan,
+        float(x[high]) if high < len(x) else math.nan,
+    )

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from scipy.stats import binomtest, chi2
+from scipy.special import betaincinv, gammaincinv
 
 CONFIDENCE = 0.95  # of each bound, and of an interval
 
@@ -12,16 +12,20 @@ def share_interval(count: int, trials: int) -> tuple[float, float]:
     """Two-sided interval of the share behind `count` of `trials` (Clopper and Pearson 1934)."""
     if not trials:
         return 0.0, 1.0
-    interval = binomtest(count, trials).proportion_ci(CONFIDENCE, "exact")
-    return float(interval.low), float(interval.high)
+    each = 0.5 * (1.0 + CONFIDENCE)
+    low = 1.0 - _at_most(trials - count, trials, each)
+    return low, _at_most(count, trials, each)
 
 
 def share_at_most(count: int, trials: int) -> float:
     """Upper bound on the share behind `count` of `trials` (Clopper and Pearson 1934)."""
-    if not trials:
+    return _at_most(count, trials, CONFIDENCE)
+
+
+def _at_most(count: int, trials: int, confidence: float) -> float:
+    if count == trials:
         return 1.0
-    test = binomtest(count, trials, alternative="less")
-    return float(test.proportion_ci(CONFIDENCE, "exact").high)
+    return float(betaincinv(count + 1, trials - count, confidence))
 
 
 def rate_at_most(count: int, hours: float) -> float:
@@ -31,6 +35,4 @@ def rate_at_most(count: int, hours: float) -> float:
         count: Events.
         hours: Watched [h]; 0: nothing is known, and the bound is infinite.
     """
-    return (
-        float(chi2.ppf(CONFIDENCE, 2 * count + 2)) / (2.0 * hours) if hours > 0.0 else float("inf")
-    )
+    return float(gammaincinv(count + 1, CONFIDENCE)) / hours if hours > 0.0 else float("inf")

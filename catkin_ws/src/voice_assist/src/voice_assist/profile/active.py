@@ -77,12 +77,6 @@ def personalise(config: ProfileConfig, base: Recognizer) -> Recognizer:
     return PersonalRecognizer(base, state, profile.name, profile.digest)
 
 
-def facts_of(recognizer: Recognizer) -> dict[str, str]:
-    """What a recording says of the profile in use; nothing where the base alone hears."""
-    name, digest = getattr(recognizer, "profile", ""), getattr(recognizer, "profile_digest", "")
-    return {"profile": name, "profile_sha256": digest} if digest else {}
-
-
 def with_profile(config: VoiceConfig) -> tuple[VoiceConfig, bytes | None]:
     """The settings with the person's spellings and thresholds, and the voiceprint, if there is one.
 

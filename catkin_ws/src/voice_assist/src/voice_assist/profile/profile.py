@@ -16,6 +16,7 @@ import stat
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import soundfile
@@ -33,6 +34,9 @@ from voice_assist.profile.manifest import (
     to_bytes,
 )
 from voice_assist.types import FULL_SCALE, RATE, Samples, frozen_samples
+
+if TYPE_CHECKING:
+    from voice_assist.recognizer.recognizer import Recognizer
 
 ENV = "VOICE_ASSIST_PROFILES"
 MANIFEST = "profile.json"
@@ -275,6 +279,12 @@ def delete_profile(name: str, root: Path) -> int:
     except OSError as error:
         raise VoiceProfileError(f"{folder} cannot be removed whole: {error}") from error
     return count
+
+
+def facts_of(recognizer: Recognizer) -> dict[str, str]:
+    """What a recording says of the profile in use; nothing where the base alone hears."""
+    name, digest = getattr(recognizer, "profile", ""), getattr(recognizer, "profile_digest", "")
+    return {"profile": name, "profile_sha256": digest} if digest else {}
 
 
 def now() -> str:

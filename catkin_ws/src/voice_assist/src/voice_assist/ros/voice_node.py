@@ -30,7 +30,7 @@ from voice_assist.config import VoiceConfig
 from voice_assist.errors import VoiceError
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Event
-from voice_assist.profile.active import facts_of
+from voice_assist.profile.profile import facts_of
 from voice_assist.ros.believed import Believed
 from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.microphone_service import MicrophoneService

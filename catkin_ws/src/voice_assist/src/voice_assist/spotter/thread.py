@@ -8,8 +8,6 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 
-import torch
-
 from voice_assist.side_inputs import Observer, SideInput, SideInputKind, ignore
 from voice_assist.spotter.spotter import NEWEST, Spotted, Spotting
 from voice_assist.types import Frame
@@ -120,6 +118,8 @@ class SpotterThread:
         self._observer(SideInput(kind, frame.first_sample, self._heard_until))
 
     def _run(self) -> None:
+        import torch
+
         torch.set_num_threads(1)  # holds for the thread that says it; two would wait for each other
         try:
             while (frame := self._next()) is not None:
