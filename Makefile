@@ -30,11 +30,17 @@ help: ## list the verbs
 	@docker/setup.sh workspace
 	@touch $@
 
-# What tests, lint, benchmarks and training need beside
-.setup/dev: .setup/workspace docker/apt-packages-dev.txt requirements-dev.txt requirements-parquet.txt requirements-foxglove.txt docker/javascript/package-lock.json
+# What tests, lint, benchmarks and training need beside; in parts of which `make --jobs 2` does two at once
+.setup/dev-system: .setup/system docker/apt-packages-dev.txt
 	@docker/setup.sh system docker/apt-packages-dev.txt
+	@touch $@
+
+.setup/dev-python: .setup/python requirements-dev.txt requirements-parquet.txt requirements-foxglove.txt docker/javascript/package-lock.json
 	@docker/setup.sh python requirements-dev.txt
 	@docker/setup.sh javascript
+	@touch $@
+
+.setup/dev: .setup/workspace .setup/dev-system .setup/dev-python
 	@touch $@
 
 FORCE:

@@ -185,7 +185,8 @@ prepare() {
 build() {
     # Debian's ROS lives under /usr: only the underlay may be chained in, and cmake must find Debian's tools first
     python=$(cd .venv/bin && pwd -P)/python # whose folder comes first on PATH of who sources the space
-    (cd catkin_ws && env -u ROS_PACKAGE_PATH CMAKE_PREFIX_PATH="$under" PATH="/usr/bin:/bin:$PATH" \
+    # Lisp's messages are left out: they take a sixth of the build, and nothing of ours is written in it
+    (cd catkin_ws && env -u ROS_PACKAGE_PATH ROS_LANG_DISABLE="${ROS_LANG_DISABLE-genlisp}" CMAKE_PREFIX_PATH="$under" PATH="/usr/bin:/bin:$PATH" \
         catkin_make -DPYTHON_EXECUTABLE="$python" -DCATKIN_ENABLE_TESTING=ON "$@")
 }
 
