@@ -33,7 +33,9 @@ def launch_lines():
     return sorted({line for line in ours if OTHERS not in line})
 
 
-WITH_ARGUMENTS = [line for line in launch_lines() if ":=" in line]
+A_LINE_OF_EACH = {  # launch file, whose check of its arguments is its own
+    re.findall(r"\w+\.launch", line)[0]: line for line in launch_lines() if ":=" in line
+}
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +97,7 @@ def _is_started(place, reading):
     return not kind.endswith(".yaml") or f"/{name.split('/')[1]}" in reading.nodes
 
 
-@pytest.mark.parametrize("line", WITH_ARGUMENTS)
+@pytest.mark.parametrize("line", A_LINE_OF_EACH.values(), ids=A_LINE_OF_EACH)
 def test_a_misspelt_argument_of_a_line_is_refused_with_the_one_that_was_meant(shell, line):
     name = line.partition(":=")[0].split()[-1]
     misspelt = name + name[-1]
