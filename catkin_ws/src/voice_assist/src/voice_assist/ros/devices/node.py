@@ -8,7 +8,8 @@ from std_msgs.msg import Empty as EmptyMessage
 from std_msgs.msg import String
 
 from rst_control.msg import Event
-from typed_config import load_config
+from typed_config import ConfigError, load_config
+from typed_config.errors import Missing
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 from voice_assist.config import CommandsConfig
@@ -92,12 +93,24 @@ class DevicesNode:
             self._say.publish(String(spoken))
 
 
+def spoken_commands() -> CommandsConfig:
+    """All that can be said to the voice node.
+
+    Raises:
+        ConfigError: None was launched, or its commands are not as they must be.
+    """
+    key = f"{VOICE}/commands"
+    given = rospy.get_param(key, Missing())
+    if isinstance(given, Missing):
+        raise ConfigError(key, given, "the commands of a voice node that was launched before")
+    return load_config(CommandsConfig, given, "commands.yaml")
+
+
 def main() -> None:
     """Run the devices node."""
     with starting("devices", needs_clock=False):
         config = devices_config({"calls": launch_settings().get("calls", [])})
-        given = rospy.get_param(f"{VOICE}/commands", {})
-        commands = load_config(CommandsConfig, given, "commands.yaml")
+        commands = spoken_commands()
         require_harmless(config, commands)
         node = DevicesNode(config, commands)
     node.run()
