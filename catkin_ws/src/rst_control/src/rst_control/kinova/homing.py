@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Homes OpenRST: connect, calibrate, position control; each looked at before the next."""
+"""Homes OpenRST: connect, calibrate, position control; each verified before the next."""
 
 from __future__ import annotations
 

@@ -164,7 +164,7 @@ class Follower:
             self._check_end(feedback)
 
     def _check_end(self, feedback: JointFeedback) -> None:
-        """The driver reports success wherever the arm stands; so it is looked at here."""
+        """The driver reports success wherever the arm stands; so it is checked here."""
         away = feedback.position - self._goal
         joint = int(np.abs(away).argmax())
         if abs(away[joint]) > (allowed := self._config.end_tolerance):

@@ -2,8 +2,8 @@
 """The patient's surface: a plane through the trocar, outside of which arm and tool belong.
 
 Only the tool may pass it, and only through the trocar. So at any moment either the whole robot is
-outside by a margin, or the shaft has to be in the trocar: there is no third case in which neither
-would be looked at.
+outside by a margin, or the shaft has to be in the trocar. There is no third case, in which neither
+would be checked.
 """
 
 from __future__ import annotations

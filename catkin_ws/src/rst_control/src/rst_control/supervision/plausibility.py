@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whether the robot's measurements can be true: joints that jump, freeze or contradict themselves.
 
-Fresh stamps say that somebody still sends, not that somebody still measures. What is looked at
-here is what the numbers say of each other, of the time between them and of what was commanded.
+Fresh stamps say that somebody still sends, not that somebody still measures. Compared
+here are the numbers with each other, with the time between them and with what was commanded.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.supervision.tension_plausibility import TensionPlausibility
 from rst_control.types import JOINT_COUNT, JOINTS, Measurement, Vector
 
-GAP = 10.5  # periods without measurements, over which velocities no longer tell the way
+GAP = 10.5  # periods without measurements, over which velocities no longer give the way
 MEMORY = 0.5  # [s] over which what velocities add up to is compared with the way of the positions
 
 

@@ -2,7 +2,7 @@
 """Whether the torques of an arm at rest are those of gravity, as mounting and masses are set.
 
 An arm on a wall whose settings have it upright shows torques that no pull explains. A tare would
-hide that where it is taken, and tell a wrong tension a little further on.
+hide that where it is taken, and give a wrong tension a little further on.
 """
 
 from __future__ import annotations

@@ -152,7 +152,7 @@ class TorqueTension:
         joint = int(speed.argmax())
         if speed[joint] > config.fastest:
             return (
-                f"joint_{joint + 1} at {speed[joint]:.2f} rad/s, too fast to tell tension from "
+                f"joint_{joint + 1} at {speed[joint]:.2f} rad/s, too fast to estimate tension from "
                 f"torques, allowed {config.fastest:.2f}"
             )
         if sigma > config.max_sigma:

@@ -78,7 +78,7 @@ class RecordWalker:
 
     def _length(self, position: int) -> int | None:
         """Length of the body of the record at a position; None if there is no sound record."""
-        if position == self._known[0]:  # it was looked at as the follower of the one before
+        if position == self._known[0]:  # it was read as the follower of the one before
             _, self._opcode, length = self._known
             return length
         self._file.seek(position)

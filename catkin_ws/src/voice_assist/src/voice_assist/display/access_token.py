@@ -10,7 +10,7 @@ from collections.abc import Callable
 LETTERS = "ABCDEFGHJKMNPQRSTUVWXYZ23456789"  # without those that look alike
 LENGTH = 8
 FREE_TRIES = 5  # wrong ones before each costs a wait
-WAIT = 2.0  # [s] after each further wrong one in which none is looked at
+WAIT = 2.0  # [s] after each further wrong one in which none is checked
 
 
 class AccessToken:
@@ -28,7 +28,7 @@ class AccessToken:
 
     @property
     def is_locked(self) -> bool:
-        """Whether no token is looked at now, since too many were wrong."""
+        """Whether no token is checked now, since too many were wrong."""
         return self._clock() < self._not_before
 
     def admits(self, given: str) -> bool:

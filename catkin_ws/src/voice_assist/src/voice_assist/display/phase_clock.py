@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections import deque
 
-WINDOW = 1.0  # [s] of progress that is looked at
+WINDOW = 1.0  # [s] of progress that counts
 _SHORTEST = 0.2  # [s] of it, at least
 _LONGEST = 100.0  # [s] that is still worth saying
 

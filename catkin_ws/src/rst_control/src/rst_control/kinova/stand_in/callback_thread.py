@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The one thread in which Kinova's driver handles all that comes in by ROS (`ros::spin`).
 
-While it is at one message, which for a goal lasts more than a second, nothing else is looked at: no
+While it is at one message, which for a goal lasts more than a second, nothing else is handled: no
 cancel, no velocity, and no "stop" either. Of each topic only the newest message waits.
 """
 

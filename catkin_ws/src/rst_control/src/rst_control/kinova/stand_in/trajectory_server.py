@@ -132,7 +132,7 @@ class TrajectoryServer:
     def _on_end(self, goal: GoalHandle) -> None:
         if self.state is not ServerState.EXECUTION:
             return
-        if (why := self._missed_time(goal)) is not None:  # where the joints are is never looked at
+        if (why := self._missed_time(goal)) is not None:  # where the joints are is never checked
             log.error(why)
             words = "the arm did not take the time that was asked for"
             goal.abort(PATH_TOLERANCE_VIOLATED, words)

@@ -25,7 +25,7 @@ WITHIN = 2.5  # [s] for a service to answer; the page waits longer
 
 
 class RosActs:
-    """Acts on the system under this node's name, by which the controller tells callers apart.
+    """Acts on the system under this node's name, by which the controller distinguishes callers.
 
     Args:
         theatre: Learns what was answered.

@@ -17,7 +17,7 @@ from rst_control.ros.controller.messages import RosClock
 from rst_control.types import BASE, Cause
 from typed_config.ros.known_publishers import KnownPublishers
 
-PATIENCE: Final = 1.0  # [s] for tf to tell of a frame that was not heard of
+PATIENCE: Final = 1.0  # [s] for tf to report a frame that is not known
 STEP: Final = 0.02  # [s] between two looks
 
 
