@@ -67,7 +67,7 @@ def test_a_terminal_that_knows_only_ascii_loses_no_command(command, session):
 
 
 def test_a_folder_in_the_place_of_a_sound_is_not_said_to_be_missing(tmp_path):
-    with pytest.raises(AudioError, match=r": no file$"):
+    with pytest.raises(AudioError, match=r": not a file$"):
         read_sound(tmp_path)
 
 

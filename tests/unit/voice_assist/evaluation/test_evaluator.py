@@ -193,7 +193,7 @@ def test_noise_and_level_belong_together(manifest, changes):
         ("path,transcript\nnone.wav,stop\n", r"row 2: .*none\.wav: no such file"),
         ("path,transcript\n\n,stop\n", "row 3: the path is empty"),
         ("path,transcript\nclips.csv,stop\n", r"row 2: .*not a sound file"),
-        ("path,transcript\n.,stop\n", "row 2: .*: no file"),
+        ("path,transcript\n.,stop\n", "row 2: .*: not a file"),
     ],
 )
 def test_a_manifest_that_cannot_be_used_says_why(tmp_path, content, problem):
