@@ -10,6 +10,7 @@ import whisper
 from whisper.model import ModelDimensions
 
 from typed_config import package_folder
+from voice_assist.errors import ModelError
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.checkpoint import read_checkpoint
 from voice_assist.recognizer.ctc import best_alignment, greedy_text
@@ -20,7 +21,7 @@ from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods
 from voice_assist.recognizer.vocabulary import (
     BLANK,
     CHARACTERS,
-    MULTILINGUAL_IDS,
+    IDS_BY_SIZE,
     PROMPT,
     WHISPER_IDS,
     decode,
@@ -86,11 +87,14 @@ def test_exported_full_softmax_equals_the_training_softmax(exported):
     torch.testing.assert_close(wide[:, used], narrow[:, : len(used)], atol=2e-4, rtol=1e-4)
 
 
-def test_compact_ids_are_whispers_tokens():
-    tokenizer = whisper.tokenizer.get_tokenizer(multilingual=False)
+@pytest.mark.parametrize(
+    ("is_multilingual", "ids"), [(False, WHISPER_IDS), (True, IDS_BY_SIZE[51865])]
+)
+def test_compact_ids_are_whispers_tokens(is_multilingual, ids):
+    tokenizer = whisper.tokenizer.get_tokenizer(multilingual=is_multilingual)
     characters = [tokenizer.encoding.encode_single_token(c) for c in CHARACTERS]
     special = [tokenizer.eot, tokenizer.sot, tokenizer.no_timestamps, tokenizer.no_speech]
-    assert [*characters, *special] == list(WHISPER_IDS)
+    assert [*characters, *special] == list(ids)
 
 
 def test_exporting_twice_writes_the_same_bytes(model, exported, tmp_path):
@@ -326,7 +330,7 @@ def test_a_broken_off_run_goes_on_where_it_stood(model, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("size", "ids_of_letters"), [(51864, WHISPER_IDS), (51865, MULTILINGUAL_IDS)]
+    ("size", "ids_of_letters"), [(51864, WHISPER_IDS), (51865, IDS_BY_SIZE[51865])]
 )
 def test_fine_tuning_starts_from_whispers_weights(tmp_path, size, ids_of_letters):
     torch.manual_seed(0)
@@ -344,6 +348,14 @@ def test_fine_tuning_starts_from_whispers_weights(tmp_path, size, ids_of_letters
     used = list(ids_of_letters)
     torch.testing.assert_close(wide[..., used], narrow[..., : len(used)], atol=1e-4, rtol=1e-4)
     assert (ours.dims.n_audio_ctx, ours.dims.n_text_ctx) == (512, 192)
+
+
+def test_fine_tuning_refuses_a_vocabulary_of_another_size(tmp_path):
+    dims = ModelDimensions(80, 1500, 32, 2, 1, 51866, 448, 32, 2, 1)
+    state = whisper.model.Whisper(dims).state_dict()
+    torch.save({"dims": vars(dims), "model_state_dict": state}, tmp_path / "w.pt")
+    with pytest.raises(ModelError, match="51866 tokens to start from, allowed: 51864, 51865"):
+        start_from(str(tmp_path / "w.pt"))
 
 
 def test_fine_tuning_keeps_the_encoder_and_a_short_decoder(tmp_path):

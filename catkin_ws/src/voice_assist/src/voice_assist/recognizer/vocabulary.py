@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 N_VOCAB = 51864  # of Whisper's English-only models
-N_MULTILINGUAL = 51865  # of its models of many languages, up to large-v2
 CHARACTERS = " 'abcdefghijklmnopqrstuvwxyz"  # each is one token of Whisper's
 BLANK = len(CHARACTERS)  # of the CTC head, whose classes are CHARACTERS + blank
 END, START, NO_TIMESTAMPS, NO_SPEECH = range(BLANK, BLANK + 4)  # compact ids
@@ -19,7 +18,10 @@ PROMPT = (START, NO_TIMESTAMPS)
 
 # Whisper's id of each compact id but GARBAGE.
 WHISPER_IDS = (220, 6, *range(64, 90), 50256, 50257, 50362, 50361)
-MULTILINGUAL_IDS = (220, 6, *range(64, 90), 50257, 50258, 50363, 50362)
+IDS_BY_SIZE = {  # of the vocabulary: English models, and those of many languages up to large-v2
+    N_VOCAB: WHISPER_IDS,
+    51865: (220, 6, *range(64, 90), 50257, 50258, 50363, 50362),
+}
 
 _IDS = {character: index for index, character in enumerate(CHARACTERS)}
 

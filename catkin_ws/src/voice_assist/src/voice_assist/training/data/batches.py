@@ -19,8 +19,8 @@ from voice_assist.recognizer.vocabulary import (
     START,
     encode,
 )
+from voice_assist.training.ahead import ahead
 from voice_assist.training.data import augment
-from voice_assist.training.data.ahead import ahead
 from voice_assist.training.data.augment import Strength
 from voice_assist.training.data.mixture import Item, Mixture
 from voice_assist.training.data.noise import Surroundings

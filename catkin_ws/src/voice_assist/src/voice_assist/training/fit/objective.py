@@ -51,8 +51,8 @@ def ctc_loss(logprobs: Tensor, texts: list[list[int]]) -> Tensor:
         logprobs: Shape (batch, time, BLANK + 1).
         texts: Character ids of each item; empty for none.
     """
-    joined = torch.tensor([index for text in texts for index in text], dtype=torch.long)
-    joined = joined.to(logprobs.device)
+    ids = [index for text in texts for index in text]
+    joined = torch.tensor(ids, dtype=torch.long, device=logprobs.device)
     lengths = torch.tensor([len(text) for text in texts])
     times = torch.full((len(texts),), logprobs.shape[1])
     loss = functional.ctc_loss(

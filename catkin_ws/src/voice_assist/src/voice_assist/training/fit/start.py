@@ -9,14 +9,11 @@ from dataclasses import dataclass, replace
 import torch
 from whisper.model import ModelDimensions
 
+from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import Checkpoint, find_checkpoint, read_checkpoint
 from voice_assist.recognizer.embedded import EMBEDDING, restore
 from voice_assist.recognizer.hybrid import WhisperCtc
-from voice_assist.recognizer.vocabulary import (
-    MULTILINGUAL_IDS,
-    N_MULTILINGUAL,
-    WHISPER_IDS,
-)
+from voice_assist.recognizer.vocabulary import IDS_BY_SIZE
 from voice_assist.training.fit.curriculum import CONTINUED, STAGES, WRITING, TrainingStage
 
 POSITIONS = {"encoder.positional_embedding": 512, "decoder.positional_embedding": 192}
@@ -60,7 +57,7 @@ def start_from(name: str, lesson: str = "mending") -> Start:
         lesson: What it goes on with, one of curriculum.LESSONS.
 
     Raises:
-        ModelError: The checkpoint is missing or damaged.
+        ModelError: The checkpoint is missing or damaged, or has a vocabulary of another size.
     """
     checkpoint = read_checkpoint(find_checkpoint(name))
     if checkpoint.ctc is not None:
@@ -78,7 +75,10 @@ def _narrowed(checkpoint: Checkpoint) -> WhisperCtc:
     for key, length in POSITIONS.items():
         state[key] = state[key][:length]
     full = state[EMBEDDING]
-    ids = list(MULTILINGUAL_IDS if len(full) == N_MULTILINGUAL else WHISPER_IDS)
+    if len(full) not in IDS_BY_SIZE:
+        allowed = ", ".join(map(str, IDS_BY_SIZE))
+        raise ModelError(f"a vocabulary of {len(full)} tokens to start from, allowed: {allowed}")
+    ids = list(IDS_BY_SIZE[len(full)])
     is_unused = torch.ones(len(full), dtype=torch.bool)
     is_unused[ids] = False
     garbage = full[is_unused].mean(dim=0, keepdim=True)

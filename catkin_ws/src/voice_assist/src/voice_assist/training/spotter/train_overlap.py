@@ -25,7 +25,7 @@ from voice_assist.spotter.overlap import (
     untrained,
     write_overlap,
 )
-from voice_assist.training.data.ahead import ahead
+from voice_assist.training.ahead import ahead
 from voice_assist.training.data.kokoro import plan_words, spoken
 from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.precision import cheap_numbers
@@ -101,10 +101,11 @@ def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[Overl
     """
     torch.manual_seed(options.seed)
     checkpoint = read_checkpoint(options.recogniser)
-    network = untrained(checkpoint).train()
-    if options.start:
-        network = read_overlap(options.start, options.recogniser)[0].train()
-    network.to(options.device)
+    network = (
+        read_overlap(options.start, options.recogniser)[0].train()
+        if options.start
+        else untrained(checkpoint)
+    ).to(options.device)
     mean = untrained(checkpoint).to(options.device)
     mean.load_state_dict(network.state_dict())
     freeze(network)
@@ -169,8 +170,7 @@ def _resume(
     """Go on where a run was broken off; gives the steps that are done."""
     if not path.exists():
         return 0
-    where = next(network.parameters()).device
-    state = torch.load(path, map_location=where, weights_only=True)
+    state = torch.load(path, map_location="cpu", weights_only=True)
     network.load_state_dict(state["network"], strict=False)
     mean.load_state_dict(state["mean"], strict=False)
     optimiser.load_state_dict(state["optimiser"])
