@@ -123,15 +123,29 @@ class DriverClient:
 
     def rest(self, seconds: float = 0.5) -> np.ndarray:
         """Wait until the arm stands for so long; returns where [rad]."""
+        time.sleep(seconds)
+        wait_until(lambda: self.stands(seconds), "the arm does not come to rest")
+        return self.q
+
+    def halt(self, seconds: float = 0.5) -> np.ndarray:
+        """Say "stop" until the arm stands for so long; returns where [rad].
+
+        A speed that was sent before a "stop" can reach the driver after it: each has its own topic.
+        """
 
         def stands() -> bool:
-            now = time.monotonic()
-            recent = [m.position for t, m in list(self.seen)[-200:] if now - t < seconds]
-            return len(recent) > 3 and bool(np.ptp(np.array(recent), axis=0).max() < STILL)
+            self.say("stop")
+            time.sleep(seconds)
+            return self.stands(seconds)
 
-        time.sleep(seconds)
-        wait_until(stands, "the arm does not come to rest")
+        wait_until(stands, "no stop brings the arm to rest")
         return self.q
+
+    def stands(self, seconds: float) -> bool:
+        """Whether the arm has stood for so long."""
+        now = time.monotonic()
+        recent = [m.position for t, m in list(self.seen)[-200:] if now - t < seconds]
+        return len(recent) > 3 and bool(np.ptp(np.array(recent), axis=0).max() < STILL)
 
 
 def wrapped(angles: np.ndarray) -> np.ndarray:

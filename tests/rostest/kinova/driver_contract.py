@@ -61,7 +61,7 @@ class Arm(unittest.TestCase):
         cls.home = cls.arm.rest()
 
     def setUp(self) -> None:
-        self.start = self.arm.rest()
+        self.start = self.arm.halt()
 
     def elsewhere(self, angle: float = ANGLE) -> np.ndarray:
         """The start with joint_7 turned by an angle, towards where it was at first."""
@@ -201,8 +201,10 @@ class Arm(unittest.TestCase):
             self.arm.turn({6: SPEED})
             return self.arm.first_motion(sent, self.start)
 
-        wait_until(moves, "no motion after clear_faults", every=0.1)
-        self.arm.say("stop")
+        try:
+            wait_until(moves, "no motion after clear_faults", every=0.1)
+        finally:
+            self.arm.halt()
 
     @only_simulated
     def test_a_new_goal_stops_the_old_one(self) -> None:
