@@ -22,7 +22,7 @@ from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
 from voice_assist.enrolment.remote_session import EnrolmentService
 from voice_assist.enrolment.takes.checks import TakeCheck
-from voice_assist.enrolment.takes.from_session import COLUMNS, Uncorrected, read_takes, take_over
+from voice_assist.enrolment.takes.from_session import COLUMNS, Uncorrected, read_takes
 from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
 from voice_assist.errors import ManifestError
 from voice_assist.profile.manifest import COMMAND, TALK
@@ -163,17 +163,26 @@ def test_corrected_utterances_become_takes_once(tmp_path: Path, reader: str) -> 
     profile = create_profile("ada", "ab" * 32, tmp_path / "profiles")
     check = TakeCheck(CONFIG.checks, VOICE.commands, FakeRecognizer({"release": -5.0}))
     script = EnrolmentScript(profile, CONFIG, PHRASES, check)
-    assert take_over(script, takes, lambda *_: None) == 3
-    assert take_over(script, takes, lambda *_: None) == 0
+    assert script.take_over(takes, lambda *_: None) == 3
+    assert script.take_over(takes, lambda *_: None) == 0
     assert [take.phrase for take in profile.manifest.takes] == ["tense", "release", ""]
 
 
-def test_a_correction_that_is_no_command_is_refused(tmp_path: Path, reader: str) -> None:
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("number,said\n1,banana\n", r"row 2: said 'banana', allowed: hey robot, .*, or nothing"),
+        ("number,said\n1,\n5,stop\n", "row 3: number '5', allowed: 1 to 4"),
+        ("number,said\none,stop\n", "row 2: number 'one', allowed: 1 to 4"),
+        ("number,heard\n1,stop\n", "no column 'said'; columns are: number, heard"),
+    ],
+)
+def test_a_correction_that_cannot_be_used_is_refused(
+    tmp_path: Path, reader: str, lines: str, words: str
+) -> None:
     path = tmp_path / "said.csv"
-    with pytest.raises(Uncorrected):
-        read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
-    correct(path, {1: "banana"})
-    with pytest.raises(ManifestError, match=r"said 'banana', allowed: hey robot, .*, or nothing"):
+    path.write_text(lines)
+    with pytest.raises(ManifestError, match=words):
         read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
 
 

@@ -16,7 +16,7 @@ from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, say, sil
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
 from voice_assist.enrolment.takes.checks import TakeCheck
-from voice_assist.enrolment.takes.from_files import find_recordings, take_over
+from voice_assist.enrolment.takes.from_files import find_recordings, read_recordings
 from voice_assist.enrolment.takes.recording import record
 from voice_assist.enrolment.takes.script import GOOD, UNLIKE, EnrolmentScript
 from voice_assist.errors import AudioError, ManifestError
@@ -185,13 +185,14 @@ def test_recordings_are_taken_over_by_their_names_once(
     write(folder, "talk-1.wav", said("he said the not is what"))
     write(folder, "tense.wav", 0.001 * said("tense"))
     found = find_recordings(folder, COMMANDS.phrases)
-    told: list[str] = []
+    checked: list[str] = []
     script = session(profile)
-    assert take_over(script, found, lambda path, _: told.append(path.name)) == 3
+    takes = read_recordings(found)
+    assert script.take_over(takes, lambda name, _: checked.append(name)) == 3
     kept = {(take.kind, take.phrase) for take in profile.manifest.takes}
     assert kept == {(COMMAND, "pull more"), (COMMAND, "stop"), (TALK, "")}
-    assert len(told) == 4
-    assert take_over(script, found, lambda *_: None) == 0
+    assert checked == ["pull_more-1.wav", "stop-2.flac", "talk-1.wav", "tense.wav"]
+    assert script.take_over(read_recordings(found), lambda *_: None) == 0
 
 
 def test_a_list_says_what_is_in_which_recording(tmp_path: Path) -> None:

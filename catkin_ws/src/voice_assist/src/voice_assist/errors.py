@@ -42,4 +42,4 @@ class CommandsError(VoiceError, ConfigError):
 
 
 class ManifestError(VoiceError):
-    """A manifest for evaluation, or a row of it, cannot be used."""
+    """A list of recordings, a row of it, or a recording cannot be used."""

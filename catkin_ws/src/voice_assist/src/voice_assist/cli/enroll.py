@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandsConfig
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
 from voice_assist.enrolment.takes.checks import Checked, TakeCheck
-from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
+from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep, RecordedTake
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import (
@@ -27,9 +27,6 @@ from voice_assist.profile.profile import (
     profiles_folder,
 )
 from voice_assist.recognizer.recognizer import Recognizer
-
-OnChecked = Callable[[Path, Checked], None]
-TakeOver = Callable[[EnrolmentScript, OnChecked], int]
 
 
 @dataclass(frozen=True)
@@ -55,18 +52,18 @@ def enroll(voice: VoiceConfig, asked: EnrolRequest, ask: Callable[[str], str] = 
 
     console, config = Console(), load_enrolment_config(asked.settings)
     _warn_of_alikes(voice.commands, console)
-    take_over = _recorded(asked, config.session_reader, voice.commands.fixed_phrases)
+    recorded = _recorded(asked, config.session_reader, voice.commands.fixed_phrases)
     base = load_recognizer(voice.recognizer.model, voice.recognizer.device)
     profile = _open_or_create(asked, base)
     check = TakeCheck(config.checks, voice.commands, base)
     script = EnrolmentScript(profile, config, voice.commands.fixed_phrases, check)
-    if take_over is not None:
+    if recorded is not None:
 
-        def show_checked(path: Path, checked: Checked) -> None:
+        def show_checked(name: str, checked: Checked) -> None:
             problems = "; ".join(checked.problems) or "good"
-            console.print(f"{path.name}: {problems}", highlight=False)
+            console.print(f"{Path(name).name}: {problems}", highlight=False)
 
-        console.print(f"{take_over(script, show_checked)} takes kept")
+        console.print(f"{script.take_over(recorded, show_checked)} takes kept")
     elif not asked.again:
         _guide(script, voice, console, ask)
     return _learn(profile, voice, config, base, console)
@@ -133,8 +130,10 @@ def _open_or_create(asked: EnrolRequest, base: Recognizer) -> VoiceProfile:
     return create_profile(asked.name, base.model_hash, root)
 
 
-def _recorded(asked: EnrolRequest, reader: str, phrases: tuple[str, ...]) -> TakeOver | None:
-    """What takes over the recordings that were named, all found already; None: none were named.
+def _recorded(
+    asked: EnrolRequest, reader: str, phrases: tuple[str, ...]
+) -> Iterable[RecordedTake] | None:
+    """The recordings that were named, all found already; None: none were named.
 
     Raises:
         VoiceError: They cannot be used.
@@ -143,10 +142,9 @@ def _recorded(asked: EnrolRequest, reader: str, phrases: tuple[str, ...]) -> Tak
 
     if asked.wavs is not None:
         found = from_files.find_recordings(asked.wavs, phrases)
-        return lambda script, on_checked: from_files.take_over(script, found, on_checked)
+        return from_files.read_recordings(found)
     if asked.session is not None:
-        takes = from_session.read_takes(asked.session, asked.corrections, phrases, reader)
-        return lambda script, on_checked: from_session.take_over(script, takes, on_checked)
+        return from_session.read_takes(asked.session, asked.corrections, phrases, reader)
     return None
 
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import csv
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +17,7 @@ from voice_assist.config import CommandsConfig
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
+from voice_assist.text.csv_rows import csv_rows
 from voice_assist.text.normalize import contains, normalize
 from voice_assist.types import RATE, Match, Mode, Samples, UtteranceDecision
 
@@ -213,7 +213,7 @@ def read_manifest(
     }
     halts = [c.phrase for c in commands.commands if c.is_halt] if mode == MOVING else []
     clips, problems = [], []
-    for row, (name, transcript) in _rows(path):
+    for row, (name, transcript) in csv_rows(path, "path", "transcript"):
         try:
             clips.append(_clip(path.parent, row, name, transcript, phrases, halts))
         except (AudioError, ManifestError) as error:
@@ -243,25 +243,6 @@ def read_noises(folder: str | Path) -> list[Samples]:
     if not noises:
         raise ManifestError(f"{folder}: no sound files in it")
     return noises
-
-
-def _rows(path: Path) -> Iterator[tuple[int, tuple[str, str]]]:
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            header = [name.strip().casefold() for name in next(reader, [])]
-            if missing := [name for name in ("path", "transcript") if name not in header]:
-                columns = ", ".join(header) or "none"
-                raise ManifestError(f"{path}: no column {missing[0]!r}; columns are: {columns}")
-            columns_used = header.index("path"), header.index("transcript")
-            for row in reader:
-                if any(cell.strip() for cell in row):
-                    padded = [*row, *[""] * len(header)]
-                    yield reader.line_num, (padded[columns_used[0]], padded[columns_used[1]])
-    except OSError as error:
-        raise ManifestError(f"{path}: {error.strerror}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise ManifestError(f"{path}: not a CSV file in UTF-8 ({error})") from error
 
 
 def _clip(

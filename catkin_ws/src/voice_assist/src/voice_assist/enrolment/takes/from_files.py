@@ -7,17 +7,16 @@ names do: `pull_more-3.wav` is a take of "pull more", `talk-1.wav` is talk, `roo
 
 from __future__ import annotations
 
-import csv
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from voice_assist.audio.sound_file import read_sound
-from voice_assist.enrolment.takes.checks import Checked
-from voice_assist.enrolment.takes.script import EnrolmentScript
+from voice_assist.enrolment.takes.script import RecordedTake
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK
+from voice_assist.text.csv_rows import csv_rows
 from voice_assist.text.normalize import normalize
 from voice_assist.types import RATE
 
@@ -31,8 +30,8 @@ class Recording:
     """One file, and what is in it."""
 
     path: Path
-    kind: str
-    phrase: str
+    kind: str  # COMMAND, TALK or ROOM
+    phrase: str  # empty where it is no command
 
 
 def find_recordings(folder: Path, phrases: Sequence[str]) -> list[Recording]:
@@ -50,26 +49,12 @@ def find_recordings(folder: Path, phrases: Sequence[str]) -> list[Recording]:
     return [_recording(path, said, phrases) for path, said in pairs]
 
 
-def take_over(
-    script: EnrolmentScript,
-    recordings: Sequence[Recording],
-    on_checked: Callable[[Path, Checked], None],
-) -> int:
-    """Offer recordings to a script; those taken over before are left out.
-
-    Args:
-        script: Of the profile.
-        recordings: In their order.
-        on_checked: Called with the path and the check of each.
-
-    Returns:
-        How many were kept.
+def read_recordings(recordings: Iterable[Recording]) -> Iterator[RecordedTake]:
+    """The recordings with their sound, each read when it is asked for.
 
     Raises:
-        ManifestError: One cannot be read.
-        VoiceProfileError: One cannot be written.
+        ManifestError: One cannot be read, or is too long.
     """
-    before = script.kept
     for recording in recordings:
         try:
             samples = read_sound(recording.path)
@@ -78,23 +63,12 @@ def take_over(
         if len(samples) > _LONGEST * RATE:
             found = f"{len(samples) / RATE:.0f} s, allowed: up to {_LONGEST:.0f}"
             raise ManifestError(f"{recording.path}: {found}")
-        what = recording.kind, recording.phrase, samples, recording.path.name
-        if (checked := script.take_over(*what)) is not None:
-            on_checked(recording.path, checked)
-    return script.kept - before
+        yield RecordedTake(recording.path.name, recording.kind, recording.phrase, samples)
 
 
 def _listed(path: Path) -> Iterator[tuple[Path, str]]:
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = csv.DictReader(file)
-            missing = {"path", "transcript"} - set(rows.fieldnames or ())
-            if missing:
-                raise ManifestError(f"{path}: no column {', '.join(sorted(missing))}")
-            for row in rows:
-                yield path.parent / (row["path"] or ""), row["transcript"] or TALK
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ManifestError(f"{path}: cannot be read ({error})") from error
+    for _, (name, transcript) in csv_rows(path, "path", "transcript"):
+        yield path.parent / name.strip(), transcript.strip() or TALK
 
 
 def _named(folder: Path) -> Iterator[tuple[Path, str]]:

@@ -7,8 +7,7 @@ The recording is read by a function that a setting names, so that neither packag
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, cast
@@ -16,12 +15,12 @@ from typing import Any, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from voice_assist.enrolment.takes.checks import Checked
-from voice_assist.enrolment.takes.script import EnrolmentScript
+from voice_assist.enrolment.takes.script import RecordedTake
 from voice_assist.errors import ManifestError, VoiceError
 from voice_assist.profile.manifest import COMMAND, TALK
+from voice_assist.text.csv_rows import csv_rows
 from voice_assist.text.normalize import normalize
-from voice_assist.types import RATE, Samples, frozen_samples
+from voice_assist.types import RATE, frozen_samples
 
 COLUMNS = ("number", "time", "seconds", "heard", "command", "said")
 
@@ -32,21 +31,11 @@ class SpokenUtterance(Protocol):
     @property
     def time(self) -> float: ...  # noqa: D102 - [s] since the session began
     @property
-    def heard(self) -> str: ...  # noqa: D102
+    def heard(self) -> str: ...  # noqa: D102 - transcript
     @property
     def command(self) -> str: ...  # noqa: D102 - taken; empty: none
     @property
     def samples(self) -> NDArray[np.int16]: ...  # noqa: D102 - (n,), 16 kHz mono
-
-
-@dataclass(frozen=True, eq=False)
-class SessionTake:
-    """An utterance of which it is known what was said."""
-
-    name: str  # of session and utterance
-    kind: str
-    phrase: str
-    samples: Samples
 
 
 class Uncorrected(VoiceError):
@@ -55,7 +44,7 @@ class Uncorrected(VoiceError):
 
 def read_takes(
     session: Path, corrections: Path | None, phrases: Sequence[str], reader: str
-) -> list[SessionTake]:
+) -> list[RecordedTake]:
     """Utterances of a recording with what a person wrote for them.
 
     Args:
@@ -75,20 +64,6 @@ def read_takes(
         words = "the column said: a command, talk, or nothing for what shall be left out"
         raise Uncorrected(f"{path} was written; correct {words}; then --corrections {path}")
     return _corrected(session, corrections, utterances, phrases)
-
-
-def take_over(
-    script: EnrolmentScript,
-    takes: Iterable[SessionTake],
-    on_checked: Callable[[Path, Checked], None],
-) -> int:
-    """Offer takes to a script; gives how many were kept."""
-    before = script.kept
-    for take in takes:
-        checked = script.take_over(take.kind, take.phrase, take.samples, take.name)
-        if checked is not None:
-            on_checked(Path(take.name), checked)
-    return script.kept - before
 
 
 def _read(session: Path, reader: str) -> list[SpokenUtterance]:
@@ -118,32 +93,20 @@ def _write(path: Path, utterances: Sequence[SpokenUtterance]) -> None:
 
 def _corrected(
     session: Path, path: Path, utterances: Sequence[SpokenUtterance], phrases: Sequence[str]
-) -> list[SessionTake]:
-    takes = []
-    for row, number, said in _rows(path):
+) -> list[RecordedTake]:
+    takes, by_number = [], {str(number): one for number, one in enumerate(utterances, 1)}
+    for row, (number, said) in csv_rows(path, "number", "said"):
         words = " ".join(normalize(said))
         if not words:
             continue
-        if not 1 <= number <= len(utterances):
+        if number.strip() not in by_number:
             allowed = f"allowed: 1 to {len(utterances)}"
-            raise ManifestError(f"{path}, row {row}: number {number}, {allowed}")
+            raise ManifestError(f"{path}, row {row}: number {number!r}, {allowed}")
         if words != TALK and words not in phrases:
             allowed = ", ".join((*phrases, TALK))
             raise ManifestError(f"{path}, row {row}: said {said!r}, allowed: {allowed}, or nothing")
         kind, phrase = (TALK, "") if words == TALK else (COMMAND, words)
-        samples = frozen_samples(np.asarray(utterances[number - 1].samples, np.int16))
-        name = f"{session.resolve().parent.name}/{session.name} {number}"
-        takes.append(SessionTake(name, kind, phrase, samples))
+        samples = frozen_samples(np.asarray(by_number[number.strip()].samples, np.int16))
+        name = f"{session.resolve().parent.name}/{session.name} {number.strip()}"
+        takes.append(RecordedTake(name, kind, phrase, samples))
     return takes
-
-
-def _rows(path: Path) -> list[tuple[int, int, str]]:
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = csv.DictReader(file)
-            missing = {"number", "said"} - set(rows.fieldnames or ())
-            if missing:
-                raise ManifestError(f"{path}: no column {', '.join(sorted(missing))}")
-            return [(rows.line_num, int(row["number"]), row["said"] or "") for row in rows]
-    except (OSError, UnicodeDecodeError, csv.Error, ValueError, TypeError) as error:
-        raise ManifestError(f"{path}: cannot be read ({error})") from error

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from voice_assist.config.enrolment import EnrolmentConfig
@@ -30,6 +30,21 @@ class EnrolmentStep:
     total: int
 
 
+@dataclass(frozen=True, eq=False)
+class RecordedTake:
+    """A recording of which it is known what was said."""
+
+    name: str  # of the file, or of session and utterance
+    kind: str  # COMMAND, TALK or ROOM
+    phrase: str  # that is said in it; empty where it is no command
+    samples: Samples  # (n,), float32 in [-1, 1], 16 kHz
+
+    @property
+    def seconds(self) -> float:
+        """Its length [s]."""
+        return len(self.samples) / RATE
+
+
 class EnrolmentScript:
     """Goes through the script; it keeps no state beside the profile, so it can go on any time."""
 
@@ -47,7 +62,6 @@ class EnrolmentScript:
         self.profile, self._config, self._phrases = profile, config, phrases
         self._check = check
         self._unlike: Counter[str] = Counter()  # takes unlike the base's expectation, by phrase
-        self.kept = 0  # takes added to the profile
 
     def next(self) -> EnrolmentStep | None:
         """What to record now; None: all is there.
@@ -90,30 +104,33 @@ class EnrolmentScript:
             verdict = ""
         if verdict:
             self.profile.add_take(samples, _take(step, samples, checked, source, verdict))
-            self.kept += 1
         return checked
 
-    def take_over(self, kind: str, phrase: str, samples: Samples, source: str) -> Checked | None:
-        """Offer a recording that exists; None: one of that name and length was offered and kept.
+    def take_over(
+        self, takes: Iterable[RecordedTake], on_checked: Callable[[str, Checked], None]
+    ) -> int:
+        """Offer recordings that exist; one of a name and length that is on file is left out.
 
         Args:
-            kind: COMMAND, TALK or ROOM.
-            phrase: That is said in it, for COMMAND.
-            samples: float32 in [-1, 1], 16 kHz. Shape (n,).
-            source: Its name.
+            takes: In their order.
+            on_checked: Called with the name and the check of each that is offered.
+
+        Returns:
+            How many were kept.
 
         Raises:
-            VoiceProfileError: It cannot be written.
+            VoiceProfileError: One cannot be written.
         """
-        if self._has(samples, source):
-            return None
-        step = EnrolmentStep(kind, phrase, len(samples) / RATE, 1, 1)
-        return self.offer(step, samples, source)
+        before = len(self.profile.manifest.takes)
+        for take in takes:
+            if not self._has(take):
+                step = EnrolmentStep(take.kind, take.phrase, take.seconds, 1, 1)
+                on_checked(take.name, self.offer(step, take.samples, take.name))
+        return len(self.profile.manifest.takes) - before
 
-    def _has(self, samples: Samples, source: str) -> bool:
-        length = len(samples) / RATE
+    def _has(self, recorded: RecordedTake) -> bool:
         return any(
-            take.source == source and abs(take.seconds - length) < 1.0 / RATE
+            take.source == recorded.name and abs(take.seconds - recorded.seconds) < 1.0 / RATE
             for take in self.profile.manifest.takes
         )
 
