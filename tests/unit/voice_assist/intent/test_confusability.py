@@ -99,6 +99,18 @@ def test_letters_stand_for_sounds_where_nothing_pronounces():
     assert sounds_of_letters("") == () == sounds_of_letters("123")
 
 
+@pytest.mark.parametrize("program", ["exit 1", "exec sleep 60", "true"])
+def test_letters_stand_for_sounds_where_espeak_fails_hangs_or_says_nothing(
+    program, tmp_path, monkeypatch
+):
+    (path := tmp_path / "espeak-ng").write_text(f"#!/bin/sh\n{program}\n")
+    path.chmod(0o700)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    monkeypatch.setattr(pronunciation, "_PATIENCE", 0.2)
+    assert sounds.__wrapped__("tense") == sounds_of_letters("tense")
+    assert languages.__wrapped__() == ()
+
+
 def test_the_command_line_shows_the_nearest_pairs(capsys):
     main(["check-commands"])
     said = capsys.readouterr().out

@@ -15,15 +15,14 @@ import numpy as np
 import soxr
 
 from voice_assist.audio.espeak import Int16
-from voice_assist.audio.mixing import speech_blocks
+from voice_assist.audio.mixing import trimmed
 from voice_assist.errors import ModelError
 from voice_assist.spotter.features import onnx_session
-from voice_assist.types import RATE
+from voice_assist.types import FULL_SCALE, RATE
 
 NETWORK_SHA256 = "6e742170d309016e5891a994e1ce1559c702a2ccd0075e67ef7157974f6406cb"
 _RATE = 24_000  # [Hz] of the network's sound
 _PARTS = 4
-_BLOCK = RATE // 100
 
 
 class Kokoro:
@@ -62,6 +61,9 @@ class Kokoro:
             sounds: IPA; symbols that the network does not know are left out.
             voice: One of its styles.
             speed: Relative, 1 is the voice's own.
+
+        Returns:
+            Shape (n,), 16 kHz.
         """
         ids = [self._symbols[symbol] for symbol in sounds if symbol in self._symbols]
         style = np.fromfile(self._styles / f"{voice}.bin", np.float32).reshape(-1, 1, 256)
@@ -72,8 +74,6 @@ class Kokoro:
         }
         (sound, *_) = self._network.run(None, given)
         resampled = soxr.resample(np.ravel(sound), _RATE, RATE)
-        loud = np.flatnonzero(speech_blocks(resampled))
-        if len(loud):
-            resampled = resampled[loud[0] * _BLOCK : (loud[-1] + 1) * _BLOCK]
-        samples: Int16 = np.round(np.clip(resampled, -1.0, 1.0) * 32767).astype(np.int16)
+        spoken = np.clip(trimmed(resampled), -1.0, 1.0)
+        samples: Int16 = np.round(spoken * FULL_SCALE).astype(np.int16)
         return samples

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
-from subprocess import CalledProcessError
 from typing import Final
 
 import numpy as np
@@ -14,16 +13,15 @@ import soxr
 
 from voice_assist.answers.kokoro import Kokoro
 from voice_assist.audio.espeak import espeak, ipa
-from voice_assist.audio.mixing import speech_blocks
+from voice_assist.audio.mixing import trimmed
 from voice_assist.config.alarms import SpeechConfig
 from voice_assist.errors import ModelError
-from voice_assist.types import FULL_SCALE, RATE, Samples, frozen_samples
+from voice_assist.types import RATE, Samples, frozen_samples
 
 Speak = Callable[[str], Samples]  # of a text, 16 kHz, peak 1, without silence around it
 
 FADE: Final = 0.005  # [s] over which a sentence that is cut out of silence rises and falls
 _ENGLISH: Final = "en-us"  # sounds that Kokoro is given
-_BLOCK: Final = RATE // 100
 
 
 def choose_voice(config: SpeechConfig) -> Speak:
@@ -39,14 +37,8 @@ def choose_voice(config: SpeechConfig) -> Speak:
 
 def _espeak(config: SpeechConfig) -> Speak:
     def say(text: str) -> Samples:
-        try:
-            sound, rate = espeak(text, config.voice, "-s", str(round(config.words_per_minute)))
-        except CalledProcessError as error:
-            words = error.stderr.decode(errors="replace").strip() or str(error)
-            raise ModelError(f"espeak-ng, voice {config.voice!r}: {words}") from error
-        return _trimmed(
-            soxr.resample(sound.astype(np.float32) / np.float32(FULL_SCALE), rate, RATE)
-        )
+        sound, rate = espeak(text, config.voice, "-s", str(round(config.words_per_minute)))
+        return _faded(trimmed(soxr.resample(frozen_samples(sound), rate, RATE)))
 
     return say
 
@@ -62,18 +54,16 @@ def _kokoro(config: SpeechConfig) -> Speak:
         raise ModelError(f"{style} is missing; allowed: a style of kokoro-js, such as bf_alice")
 
     def say(text: str) -> Samples:
-        sound = kokoro(ipa(text, _ENGLISH), config.voice)
-        return _trimmed(sound.astype(np.float32) / np.float32(FULL_SCALE))
+        return _faded(frozen_samples(kokoro(ipa(text, _ENGLISH), config.voice)))
 
     return say
 
 
-def _trimmed(sound: Samples) -> Samples:
-    """From the first speech to the last, faded in and out, peak 1."""
-    loud = np.flatnonzero(speech_blocks(sound))
-    if not len(loud):
-        return frozen_samples(np.zeros(0, np.float32))
-    spoken = sound[loud[0] * _BLOCK : (loud[-1] + 1) * _BLOCK].astype(np.float32)
+def _faded(sound: Samples) -> Samples:
+    """The sound faded in and out, peak 1; nothing of silence."""
+    if not np.any(sound):
+        return frozen_samples(np.zeros(0))
+    spoken = np.array(sound, np.float32)
     ramp = np.linspace(0.0, 1.0, round(FADE * RATE), dtype=np.float32)
     spoken[: len(ramp)] *= ramp
     spoken[-len(ramp) :] *= ramp[::-1]

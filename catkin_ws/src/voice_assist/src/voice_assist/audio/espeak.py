@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shlex
 import subprocess
 
 import numpy as np
@@ -21,18 +22,20 @@ def run_program(command: list[str], said: str = "") -> bytes:
         said: Given to it as input.
 
     Raises:
-        ModelError: The program is not installed.
-        subprocess.CalledProcessError: It failed.
+        ModelError: The program is not installed, or fails.
     """
     try:
         done = subprocess.run(command, check=True, capture_output=True, input=said.encode())
         return done.stdout
     except FileNotFoundError as error:
         raise ModelError(f"speech synthesis needs the program {command[0]!r}") from error
+    except subprocess.CalledProcessError as error:
+        words = " ".join(error.stderr.decode(errors="replace").split()) or str(error)
+        raise ModelError(f"{shlex.join(command)}: {words}") from error
 
 
 def espeak(text: str, voice: str, *options: str) -> tuple[Int16, int]:
-    """Sound of espeak-ng as it comes, and its rate [Hz].
+    """Sound of espeak-ng as it comes, shape (n,), and its rate [Hz].
 
     Args:
         text: Words, or phonemes in double square brackets.
@@ -40,8 +43,7 @@ def espeak(text: str, voice: str, *options: str) -> tuple[Int16, int]:
         options: Of its command line, such as "-s", "160" for words per minute.
 
     Raises:
-        ModelError: espeak-ng is not installed.
-        subprocess.CalledProcessError: It refuses the voice.
+        ModelError: espeak-ng is not installed, or refuses the voice.
     """
     data = run_program(["espeak-ng", "-v", voice, *options, "--stdout", text])
     rate = int.from_bytes(data[24:28], "little")  # an MBROLA voice has its own
@@ -56,7 +58,6 @@ def ipa(text: str, voice: str) -> str:
         voice: Of espeak-ng, such as "fr-fr".
 
     Raises:
-        ModelError: espeak-ng is not installed.
-        subprocess.CalledProcessError: It refuses the voice.
+        ModelError: espeak-ng is not installed, or refuses the voice.
     """
     return " ".join(run_program(["espeak-ng", "-q", "--ipa", "-v", voice, text]).decode().split())

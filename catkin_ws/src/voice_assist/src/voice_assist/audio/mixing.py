@@ -37,6 +37,12 @@ def speech_blocks(samples: Samples) -> NDArray[np.bool_]:
     return np.asarray(powers >= max(peak * 10 ** (-_BELOW_PEAK_DB / 10), above, _QUIETEST))
 
 
+def trimmed(samples: Samples) -> Samples:
+    """From the first speech to the last. From shape (n,) to (m,); all of it without speech."""
+    found = np.flatnonzero(speech_blocks(samples))
+    return samples[found[0] * BLOCK : (found[-1] + 1) * BLOCK] if len(found) else samples
+
+
 def end_of_speech(samples: Samples) -> float:
     """Time at which the speech of a clip ends [s]; its length where it holds none."""
     found = np.flatnonzero(speech_blocks(samples))

@@ -11,6 +11,14 @@ from voice_assist.audio.channels import StreamMixer
 from voice_assist.errors import AudioError
 from voice_assist.types import RATE, Samples
 
+MIN_RATE, MAX_RATE = 1000, 768_000  # [Hz] of any sound device or file
+
+
+def rate_objection(rate: int) -> str:
+    """Why a sample rate [Hz] is none of sound; empty: it is."""
+    allowed = f"allowed: {MIN_RATE} to {MAX_RATE} Hz"
+    return "" if MIN_RATE <= rate <= MAX_RATE else f"sample rate {rate} Hz, {allowed}"
+
 
 class Resampler:
     """Resamples a stream block by block, without clicks between them."""
@@ -24,8 +32,8 @@ class Resampler:
         Raises:
             AudioError: The rate is none of a sound device or file.
         """
-        if not 1000 <= rate <= 768_000:
-            raise AudioError(f"sample rate {rate} Hz, allowed: 1000 to 768000 Hz")
+        if words := rate_objection(rate):
+            raise AudioError(words)
         self._mix = StreamMixer(rate)
         self._stream = None if rate == RATE else soxr.ResampleStream(rate, RATE, 1, "float32")
 

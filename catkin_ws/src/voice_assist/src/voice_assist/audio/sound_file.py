@@ -19,6 +19,7 @@ import soxr
 from numpy.typing import NDArray
 
 from voice_assist.audio import channels
+from voice_assist.audio.resample import rate_objection
 from voice_assist.errors import AudioError
 from voice_assist.types import RATE, Samples
 
@@ -54,10 +55,13 @@ def check_sound(path: str | Path) -> SoundFile:
     """Read a sound file to its end.
 
     Raises:
-        AudioError: It is missing, no sound, damaged or cut off, or its values are none of sound.
+        AudioError: It is missing, no sound, damaged or cut off, or its rate or values are none of
+            sound.
     """
     path = Path(path)
     with _opened(path) as file:
+        if problem := rate_objection(file.samplerate):
+            raise AudioError(f"{path}: {problem}")
         sums, read = np.zeros((file.channels, file.channels)), 0
         for block in _blocks(file, path):
             if problem := _objection(block):

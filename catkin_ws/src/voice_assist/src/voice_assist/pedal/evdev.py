@@ -14,7 +14,8 @@ from typing import Final
 NAMES: Final = Path("/sys/class/input")
 DEVICES: Final = Path("/dev/input")
 EVENT: Final = struct.Struct("llHHi")  # input_event: time, type, code, value
-EV_KEY, EV_ABS = 1, 3
+EV_SYN, EV_KEY, EV_ABS = 0, 1, 3
+SYN_DROPPED: Final = 3  # code of EV_SYN: the kernel had no room for events
 EVIOCGRAB: Final = 0x40044590  # a pedal is a keyboard: elsewhere it would type
 REPEATED: Final = 2  # value of a key that is held
 
@@ -77,7 +78,7 @@ class EvdevReader:
         """News of inputs, until the device is gone.
 
         Raises:
-            OSError: It is gone; says why.
+            OSError: It is gone, or events were lost; says why.
         """
         rest = b""
         while data := os.read(self._file, 64 * EVENT.size):
@@ -88,5 +89,7 @@ class EvdevReader:
                     yield {f"button {code}": float(value)}
                 elif kind == EV_ABS:
                     yield {f"axis {code}": float(value)}
+                elif (kind, code) == (EV_SYN, SYN_DROPPED):
+                    raise OSError("events were lost, so what is pressed is unknown")
             rest = rest[whole:]
         raise DeviceMissingError("the device ends")

@@ -67,9 +67,7 @@ def languages() -> tuple[str, ...]:
     """Those in which it can be pronounced; none where nothing pronounces."""
     if not can_pronounce():
         return ()
-    command = [PROGRAM, "--voices"]
-    listing = subprocess.run(command, capture_output=True, check=False, timeout=_PATIENCE).stdout
-    rows = listing.decode("utf-8", "replace").splitlines()[1:]  # below the names of the columns
+    rows = _answer("--voices").splitlines()[1:]  # below the names of the columns
     return tuple(row.split()[1] for row in rows if len(row.split()) > 1)
 
 
@@ -81,17 +79,10 @@ def sounds(text: str, language: str = "en-us") -> Sounds:
         text: Words.
         language: Of espeak-ng, such as "de"; ignored where the program is missing.
     """
+    found = ()
     if can_pronounce():
-        done = subprocess.run(
-            [PROGRAM, "-q", "--ipa", "-v", language, "--", text],
-            capture_output=True,
-            check=False,
-            timeout=_PATIENCE,
-        )
-        found = _symbols(done.stdout.decode("utf-8", "replace"))
-        if done.returncode == 0 and found:
-            return found
-    return sounds_of_letters(text)
+        found = _symbols(_answer("-q", "--ipa", "-v", language, "--", text))
+    return found or sounds_of_letters(text)
 
 
 def sounds_of_letters(text: str) -> Sounds:
@@ -139,6 +130,15 @@ def difference(a: str, b: str) -> float:
         cost = 0.2 * (voice != voice_b) + 0.4 * (manner != manner_b) + 0.2 * min(apart, 2)
         return min(cost + 0.1, _DIFFERENT)
     return _DIFFERENT
+
+
+def _answer(*options: str) -> str:
+    """What espeak-ng writes; nothing where it fails or takes too long."""
+    try:
+        done = subprocess.run([PROGRAM, *options], capture_output=True, timeout=_PATIENCE)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.decode("utf-8", "replace") if done.returncode == 0 else ""
 
 
 def _symbols(ipa: str) -> Sounds:

@@ -58,10 +58,10 @@ def _ask(*words: str) -> list[str]:
     if program is None:
         return []
     try:
-        answer = subprocess.run([program, *words], capture_output=True, text=True, timeout=2.0)
-    except subprocess.TimeoutExpired:
+        answer = subprocess.run([program, *words], capture_output=True, timeout=2.0)
+    except (OSError, subprocess.TimeoutExpired):
         return []
-    return answer.stdout.splitlines()
+    return answer.stdout.decode(errors="replace").splitlines()
 
 
 class PulseStream:
