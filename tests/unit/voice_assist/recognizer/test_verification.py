@@ -6,9 +6,8 @@ import pytest
 import torch
 
 from voice_assist.errors import ModelError
+from voice_assist.recognizer.safe_weights import ENCODER_SHA256, STATE
 from voice_assist.recognizer.verification import (
-    ENCODER_SHA256,
-    STATE,
     PhraseVerifier,
     read_verifier,
     segments,
@@ -87,8 +86,8 @@ def test_the_verifier_of_another_recogniser_is_left_out(tmp_path):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ([1], "no verifier"),
-        ({ENCODER_SHA256: BASE}, "no verifier"),
+        ([1], "holds no mapping, allowed: encoder_sha256 and state"),
+        ({ENCODER_SHA256: BASE}, "holds encoder_sha256, allowed"),
         ({ENCODER_SHA256: BASE, STATE: [1]}, "allowed: tensors by name"),
         ({ENCODER_SHA256: BASE, STATE: {PHRASE: torch.zeros(SIZE - 1)}}, "has the shape"),
         ({ENCODER_SHA256: BASE, STATE: {PHRASE: torch.full((SIZE,), torch.nan)}}, "NaN"),

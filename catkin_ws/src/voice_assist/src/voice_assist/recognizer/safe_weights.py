@@ -16,6 +16,7 @@ from voice_assist.errors import ModelError
 
 LARGEST = 8_000_000_000  # [B] of all records, unpacked; OpenAI's largest model has 6.2 GB
 ALLOWED = "plain tensors in a zip archive as torch.save writes it"
+ENCODER_SHA256, STATE = "encoder_sha256", "state"  # keys of a file for one encoder
 Shapes = Mapping[str, tuple[int, ...]]
 
 
@@ -46,6 +47,33 @@ def write_weights(content: object, path: Path) -> None:
     temporary = path.with_suffix(".tmp")
     torch.save(content, temporary)
     temporary.replace(path)
+
+
+def read_for_encoder(path: Path) -> tuple[str, object, str]:
+    """What `write_for_encoder` wrote.
+
+    Returns:
+        SHA-256 of the encoder's file, the weights, and SHA-256 of this file.
+
+    Raises:
+        ModelError: As `read_weights`, or the file holds something else.
+    """
+    content, digest = read_weights(path)
+    if not isinstance(content, dict) or content.keys() != {ENCODER_SHA256, STATE}:
+        given = ", ".join(map(str, content)) if isinstance(content, dict) else "no mapping"
+        raise ModelError(f"{path} holds {given:.200}, allowed: {ENCODER_SHA256} and {STATE}")
+    return str(content[ENCODER_SHA256]), content[STATE], digest
+
+
+def write_for_encoder(state: Mapping[str, Tensor], encoder_sha256: str, path: Path) -> None:
+    """Write weights of use with one encoder only, all or nothing.
+
+    Args:
+        state: Tensors by name.
+        encoder_sha256: Of that recogniser's checkpoint file, hexadecimal.
+        path: File to write.
+    """
+    write_weights({ENCODER_SHA256: encoder_sha256, STATE: dict(state)}, path)
 
 
 def check_weights(what: str, state: object, shapes: Shapes) -> dict[str, Tensor]:

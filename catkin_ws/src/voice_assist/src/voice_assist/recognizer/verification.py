@@ -19,12 +19,11 @@ from numpy.typing import NDArray
 from typed_config import package_folder
 from voice_assist.errors import ModelError
 from voice_assist.recognizer.ctc import Floats, best_alignment
-from voice_assist.recognizer.safe_weights import check_weights, read_weights, write_weights
+from voice_assist.recognizer.safe_weights import check_weights, read_for_encoder, write_for_encoder
 from voice_assist.recognizer.vocabulary import CHARACTERS, encode
 
 PATH = package_folder("voice_assist") / "models" / "verifier.pt"
 BLOCKS = 2  # of the encoder, below the states that are read
-ENCODER_SHA256, STATE = "encoder_sha256", "state"  # keys of the file
 _REACH = 2  # states, 40 ms, that the first and the last letter have on their free side
 _SAID = (-4, 5)  # states from the first and the last letter, which make the word
 _TINY = 1e-6  # added to a spread, which may be none
@@ -101,12 +100,9 @@ def read_verifier(encoder_sha256: str, width: int, path: Path = PATH) -> PhraseV
     Raises:
         ModelError: The file is missing, damaged, or holds something else.
     """
-    content, _ = read_weights(path)
-    if not isinstance(content, dict) or content.keys() != {ENCODER_SHA256, STATE}:
-        raise ModelError(f"{path}: no verifier; allowed: a file with {ENCODER_SHA256} and {STATE}")
-    if content[ENCODER_SHA256] != encoder_sha256:
+    made_for, state, _ = read_for_encoder(path)
+    if made_for != encoder_sha256:
         return None
-    state = content[STATE]
     phrases = [p for p in state if isinstance(p, str)] if isinstance(state, dict) else []
     if odd := [p for p in phrases if not p or not set(p) <= set(CHARACTERS)]:
         raise ModelError(f"{path}: {odd[0]!r}, allowed: phrases in letters a to z")
@@ -120,4 +116,4 @@ def write_verifier(
 ) -> None:
     """Write the weights of each phrase, all or nothing."""
     state = {phrase: torch.from_numpy(values) for phrase, values in weights.items()}
-    write_weights({ENCODER_SHA256: encoder_sha256, STATE: state}, path)
+    write_for_encoder(state, encoder_sha256, path)

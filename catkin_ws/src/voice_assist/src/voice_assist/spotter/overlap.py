@@ -21,7 +21,7 @@ from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, Checkpoint, read_checkpoint
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import log_mel
-from voice_assist.recognizer.safe_weights import check_weights, read_weights, write_weights
+from voice_assist.recognizer.safe_weights import check_weights, read_for_encoder, write_for_encoder
 from voice_assist.types import Samples
 
 PATH = package_folder("voice_assist") / "models" / "overlap.pt"
@@ -29,7 +29,6 @@ STEP = 1280  # samples between two windows, 80 ms
 WINDOW = 25_600  # samples of a window, 1.6 s
 TRAINED = 2  # blocks of the encoder, the last ones, that have weights of their own
 STEADY = -20.0  # [nat] the score of steady sound
-ENCODER_SHA256, STATE = "encoder_sha256", "state"  # keys of the file
 _HOP = 3 * STEP  # between two windows of an utterance, 0.24 s
 _NEWEST = 4  # windows: a word that ended up to 1.1 s ago
 _FRAME, _STANDS_OUT = 320, 2.0  # samples; ratio of powers
@@ -134,16 +133,14 @@ def read_overlap(path: Path = PATH, encoder: Path = EMBEDDED_PATH) -> tuple[Over
     Raises:
         ModelError: A file is missing, damaged, or holds something else, or they are no pair.
     """
-    content, digest = read_weights(path)
-    if not isinstance(content, dict) or content.keys() != {ENCODER_SHA256, STATE}:
-        raise ModelError(f"{path}: no spotter; allowed: a file with {ENCODER_SHA256} and {STATE}")
+    made_for, own_state, digest = read_for_encoder(path)
     checkpoint = read_checkpoint(encoder)
-    if content[ENCODER_SHA256] != checkpoint.sha256:
-        made_for = str(content[ENCODER_SHA256])[:64]
-        raise ModelError(f"{path} belongs to the encoder {made_for}, {encoder} is another")
+    if made_for != checkpoint.sha256:
+        allowed = f"allowed: {checkpoint.sha256[:12]}, which is {encoder}"
+        raise ModelError(f"{path} belongs to the encoder {made_for:.12}, {allowed}")
     network = untrained(checkpoint)
     shapes = {name: tuple(weight.shape) for name, weight in network.own_state().items()}
-    state = check_weights(f"spotter model {path}", content[STATE], shapes)
+    state = check_weights(f"spotter model {path}", own_state, shapes)
     network.load_state_dict({n: w.float() for n, w in state.items()}, strict=False)
     return network.eval(), digest
 
@@ -151,7 +148,7 @@ def read_overlap(path: Path = PATH, encoder: Path = EMBEDDED_PATH) -> tuple[Over
 def write_overlap(network: OverlapNetwork, encoder_sha256: str, path: Path) -> None:
     """Write the weights that are not the recogniser's, in half precision, all or nothing."""
     state = {name: weight.detach().half() for name, weight in network.own_state().items()}
-    write_weights({ENCODER_SHA256: encoder_sha256, STATE: state}, path)
+    write_for_encoder(state, encoder_sha256, path)
 
 
 def is_steady(window: Windows) -> bool:
