@@ -27,10 +27,10 @@ def test_before_any_report_and_after_the_last_nothing_is_known():
 
 def test_a_report_from_before_the_voices_own_word_does_not_undo_it():
     mode = RobotMode(CONFIG)
-    mode.send()
+    mode.calls.send()
     mode.report(False, 1.0)
     assert mode(1.0) is None
-    mode.answer(1.0)
+    mode.calls.answer(1.0)
     mode.report(False, 1.0 + 0.9 * CONFIG.settle)
     assert mode(1.0 + 0.9 * CONFIG.settle) is None
     mode.report(True, 1.0 + 1.1 * CONFIG.settle)
@@ -39,8 +39,8 @@ def test_a_report_from_before_the_voices_own_word_does_not_undo_it():
 
 def test_a_word_that_a_stop_made_void_is_not_waited_for():
     mode = RobotMode(CONFIG)
-    mode.send()
-    mode.drop(1.0)
+    mode.calls.send()
+    mode.calls.drop(1.0)
     mode.report(False, 1.1 + CONFIG.settle)
     assert mode(1.1 + CONFIG.settle) is Mode.STANDBY
 
@@ -58,13 +58,13 @@ class TwoNodes:
         done = step(self.state, CommandRecognized(VOICE.commands.get(phrase)))
         self._take(done.state)
         for call in (a for a in done.actions if isinstance(a, Call)):
-            self.mode.send()
+            self.mode.calls.send()
             self._later(partial(self._called, call.command, is_refused))
 
     def _called(self, command, is_refused):
         if not is_refused:
             self.by_hand(command)
-        self._later(lambda: self.mode.answer(self.now))
+        self._later(lambda: self.mode.calls.answer(self.now))
 
     def by_hand(self, command):
         self.is_enabled = command == "hey robot"

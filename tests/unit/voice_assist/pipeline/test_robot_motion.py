@@ -37,10 +37,10 @@ def test_a_stale_state_counts_as_motion_while_assistance_is_enabled(state, is_ar
 
 def test_a_motion_that_is_sent_counts_until_its_answer_is_settled():
     rule = motion(state="active")
-    rule.send()
+    rule.calls.send()
     rule.report("active", True, 5.0)
     assert rule.is_moving(5.0)
-    rule.answer(5.0)
+    rule.calls.answer(5.0)
     for time in (5.0 + 0.5 * CONFIG.settle, 5.0 + 1.1 * CONFIG.settle):
         rule.report("active", True, time)
         assert rule.is_moving(time) is (time < 5.0 + CONFIG.settle)
@@ -48,19 +48,19 @@ def test_a_motion_that_is_sent_counts_until_its_answer_is_settled():
 
 def test_two_motions_that_are_sent_need_two_answers():
     rule = motion()
-    rule.send()
-    rule.send()
-    rule.answer(0.0)
+    rule.calls.send()
+    rule.calls.send()
+    rule.calls.answer(0.0)
     rule.report("active", True, 9.0)
     assert rule.is_moving(9.0)
 
 
 def test_motions_that_are_dropped_do_not_count_for_ever_and_a_stop_at_rest_moves_nothing():
     rule = motion(state="halted", at=9.0)
-    rule.drop(9.0)
+    rule.calls.drop(9.0)
     assert not rule.is_moving(9.0)
-    rule.send()
-    rule.drop(9.0)
+    rule.calls.send()
+    rule.calls.drop(9.0)
     assert rule.is_moving(9.0 + 0.5 * CONFIG.settle)
     rule.report("halted", True, 9.0 + 2 * CONFIG.settle)
     assert not rule.is_moving(9.0 + 2 * CONFIG.settle)
@@ -87,13 +87,13 @@ def test_after_any_events_it_is_never_at_rest_by_mistake(events):
                 rule.arm(*values)
                 armed = values[0]
             case "send":
-                rule.send()
+                rule.calls.send()
                 unanswered += 1
             case "answer":
-                rule.answer(now)
+                rule.calls.answer(now)
                 unanswered = max(unanswered - 1, 0)
             case "drop":
-                rule.drop(now)
+                rule.calls.drop(now)
                 unanswered = 0
         must = unanswered or moving_at is not None
         if must:
@@ -111,8 +111,8 @@ def test_after_any_events_a_fresh_state_of_rest_is_believed_once_all_is_answered
         elif name == "arm":
             rule.arm(*values)
         elif name == "send":
-            rule.send()
-    rule.drop(0.0)
+            rule.calls.send()
+    rule.calls.drop(0.0)
     rule.report(state, True, 2 * CONFIG.settle)
     assert not rule.is_moving(2 * CONFIG.settle)
 
@@ -121,6 +121,6 @@ def test_switched_off_the_robot_never_counts_as_moving():
     off = load_voice_config(moving__is_enabled=False).moving
     rule = RobotMotion(off)
     rule.arm(True)
-    rule.send()
+    rule.calls.send()
     rule.report("moving", True, 0.0)
     assert not rule.is_moving(0.0)

@@ -20,7 +20,7 @@ class RobotMode:
     def __init__(self, config: MovingConfig) -> None:
         """Nothing is known."""
         self._config, self._lock = config, Lock()
-        self._calls = UnansweredCalls(config.settle)
+        self.calls = UnansweredCalls(config.settle)  # words that the voice passes on
         self._mode = Mode.STANDBY
         self._reported_at = float("-inf")  # [s]
 
@@ -30,23 +30,8 @@ class RobotMode:
             self._mode = Mode.ACTIVE if is_assistance_enabled else Mode.STANDBY
             self._reported_at = now
 
-    def send(self) -> None:
-        """The voice is about to pass a word on."""
-        with self._lock:
-            self._calls.send()
-
-    def answer(self, now: float) -> None:
-        """The controller answered, or failed to."""
-        with self._lock:
-            self._calls.answer(now)
-
-    def drop(self, now: float) -> None:
-        """Words that wait to be passed on never will be."""
-        with self._lock:
-            self._calls.drop(now)
-
     def __call__(self, now: float) -> Mode | None:
         """The robot's mode; None: it is unknown, or the voice may be about to change it."""
         with self._lock:
             is_fresh = now - self._reported_at <= self._config.state_age
-            return self._mode if is_fresh and self._calls.are_settled(now) else None
+            return self._mode if is_fresh and self.calls.are_settled(now) else None

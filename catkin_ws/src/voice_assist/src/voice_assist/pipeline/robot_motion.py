@@ -31,7 +31,7 @@ class RobotMotion:
         self._is_at_rest = True  # by the newest state
         self._is_assistance_reported = False  # by the newest state
         self._is_armed = False  # the voice mode is active
-        self._motions = UnansweredCalls(config.settle)
+        self.calls = UnansweredCalls(config.settle)  # motions that the node sends
 
     def report(self, state: str, is_assistance_enabled: bool, now: float) -> None:
         """Take the controller's state as it comes."""
@@ -44,28 +44,13 @@ class RobotMotion:
         with self._lock:
             self._is_armed = is_armed
 
-    def send(self) -> None:
-        """The node is about to send a motion."""
-        with self._lock:
-            self._motions.send()
-
-    def answer(self, now: float) -> None:
-        """The controller answered a motion, or failed to."""
-        with self._lock:
-            self._motions.answer(now)
-
-    def drop(self, now: float) -> None:
-        """Motions that wait to be sent never will be; one that was sent may still begin."""
-        with self._lock:
-            self._motions.drop(now)
-
     def is_moving(self, now: float) -> bool:
         """Whether it moves now, or may."""
         if not self._config.is_enabled:
             return False
+        if not self.calls.are_settled(now):
+            return True
         with self._lock:
-            if not self._motions.are_settled(now):
-                return True
             if now - self._reported_at <= self._config.state_age:
                 return not self._is_at_rest
             return self._is_armed or self._is_assistance_reported or not self._is_at_rest

@@ -10,6 +10,7 @@ from rst_control.msg import ControllerState
 from voice_assist.config.moving import MovingConfig
 from voice_assist.pipeline.robot_mode import RobotMode
 from voice_assist.pipeline.robot_motion import RobotMotion
+from voice_assist.pipeline.unanswered_calls import UnansweredCalls
 from voice_assist.ros.believed import Believed
 from voice_assist.side_inputs import Observer, SideInput, SideInputKind
 from voice_assist.types import Frame, Mode
@@ -62,17 +63,19 @@ class ControllerFollower:
 
     def send(self, is_motion: bool) -> None:
         """A command is about to be passed on."""
-        if is_motion:
-            self._motion.send()
-        self._mode.send()
+        for calls in self._calls(is_motion):
+            calls.send()
 
     def answer(self, is_motion: bool) -> None:
         """The controller answered it, or failed to."""
-        if is_motion:
-            self._motion.answer(self._clock())
-        self._mode.answer(self._clock())
+        for calls in self._calls(is_motion):
+            calls.answer(self._clock())
 
     def drop(self) -> None:
         """Commands that wait to be passed on never will be."""
-        self._motion.drop(self._clock())
-        self._mode.drop(self._clock())
+        for calls in self._calls(is_motion=True):
+            calls.drop(self._clock())
+
+    def _calls(self, is_motion: bool) -> tuple[UnansweredCalls, ...]:
+        """Where a command counts: every word for the mode, a motion for the motion as well."""
+        return (self._motion.calls, self._mode.calls) if is_motion else (self._mode.calls,)
