@@ -23,7 +23,7 @@ GERMAN = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "commands_de.yaml"))
 
 
 def learn(**written):
-    return learn_spellings({k.replace("_", " "): v for k, v in written.items()}, GERMAN, "de")
+    return learn_spellings({k.replace("_", " "): v for k, v in written.items()}, GERMAN)
 
 
 def learned(**written):
@@ -70,7 +70,7 @@ def test_what_belongs_to_another_command_is_refused():
 
 
 def test_what_sounds_too_much_like_another_command_is_refused():
-    (reason,) = why(spannen=["bay enden"] * 2)
+    (reason,) = why(spannen=["been done"] * 2)
     assert "too alike" in reason and "beenden" in reason
 
 

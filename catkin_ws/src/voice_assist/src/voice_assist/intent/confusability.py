@@ -77,16 +77,13 @@ def closest_pairs(commands: CommandsConfig, language: str = ENGLISH) -> list[Com
     return sorted(found, key=_alikeness)
 
 
-def nearest(
-    text: str, commands: CommandsConfig, own: str = "", language: str = ENGLISH
-) -> CommandPair | None:
+def nearest(text: str, commands: CommandsConfig, own: str = "") -> CommandPair | None:
     """What a new phrase or spelling is most like among the commands that exist.
 
     Args:
         text: The new phrase or spelling.
         commands: Those that exist.
         own: The command that it is to belong to, which it may be like; empty: a new one.
-        language: In which espeak-ng pronounces them.
 
     Returns:
         The most alike pair; None where there is no other command.
@@ -95,20 +92,14 @@ def nearest(
         pair
         for command in commands.commands
         if command.phrase != own and not _has_amount(command)
-        for pair in _pairs(
-            own or text,
-            (text,),
-            command.phrase,
-            _spellings(command),
-            language,
-        )
+        for pair in _pairs(own or text, (text,), command.phrase, _spellings(command), ENGLISH)
     ]
     return min(pairs, key=_alikeness, default=None)
 
 
-def objection(text: str, commands: CommandsConfig, own: str = "", language: str = ENGLISH) -> str:
+def objection(text: str, commands: CommandsConfig, own: str = "") -> str:
     """Why a new phrase or spelling may not be added; empty: it may. See `nearest`."""
-    pair = nearest(text, commands, own, language)
+    pair = nearest(text, commands, own)
     return pair.words if pair is not None and pair.verdict == "too alike" else ""
 
 

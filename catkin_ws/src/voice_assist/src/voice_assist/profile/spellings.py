@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from typed_config import items, text
 from voice_assist.config.commands import CommandsConfig
 from voice_assist.errors import CommandsError
-from voice_assist.intent.confusability import ENGLISH, objection
+from voice_assist.intent.confusability import objection
 from voice_assist.profile.loudness import speech_of
 from voice_assist.profile.manifest import COMMAND, read_part
 from voice_assist.text.normalize import is_negated, normalize
@@ -56,14 +56,13 @@ class Refused:
 
 
 def learn_spellings(
-    written: Mapping[str, Sequence[str]], commands: CommandsConfig, language: str = ENGLISH
+    written: Mapping[str, Sequence[str]], commands: CommandsConfig
 ) -> tuple[Spellings, tuple[Refused, ...]]:
     """Choose spellings, the most frequent first.
 
     Args:
         written: Per command what the base recogniser wrote for each take of it.
         commands: That exist.
-        language: Whose sounds espeak-ng gives the phrases.
 
     Returns:
         What was learned, and what was not, with the reason.
@@ -78,7 +77,7 @@ def learn_spellings(
         if not why and len(found[phrase]) >= MAX_SPELLINGS:
             why = f"{MAX_SPELLINGS} others are more frequent"
         if not why:
-            why = _why_not(commands, phrase, spelling, language)
+            why = _why_not(commands, phrase, spelling)
         if why:
             refused.append(Refused(phrase, spelling, why))
             continue
@@ -169,12 +168,12 @@ def _of_another(phrase: str, spelling: str, written: Mapping[str, Sequence[str]]
     return ""
 
 
-def _why_not(commands: CommandsConfig, phrase: str, spelling: str, language: str) -> str:
+def _why_not(commands: CommandsConfig, phrase: str, spelling: str) -> str:
     """Why a spelling would not do beside all others; empty: it would."""
     command = commands.get(phrase)
     if is_negated(tuple(spelling.split())) and not command.is_halt:
         return "it denies; what is denied never moves"
-    if why := objection(spelling, commands, phrase, language):
+    if why := objection(spelling, commands, phrase):
         return why
     try:
         _with(commands, phrase, (*command.learned, spelling))
