@@ -30,7 +30,6 @@ from rst_control.config import (
 from rst_control.execution.executor import MAX_PERIODS
 from rst_control.execution.fault_reset import RESET_TIME
 from rst_control.execution.snapshot import ControllerSnapshot
-from rst_control.kinematics.joint_limits import active_layer
 from rst_control.kinematics.robot_model import RobotModel, load_robot
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.simulation.pybullet_robot import servo_limits
@@ -240,7 +239,7 @@ def make_bounds(config: MotionConfig) -> SoakBounds:
 
 
 def _acceleration(limits: LimitsConfig) -> np.ndarray:
-    layer = active_layer(limits)
+    layer = limits.active
     return np.array([*layer.arm_acceleration, *[layer.tool_acceleration] * 3])
 
 

@@ -11,8 +11,13 @@ import pytest
 
 from rst_control.config import URDF_FILE
 from rst_control.errors import RobotModelError
-from rst_control.kinematics.inverse_dynamics import InverseDynamics
+from rst_control.kinematics import forward
+from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.inverse_dynamics import ARM, InverseDynamics
+from rst_control.kinematics.mounting import GRAVITY
+from rst_control.kinematics.robot_model import load_robot as load_model
 from rst_control.simulation.physics import load_robot
+from rst_control.simulation.plant.loads import add_load
 
 TEXT = URDF_FILE.read_text(encoding="utf-8")
 
@@ -41,9 +46,22 @@ def test_a_heavier_tool_asks_for_more_of_the_shoulder() -> None:
     assert abs(heavy(q)[1]) > abs(light(q)[1]) + 1.0
 
 
+def massless(link: str) -> str:
+    """The URDF with the mass of a link taken out."""
+    start = TEXT.index("<inertial>", TEXT.index(f'<link name="{link}">'))
+    return TEXT[:start] + TEXT[TEXT.index("</inertial>", start) + len("</inertial>") :]
+
+
 def test_a_link_that_moves_without_mass_is_refused_by_name() -> None:
-    start = TEXT.index('<link name="forearm_link">')
-    end = TEXT.index("</inertial>", start) + len("</inertial>")
-    first = TEXT.index("<inertial>", start)
     with pytest.raises(RobotModelError, match="forearm_link"):
-        InverseDynamics(TEXT[:first] + TEXT[end:])
+        InverseDynamics(massless("forearm_link"))
+
+
+def test_where_tool0_has_no_mass_a_tool_is_added_at_its_origin() -> None:
+    q, text = np.array([0.3, 1.2, -0.4, 0.5, 0.2, 0.3, 0.1, 0.0, 0.0]), massless("tool0")
+    added = InverseDynamics(text, tool_mass=0.5)(q) - InverseDynamics(text)(q)
+    model, expected = load_model(), np.zeros(9)
+    frames = Configuration(model, q).frames
+    weight = np.array([0.0, 0.0, -0.5 * GRAVITY])
+    add_load(frames, ARM, frames[forward.TOOL0, :, 3], weight, expected)
+    np.testing.assert_allclose(added, -expected[:ARM], atol=1e-9)

@@ -6,6 +6,7 @@ import pytest
 
 from rst_control.errors import JointLimitExceeded
 from rst_control.kinematics.joint_limits import make_limits
+from typed_config import ConfigError
 
 
 def test_limits_lie_inside_the_robots_by_the_margin(motion_config):
@@ -25,6 +26,11 @@ def test_the_layer_in_force_sets_velocity_and_acceleration(motion_config):
     hard = make_limits(replace(motion_config.limits, layer="hard"), 0.0)
     assert soft.velocity[0] == pytest.approx(0.8727)
     assert (soft.acceleration[:4] < hard.acceleration[:4]).all()
+
+
+def test_a_layer_that_is_not_defined_is_refused_with_those_that_are(motion_config):
+    with pytest.raises(ConfigError, match="layer is 'soft', allowed: one of hard, driver_soft"):
+        motion_config.limits.named("soft")
 
 
 def test_the_joint_furthest_outside_is_named_with_its_range(motion_config):

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rst_control.kinematics.joint_limits import active_layer
 from rst_control.planning.planner import Planner
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile, stopping_speed
 from rst_control.types import Cause, PathState, Reason, State
@@ -53,7 +52,7 @@ def test_no_joint_brakes_harder_than_it_can_anywhere_on_the_path(paced, speed):
 @pytest.mark.parametrize("speed", [0.02, 0.1])
 def test_every_path_is_taken_so_slowly_that_it_stops_in_time(paced, speed):
     planner, paths = paced
-    layer = active_layer(planner.config.limits)
+    layer = planner.config.limits.active
     for path in paths:
         pace = planner.pace(path, speed)
         brake = MotionProfile.braking(PathState(0.0, pace.moving.speed), pace.braking)
@@ -64,7 +63,7 @@ def test_every_path_is_taken_so_slowly_that_it_stops_in_time(paced, speed):
 
 def test_a_stop_is_harder_than_the_motion_and_ends_in_time():
     rig = Rig().moving("reach")
-    layer = active_layer(rig.config.limits)
+    layer = rig.config.limits.active
     rig.run(0.1)
     told, before = rig.now, rig.view.path_position
     rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))

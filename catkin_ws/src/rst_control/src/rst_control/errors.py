@@ -12,14 +12,6 @@ class RobotModelError(RstError):
     """The URDF is not one of this robot."""
 
 
-class UnknownLimitLayerError(RstError):
-    """limits.yaml asks for a layer that it does not define."""
-
-    def __init__(self, name: str, known: tuple[str, ...]) -> None:
-        super().__init__(f"limit layer {name!r}, allowed: {', '.join(known)}")
-        self.name, self.known = name, known
-
-
 class Infeasible(RstError):
     """No path keeps all limits; the subclasses say which one broke."""
 

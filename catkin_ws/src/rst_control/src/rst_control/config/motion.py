@@ -72,11 +72,26 @@ class LimitsConfig:
         """Check what no key shows alone."""
         names = [layer.name for layer in self.layers]
         require(len(set(names)) == len(names), "layers", names, "names that differ")
-        require(self.layer in names, "layer", self.layer, f"one of {', '.join(names)}")
+        self.named(self.layer)
         for joint, (low, high) in enumerate(zip(self.arm_lower, self.arm_upper, strict=True)):
             room = high - low - 2.0 * self.position_margin
             allowed = f"below the range of joint_{joint + 1}, {low:g} to {high:g} rad, by half"
             require(room > 0.0, "position_margin", self.position_margin, allowed)
+
+    @property
+    def active(self) -> LimitLayer:
+        """The layer that is chosen."""
+        return self.named(self.layer)
+
+    def named(self, name: str) -> LimitLayer:
+        """The layer of a name.
+
+        Raises:
+            ConfigError: There is no such layer.
+        """
+        layers = {layer.name: layer for layer in self.layers}
+        require(name in layers, "layer", name, f"one of {', '.join(layers)}")
+        return layers[name]
 
 
 @dataclass(frozen=True, kw_only=True)

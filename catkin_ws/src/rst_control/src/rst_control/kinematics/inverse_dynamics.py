@@ -12,8 +12,9 @@ import PyKDL
 from numpy.typing import NDArray
 
 from rst_control.errors import RobotModelError
+from rst_control.kinematics.body import TERMS, Body, link_body
 from rst_control.kinematics.mounting import gravity_in_base
-from rst_control.kinematics.robot_model import Link, RobotModel, parse_robot, rotation
+from rst_control.kinematics.robot_model import MOVING, Link, RobotModel, parse_robot
 from rst_control.types import ARM_JOINTS, PLAN_COUNT, Vector
 
 Array = NDArray[np.float64]
@@ -29,7 +30,8 @@ class InverseDynamics:
 
     Args:
         description: URDF text.
-        tool_mass: Added at the middle of tool0 [kg], where the tool weighs more than the URDF says.
+        tool_mass: What the tool weighs beyond the URDF's mass [kg]. It is added at the centre of
+            mass of tool0, or at its origin where the URDF gives tool0 no mass.
         gravity: Base frame [m/s^2]; None: as the URDF's root has it. Shape (3,).
 
     Raises:
@@ -42,7 +44,7 @@ class InverseDynamics:
         self.model = parse_robot(description)
         inertias = _inertias(description)
         if tool_mass:
-            tool = inertias["tool0"]
+            tool = inertias.get("tool0", PyKDL.RigidBodyInertia())
             inertias["tool0"] = tool + PyKDL.RigidBodyInertia(tool_mass, tool.getCOG())
         self._chain = _chain(self.model, inertias)
         self._count, self._rows = self._chain.getNrOfJoints(), _moving_rows(self.model)
@@ -80,9 +82,8 @@ class InverseDynamics:
 
 def _moving_rows(model: RobotModel) -> list[int]:
     """Numbers in q of the joints on the way to the tip that can turn."""
-    names = (*ARM_JOINTS, "joint_pitch", "joint_finger_left")
-    turning = [model.links[name] for name in model.route(TIP)]
-    return [names.index(link.joint) for link in turning if link.type != "fixed"]
+    route = [model.links[name] for name in model.route(TIP)]
+    return [MOVING.index(link.joint) for link in route if link.type != "fixed"]
 
 
 def _chain(model: RobotModel, inertias: Mapping[str, Any]) -> Any:
@@ -113,29 +114,13 @@ def _frame(link: Link) -> Any:
 
 
 def _inertias(description: str) -> dict[str, Any]:
-    """Mass, centre and inertia of each link that has any, in the link's frame."""
-    found = {}
-    for link in Xml.fromstring(description).findall("link"):
-        inertial = link.find("inertial")
-        if inertial is not None:
-            found[str(link.get("name"))] = _inertia(inertial)
-    return found
+    """KDL's inertia of each link that has a mass, in the link's frame."""
+    links = Xml.fromstring(description).findall("link")
+    bodies = {str(link.get("name")): link_body(link) for link in links}
+    return {name: _inertia(body) for name, body in bodies.items() if body is not None}
 
 
-def _inertia(inertial: Xml.Element) -> Any:
-    """KDL wants the inertia about the centre of mass, along the axes of the link."""
-    parts = {part.tag: part.attrib for part in inertial}
-    values = {name: float(value) for name, value in parts["inertia"].items()}
-    I = np.array(  # noqa: E741 - the symbol of the field
-        [
-            [values["ixx"], values["ixy"], values["ixz"]],
-            [values["ixy"], values["iyy"], values["iyz"]],
-            [values["ixz"], values["iyz"], values["izz"]],
-        ]
-    )
-    origin = parts.get("origin", {})
-    centre = [float(word) for word in origin.get("xyz", "0 0 0").split()]
-    R = rotation([float(word) for word in origin.get("rpy", "0 0 0").split()])
-    I = R @ I @ R.T  # noqa: E741
-    tensor = PyKDL.RotationalInertia(I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
-    return PyKDL.RigidBodyInertia(float(parts["mass"]["value"]), PyKDL.Vector(*centre), tensor)
+def _inertia(body: Body) -> Any:
+    """KDL takes the inertia about the centre of mass, along the axes of the link."""
+    tensor = PyKDL.RotationalInertia(*(body.inertia[i, j] for _, i, j in TERMS))
+    return PyKDL.RigidBodyInertia(body.mass, PyKDL.Vector(*body.centre.tolist()), tensor)

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rst_control.config import LimitLayer, LimitsConfig
-from rst_control.errors import JointLimitExceeded, UnknownLimitLayerError
+from rst_control.config import LimitsConfig
+from rst_control.errors import JointLimitExceeded
 from rst_control.types import ARM_JOINTS, Vector, frozen_array
 
 PLAN_NAMES = (*ARM_JOINTS, "joint_pitch", "yaw")
@@ -54,25 +54,9 @@ class JointLimits:
             raise error
 
 
-def active_layer(config: LimitsConfig) -> LimitLayer:
-    """The layer that limits.yaml chooses.
-
-    Raises:
-        UnknownLimitLayerError: limits.yaml asks for a layer it does not define.
-    """
-    layers = {layer.name: layer for layer in config.layers}
-    if config.layer not in layers:
-        raise UnknownLimitLayerError(config.layer, tuple(layers))
-    return layers[config.layer]
-
-
 def make_limits(config: LimitsConfig, opening: float) -> JointLimits:
-    """Active limits, where jaws may open by `opening` [rad] at any yaw.
-
-    Raises:
-        UnknownLimitLayerError: limits.yaml asks for a layer it does not define.
-    """
-    layer, margin = active_layer(config), config.position_margin
+    """Active limits, where jaws may open by `opening` [rad] at any yaw."""
+    layer, margin = config.active, config.position_margin
     yaw = config.finger - 0.5 * opening
     return JointLimits(
         lower=frozen_array(np.array([*config.arm_lower, -config.pitch, -yaw]) + margin, 9),

@@ -19,7 +19,6 @@ from rst_control.config.torque_tension import (
     TorqueTensionConfig,
     load_torque_tension,
 )
-from rst_control.kinematics.joint_limits import active_layer
 from rst_control.robot.setpoint_servo import ServoLimits
 from rst_control.types import JOINTS
 from typed_config import choice, flag, load_file, number, require, text
@@ -187,7 +186,7 @@ def bridge_limits(config: KinovaConfig) -> ServoLimits:
     No set-points change an arm joint's speed faster than its driver does.
     """
     limits, tool = config.limits, config.bridge.tool
-    layer = active_layer(limits)
+    layer = limits.active
     span = np.array([limits.pitch, limits.finger, limits.finger])
     signs = np.array(tool.signs)
     ends = np.array([signs * tool.lower, signs * tool.upper])

@@ -19,7 +19,7 @@ from rst_control.errors import (
 from rst_control.kinematics import continuation, forward
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.ik_solver import IkSolver
-from rst_control.kinematics.joint_limits import active_layer, make_limits
+from rst_control.kinematics.joint_limits import make_limits
 from rst_control.kinematics.rcm import rcm_jacobian, rcm_offset, rcm_state
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.planning.collision import CollisionModel
@@ -195,7 +195,7 @@ class Planner:
 
     def pace(self, path: Path, speed: float) -> PathPace:
         """How joints can follow a path, up to `speed` [m/s] by its scale, and stop soon enough."""
-        settings, layer = self.config.controller.speed, active_layer(self.config.limits)
+        settings, layer = self.config.controller.speed, self.config.limits.active
         speed *= settings.scale
         samples = path.sample(self.model.chain, self.trocar)
         for _ in range(2):  # slower, the path's own curvature leaves more for braking

@@ -266,12 +266,8 @@ def require_within(limits: ServoLimits, begin: Vector) -> None:
 
 
 def servo_limits(config: LimitsConfig) -> ServoLimits:
-    """Limits of the ten joints of the active layer.
-
-    Args:
-        config: Layers and position limits.
-    """
-    layer = next(entry for entry in config.layers if entry.name == config.layer)
+    """Limits of the ten joints: positions, and speeds of the active layer."""
+    layer = config.active
     tool = np.array([config.pitch, config.finger, config.finger])
     return ServoLimits(
         names=JOINTS,

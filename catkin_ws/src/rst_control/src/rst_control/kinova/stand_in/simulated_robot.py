@@ -9,8 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rst_control.config import LimitLayer, LimitsConfig, SimulatorConfig
-from rst_control.errors import UnknownLimitLayerError
+from rst_control.config import LimitsConfig, SimulatorConfig
 from rst_control.kinova.arm_state import ArmReport, SoftLimits
 from rst_control.kinova.stand_in.arm import SimulatedArm
 from rst_control.kinova.stand_in.config import OpenRstConfig, StandInConfig
@@ -76,7 +75,7 @@ class KinovaRobot:
         physics: What moves.
 
     Raises:
-        UnknownLimitLayerError: The layers named are not in limits.yaml.
+        ConfigError: The layers named are not in limits.yaml.
     """
 
     def __init__(self, config: StandInConfig, limits: LimitsConfig, physics: Physics) -> None:
@@ -185,16 +184,9 @@ def arm_limits(config: StandInConfig, limits: LimitsConfig) -> ArmLimits:
     """What the arm keeps, from the two layers that the configuration names.
 
     Raises:
-        UnknownLimitLayerError: limits.yaml has no such layer.
+        ConfigError: limits.yaml has no such layer.
     """
-    layers = {layer.name: layer for layer in limits.layers}
-
-    def layer(name: str) -> LimitLayer:
-        if name not in layers:
-            raise UnknownLimitLayerError(name, tuple(layers))
-        return layers[name]
-
-    soft, hard = layer(config.driver.soft_layer), layer(config.driver.hard_layer)
+    soft, hard = (limits.named(n) for n in (config.driver.soft_layer, config.driver.hard_layer))
     return ArmLimits(
         lower=np.array(limits.arm_lower),
         upper=np.array(limits.arm_upper),
