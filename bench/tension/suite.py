@@ -166,7 +166,7 @@ class TensionBench:
         """Error [N] where a tared estimator takes all load for the pull's."""
         before, under = (self._motors(trial, stage, True, 0.0) for stage in (0, 1))
         seen = under - self._dynamics(trial.q[1]) - before + self._dynamics(trial.q[0])
-        errors = TorqueErrors(self._config, self._dynamics, self._text)
+        errors = TorqueErrors(self._config, self._text, self._motion.scene.gravity)
         A = load_matrix(self._dynamics.model, trial.q[1], self._trocar, trial.pull)
         spread = errors(trial.q[1], A, np.zeros(7), 0.2, None)
         found, *_ = least_squares(A[:, :1], seen, spread)

@@ -57,8 +57,11 @@ def test_an_arm_set_upright_that_is_not_is_refused_with_the_numbers(way) -> None
 
 
 def test_no_torques_and_torques_of_the_other_sign_are_refused() -> None:
-    assert "joint_4 gives 0.00 N m, expected -7.1" in refusal((), np.zeros(7))
+    words = refusal((), np.zeros(7))
+    assert "joint_4 gives 0.00 N m, expected -7.1" in words
+    assert "They are too small for any gravity: check scene.gravity" in words
     effort = dynamics((0, 0, -1))(HOME)
+    assert "Nearest is [0.000, 0.000, -1.000], 0 deg from it" in refusal((), 0.5 * effort)
     assert "effort_sign" in refusal((), -effort)
     assert refusal((), -effort, config=replace(CONFIG, effort_sign=-1)) == ""
 
@@ -75,7 +78,7 @@ def test_nothing_is_known_before_the_arm_has_rested_and_a_payload_set_right_is_t
     assert check.refusal == ""
 
 
-def told(setting, way, turned, pull) -> tuple[float, str]:
+def estimated(setting, way, turned, pull) -> tuple[float, str]:
     """Tension and why it is invalid, tared at home, of an arm turned from there by angles [rad]."""
     estimator, true = TorqueTension(CONFIG, TEXT, setting), dynamics(way)
     across = unit_vector(CONFIG.pull_direction)
@@ -93,14 +96,14 @@ def told(setting, way, turned, pull) -> tuple[float, str]:
 
 
 @mountings
-def test_a_pull_is_told_right_however_the_arm_is_mounted(way) -> None:
+def test_a_pull_is_found_however_the_arm_is_mounted(way) -> None:
     turned = np.array([0.2, 0.1, 0.2, -0.15, 0.2, 0.1, 0.0, 0.0, 0.0])
     for pull in (0.0, 1.0, 2.0):
-        tension, _ = told(way, way, turned, pull)
+        tension, _ = estimated(way, way, turned, pull)
         assert tension == pytest.approx(pull, abs=0.02)
 
 
 @mountings
-def test_an_arm_mounted_otherwise_is_told_no_trusted_tension(way) -> None:
-    _, invalid = told((), way, np.zeros(9), 1.0)
+def test_an_arm_mounted_otherwise_gets_no_trusted_tension(way) -> None:
+    _, invalid = estimated((), way, np.zeros(9), 1.0)
     assert "do not fit gravity" in invalid or "change effort_sign" in invalid

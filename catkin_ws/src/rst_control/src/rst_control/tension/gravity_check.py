@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 
 from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.kinematics.configuration import planning_joints
-from rst_control.kinematics.inverse_dynamics import ARM, InverseDynamics
-from rst_control.kinematics.mounting import angle_between, gravity_in_base, way_words
-from rst_control.kinematics.robot_model import parse_robot
+from rst_control.kinematics.inverse_dynamics import ARM
+from rst_control.kinematics.mounting import angle_between, way_words
 from rst_control.tension.torque_covariance import TorqueErrors
 from rst_control.types import Vector
 
 Array = NDArray[np.float64]
 READINGS: Final = 20  # that are averaged, of an arm at rest
 MAX_BY_TILT: Final = 12.0  # [-] chi-square that another gravity explains: 0.7 % by chance
+MIN_GRAVITY: Final = 0.1  # [-] share of gravity that torques show at least where it has a way
 NO_LOADS: Final = np.zeros((ARM, 3))
 
 
@@ -30,16 +30,12 @@ class GravityCheck:
     """Compares torques at rest with gravity's, each joint within all that may be wrong with it.
 
     Args:
-        config: Errors of torques and masses; `max_misfit` is the most that is allowed.
-        dynamics: Of the robot as it is mounted.
-        errors: Of the same.
+        errors: Model of the robot as it is mounted, and what may be wrong with its torques.
+        max_misfit: Chi-square that is allowed [-].
     """
 
-    def __init__(
-        self, config: TorqueTensionConfig, dynamics: InverseDynamics, errors: TorqueErrors
-    ) -> None:
-        self._allowed = config.max_misfit
-        self._dynamics, self._errors = dynamics, errors
+    def __init__(self, errors: TorqueErrors, max_misfit: float) -> None:
+        self._errors, self._allowed = errors, max_misfit
 
     def objection(self, q: Vector, excess: Vector, noise_share: float) -> str:
         """Why these are not gravity's torques; empty: they are.
@@ -50,21 +46,23 @@ class GravityCheck:
             noise_share: Variance of these over that of one reading.
         """
         spread = self._errors(q, NO_LOADS, np.zeros(ARM), noise_share, None)
-        G, gravity = self._errors.of_gravity(q), self._dynamics.gravity
+        G, gravity = self._errors.of_gravity(q), self._errors.dynamics.gravity
         misfit, by_tilt = float(excess @ np.linalg.solve(spread, excess)), _share(G, excess, spread)
         if misfit <= self._allowed and by_tilt <= MAX_BY_TILT:
             return ""
-        model = self._dynamics(q)
+        model = self._errors.dynamics(q)
         joint = int(np.abs(excess / np.sqrt(np.diag(spread))).argmax())
         way: Vector = np.linalg.lstsq(G, model + excess, rcond=None)[0].astype(float)
-        angle = np.degrees(angle_between(way, gravity))
+        nearest = "They are too small for any gravity"
+        if np.linalg.norm(way) > MIN_GRAVITY:
+            angle = np.degrees(angle_between(way, gravity))
+            nearest = f"Nearest is {way_words(way)}, {angle:.0f} deg from it"
         return (
             f"torques at rest do not fit gravity along {way_words(gravity)}: joint_{joint + 1} "
             f"gives {model[joint] + excess[joint]:.2f} N m, expected {model[joint]:.2f} (misfit "
             f"{misfit:.0f}, allowed {self._allowed:.0f}; by a tilt {by_tilt:.0f}, allowed "
-            f"{MAX_BY_TILT:.0f}). Nearest is {way_words(way)}, "
-            f"{angle:.0f} deg from it: check scene.gravity, the root of the URDF, the payload and "
-            "effort_sign"
+            f"{MAX_BY_TILT:.0f}). {nearest}: check scene.gravity, the root of the URDF, the "
+            "payload and effort_sign"
         )
 
 
@@ -91,11 +89,9 @@ class RestTorques:
     def __init__(
         self, config: TorqueTensionConfig, description: str, setting: tuple[float, ...]
     ) -> None:
-        gravity = gravity_in_base(parse_robot(description), setting)
-        self._config = config
-        self._dynamics = InverseDynamics(description, config.tool_mass, gravity)
-        errors = TorqueErrors(config, self._dynamics, description)
-        self._check = GravityCheck(config, self._dynamics, errors)
+        errors = TorqueErrors(config, description, setting)
+        self._config, self._dynamics = config, errors.dynamics
+        self._check = GravityCheck(errors, config.max_misfit)
         self._sum, self._count = np.zeros(ARM), 0
         self.refusal = "torques at rest were not compared with gravity's yet: rest, with empty jaws"
 

@@ -39,20 +39,17 @@ class StiffnessEstimate:
         """Stiffness that the tissue hardly exceeds [N/m]."""
         return self.value + CAUTION * math.sqrt(self._of_value)
 
-    def update(self, s: float, force: float, speed: float) -> float:
+    def update(self, s: float, force: float, speed: float) -> None:
         """Take in one measured tension.
 
         Args:
             s: Displacement when it arose [m].
             force: The tension [N].
             speed: Of s [m/s].
-
-        Returns:
-            Stiffness [N/m].
         """
         if self._s is None:
             self._s, self.force = s, force
-            return self.value
+            return
         ds, self._s = s - self._s, s
         self._forecast(ds)
         slip = self.value * speed * SYNCHRONY
@@ -62,7 +59,6 @@ class StiffnessEstimate:
             self._of_value = max(self._unknown, (STIFFENING * self.value) ** 2)
             self._of_force, self._of_both = self._of_force + surprise * surprise, 0.0
         self._correct(surprise, spread)
-        return self.value
 
     def _forecast(self, ds: float) -> None:
         self.force += self.value * ds

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,8 @@ from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.inverse_dynamics import ARM, InverseDynamics
+from rst_control.kinematics.mounting import gravity_in_base
+from rst_control.kinematics.robot_model import parse_robot
 from rst_control.tension.torque_bias import Tare
 from rst_control.types import Vector
 
@@ -19,19 +23,23 @@ LEAST = 1e-4  # [N m] that no torque is known better than
 
 
 class TorqueErrors:
-    """Covariance at a posture, with a tare or without.
+    """Model of the robot as it is mounted, and the covariance of its torques at a posture.
 
     Args:
-        config: Standard deviations of each source.
-        dynamics: Of the robot.
-        description: URDF text of the same robot.
+        config: Mass of the tool; standard deviations of each source of errors.
+        description: URDF text of the robot.
+        setting: `scene.gravity`; empty: as the URDF has it.
+
+    Raises:
+        RobotModelError: The URDF is not this robot's, or says another way of gravity.
     """
 
     def __init__(
-        self, config: TorqueTensionConfig, dynamics: InverseDynamics, description: str
+        self, config: TorqueTensionConfig, description: str, setting: Sequence[float] = ()
     ) -> None:
-        self._error, self._dynamics = config.error, dynamics
-        mass, gravity = config.tool_mass, dynamics.gravity
+        mass, gravity = config.tool_mass, gravity_in_base(parse_robot(description), setting)
+        self._error = config.error
+        self.dynamics = InverseDynamics(description, mass, gravity)
         self._heavier = InverseDynamics(description, mass + HEAVIER, gravity)
         g = float(np.linalg.norm(gravity))
         self._across = np.linalg.svd(gravity[None, :] / g)[2][1:].T  # (3, 2), square to gravity
@@ -56,11 +64,11 @@ class TorqueErrors:
             [(N m)^2]. Shape (7, 7).
         """
         error, pull, lean = self._error, *self._error.loads
-        gravity, weight, friction = self._dynamics(q), self._of_tool(q), np.array(error.friction)
+        gravity, weight, friction = self.dynamics(q), self._of_tool(q), np.array(error.friction)
         tilt = error.tilt * self.of_gravity(q) @ self._across
         if tare is not None:  # what is wrong alike at both postures is gone
             noise_share += tare.noise_share
-            gravity = gravity - self._dynamics(tare.q)
+            gravity = gravity - self.dynamics(tare.q)
             weight = weight - self._of_tool(tare.q)
             tilt = tilt - error.tilt * self.of_gravity(tare.q) @ self._across
             friction = np.sqrt(2.0) * friction  # it may have been the other way round
@@ -82,12 +90,12 @@ class TorqueErrors:
 
     def along_shaft(self, q: Vector, pull: Vector) -> float:
         """Standard deviation of the pull [N] that friction of the trocar on the shaft makes."""
-        shaft = Configuration(self._dynamics.model, q).frames[forward.SHAFT, :, 2]
+        shaft = Configuration(self.dynamics.model, q).frames[forward.SHAFT, :, 2]
         return self._error.trocar_friction * abs(float(shaft @ pull))
 
     def _of_tool(self, q: Vector) -> Vector:
         """Torques that a kilogram at the tool asks for [N m/kg]. Shape (7,)."""
-        per_kg: Vector = (self._heavier(q) - self._dynamics(q)) / HEAVIER
+        per_kg: Vector = (self._heavier(q) - self.dynamics(q)) / HEAVIER
         return per_kg
 
     def of_gravity(self, q: Vector) -> Array:

@@ -22,9 +22,8 @@ from numpy.typing import NDArray
 from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, planning_joints
-from rst_control.kinematics.inverse_dynamics import ARM, InverseDynamics
-from rst_control.kinematics.mounting import gravity_in_base
-from rst_control.kinematics.robot_model import RobotModel, parse_robot
+from rst_control.kinematics.inverse_dynamics import ARM
+from rst_control.kinematics.robot_model import RobotModel
 from rst_control.tension.gravity_check import GravityCheck
 from rst_control.tension.torque_bias import Tare, TareTaker
 from rst_control.tension.torque_covariance import TorqueErrors
@@ -48,7 +47,7 @@ class TensionEstimate:
 class TorqueTension:
     """Filters torques and estimates the tension from them, one reading after the other.
 
-    The answer is late by `delay`: the filter's.
+    Behind a steady rise the estimate is late by `filter_time`.
 
     Args:
         config: Filter, errors, and what is not trusted.
@@ -63,26 +62,15 @@ class TorqueTension:
         self, config: TorqueTensionConfig, description: str, gravity: Sequence[float] = ()
     ) -> None:
         self._config = config
-        down = gravity_in_base(parse_robot(description), gravity)
-        self._dynamics = InverseDynamics(description, config.tool_mass, down)
-        self._errors = TorqueErrors(config, self._dynamics, description)
-        self._check = GravityCheck(config, self._dynamics, self._errors)
+        self._errors = TorqueErrors(config, description, gravity)
+        self._dynamics = self._errors.dynamics
+        self._check = GravityCheck(self._errors, config.max_misfit)
         self._misfit = ""  # why the bias of the tare is not one; empty: it may be
         self._pull = frozen_array(unit_vector(config.pull_direction), 3)
         self._tares = TareTaker(config.tare)
         self._last: Measurement | None = None
         self._excess, self._asked = np.zeros(ARM), np.zeros(ARM)  # filtered [N m]
         self._noise_share, self._readings = 1.0, 0
-
-    @property
-    def delay(self) -> float:
-        """Time by which the estimate is behind a steady rise [s]."""
-        return self._config.filter_time
-
-    @property
-    def tare(self) -> Tare | None:
-        """The bias that is taken off."""
-        return self._tares.tare
 
     def update(self, measured: Measurement, trocar: Vector) -> TensionEstimate:
         """Take in one reading; one that is no newer than the last is passed over.
