@@ -95,27 +95,27 @@ def test_a_line_without_length_is_a_point(a, point):
 
 def surface(visual):
     """Points on the surface of a drawn shape, frame of its link (n, 3)."""
-    if visual["shape"] == "box":
+    if visual.shape == "box":
         sides = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)
-        return np.array(visual["at"]) + sides * visual["size"]  # its corners: capsules are convex
+        return np.array(visual.at) + sides * visual.size  # its corners: capsules are convex
     rng = np.random.default_rng(3)
     ball = rng.normal(size=(60, 3))
     ball /= np.linalg.norm(ball, axis=1)[:, None]
-    if visual["shape"] == "sphere":
-        return np.array(visual["at"]) + visual["radius"] * ball
-    start, end = np.array(visual["from"]), np.array(visual["to"])
+    if visual.shape == "sphere":
+        return np.array(visual.at) + visual.radius * ball
+    start, end = np.array(visual.from_), np.array(visual.to)
     axis = (end - start) / np.linalg.norm(end - start)
     rim = ball - np.outer(ball @ axis, axis)
-    rim *= visual["radius"] / np.linalg.norm(rim, axis=1)[:, None]
+    rim *= visual.radius / np.linalg.norm(rim, axis=1)[:, None]
     return np.vstack([start + rim, end + rim])
 
 
 def test_everything_drawn_of_the_robot_is_inside_the_capsules_of_its_link(config):
-    drawn = [v for v in load_facts().visuals if not v["link"].startswith("finger")]
+    drawn = [v for v in load_facts().visuals if not v.link.startswith("finger")]
     assert len(drawn) > 30
     rigid = {"tool0", "interface_link"}  # bolted together, so either may cover the other's rim
     for visual in drawn:
-        link, outside = visual["link"], np.inf
+        link, outside = visual.link, np.inf
         links = rigid if link in rigid else {link}
         for body in config.bodies:
             if body.link not in links:
@@ -141,9 +141,9 @@ def test_jaws_however_far_open_are_inside_their_capsule(config, opening):
     (jaws,) = [body for body in config.bodies if body.link == "finger_left_link"]
     ends = np.array([*jaws.start, *jaws.end])
     for visual in load_facts().visuals:
-        if not visual["link"].startswith("finger"):
+        if not visual.link.startswith("finger"):
             continue
-        left = visual["link"] == "finger_left_link"
+        left = visual.link == "finger_left_link"
         angle = 0.5 * opening  # the right one hangs the other way about, and turns against it
         c, s = np.cos(angle), np.sin(angle)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

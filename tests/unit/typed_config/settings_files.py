@@ -20,7 +20,7 @@ from paper.config import ExperimentConfig
 from rst_control.config import LimitsConfig, MotionConfig, SimulationConfig
 from rst_control.config.crtk import CrtkConfig
 from rst_control.config.torque_tension import TorqueTensionConfig
-from rst_control.description.facts_config import RobotSettings
+from rst_control.description.facts import RobotFacts
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.stand_in import StandInConfig
 from session_log.config import FoxgloveConfig, RecorderConfig, ReportConfig
@@ -41,7 +41,7 @@ FOLDERS = {
     name: SOURCE / name / "config" for name in ("rst_control", "voice_assist", "session_log")
 }
 WHOLE = {  # files that one call loads, as their program does at its start
-    FOLDERS["rst_control"] / "gen3_openrst.yaml": RobotSettings,
+    FOLDERS["rst_control"] / "gen3_openrst.yaml": RobotFacts,
     FOLDERS["rst_control"] / "crtk.yaml": CrtkConfig,
     FOLDERS["rst_control"] / "kinova_bridge.yaml": BridgeConfig,
     FOLDERS["rst_control"] / "kinova_stand_in.yaml": StandInConfig,

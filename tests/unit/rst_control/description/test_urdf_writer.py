@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rst_control.config import URDF_FILE
-from rst_control.description.facts import FACTS_FILE, body_inertia, load_facts
+from rst_control.description.facts import FACTS_FILE, BodyFact, load_facts
 from rst_control.description.urdf_writer import cylinder_pose, main, urdf_text
 from rst_control.kinematics.robot_model import rotation
 
@@ -36,6 +36,9 @@ def test_the_command_writes_the_file_and_then_finds_it_up_to_date(tmp_path, caps
         ("name: gen3_openrst", "nam: gen3_openrst", "nam is 'gen3_openrst', allowed: no such key"),
         ("shape: cylinder", "shape: cone", "shape is 'cone', allowed: one of cylinder"),
         ("joints:", "joints: [", "allowed: valid YAML"),
+        ("child: half_arm_1_link", "child: shoulder_link", "child shoulder_link is given twice"),
+        ("parent: shoulder_link", "parent: tool_tip", "no circle"),
+        ("inertia: [0.000", "inertia: [-0.1", "ixx, iyy, izz is"),
     ],
 )
 def test_a_wrong_number_is_named_in_one_line_and_nothing_is_written(
@@ -114,7 +117,8 @@ def test_a_cylinder_reaches_from_its_start_to_its_end(start, end):
 
 
 def test_inertia_of_a_cube_and_of_a_thin_rod():
-    assert body_inertia(6.0, {"box": [1.0, 1.0, 1.0]}) == (1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
-    across, *_, along = body_inertia(12.0, {"cylinder": [1e-9, 1.0]})
+    cube, rod = BodyFact(box=(1.0, 1.0, 1.0)), BodyFact(cylinder=(1e-9, 1.0))
+    assert cube.inertia(6.0) == (1.0, 0.0, 0.0, 1.0, 0.0, 1.0)
+    across, *_, along = rod.inertia(12.0)
     assert across == pytest.approx(1.0)
     assert along == pytest.approx(0.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a URDF has to keep before a model is made of it."""
+"""Bounds that a URDF keeps before a model is made of it."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from rst_control.errors import RobotModelError
 LARGEST = 5_000_000  # characters
 FARTHEST = 2.0  # [m] of a joint from its parent
 TURN = 6.2832  # [rad]
+ORIGIN = (("xyz", FARTHEST, "m"), ("rpy", TURN, "rad"))
 HEAVIEST = 100.0  # [kg] of a link
 STRONGEST, FASTEST = 1000.0, 20.0  # [N m], [rad/s] of a joint
 TYPES = ("fixed", "revolute", "continuous")
@@ -55,7 +56,7 @@ def _parse(text: object) -> Xml.Element:
 def _check_link(link: Xml.Element) -> None:
     what = f"link {_name(link, 'link')}"
     for origin in link.iter("origin"):  # of its inertia and its shapes
-        for key, most, unit in (("xyz", FARTHEST, "m"), ("rpy", TURN, "rad")):
+        for key, most, unit in ORIGIN:
             if (text := origin.get(key)) is not None:
                 _row(f"{what}: origin {key}", text, most, unit)
     inertial = link.find("inertial")
@@ -80,7 +81,7 @@ def _check_joint(joint: Xml.Element) -> None:
     kind = joint.get("type")
     if kind not in TYPES:
         raise _refusal(f"{what}: type", kind, f"one of {', '.join(TYPES)}")
-    for key, most, unit in (("xyz", FARTHEST, "m"), ("rpy", TURN, "rad")):
+    for key, most, unit in ORIGIN:
         row = _attribute(what, joint, "origin", key)
         _row(f"{what}: origin {key}", row, most, unit)
     for key in ("parent", "child"):
@@ -164,7 +165,7 @@ def _row(what: str, text: str, most: float, unit: str) -> tuple[float, ...]:
 
 def _number(what: str, text: str) -> float:
     if not _NUMBER.fullmatch(text.strip()) or abs(float(text)) > 1e9:
-        raise _refusal(what, text, "a finite number")
+        raise _refusal(what, text, "a finite number up to 1e9")
     return float(text)
 
 

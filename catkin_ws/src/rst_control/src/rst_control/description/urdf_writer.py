@@ -18,6 +18,8 @@ import numpy as np
 
 from rst_control.config import URDF_FILE
 from rst_control.description.facts import FACTS_FILE, JointFact, LinkFact, RobotFacts, load_facts
+from rst_control.description.urdf_checks import read_joints
+from rst_control.errors import RobotModelError
 from typed_config import ConfigError
 
 NOTE = (
@@ -27,7 +29,11 @@ NOTE = (
 
 
 def urdf_text(facts: RobotFacts) -> str:
-    """URDF of the robot: visuals from primitives, no meshes, no collision shapes but the jaws'."""
+    """URDF of the robot: visuals from primitives, no meshes, no collision shapes.
+
+    Raises:
+        RobotModelError: Joints and links do not make a robot; names the one that does not fit.
+    """
     robot = Xml.Element("robot", name=facts.name)
     robot.append(Xml.Comment(NOTE))
     for name, colour in facts.colours.items():
@@ -36,11 +42,13 @@ def urdf_text(facts: RobotFacts) -> str:
     for place in sorted({joint.parent for joint in facts.joints} - bodies):
         Xml.SubElement(robot, "link", name=place)  # the root: KDL allows it no inertia
     for link in facts.links:
-        robot.append(_link(link, [v for v in facts.visuals if v["link"] == link.name]))
+        robot.append(_link(link, [vars(v) for v in facts.visuals if v.link == link.name]))
     for joint in facts.joints:
         robot.append(_joint(joint))
     Xml.indent(robot)
-    return '<?xml version="1.0"?>\n' + Xml.tostring(robot, encoding="unicode") + "\n"
+    text = '<?xml version="1.0"?>\n' + Xml.tostring(robot, encoding="unicode") + "\n"
+    read_joints(text)
+    return text
 
 
 def _link(link: LinkFact, visuals: Sequence[Mapping[str, Any]]) -> Xml.Element:
@@ -49,7 +57,7 @@ def _link(link: LinkFact, visuals: Sequence[Mapping[str, Any]]) -> Xml.Element:
     Xml.SubElement(inertial, "origin", xyz=_row(link.com), rpy="0 0 0")
     Xml.SubElement(inertial, "mass", value=_number(link.mass))
     names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    values = {name: _number(v) for name, v in zip(names, link.inertia, strict=True)}
+    values = {name: _number(v) for name, v in zip(names, link.moments, strict=True)}
     Xml.SubElement(inertial, "inertia", values)
     for visual in visuals:
         _shape(Xml.SubElement(element, "visual"), visual)
@@ -58,7 +66,7 @@ def _link(link: LinkFact, visuals: Sequence[Mapping[str, Any]]) -> Xml.Element:
 
 def _shape(element: Xml.Element, visual: Mapping[str, Any]) -> None:
     if visual["shape"] == "cylinder":
-        centre, rpy, length = cylinder_pose(visual["from"], visual["to"])
+        centre, rpy, length = cylinder_pose(visual["from_"], visual["to"])
         size = {"radius": _number(visual["radius"]), "length": _number(length)}
     else:
         centre, rpy = visual["at"], (0.0, 0.0, 0.0)
@@ -113,7 +121,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         return _run(options)
-    except (ConfigError, OSError) as error:
+    except (ConfigError, RobotModelError, OSError) as error:
         print(f"urdf_writer: {error}", file=sys.stderr)
         return 2
 
