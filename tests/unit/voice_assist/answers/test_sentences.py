@@ -24,8 +24,8 @@ def test_every_code_has_one_sentence_or_is_unspoken_and_there_are_no_others():
 
 
 def test_every_command_of_the_robot_but_stop_has_a_sentence():
-    looks = {name for name in COMMANDS if name.split()[0] in ("look", "zoom", "camera")}
-    assert set(COMMANDS) - {"stop"} - looks <= set(TAKEN)
+    camera_steps = {name for name in COMMANDS if name.split()[0] in ("look", "zoom", "camera")}
+    assert set(COMMANDS) - {"stop"} - camera_steps <= set(TAKEN)
 
 
 @needs_sounds

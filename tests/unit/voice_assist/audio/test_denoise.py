@@ -42,11 +42,6 @@ def test_a_filter_at_zero_lets_everything_pass():
     np.testing.assert_allclose(run(HighPass(0.0), sound), whole, atol=2e-5)
 
 
-def test_filtering_by_blocks_is_filtering_at_once():
-    sound = np.asarray(hiss(1.024, 0.1), np.float32)
-    np.testing.assert_allclose(run(HighPass(80.0), sound), HighPass(80.0)(sound), atol=2e-4)
-
-
 def test_a_gate_that_reduces_nothing_only_delays():
     sound = np.asarray(hiss(1.024, 0.1), np.float32)
     cleaned = run(SpectralGate(0.0, 6.0, 6.0), sound)

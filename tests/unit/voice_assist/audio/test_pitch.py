@@ -55,7 +55,7 @@ def test_voices_are_none(voice, command):
 
 
 @pytest.mark.parametrize("sound", [np.zeros(0), np.zeros(900), np.zeros(RATE)])
-def test_where_there_is_nothing_to_tell_it_is_no_tone(sound):
+def test_too_little_sound_is_no_tone(sound):
     assert pitch_variation(sound.astype(np.float32)) == float("inf")
 
 

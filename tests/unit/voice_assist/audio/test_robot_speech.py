@@ -13,10 +13,10 @@ START = 100.0  # [s] stamp of the first frame
 REASON = "the robot itself was speaking; say it again"
 
 
-def hear(text, *told, mode=Mode.ACTIVE, recognizer=None):
-    """A sentence, and what is told of the loudspeaker at which second of it."""
+def hear(text, *reports, mode=Mode.ACTIVE, recognizer=None):
+    """A sentence, and what is reported of the loudspeaker, with the second of it."""
     pipeline, clock = make(mode, recognizer)
-    for at, is_speaking in told:
+    for at, is_speaking in reports:
         pipeline.robot_spoke(RobotSpeechChange(is_speaking, START + at))
     return run(pipeline, clock, frames(say(text), start=START))
 
@@ -43,7 +43,7 @@ def test_speech_that_began_while_it_spoke_does_not_count():
     assert commands(hear("pull more", (-5.0, True), (0.4, False))) == []
 
 
-def test_its_end_need_not_be_told():
+def test_its_end_need_not_be_reported():
     assert commands(hear("tense", (-CONFIG.max_duration, True))) == ["tense"]
     assert commands(hear("tense", (-CONFIG.max_duration + 1.0, True))) == []
 
@@ -57,7 +57,7 @@ def test_it_cannot_wake_what_its_own_stop_has_stopped():
     assert commands(events) == ["stop"]
 
 
-def test_a_beginning_told_again_lasts_longer():
+def test_a_beginning_reported_again_lasts_longer():
     robot_speech = RobotSpeech(CONFIG)
     robot_speech.update(RobotSpeechChange(True, 0.0))
     robot_speech.update(RobotSpeechChange(True, 10.0))
@@ -87,10 +87,10 @@ def test_what_is_no_stop_or_unsure_does_not_count_in_its_midst():
     assert commands(hear(OVER, (0.0, True), recognizer=FakeRecognizer(confidence=unsure))) == []
 
 
-def test_its_midst_is_looked_at_only_while_it_speaks():
+def test_its_midst_is_decoded_only_while_it_speaks():
     recognizer = FakeRecognizer()
     hear(OVER, recognizer=recognizer)
     before = len(recognizer.heard)
     hear(OVER, (0.0, True), recognizer=recognizer)
-    looks = recognizer.heard[before:]
-    assert sum(length <= CONFIG.window + SILENCE for length in looks) > before / 2
+    passes = recognizer.heard[before:]
+    assert sum(length <= CONFIG.window + SILENCE for length in passes) > before / 2

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sound without stamps: its format is judged by its amount, gaps and silence are told."""
+"""Sound without stamps: its format is judged by its amount, gaps and silence are reported."""
 
 from dataclasses import replace
 
@@ -30,14 +30,14 @@ def test_right_sound_is_heard_after_a_second_as_it_was_sent():
     assert block.lost == 0.0 and block.stamp == pytest.approx(100.0 + first * TICK - TICK)
 
 
-def test_a_publisher_that_tells_its_format_is_heard_at_once():
+def test_a_publisher_that_reports_its_format_is_heard_at_once():
     stream = UnstampedStream(CONFIG)
     stream.inform(1, 16000, "S16LE", "WAVE")
     assert isinstance(stream.take(RAMP.tobytes(), 5.0), SoundBlock)
 
 
 @pytest.mark.parametrize(
-    ("told", "named"),
+    ("reported", "named"),
     [
         ((2, 16000, "S16LE", "wave"), "2 x 16000 Hz S16LE wave"),
         ((1, 44100, "S16LE", "wave"), "1 x 44100 Hz"),
@@ -45,9 +45,9 @@ def test_a_publisher_that_tells_its_format_is_heard_at_once():
         ((1, 16000, "S16LE", "mp3"), "mp3"),
     ],
 )
-def test_another_format_that_is_told_is_named_and_never_heard(told, named):
+def test_another_format_that_is_reported_is_named_and_never_heard(reported, named):
     stream = UnstampedStream(CONFIG)
-    stream.inform(*told)
+    stream.inform(*reported)
     results = taken(stream, 3.0)
     assert all(isinstance(r, str) and named in r for r in results)
     assert "allowed: 1 x 16000 Hz S16LE wave; it is not heard" in results[0]
@@ -77,10 +77,10 @@ def test_a_message_that_is_no_sound_is_named(data, named):
     assert named in UnstampedStream(CONFIG).take(data, 1.0)
 
 
-@pytest.mark.parametrize("is_told", [False, True])
-def test_messages_that_went_missing_are_a_gap_of_their_length(is_told):
+@pytest.mark.parametrize("is_reported", [False, True])
+def test_messages_that_went_missing_are_a_gap_of_their_length(is_reported):
     stream = UnstampedStream(CONFIG)
-    if is_told:
+    if is_reported:
         stream.inform(1, 16000, "S16LE", "wave")
     taken(stream, 2.0)
     end = 100.0 + (round(2.0 / TICK) - 1) * TICK

@@ -40,7 +40,7 @@ def called(words, mode):
     calls = DeviceCalls(devices_config(load_yaml(CONFIG_DIR / "devices.yaml")))
     made = []
     for frame in Framer().push(frozen_samples(sound.astype(np.float32)), 100.0):
-        clock.now = frame.stamp + frame.duration
+        clock.now = frame.end
         for event in pipeline(frame):
             if isinstance(event, UtteranceDecision):
                 calls.said(event.command)

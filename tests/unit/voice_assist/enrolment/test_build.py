@@ -105,8 +105,8 @@ def test_a_profile_of_wrong_words_is_refused_and_names_them(
     other = {"pull more": "pull less", "pull less": "pull more"}
     for take in profile.manifest.takes:
         phrase = other.get(take.phrase, take.phrase)
-        told: Take = dataclasses.replace(take, phrase=phrase)
-        swapped.add_take(profile.sound(take), told)
+        renamed: Take = dataclasses.replace(take, phrase=phrase)
+        swapped.add_take(profile.sound(take), renamed)
     problems = build(swapped, voice, config, base)
     assert len(problems) == 6
     assert all("wrong word: 'pull " in problem for problem in problems)

@@ -58,15 +58,15 @@ def make_desk(root: Path) -> tuple[EnrolmentService, Room]:
 
 def test_a_screen_is_led_through_the_script(tmp_path: Path) -> None:
     desk, room = make_desk(tmp_path)
-    told = desk("ada", "next")
-    assert told.step is not None
-    assert told.step.kind == "room"
+    result = desk("ada", "next")
+    assert result.step is not None
+    assert result.step.kind == "room"
     room.said = ["", "hey robot", "tense"]
     for expected in ("hey robot", "tense", "release"):
-        told = desk("ada", "record")
-        assert told.success, told.message
-        assert told.step is not None
-        assert told.step.phrase == expected
+        result = desk("ada", "record")
+        assert result.success, result.message
+        assert result.step is not None
+        assert result.step.phrase == expected
     assert len(open_profile("ada", tmp_path).manifest.takes) == 3
 
 
@@ -74,19 +74,19 @@ def test_a_wrong_word_is_asked_for_again(tmp_path: Path) -> None:
     desk, room = make_desk(tmp_path)
     room.said = ["", "stop"]
     desk("ada", "record")
-    told = desk("ada", "record")
-    assert not told.success
-    assert "wrong word: 'stop' was heard" in told.message
-    assert told.step is not None
-    assert told.step.phrase == "hey robot"
+    result = desk("ada", "record")
+    assert not result.success
+    assert "wrong word: 'stop' was heard" in result.message
+    assert result.step is not None
+    assert result.step.phrase == "hey robot"
 
 
 def test_nothing_is_recorded_while_commands_move_the_robot(tmp_path: Path) -> None:
     desk, room = make_desk(tmp_path)
     room.is_armed = True
-    told = desk("ada", "record")
-    assert not told.success
-    assert "say terminate before you enrol" in told.message
+    result = desk("ada", "record")
+    assert not result.success
+    assert "say terminate before you enrol" in result.message
     assert not open_profile("ada", tmp_path).manifest.takes
 
 
@@ -98,10 +98,10 @@ def test_nothing_is_recorded_while_commands_move_the_robot(tmp_path: Path) -> No
         ("ada", "learn", "recogniser 'fake' cannot be adapted, allowed: the embedded model"),
     ],
 )
-def test_what_cannot_be_done_is_told(tmp_path: Path, name: str, action: str, message: str) -> None:
-    told = make_desk(tmp_path)[0](name, action)
-    assert not told.success
-    assert message in told.message
+def test_what_cannot_be_done_is_named(tmp_path: Path, name: str, action: str, message: str) -> None:
+    result = make_desk(tmp_path)[0](name, action)
+    assert not result.success
+    assert message in result.message
 
 
 # --- recorded sessions

@@ -56,7 +56,7 @@ def test_a_clear_take_is_good_and_says_what_it_is_like() -> None:
         (lambda s: np.tile(s, 4), r"too long: \d.\d\d s of speech, allowed: up to 2.00"),
     ],
 )
-def test_a_bad_take_is_told_with_value_and_limit(
+def test_a_bad_take_is_named_with_value_and_limit(
     change: Callable[[Samples], Samples], problem: str
 ) -> None:
     samples = np.asarray(change(said("tense release")), np.float32)

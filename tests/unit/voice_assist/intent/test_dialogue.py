@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
+"""The voice mode and what is asked of the robot, after each word, answer and report."""
+
 import pytest
 
 from voice_assist.config import load_voice_config
@@ -14,90 +16,67 @@ from voice_assist.types import Call, Halt, Mode, Rejection, RejectionReason, Set
 
 COMMANDS = load_voice_config().commands
 ACTIVE = DialogueState(Mode.ACTIVE, "hey robot")
+STOPPED = (Halt(), Call("stop"))
 
 
 def after(state, phrase):
     return step(state, CommandRecognized(COMMANDS.get(phrase)))
 
 
-def test_it_starts_in_standby():
-    assert AT_START.mode is Mode.STANDBY
-
-
 @pytest.mark.parametrize("phrase", ["tense", "release", "pull more", "pull less", "terminate"])
 def test_in_standby_these_do_nothing_and_say_why(phrase):
     outcome = after(AT_START, phrase)
-    assert outcome.state == AT_START
-    assert outcome.actions == ()
+    assert AT_START.mode is Mode.STANDBY and (outcome.state, outcome.actions) == (AT_START, ())
     words = f"{phrase!r} counts only in active mode, and the mode is standby"
     assert outcome.rejection == Rejection(RejectionReason.WRONG_MODE, words)
 
 
-def test_hey_robot_activates_from_standby():
-    outcome = after(AT_START, "hey robot")
-    assert outcome.state.mode is Mode.ACTIVE
-    assert outcome.actions == (Call("hey robot"), SetMode(Mode.ACTIVE, "hey robot"))
+@pytest.mark.parametrize(
+    ("state", "phrase", "mode", "actions"),
+    [
+        (AT_START, "hey robot", Mode.ACTIVE, (Call("hey robot"),)),
+        (ACTIVE, "hey robot", Mode.ACTIVE, (Call("hey robot"),)),
+        (ACTIVE, "tense", Mode.ACTIVE, (Call("tense"),)),
+        (ACTIVE, "release", Mode.ACTIVE, (Call("release"),)),
+        (ACTIVE, "pull more", Mode.ACTIVE, (Call("pull more"),)),
+        (ACTIVE, "pull less", Mode.ACTIVE, (Call("pull less"),)),
+        (AT_START, "stop", Mode.STANDBY, STOPPED),
+        (ACTIVE, "stop", Mode.ACTIVE, STOPPED),
+        (ACTIVE, "terminate", Mode.STANDBY, (Call("terminate"),)),
+    ],
+)
+def test_a_word_is_passed_on_and_may_change_the_mode(state, phrase, mode, actions):
+    outcome = after(state, phrase)
+    is_new = mode is not state.mode
+    assert outcome.state == (DialogueState(mode, phrase) if is_new else state)
+    assert outcome.actions == (*actions, *([SetMode(mode, phrase)] if is_new else ()))
+    assert outcome.rejection is None
 
 
-def test_hey_robot_in_active_mode_is_passed_on():
-    outcome = after(ACTIVE, "hey robot")
-    assert outcome.state == ACTIVE
-    assert outcome.actions == (Call("hey robot"),)
+def test_a_refused_activation_is_reported_and_does_not_change_the_mode():
+    outcome = step(ACTIVE, Answered("hey robot", False, "the robot is moving"))
+    words = "hey robot, refused by the robot: the robot is moving"
+    assert outcome.state == DialogueState(Mode.ACTIVE, words)
+    assert outcome.actions == (SetMode(Mode.ACTIVE, words),)
 
 
-@pytest.mark.parametrize("phrase", ["tense", "release", "pull more", "pull less"])
-def test_in_active_mode_motions_are_called(phrase):
-    outcome = after(ACTIVE, phrase)
-    assert outcome.state == ACTIVE
-    assert outcome.actions == (Call(phrase),)
-
-
-@pytest.mark.parametrize("state", [AT_START, ACTIVE])
-def test_stop_halts_first_and_then_calls_in_any_mode(state):
-    outcome = after(state, "stop")
-    assert outcome.actions == (Halt(), Call("stop"))
-    assert outcome.state == state
-
-
-def test_terminate_goes_to_standby():
-    outcome = after(ACTIVE, "terminate")
-    assert outcome.state.mode is Mode.STANDBY
-    assert outcome.actions == (Call("terminate"), SetMode(Mode.STANDBY, "terminate"))
-
-
-def test_a_refused_activation_is_told_and_does_not_change_the_mode():
-    active = after(AT_START, "hey robot").state
-    outcome = step(active, Answered("hey robot", False, "the robot is moving"))
-    assert outcome.state.mode is Mode.ACTIVE
-    (told,) = outcome.actions
-    assert told == SetMode(Mode.ACTIVE, "hey robot, refused by the robot: the robot is moving")
-
-
-def test_a_refused_motion_leaves_the_mode_alone():
-    outcome = step(ACTIVE, Answered("tense", False, "unreachable"))
-    assert outcome.state == ACTIVE
-    assert outcome.actions == ()
-
-
-def test_an_accepted_call_changes_nothing():
-    outcome = step(ACTIVE, Answered("tense", True, "tensing"))
-    assert (outcome.state, outcome.actions) == (ACTIVE, ())
-
-
-def test_hey_robot_by_hand_activates_the_voice_too():
-    outcome = step(AT_START, ModeReported(Mode.ACTIVE))
-    assert outcome.state.mode is Mode.ACTIVE
-    assert outcome.actions == (SetMode(Mode.ACTIVE, "active at the robot"),)
-    assert after(outcome.state, "tense").actions == (Call("tense"),)
-
-
-def test_terminate_by_hand_puts_the_voice_into_standby():
-    outcome = step(ACTIVE, ModeReported(Mode.STANDBY))
-    assert outcome.actions == (SetMode(Mode.STANDBY, "standby at the robot"),)
-    assert after(outcome.state, "tense").actions == ()
-
-
-@pytest.mark.parametrize("state", [AT_START, ACTIVE])
-def test_a_report_of_the_same_mode_changes_nothing(state):
-    outcome = step(state, ModeReported(state.mode))
+@pytest.mark.parametrize(
+    ("state", "event"),
+    [
+        (ACTIVE, Answered("tense", False, "unreachable")),
+        (ACTIVE, Answered("hey robot", True, "ready")),
+        (ACTIVE, ModeReported(Mode.ACTIVE)),
+        (AT_START, ModeReported(Mode.STANDBY)),
+    ],
+)
+def test_other_answers_and_a_report_of_the_same_mode_change_nothing(state, event):
+    outcome = step(state, event)
     assert (outcome.state, outcome.actions) == (state, ())
+
+
+@pytest.mark.parametrize(("state", "mode"), [(AT_START, Mode.ACTIVE), (ACTIVE, Mode.STANDBY)])
+def test_a_word_by_hand_changes_the_mode_of_the_voice_too(state, mode):
+    outcome = step(state, ModeReported(mode))
+    words = f"{mode.value} at the robot"
+    assert outcome.state == DialogueState(mode, words)
+    assert outcome.actions == (SetMode(mode, words),)

@@ -41,8 +41,8 @@ def test_a_motion_in_it_is_refused_with_the_probability_and_what_is_allowed(comm
     assert commands(events) == []
     (refusal,) = refusals(events)
     assert refusal.nearest_command == command
-    told = f"gave {LEAST - 0.05:.2f} at most, allowed: at least {LEAST:.2f}"
-    assert refusal.rejection.words == f"too faint to be surely speech: the speech detector {told}"
+    gave = f"gave {LEAST - 0.05:.2f} at most, allowed: at least {LEAST:.2f}"
+    assert refusal.rejection.words == f"too faint to be surely speech: the speech detector {gave}"
 
 
 @pytest.mark.parametrize("command", MOTIONS)
@@ -60,5 +60,5 @@ def test_what_moves_nothing_counts_too(command):
     assert commands(hear(command, LEAST - 0.05)) == [command]
 
 
-def test_what_is_fainter_still_is_not_looked_at():
+def test_what_is_fainter_still_is_not_decoded():
     assert hear("stop", VAD.start - 0.03) == []

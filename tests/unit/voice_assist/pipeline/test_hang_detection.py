@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What hangs is told from what gets no processor."""
+"""What hangs is distinguished from what gets no processor."""
 
 import os
 import re
@@ -14,7 +14,7 @@ from support.waiting import wait_until
 from voice_assist.pipeline.hang_detection import HangWatch, waits
 
 ALLOWED = 0.3  # [s]
-TICK = 0.05  # [s] between looks
+TICK = 0.05  # [s] between checks
 
 
 class Machine:
@@ -53,7 +53,7 @@ def test_what_hangs_on_a_busy_machine_is_found_too_only_later():
     assert "hangs" in Machine(**shares).objection_after(2.5 * ALLOWED)
 
 
-def test_where_the_kernel_tells_nothing_all_time_counts():
+def test_where_the_kernel_counts_nothing_all_time_counts():
     assert "hangs" in Machine().objection_after(ALLOWED + 2 * TICK)
 
 
@@ -90,7 +90,7 @@ SHARES = 6  # processes that want the same processor as this one
 def busy():
     """Other processes that burn the one processor that this one may use."""
     if not waits():
-        pytest.skip("this kernel tells no waits (/proc/self/task/*/schedstat)")
+        pytest.skip("this kernel counts no waits (/proc/self/task/*/schedstat)")
     allowed = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(allowed)})
     burners = [subprocess.Popen((sys.executable, "-c", BURN)) for _ in range(SHARES)]

@@ -42,12 +42,12 @@ class Moody(FakeRecognizer):
 
     def __init__(self, clock):
         super().__init__()
-        self.clock, self.looks = clock, 0
+        self.clock, self.passes = clock, 0
         self.takes, self.error, self.is_hanging = 0.0, None, False
         self.hangs, self.go = threading.Event(), threading.Event()
 
     def transcribe(self, samples, *more):
-        self.looks += 1
+        self.passes += 1
         self.clock.now += self.takes
         if self.error is not None:
             raise self.error
@@ -58,11 +58,11 @@ class Moody(FakeRecognizer):
 
 
 class Spotter:
-    """Spots once, when it is told that the word has come."""
+    """Spots once, after a test has set `is_said`."""
 
     def __init__(self):
         self.heard, self.is_said = [], False
-        self.belief = None
+        self.score = None
 
     def __call__(self, frame):
         self.heard.append(frame.first_sample)
@@ -70,7 +70,7 @@ class Spotter:
         return Spotted(frame.stamp, 9.0) if is_said else None
 
     def best(self, since, until=0):
-        return self.belief
+        return self.score
 
     def reset(self):
         raise AssertionError("the stream of a thread is its own")
@@ -177,7 +177,7 @@ class Room:
     def hear(self, words):
         """Let words come in, in no time; gives the samples that came since the beginning."""
         for frame in frames(say(words), self._next, 0.0):
-            self._next = frame.first_sample + len(frame.samples)
+            self._next = frame.next_sample
             self.sound.put(frame)
         return self._next
 
@@ -202,7 +202,7 @@ class Room:
         self.recognizer.is_hanging = True
         self.hear("tense")
         assert self.recognizer.hangs.wait(PATIENCE)
-        self.more("heartbeat", 2)  # whoever watches has seen when it began
+        self.more("heartbeat", 2)  # the watch has seen when it began
 
     def close(self):
         self.recognizer.is_hanging = False
@@ -226,7 +226,7 @@ def room(monkeypatch, clock):
     room.close()
 
 
-def test_a_look_that_takes_as_long_as_it_may_is_no_hang(room, clock):
+def test_a_pass_that_takes_as_long_as_it_may_is_no_hang(room, clock):
     room.hang()
     clock.now += 0.95 * LIMIT
     room.more("heartbeat", BEATS)
@@ -268,7 +268,7 @@ def test_a_hang_does_not_hide_a_stop_from_the_spotter(room, clock):
 
 def test_in_a_hang_the_spotter_stops_once_where_else_it_would_ask_the_recognizer(room, clock):
     room.hang()
-    room.spotter.belief = MIDDLE
+    room.spotter.score = MIDDLE
     room.more("heartbeat", BEATS)
     assert room.count("stop") == 0
     clock.now += 1.05 * LIMIT
@@ -296,10 +296,10 @@ def test_after_a_hang_that_ends_the_heartbeat_comes_back_and_nothing_else(room, 
     assert room.count("stop") == 1
 
 
-def test_looks_that_are_slow_each_but_within_the_limit_never_add_up_to_a_hang(room):
+def test_passes_that_are_slow_each_but_within_the_limit_never_add_up_to_a_hang(room):
     room.recognizer.takes = LIMIT / 4
     room.hear("hey robot 1 mumble mumble 1 the now")
-    wait_until(lambda: room.recognizer.looks > 8, "many looks")
+    wait_until(lambda: room.recognizer.passes > 8, "many passes")
     room.recognizer.takes = 0.0
     room.more("diagnostics", 2)
     assert room.count("stop") == 0

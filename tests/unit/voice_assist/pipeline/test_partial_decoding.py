@@ -32,7 +32,7 @@ class Rig:
         self.hearing = PartialDecoder(self.recognizer, early, clock, self.notes.append)
 
     def feed(self, is_speech, is_complete=False, seconds=None):
-        """One frame; tells whether something can be decided."""
+        """One frame; gives whether something can be decided."""
         self.now += FRAME
         self.quiet = 0.0 if is_speech else self.quiet + FRAME
         self.speech_end = self.now if is_speech else self.speech_end
@@ -43,36 +43,36 @@ class Rig:
         return self.hearing(self.growth, frame, self.now)
 
     @property
-    def looks(self):
+    def passes(self):
         return len(self.recognizer.heard)
 
 
-def test_looks_are_an_interval_apart_while_there_is_speech():
+def test_passes_are_an_interval_apart_while_there_is_speech():
     rig = Rig()
     for _ in range(31):
         rig.feed(True)
-    assert rig.looks == 10
+    assert rig.passes == 10
 
 
-def test_in_the_pause_there_is_one_look_and_one_turn():
+def test_in_the_pause_there_is_one_pass_and_one_turn():
     rig = Rig()
     turns = [rig.feed(True) for _ in range(4)] + [rig.feed(False) for _ in range(8)]
     assert turns[3] and turns[6] and turns[8]
     assert sum(turns) == 3
-    assert rig.looks == 2
+    assert rig.passes == 2
     assert rig.hearing.is_settled(rig.growth)
 
 
-def test_the_end_of_an_utterance_is_a_turn_without_a_new_look():
+def test_the_end_of_an_utterance_is_a_turn_without_a_new_pass():
     rig = Rig()
     for is_speech in [True] * 4 + [False] * 8:
         rig.feed(is_speech)
-    looks = rig.looks
+    passes = rig.passes
     assert rig.feed(False, is_complete=True)
-    assert rig.looks == looks
+    assert rig.passes == passes
 
 
-def test_silence_is_put_behind_the_settled_look_alone():
+def test_silence_is_put_behind_the_settled_pass_alone():
     added = load_voice_config(**{**PINNED, "recognizer__early__silence_added": 0.15})
     rig = Rig(added.recognizer.early)
     for is_speech in [True] * 4 + [False] * 3:
@@ -83,11 +83,11 @@ def test_silence_is_put_behind_the_settled_look_alone():
     ]
 
 
-def test_speech_after_a_pause_is_looked_at_again():
+def test_speech_after_a_pause_is_decoded_again():
     rig = Rig()
     for is_speech in [True] * 4 + [False] * 6 + [True] * 4:
         rig.feed(is_speech)
-    assert rig.looks == 4
+    assert rig.passes == 4
 
 
 def test_far_behind_the_stream_only_the_pause_is_decoded():
@@ -95,9 +95,9 @@ def test_far_behind_the_stream_only_the_pause_is_decoded():
     rig.late = 1.0
     turns = [rig.feed(is_speech) for is_speech in [True] * 20 + [False] * 8]
     assert turns.index(True) == 24 and sum(turns) == 1  # after 0.16 s of quiet
-    assert rig.looks == 1
+    assert rig.passes == 1
     assert rig.feed(False, is_complete=True)
-    assert rig.looks == 1
+    assert rig.passes == 1
 
 
 def test_what_fell_behind_is_not_decided_on_by_half_of_its_sound():
@@ -119,7 +119,7 @@ def test_long_utterances_are_heard_through_a_window():
     assert rig.hearing.is_window
 
 
-def test_scores_are_computed_once_for_a_look():
+def test_scores_are_computed_once_for_a_pass():
     rig = Rig()
     for _ in range(4):
         rig.feed(True)
@@ -130,29 +130,29 @@ def test_scores_are_computed_once_for_a_look():
     assert rig.hearing.scores(("tense", "stop")) is not first
 
 
-def test_the_tail_of_a_word_after_a_decision_is_not_looked_at():
+def test_the_tail_of_a_word_after_a_decision_is_not_decoded():
     rig = Rig()
     for _ in range(4):
         rig.feed(True)
     rig.hearing.restart(rig.growth)
-    looks = rig.looks
+    passes = rig.passes
     for is_speech in [True] * 5 + [False] * 6:
         assert not rig.feed(is_speech)
-    assert rig.looks == looks
+    assert rig.passes == passes
     for _ in range(8):
         rig.feed(True)
-    assert rig.looks > looks
+    assert rig.passes > passes
 
 
-def test_without_early_decisions_only_the_end_is_looked_at():
+def test_without_early_decisions_only_the_end_is_decoded():
     rig = Rig(load_voice_config(**PINNED, recognizer__early__is_enabled=False).recognizer.early)
     turns = [rig.feed(is_speech) for is_speech in [True] * 20 + [False] * 8]
-    assert rig.looks == 0 and not any(turns)
+    assert rig.passes == 0 and not any(turns)
     assert rig.feed(False, is_complete=True)
     assert rig.recognizer.heard == [pytest.approx(29 * FRAME, abs=1e-3)]
 
 
-def test_each_look_may_ask_what_loses():
+def test_each_pass_may_ask_what_is_hopeless():
     rig = Rig()
     asked = []
 
@@ -171,19 +171,19 @@ def test_each_look_may_ask_what_loses():
 
 @pytest.mark.parametrize(("cost", "apart"), [(0.09, 0.096), (0.2, 0.2 / 0.33), (0.45, 0.45 / 0.33)])
 def test_a_slow_model_is_asked_less_often_and_what_it_skips_is_noted(cost, apart):
-    rig, looked = Rig(), []
+    rig, begun = Rig(), []
     transcribe = rig.recognizer.transcribe
 
     def slowly(*given):
         rig.late += cost
-        looked.append(rig.now)
+        begun.append(rig.now)
         return transcribe(*given)
 
     rig.recognizer.transcribe = slowly
     for _ in range(250):
         rig.feed(True)
         rig.late = max(rig.late - FRAME, 0.0)  # frames queue while it works
-    gaps = np.diff(looked)[2:]  # three slow ones make a model slow
+    gaps = np.diff(begun)[2:]  # three slow ones make a model slow
     assert gaps.min() >= apart - 1e-6 and gaps.max() <= apart + FRAME
     is_slow = cost > EARLY.partial_interval
     assert bool(rig.notes) == is_slow
@@ -200,6 +200,6 @@ def test_the_end_of_an_utterance_waits_for_no_slow_model():
     rig.recognizer.transcribe = slowly
     for _ in range(4):
         rig.feed(True)
-    assert rig.looks == 1
+    assert rig.passes == 1
     rig.feed(True)
-    assert rig.feed(False, is_complete=True) and rig.looks == 2
+    assert rig.feed(False, is_complete=True) and rig.passes == 2

@@ -55,7 +55,7 @@ def make(mode=Mode.ACTIVE, recognizer=None, detector=None, observer=ignore, **ch
 def run(pipeline, clock, sound):
     events = []
     for frame in sound:
-        clock.now = frame.stamp + frame.duration
+        clock.now = frame.end
         events += pipeline(frame)
     return events
 
@@ -296,7 +296,7 @@ def test_talk_longer_than_the_limit_is_cut_and_its_rest_does_not_move():
         assert commands(events) == []
 
 
-def test_long_talk_is_heard_through_a_window_and_told_as_no_command():
+def test_long_talk_is_heard_through_a_window_and_is_no_command():
     recognizer = FakeRecognizer()
     events = hear("he said what is the " * 6, recognizer=recognizer)
     assert max(recognizer.heard) <= 4.2
@@ -320,7 +320,7 @@ def test_a_command_between_long_noise_is_heard(text, before):
 
 
 class Lapsing(FakeRecognizer):
-    """Hears nothing in the first look at a word."""
+    """Hears nothing in the first pass over a word."""
 
     def __init__(self, word):
         super().__init__()
@@ -336,7 +336,7 @@ class Lapsing(FakeRecognizer):
 
 @pytest.mark.parametrize("pause", ["0.25", "0.3", "0.35"])
 @pytest.mark.parametrize("words", range(4, 17, 3))
-def test_talk_in_which_one_look_hears_nothing_stays_one_utterance(words, pause):
+def test_talk_in_which_one_pass_hears_nothing_stays_one_utterance(words, pause):
     talk = ["he", "said", "what", "the", "mumble", "is", "now", "the"] * 2
     recognizer = Lapsing("release")
     events = hear(" ".join([*talk[:words], pause, "release"]), recognizer=recognizer)
@@ -371,7 +371,7 @@ def test_a_slow_recogniser_skips_partials_and_still_decides_in_the_pause():
     pipeline, clock = make(recognizer=recognizer)
     events = []
     for frame in frames(say("pull more")):
-        clock.now = frame.stamp + frame.duration + 2.0  # always two seconds behind
+        clock.now = frame.end + 2.0  # always two seconds behind
         events += pipeline(frame)
     assert commands(events) == ["pull more"]
     assert len(set(recognizer.heard)) == 1  # one sound, for its text and its scores
@@ -412,11 +412,9 @@ def test_no_first_consonant_is_lost():
     heard = []
     transcribe = recognizer.transcribe
     recognizer.transcribe = lambda samples, *_: heard.append(samples) or transcribe(samples)
-    sound = say("tense")
     hear("tense", recognizer=recognizer)
     quiet = np.flatnonzero(np.abs(heard[-1]) > 0.01)[0] / RATE
     assert quiet > 0.2, "the pre-roll reaches back before the first loud sample"
-    assert len(sound)
 
 
 @pytest.mark.parametrize("word", ["tense", "pull more", "release", "hey robot", "terminate"])

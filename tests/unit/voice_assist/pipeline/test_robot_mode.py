@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The voice is in the robot's mode soon after every word, whoever said it."""
+"""The voice is in the robot's mode soon after every word, by voice or by hand."""
 
 from functools import partial
 
@@ -98,7 +98,7 @@ EVENTS = st.tuples(
 
 
 @given(st.lists(EVENTS, max_size=6))
-def test_whoever_said_what_both_are_soon_in_one_mode(events):
+def test_after_words_by_voice_and_by_hand_both_are_soon_in_one_mode(events):
     nodes = TwoNodes()
     for phrase, by, pause in events:
         if by == "hand":

@@ -58,9 +58,9 @@ def test_a_long_text_counts_when_written_once_and_a_short_one_when_written_twice
 
 
 def test_what_was_written_for_two_commands_belongs_to_none():
-    told = learn(spannen=["stand by us"] * 2, loslassen=["stand by us"] * 2)
-    assert told[0].commands == () and len(told[1]) == 2
-    assert "it was written for 'loslassen', too" in told[1][1].why
+    found = learn(spannen=["stand by us"] * 2, loslassen=["stand by us"] * 2)
+    assert found[0].commands == () and len(found[1]) == 2
+    assert "it was written for 'loslassen', too" in found[1][1].why
 
 
 def test_what_belongs_to_another_command_is_refused():
@@ -84,15 +84,15 @@ def test_nothing_is_learned_of_silence_or_of_what_is_right_already():
 
 def test_only_the_most_frequent_are_kept():
     texts = [f"{word} and the rest" for word in ("one", "owl", "red", "sky", "toy", "fur", "gym")]
-    told, refused = learn(spannen=texts)
-    assert len(told.commands[0].learned) == MAX_SPELLINGS and "more frequent" in refused[0].why
+    found, refused = learn(spannen=texts)
+    assert len(found.commands[0].learned) == MAX_SPELLINGS and "more frequent" in refused[0].why
 
 
 def test_the_profile_keeps_them_and_they_are_laid_over_the_commands():
-    told, _ = learn(mehr_ziehen=["makes in"] * 2)
-    again = spellings.from_bytes(spellings.to_bytes(told))
+    found, _ = learn(mehr_ziehen=["makes in"] * 2)
+    again = spellings.from_bytes(spellings.to_bytes(found))
     commands = overlay(GERMAN, again)
-    assert again == told and Mapper(commands)("Makes in.").command == "mehr ziehen"
+    assert again == found and Mapper(commands)("Makes in.").command == "mehr ziehen"
     assert isinstance(Mapper(GERMAN)("makes in"), NoMatch)
     for text in ("makes", "it makes in the end", "makes out", "do not makes in"):
         assert isinstance(Mapper(commands)(text), NoMatch), text
@@ -105,9 +105,9 @@ def test_a_damaged_file_of_spellings_is_refused():
 
 
 def test_what_was_learned_for_a_command_that_is_gone_is_left_out():
-    told, _ = learn(mehr_ziehen=["makes in"] * 2)
+    found, _ = learn(mehr_ziehen=["makes in"] * 2)
     others = tuple(c for c in GERMAN.commands if c.phrase != "mehr ziehen")
-    assert overlay(replace(GERMAN, commands=others), told).phrases == tuple(
+    assert overlay(replace(GERMAN, commands=others), found).phrases == tuple(
         c.phrase for c in others
     )
 
@@ -155,7 +155,7 @@ def test_a_learned_spelling_moves_and_nothing_like_it_does():
 
 
 def test_the_second_opinion_scores_what_was_written_and_may_refuse_it():
-    told = {"mumble please": -30.0, "tense": -40.0, "release": 0.0}
-    (decision,) = decide("mumble please", FakeRecognizer(told), tense=("mumble please",))
+    scores = {"mumble please": -30.0, "tense": -40.0, "release": 0.0}
+    (decision,) = decide("mumble please", FakeRecognizer(scores), tense=("mumble please",))
     assert isinstance(decision.outcome, NoMatch)
     assert "sounds more like 'release'" in decision.outcome.rejection.words

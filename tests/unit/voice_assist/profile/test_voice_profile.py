@@ -156,7 +156,7 @@ def test_deleting_leaves_nothing_even_of_a_damaged_profile(profile: VoiceProfile
         delete_profile("ada", profile.folder.parent)
 
 
-def test_the_folder_is_the_users_own_unless_told(
+def test_the_folder_is_the_users_own_unless_another_is_given(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.delenv("VOICE_ASSIST_PROFILES", raising=False)

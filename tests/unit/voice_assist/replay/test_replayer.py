@@ -69,7 +69,7 @@ class Live:
             if self.unheard(frame):
                 self.observe(SideInput(SideInputKind.UNHEARD, frame.first_sample))
                 continue
-            self.now = frame.stamp + frame.duration + self.late(frame)
+            self.now = frame.end + self.late(frame)
             found = [e for e in self.pipeline(frame) if isinstance(e, UtteranceDecision)]
             self.decisions += found
             for decision in found:
@@ -93,36 +93,31 @@ class FakeReplay(PipelineReplay):
         return Pipeline(self._config, recognizer, make_detector(), self._clock, second)
 
 
+SAME = ("confidence", "decided_by", "is_partial", "speech_start", "speech_end")
+
+
 def as_decided(decisions):
     return [
-        (
-            d.hypothesis.text,
-            d.outcome.command if isinstance(d.outcome, Match) else d.outcome.rejection.words,
-            d.outcome.wer,
-            d.confidence,
-            d.mode.value,
-            d.decided_by,
-            d.is_partial,
-            d.speech_start,
-            d.speech_end,
-        )
+        {
+            "transcript": d.hypothesis.text,
+            "outcome": d.command or d.rejection.words,
+            "wer": d.outcome.wer,
+            "mode": d.mode.value,
+            **{name: getattr(d, name) for name in SAME},
+        }
         for d in decisions
     ]
 
 
 def as_heard(heard):
     return [
-        (
-            h.transcript,
-            h.command or h.reason,
-            h.wer,
-            h.confidence,
-            h.mode,
-            h.decided_by,
-            h.is_partial,
-            h.speech_start,
-            h.speech_end,
-        )
+        {
+            "transcript": h.transcript,
+            "outcome": h.command or h.reason,
+            "wer": h.wer,
+            "mode": h.mode,
+            **{name: getattr(h, name) for name in SAME},
+        }
         for h in heard
     ]
 
@@ -147,7 +142,7 @@ def test_a_recording_says_how_far_hearing_came():
     assert last - 16_512 <= past.heard_until <= last
 
 
-def test_skipped_looks_are_skipped_again():
+def test_skipped_decoder_passes_are_skipped_again():
     """Without the notes the same sound is decoded more often."""
     rng = random.Random(1)
     spells = [rng.random() < 0.5 for _ in range(100)]
@@ -192,7 +187,7 @@ def test_answers_of_the_controller_are_given_again():
     assert live.pipeline.state.reason == reason
 
 
-def test_what_was_told_of_the_robots_own_speech_is_told_again():
+def test_what_was_reported_of_the_robots_own_speech_is_reported_again():
     live, sound = Live(), frames(say("hey robot 0.8 tense 0.8 tense"))
     early, middle = sound[: 2 * len(sound) // 3], sound[2 * len(sound) // 3 :]
     live.hear(early)
@@ -219,18 +214,18 @@ def test_a_mode_that_was_set_by_hand_is_taken_again():
 
 
 class Listening:
-    """Believes at once, or not: a look at each frame, fired by plan."""
+    """Scores each frame at once, and fires with the frames given."""
 
     def __init__(self, fires):
-        self.fires, self.looks = fires, []
+        self.fires, self.scores = fires, []
 
     def __call__(self, frame):
-        until = frame.first_sample + len(frame.samples)
-        self.looks.append((until, float(frame.first_sample % 7919)))
+        until = frame.next_sample
+        self.scores.append((until, float(frame.first_sample % 7919)))
         return Spotted(frame.stamp, 9.0) if frame.first_sample in self.fires else None
 
     def best(self, since, until=NEWEST):
-        return max((s for u, s in self.looks if u <= until), default=float("-inf"))
+        return max((s for u, s in self.scores if u <= until), default=float("-inf"))
 
     def reset(self):
         """Nothing."""
@@ -266,7 +261,7 @@ class Laggard:
         if self.rng.random() < 0.05:
             lost = self.waiting.pop(0)
             notes.append(SideInput(SideInputKind.SPOTTER_DROPPED, lost.first_sample))
-        until = frame.first_sample + len(frame.samples)
+        until = frame.next_sample
         for _ in range(0 if self.is_deaf else self.rng.choice([0, 1, len(self.waiting)])):
             self._hear_one()
         if not self.is_deaf:
@@ -286,7 +281,7 @@ class Laggard:
             frame = self.waiting.pop(0)
             if spotted := self.spotter(frame):
                 self.found.append(Spotted(spotted.time, spotted.score, is_sent=True))
-            self.until = frame.first_sample + len(frame.samples)
+            self.until = frame.next_sample
 
 
 def test_a_stop_of_the_spotter_is_heard_again():

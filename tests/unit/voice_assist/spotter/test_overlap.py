@@ -82,7 +82,7 @@ def test_a_new_stream_begins_in_silence():
         np.testing.assert_array_equal(one, other)
 
 
-def test_steady_sound_costs_no_look_and_a_word_as_loud_as_the_noise_does(written):
+def test_steady_sound_costs_no_pass_and_a_word_as_loud_as_the_noise_does(written):
     _, network = written
     noise = talk(1.6)
     assert is_steady(noise) and is_steady(np.zeros(WINDOW, np.float32))
@@ -143,14 +143,14 @@ def test_a_missing_or_damaged_file_is_named(encoder, tmp_path):
 
 
 def test_it_fires_once_for_a_word_and_again_after_a_second():
-    times = {10, 11, 12, 13, 30, 31}  # looks that are sure
+    times = {10, 11, 12, 13, 30, 31}  # windows that are sure
 
     def score(windows):
         assert windows.shape == (1, WINDOW)
-        score.looks += 1
-        return 12.0 if score.looks in times else -12.0
+        score.calls += 1
+        return 12.0 if score.calls in times else -12.0
 
-    score.looks = 0
+    score.calls = 0
     spotter = Spotter(CONFIG, WindowCutter(), score, 1)
     fired = [found for frame in frames(talk(3.2)) if (found := spotter(frame))]
     assert len(fired) == 2

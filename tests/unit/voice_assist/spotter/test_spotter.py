@@ -117,7 +117,7 @@ def test_an_embedding_comes_with_every_step_from_the_first_on():
 
 
 class Scripted:
-    """Scores in the order of the looks, and quiet embeddings."""
+    """Scores in their order, and quiet embeddings."""
 
     def __init__(self, scores):
         self.scores = iter(scores)
@@ -136,7 +136,7 @@ def run(spotter, seconds):
     return [s for frame in frames(silence) if (s := spotter(frame))]
 
 
-def test_one_high_look_is_not_enough():
+def test_one_high_score_is_not_enough():
     assert run(scripted([-10, 12, -10, 12, -10]), 1.0) == []
 
 
@@ -151,7 +151,7 @@ def test_it_fires_again_after_a_rest():
     assert len(run(scripted(scores), 3.0)) == 2
 
 
-def test_the_best_look_is_that_of_the_time_asked_for():
+def test_the_best_score_is_that_of_the_time_asked_for():
     spotter = scripted([-10.0, 3.0, 3.0] + [-10.0] * 20)
     run(spotter, 1.0)
     assert spotter.best(100.0) == pytest.approx(3.0)
@@ -162,20 +162,20 @@ def test_the_best_look_is_that_of_the_time_asked_for():
 # --- the rule
 
 
-class Told:
-    """A spotter that says what it is told to."""
+class ScriptedSpotting:
+    """A spotter with a given best score; fires once from a time on."""
 
     def __init__(self, best=None, at=None, is_sent=False):
-        self.told, self.at, self.is_sent = best, at, is_sent
+        self.score, self.at, self.is_sent = best, at, is_sent
 
     def __call__(self, frame):
         if self.at is not None and frame.stamp >= self.at:
             self.at = None
-            return Spotted(frame.stamp + frame.duration, 9.0, self.is_sent)
+            return Spotted(frame.end, 9.0, self.is_sent)
         return None
 
     def best(self, since):
-        return self.told
+        return self.score
 
     def reset(self):
         pass
@@ -196,7 +196,7 @@ class Told:
     ],
 )
 def test_a_written_stop_needs_certainty_or_agreement(confidence, is_ready, spotted, stops):
-    second = StopFusion(RULE.spotter, Told(spotted))
+    second = StopFusion(RULE.spotter, ScriptedSpotting(spotted))
     assert second.confirms(StopEvidence(confidence, is_ready, spotted), "stop") == stops
 
 
@@ -205,7 +205,7 @@ def test_a_written_stop_needs_certainty_or_agreement(confidence, is_ready, spott
     [(None, 5.0, False), (3.0, 5.0, False), (5.0, -2.0, True), (5.0, -4.0, False)],
 )
 def test_the_spotter_overrules_only_near_the_recognisers_own_opinion(spotted, ratio, stops):
-    assert StopFusion(RULE.spotter, Told(spotted)).overrules(spotted, ratio) == stops
+    assert StopFusion(RULE.spotter, ScriptedSpotting(spotted)).overrules(spotted, ratio) == stops
 
 
 def test_what_is_spotted_must_be_a_halt():
@@ -223,9 +223,9 @@ def test_a_damaged_model_is_named(tmp_path):
 # --- in the pipeline
 
 
-def decisions(text, told, confidence=0.8, scores=None):
+def decisions(text, spotting, confidence=0.8, scores=None):
     recognizer = FakeRecognizer(scores, confidence)
-    second = StopFusion(RULE.spotter, told)
+    second = StopFusion(RULE.spotter, spotting)
     pipeline = Pipeline(RULE, recognizer, make_detector(), lambda: 0.0, second)
     events = [e for frame in frames(say(text)) for e in pipeline(frame)]
     return [e for e in events if isinstance(e, UtteranceDecision)]
@@ -236,53 +236,53 @@ def stops(found):
 
 
 def test_an_unsure_stop_that_the_spotter_did_not_hear_is_refused_with_its_reason():
-    (decision,) = decisions("stop", Told(-9.0), 0.7)
+    (decision,) = decisions("stop", ScriptedSpotting(-9.0), 0.7)
     assert stops([decision]) == []
     assert "spotter" in decision.outcome.rejection.words
 
 
 def test_an_unsure_stop_that_the_spotter_heard_too_stops():
-    (decision,) = stops(decisions("stop", Told(2.0), 0.7))
+    (decision,) = stops(decisions("stop", ScriptedSpotting(2.0), 0.7))
     assert decision.decided_by == "recognizer"
 
 
 def test_without_a_spotter_an_unsure_stop_stops():
     assert len(stops(decisions("stop", None, 0.7))) == 1
-    assert len(stops(decisions("stop", Told(None), 0.7))) == 1
+    assert len(stops(decisions("stop", ScriptedSpotting(None), 0.7))) == 1
 
 
 def test_a_word_near_stop_that_the_spotter_believes_in_stops():
-    (decision,) = stops(decisions("mumble", Told(5.0), scores={"stop": -1.0}))
+    (decision,) = stops(decisions("mumble", ScriptedSpotting(5.0), scores={"stop": -1.0}))
     assert decision.decided_by == "spotter"
-    assert stops(decisions("mumble", Told(5.0), scores={"stop": -9.0})) == []
-    assert stops(decisions("mumble", Told(0.0), scores={"stop": -1.0})) == []
+    assert stops(decisions("mumble", ScriptedSpotting(5.0), scores={"stop": -9.0})) == []
+    assert stops(decisions("mumble", ScriptedSpotting(0.0), scores={"stop": -1.0})) == []
 
 
 def test_a_denied_stop_is_not_fired_by_half_belief():
-    assert stops(decisions("not stop", Told(5.0), scores={"stop": -1.0})) == []
+    assert stops(decisions("not stop", ScriptedSpotting(5.0), scores={"stop": -1.0})) == []
 
 
 def test_the_spotter_alone_stops_in_quiet_and_says_who_it_was():
-    (decision,) = stops(decisions("1.0", Told(None, at=100.8)))
+    (decision,) = stops(decisions("1.0", ScriptedSpotting(None, at=100.8)))
     assert decision.decided_by == "spotter"
     assert decision.outcome == Match("stop", decision.outcome.wer)
     assert decision.hypothesis == Hypothesis("", 0.0, 0.0)
 
 
-def test_a_stop_that_was_sent_already_is_told_and_not_sent_again():
-    (decision,) = decisions("1.0", Told(None, at=100.8, is_sent=True))
+def test_a_stop_that_was_sent_already_is_reported_and_not_sent_again():
+    (decision,) = decisions("1.0", ScriptedSpotting(None, at=100.8, is_sent=True))
     assert decision.outcome.command == "stop"
     assert stops([decision]) == []
     assert Call("stop") in decision.actions
 
 
 def test_after_a_stop_spotted_in_quiet_the_recogniser_still_hears_the_next():
-    found = stops(decisions("1.0 stop", Told(None, at=100.4)))
+    found = stops(decisions("1.0 stop", ScriptedSpotting(None, at=100.4)))
     assert [d.decided_by for d in found] == ["spotter", "recognizer"]
 
 
 def test_both_ways_give_one_decision_for_one_word():
-    early = stops(decisions("stop", Told(9.0, at=100.6), 0.95))
-    late = stops(decisions("stop", Told(9.0, at=100.9), 0.95))
+    early = stops(decisions("stop", ScriptedSpotting(9.0, at=100.6), 0.95))
+    late = stops(decisions("stop", ScriptedSpotting(9.0, at=100.9), 0.95))
     assert len(early) == len(late) == 1
     assert (early[0].decided_by, late[0].decided_by) == ("spotter", "recognizer")

@@ -11,7 +11,7 @@ from voice_assist.spotter.thread import SpotterThread
 
 
 class Scripted:
-    """Does for each frame what it is told, once it is let go."""
+    """Gives the next of its results for each frame, once it is let go."""
 
     def __init__(self, *script):
         self.script, self.heard = list(script), []
@@ -40,12 +40,12 @@ def start():
     threads = []
 
     def begin(spotter, capacity=4, patience=0.0, observer=ignore):
-        told, failed = [], []
-        callbacks = told.append, failed.append
+        spotted, failed = [], []
+        callbacks = spotted.append, failed.append
         thread = SpotterThread(spotter, capacity, *callbacks, patience, observer)
         thread.start()
         threads.append((thread, spotter))
-        return thread, told, failed
+        return thread, spotted, failed
 
     yield begin
     for thread, spotter in threads:
@@ -53,14 +53,14 @@ def start():
         thread.close()
 
 
-def test_what_is_spotted_is_told_at_once_and_to_the_pipeline_once(start):
+def test_what_is_spotted_is_reported_at_once_and_to_the_pipeline_once(start):
     spotter = Scripted(None, Spotted(1.0, 9.0))
-    thread, told, failed = start(spotter)
+    thread, spotted, failed = start(spotter)
     spotter.go.set()
     thread.feed(quiet_frame(0))
     thread.feed(quiet_frame(512))
     thread.close()
-    assert told == [Spotted(1.0, 9.0)]
+    assert spotted == [Spotted(1.0, 9.0)]
     assert thread(quiet_frame(512)) == Spotted(1.0, 9.0, is_sent=True)
     assert thread(quiet_frame(1024)) is None
     assert failed == []
@@ -77,7 +77,7 @@ def test_a_full_queue_drops_the_oldest_and_counts_them(start):
     assert spotter.heard[-1] == 9 * 512
 
 
-def test_a_failure_is_told_and_the_recogniser_is_alone(start):
+def test_a_failure_is_reported_and_the_recogniser_is_alone(start):
     spotter = Scripted(ValueError("bad sound"))
     thread, _, failed = start(spotter)
     assert thread.best(0.0) == 1.0

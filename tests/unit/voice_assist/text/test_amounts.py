@@ -70,7 +70,7 @@ def test_an_amount_is_known_by_one_wording(text, known_as):
     assert " ".join(canonical(normalize(text))) == known_as
 
 
-def test_numbers_and_units_are_told_from_other_words():
+def test_numbers_and_units_are_found_among_other_words():
     words = normalize("pull twenty two kg or 0.5 newtons more")
     assert amount_words(words) == ("twenty", "two", "kg", "zero", "point", "five", "newtons")
 

@@ -29,16 +29,16 @@ def frames(*sounds):
     return list(Framer().push(np.clip(np.concatenate(sounds), -1.0, 1.0), 0.0))
 
 
-def told(*sounds):
-    """When deafening sound was told to be over [s]."""
+def ends_of_overload(*sounds):
+    """When deafening sound was found to be over [s]."""
     watch = OverloadRecovery()
-    return [f.stamp + f.duration for f in frames(*sounds) if watch.is_over(f)]
+    return [f.end for f in frames(*sounds) if watch.is_over(f)]
 
 
-def test_the_end_of_deafening_sound_is_told_once():
-    (at,) = told(noise(1.0), mains(2.0), noise(3.0))
+def test_the_end_of_deafening_sound_is_found_once():
+    (at,) = ends_of_overload(noise(1.0), mains(2.0), noise(3.0))
     assert at == pytest.approx(3.0 + REST, abs=2 * STEP)
-    assert len(told(mains(1.0), noise(1.0), mains(1.0), noise(1.0))) == 2
+    assert len(ends_of_overload(mains(1.0), noise(1.0), mains(1.0), noise(1.0))) == 2
 
 
 @pytest.mark.parametrize(
@@ -51,11 +51,11 @@ def test_the_end_of_deafening_sound_is_told_once():
     ],
 )
 def test_other_sound_leaves_the_detector_alone(sounds):
-    assert told(*sounds) == []
+    assert ends_of_overload(*sounds) == []
 
 
 def test_a_pause_as_short_as_between_two_consonants_is_no_end():
-    assert told(mains(1.0), noise(REST - 2 * STEP), mains(1.0)) == []
+    assert ends_of_overload(mains(1.0), noise(REST - 2 * STEP), mains(1.0)) == []
 
 
 @pytest.fixture(scope="module")

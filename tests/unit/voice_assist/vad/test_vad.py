@@ -93,7 +93,7 @@ def test_an_utterance_is_not_measured_by_the_one_before_it():
     assert all(e.state is SpeechState.SPEAKING for e in ends[-20:])
 
 
-def test_the_highest_probability_of_an_utterance_is_told():
+def test_the_highest_probability_of_an_utterance_is_given():
     ends = analyze([0.9] * 3 + [0.0] * 12 + [0.2, 0.7, 0.6, 0.8], FAINT)
     assert [e.clearness for e in ends[-4:]] == [0.2, 0.7, 0.7, 0.8]
 

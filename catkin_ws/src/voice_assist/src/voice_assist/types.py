@@ -52,6 +52,16 @@ class Frame:
     is_moving: bool = False  # the robot moved as it was captured, or may have; see RobotMotion
 
     @property
+    def end(self) -> float:
+        """Clock time at which it ended [s]."""
+        return self.stamp + self.duration
+
+    @property
+    def next_sample(self) -> int:
+        """Index of the sample that follows it."""
+        return self.first_sample + len(self.samples)
+
+    @property
     def stream_end(self) -> float:
         """Its end by the count of samples [s]."""
         return self.first_sample / RATE + self.duration

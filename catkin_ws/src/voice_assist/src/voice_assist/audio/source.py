@@ -99,7 +99,7 @@ class GapWatch:
 
     def __call__(self, frame: Frame) -> int | None:
         """Samples lost before this frame; None: none; 0: the stream began anew."""
-        expected, self._expected = self._expected, frame.first_sample + len(frame.samples)
+        expected, self._expected = self._expected, frame.next_sample
         if expected is None or expected == frame.first_sample:
             return None
         return max(frame.first_sample - expected, 0)

@@ -43,7 +43,7 @@ class PipelineProbe:
         texts: list[str] = []
         for frame in Framer().push(_amid_quiet(samples), began):
             self._pipeline.set_mode(Mode.ACTIVE, "enrolment")
-            self._now = frame.stamp + frame.duration
+            self._now = frame.end
             for decision in self._pipeline(frame):
                 if isinstance(decision, UtteranceDecision):
                     texts.append(decision.hypothesis.text)

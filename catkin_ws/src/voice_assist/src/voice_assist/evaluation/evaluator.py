@@ -174,7 +174,7 @@ class Evaluator:
     def _decide(self, stream: Samples, began: float) -> Iterator[UtteranceDecision]:
         for frame in Framer().push(stream, began):
             self._pipeline.set_mode(self._mode, "evaluation")
-            self._clock.begin(frame.stamp + frame.duration)
+            self._clock.begin(frame.end)
             events = self._pipeline(replace(frame, is_moving=self._is_moving))
             self._clock.end()
             yield from (event for event in events if isinstance(event, UtteranceDecision))

@@ -138,8 +138,8 @@ class Pipeline:
 
     def _check_stream(self, frame: Frame) -> tuple[Event, ...]:
         """Note progress, and begin anew after a gap in the stream."""
-        self._next_sample = frame.first_sample + len(frame.samples)
-        self._heard_until = frame.stamp + frame.duration
+        self._next_sample = frame.next_sample
+        self._heard_until = frame.end
         if frame.first_sample // _PROGRESS != self._next_sample // _PROGRESS:
             self._observer(SideInput(SideInputKind.HEARD, frame.first_sample))
         lost = self._gap_watch(frame)
@@ -165,7 +165,7 @@ class Pipeline:
         if text == self._shown:
             return ()
         self._shown = text
-        return (Partial(text, frame.stamp + frame.duration),)
+        return (Partial(text, frame.end),)
 
     def _decide(self, partial: PartialUtterance, frame: Frame) -> tuple[Event, ...]:
         """What the newest transcript comes to, if it is decided now."""
@@ -173,7 +173,7 @@ class Pipeline:
         if transcript is None:
             return ()
         is_whole = partial.is_whole and not self._decoder.is_window
-        spotted = self._stop_fusion.best(frame.stamp + frame.duration)
+        spotted = self._stop_fusion.best(frame.end)
         is_complete = partial.utterance.is_complete
         where = frame.stream_end, partial.quiet, is_complete, is_whole, spotted, frame.is_moving
         context = DecisionContext(*where)

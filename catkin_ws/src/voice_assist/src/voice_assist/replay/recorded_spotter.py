@@ -38,7 +38,7 @@ class RecordedSpotter:
 
     def __call__(self, frame: Frame) -> Spotted | None:
         """What was spotted up to that frame."""
-        until = frame.first_sample + len(frame.samples)
+        until = frame.next_sample
         failed = self._past.get(SideInputKind.SPOTTER_FAILED, frame.first_sample)
         late = failed or self._past.get(SideInputKind.SPOTTER_LATE, frame.first_sample)
         self._catch_up(min(late.heard_until, until) if late else until)
@@ -65,5 +65,5 @@ class RecordedSpotter:
             frame = self._frames.popleft()
             if spotted := self._spotter(frame):
                 entry = replace(spotted, is_sent=True)
-                self._spotted.append((frame.first_sample + len(frame.samples), entry))
-            self._heard_until = frame.first_sample + len(frame.samples)
+                self._spotted.append((frame.next_sample, entry))
+            self._heard_until = frame.next_sample

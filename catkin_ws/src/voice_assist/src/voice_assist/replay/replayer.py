@@ -151,10 +151,10 @@ class PipelineReplay:
             self._spotter.feed(frame)
         if self._past.get(SideInputKind.UNHEARD, frame.first_sample):
             return []
-        self._clock.now = frame.stamp + frame.duration
+        self._clock.now = frame.end
         if self._past.get(SideInputKind.BEHIND, frame.first_sample):
             self._clock.now += 2.0 * self._config.recognizer.early.max_backlog + 1.0
-        return _decisions(self._pipeline(frame), frame.stamp + frame.duration)
+        return _decisions(self._pipeline(frame), frame.end)
 
     def _take(self, given: SideInput) -> None:
         match given.kind:

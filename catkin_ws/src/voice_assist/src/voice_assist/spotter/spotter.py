@@ -114,7 +114,7 @@ class Spotter:
         """Hear a frame; gives what it fires with it. A gap before the frame is heard as silence."""
         if self._next_sample is not None and frame.first_sample != self._next_sample:
             self._restart()
-        self._next_sample = frame.first_sample + len(frame.samples)
+        self._next_sample = frame.next_sample
         fired = None
         for embedding in self._frontend(frame.samples):
             fired = self._update(embedding, frame) or fired
@@ -140,7 +140,7 @@ class Spotter:
         self._next_sample = None
 
     def _update(self, embedding: Embeddings, frame: Frame) -> Spotted | None:
-        time = frame.stamp + frame.duration
+        time = frame.end
         self._seen.append(embedding)
         newest = self._score(np.stack(self._seen))
         score = newest if self._before is None else (newest + self._before) / 2

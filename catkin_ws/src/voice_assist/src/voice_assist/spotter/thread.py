@@ -80,7 +80,7 @@ class SpotterThread:
 
     def __call__(self, frame: Frame) -> Spotted | None:
         """What was spotted up to that frame, which itself came by `feed`."""
-        until = frame.first_sample + len(frame.samples)
+        until = frame.next_sample
         with self._ready:
             self._wait_for(until)
             self._note(frame, until)
@@ -134,7 +134,7 @@ class SpotterThread:
             self._on_failure(error)
 
     def _heard(self, frame: Frame, spotted: Spotted | None) -> None:
-        until = frame.first_sample + len(frame.samples)
+        until = frame.next_sample
         with self._ready:
             if spotted is not None:
                 self._spotted.append((until, replace(spotted, is_sent=True)))

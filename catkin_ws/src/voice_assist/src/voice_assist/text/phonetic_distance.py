@@ -79,7 +79,7 @@ def sounds(text: str, language: str = "en-us") -> Sounds:
         text: Words.
         language: Of espeak-ng, such as "de"; ignored where the program is missing.
     """
-    found = ()
+    found: Sounds = ()
     if can_pronounce():
         found = _symbols(_answer("-q", "--ipa", "-v", language, "--", text))
     return found or sounds_of_letters(text)

@@ -57,7 +57,7 @@ class Segmenter:
         else:
             self._frames.append(frame)
         if endpoint.quiet == 0.0:
-            self._speech_end = frame.stamp + frame.duration
+            self._speech_end = frame.end
         is_complete = endpoint.is_end or self._length() >= self._config.max_utterance
         samples = frozen_samples(np.concatenate([f.samples for f in self._frames]))
         utterance = Utterance(samples, self._speech_start, self._speech_end, is_complete)
@@ -100,9 +100,9 @@ class Segmenter:
             self._before.popleft()
 
     def _begin(self, frame: Frame, endpoint: Endpoint) -> None:
-        start = frame.stamp + frame.duration - endpoint.spoken
+        start = frame.end - endpoint.spoken
         earliest = start - self._config.pre_roll
-        self._frames = [f for f in self._before if f.stamp + f.duration > earliest]
+        self._frames = [f for f in self._before if f.end > earliest]
         self._speech_start, self._is_open = start, True
         is_rest = self._broken_at is not None and start - self._broken_at < self._config.hangover
         self._is_whole, self._broken_at = not is_rest, None
@@ -112,7 +112,7 @@ class Segmenter:
         self._is_whole = not self._is_open
         self._before = deque(self._frames[-_KEPT_FRAMES:])
         self._frames = []
-        self._speech_start = frame.stamp + frame.duration
+        self._speech_start = frame.end
 
     def _length(self) -> float:
         return sum(len(f.samples) for f in self._frames) / RATE

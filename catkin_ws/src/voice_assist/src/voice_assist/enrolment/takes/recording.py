@@ -36,7 +36,7 @@ def record(frames: Iterator[Frame], seconds: float, meter: Meter) -> Samples:
             raise AudioError("the sound ended in the middle of a take")
         if expected is not None and frame.first_sample != expected:
             raise AudioError(f"{frame.first_sample - expected} samples of sound were lost")
-        expected = frame.first_sample + len(frame.samples)
+        expected = frame.next_sample
         parts.append(frame.samples)
         meter(level_db(frame.samples), min(sum(map(len, parts)) / wanted, 1.0))
     return frozen_samples(np.concatenate(parts)[:wanted])
