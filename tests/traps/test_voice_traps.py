@@ -22,6 +22,7 @@ from tests.unit.voice_assist.support.fake_speech import (
     say,
     silence,
 )
+from tests.unit.voice_assist.support.records import command_entries
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
@@ -151,8 +152,7 @@ def test_words_without_speech_are_none_however_sure_they_are(tmp_path, no_speech
 
 def with_listening():
     """The shipped commands, and two that differ by one word and mean the opposite."""
-    config = load_voice_config()
-    shipped = [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
+    shipped = command_entries()
     model = next(c for c in shipped if c["phrase"] == "tense")
     both = [{**model, "phrase": f"{verb} listening"} for verb in ("start", "stop")]
     return load_voice_config(commands__commands=[*shipped, *both]).commands

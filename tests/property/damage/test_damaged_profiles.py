@@ -12,10 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.unit.voice_assist.support.records import take
 from typed_config import ConfigError
 from voice_assist.errors import VoiceError
 from voice_assist.profile import thresholds
-from voice_assist.profile.manifest import COMMAND, Manifest, Take, from_bytes, to_bytes
+from voice_assist.profile.manifest import Manifest, from_bytes, to_bytes
 from voice_assist.profile.profile import (
     VoiceProfile,
     VoiceProfileError,
@@ -29,10 +30,7 @@ FILES = ("profile.json", "takes/0001.wav", "settings.json")
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> VoiceProfile:
     made = create_profile("ada", "ab" * 32, tmp_path_factory.mktemp("whole"))
-    facts = {"kind": COMMAND, "phrase": "stop", "time": "2026-11-21", "source": "test"}
-    numbers = {"seconds": 0.1, "level_db": -20.0, "snr_db": 30.0}
-    rest = {"file": "takes/0000.wav", "sha256": "0" * 64, "heard": "stop", "verdict": "good"}
-    made.add_take(np.zeros(400, np.float32), Take(**facts, **numbers, **rest))
+    made.add_take(np.zeros(400, np.float32), take("stop"))
     chosen = thresholds.Settings(
         commands=(thresholds.Setting(phrase="stop", least_confidence=0.5),)
     )

@@ -3,6 +3,7 @@
 
 import pytest
 
+from tests.unit.voice_assist.support.records import command_entries
 from voice_assist.config import load_voice_config
 from voice_assist.config.commands import AmountCommand
 from voice_assist.config.spelling_grammar import without_brackets
@@ -18,9 +19,7 @@ def entry(**changes):
 
 
 def loaded(*entries, **slot):
-    base = [
-        {**vars(c), "spellings": list(c.spellings)} for c in load_voice_config().commands.commands
-    ]
+    base = command_entries()
     given = {
         "name": "way",
         "unit": "mm",

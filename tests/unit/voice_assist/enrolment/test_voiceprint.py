@@ -4,9 +4,9 @@
 import numpy as np
 import pytest
 
+from tests.unit.voice_assist.support.records import take
 from voice_assist.config import load_voice_config
 from voice_assist.enrolment.voiceprint import put_voiceprint
-from voice_assist.profile.manifest import Take
 from voice_assist.profile.profile import create_profile
 from voice_assist.speaker.gate import ClosedGate, SpeakerGate, make_gate
 from voice_assist.speaker.voiceprint import FILE, VoiceprintError
@@ -28,12 +28,7 @@ def voiced(pitch, seconds, seed):
 def profile_of(folder, pitch, count=8):
     profile = create_profile("anna", "0" * 64, folder)
     for seed in range(count):
-        take = Take(
-            **{"file": "takes/0001.wav", "sha256": "0" * 64, "kind": "command"},
-            **{"phrase": "tense", "time": "now", "source": "test", "seconds": 1.0},
-            **{"level_db": -20.0, "snr_db": 30.0, "heard": "", "verdict": "good"},
-        )
-        profile.add_take(voiced(pitch, 1.0, seed), take)
+        profile.add_take(voiced(pitch, 1.0, seed), take())
     return profile
 
 

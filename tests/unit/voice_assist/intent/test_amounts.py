@@ -3,6 +3,7 @@
 
 import pytest
 
+from tests.unit.voice_assist.support.records import command_entries
 from voice_assist.config import load_voice_config
 from voice_assist.intent.mapper import Mapper
 from voice_assist.types import Match, NoMatch
@@ -76,9 +77,7 @@ def test_what_is_only_like_an_amount_does_nothing(text):
 
 def test_no_threshold_forgives_a_number_or_a_unit():
     config = load_voice_config(commands__amounts=True)
-    entries = [
-        {**vars(c), "spellings": list(c.spellings)} for c in load_voice_config().commands.commands
-    ]
+    entries = command_entries()
     loose = {**entries[3], "phrase": "pull {distance} onwards now", "threshold": 0.5}
     slots = [vars(slot) | {"values": [2.0]} for slot in config.commands.slots[:1]]
     changes = {"commands__slots": slots, "commands__commands": [*entries, loose]}

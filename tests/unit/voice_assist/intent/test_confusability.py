@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.unit.voice_assist.support.records import command_entries
 from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.intent.confusability import ALIKE, TOO_ALIKE, closest_pairs, nearest, objection
@@ -152,7 +153,7 @@ def test_where_nothing_pronounces_any_language_is_guessed_and_said_so(monkeypatc
 def test_numbers_of_a_slot_are_compared_by_their_own_words():
     config = load_voice_config(commands__amounts=True)
     slot = {**vars(config.commands.slots[0]), "values": [2.0, 10.0, 15.0, 50.0]}
-    entries = [{**vars(c), "spellings": list(c.spellings)} for c in COMMANDS.commands]
+    entries = command_entries()
     entries.append({**entries[3], "phrase": "pull {distance} onwards", "threshold": 0.1})
     changes = {"commands__slots": [slot], "commands__commands": entries}
     found = load_voice_config(commands__amounts=True, **changes).commands

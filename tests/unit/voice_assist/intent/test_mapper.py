@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
 
+from tests.unit.voice_assist.support.records import command_entries
 from voice_assist.config import load_voice_config
 from voice_assist.intent.mapper import Mapper
 from voice_assist.types import Match, NoMatch, Rejection, RejectionReason
@@ -65,8 +66,7 @@ def test_what_is_no_command_does_nothing(text):
 
 
 def test_a_tie_is_no_match_and_names_both():
-    config = load_voice_config()
-    entries = [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
+    entries = command_entries()
     for entry in entries:
         if entry["phrase"] in ("pull more", "pull less"):
             longer = {"pull more": "now pull more here", "pull less": "now pull less there"}
@@ -106,7 +106,7 @@ def test_talk_is_not_all_near_the_command_with_the_longest_spelling():
 
 
 def test_what_runs_together_is_parted_only_where_no_command_has_that_word():
-    entries = [{**vars(c), "spellings": list(c.spellings)} for c in COMMANDS.commands]
+    entries = command_entries()
     entries[3] |= {"phrase": "camera closer", "command": "camera closer"}
     entries[4] |= {"phrase": "in sight", "spellings": ["on pullmore"]}
     mapper = Mapper(load_voice_config(commands__commands=entries).commands)
@@ -125,8 +125,7 @@ def test_silence_has_no_nearest_command():
 
 
 def test_the_lowest_error_below_its_own_threshold_wins():
-    config = load_voice_config()
-    entries = [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
+    entries = command_entries()
     for entry in entries:
         entry["threshold"] = 0.5 if entry["phrase"] == "pull less" else 0.3
         if entry["phrase"] == "pull less":

@@ -11,6 +11,7 @@ from tests.unit.voice_assist.support.fake_speech import (
     say,
     silence,
 )
+from tests.unit.voice_assist.support.records import command_entries
 from voice_assist.audio.talk_gate import TalkChange
 from voice_assist.config import load_voice_config
 from voice_assist.intent.dialogue import Answered
@@ -167,7 +168,6 @@ def test_a_motion_waits_for_a_short_pause():
 
 
 def test_a_phrase_that_can_grow_waits_for_the_end_of_the_utterance():
-    config = load_voice_config()
     grown = [
         {
             "phrase": "pull more please",
@@ -182,7 +182,7 @@ def test_a_phrase_that_can_grow_waits_for_the_end_of_the_utterance():
             "halt_score_threshold": 1000.0,
         }
     ]
-    grown += [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
+    grown += command_entries()
     (decision,) = decisions(hear("pull more", commands__commands=grown))
     assert isinstance(decision.outcome, Match) and not decision.is_partial
 
@@ -231,8 +231,7 @@ def test_the_second_opinion_never_refuses_a_stop():
 
 
 def test_the_second_opinion_can_fire_a_stop():
-    config = load_voice_config()
-    entries = [{**vars(c), "spellings": list(c.spellings)} for c in config.commands.commands]
+    entries = command_entries()
     for entry in entries:
         entry["halt_score_threshold"] = 0.5 if entry["is_halt"] else 1000.0
     recognizer = FakeRecognizer({"stop": 2.0})

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
+from tests.unit.voice_assist.support.records import take
 from typed_config import load_config, load_yaml
 from voice_assist.config import CONFIG_DIR, CommandsConfig, load_voice_config
 from voice_assist.errors import VoiceError
@@ -13,7 +14,6 @@ from voice_assist.intent.confusability import closest_pairs
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.profile import spellings
-from voice_assist.profile.manifest import Take
 from voice_assist.profile.profile import create_profile
 from voice_assist.profile.spellings import MAX_SPELLINGS, learn_spellings, overlay
 from voice_assist.types import Call, Match, Mode, NoMatch, UtteranceDecision, frozen_samples
@@ -116,12 +116,7 @@ def test_a_profile_learns_from_its_own_takes(tmp_path):
     profile = create_profile("anna", "0" * 64, tmp_path)
     for phrase, text in (("tense", "mumble please"), ("release", "release")):
         for _ in range(2):
-            take = Take(
-                **{"file": "takes/0001.wav", "sha256": "0" * 64, "kind": "command"},
-                **{"phrase": phrase, "time": "now", "source": "test", "seconds": 1.0},
-                **{"level_db": -20.0, "snr_db": 30.0, "heard": "", "verdict": "good"},
-            )
-            profile.add_take(frozen_samples(say(text)), take)
+            profile.add_take(frozen_samples(say(text)), take(phrase))
     commands = load_voice_config().commands
     assert spellings.put_spellings(profile, FakeRecognizer(), commands) == ()
     found = spellings.from_bytes(profile.read(spellings.NAME))

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.unit.voice_assist.support.records import take
 from typed_config import ConfigError
-from voice_assist.profile.manifest import ACTIVE, COMMAND, RECORDING, REFUSED, Take
+from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED
 from voice_assist.profile.profile import (
     VoiceProfile,
     VoiceProfileError,
@@ -23,22 +24,6 @@ from voice_assist.profile.profile import (
 )
 
 BASE = "ab" * 32
-
-
-def take(phrase: str = "tense") -> Take:
-    return Take(
-        file="takes/0000.wav",
-        sha256="0" * 64,
-        kind=COMMAND,
-        phrase=phrase,
-        time="2026-11-21T20:00:00+00:00",
-        source="microphone",
-        seconds=1.0,
-        level_db=-20.0,
-        snr_db=30.0,
-        heard=phrase,
-        verdict="good",
-    )
 
 
 @pytest.fixture
