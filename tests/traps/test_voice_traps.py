@@ -12,9 +12,9 @@ import pytest
 import torch
 import whisper
 
-from tests.unit.voice_assist.pipeline.test_pipeline import StreamClock, commands, run
 from tests.unit.voice_assist.recognizer.test_recognizer import COMMANDS
 from tests.unit.voice_assist.recognizer.test_recognizer import say as espeak
+from tests.unit.voice_assist.support.fake_pipeline import StreamClock, commands, run
 from tests.unit.voice_assist.support.fake_speech import (
     FakeRecognizer,
     frames,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import torch
 
-from tests.unit.voice_assist.pipeline.test_pipeline import StreamClock, commands, run
 from tests.unit.voice_assist.recognizer.test_recognizer import say
+from tests.unit.voice_assist.support.fake_pipeline import StreamClock, commands, run
 from tests.unit.voice_assist.support.fake_speech import frames, silence
 from voice_assist.alarms.earcons import samples_of
 from voice_assist.alarms.types import Earcon

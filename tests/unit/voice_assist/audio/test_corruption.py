@@ -6,8 +6,8 @@ import pytest
 
 from bench.safety.sound.kinds import byte_swapped, crackle, talk
 from support.theatre_sound import speak, theatre_noise
-from tests.unit.voice_assist.pipeline.test_pipeline import commands, make, refusals, run
 from tests.unit.voice_assist.support import fake_speech
+from tests.unit.voice_assist.support.fake_pipeline import commands, make, refusals, run
 from voice_assist.audio.corruption import find_corruption, smoothness, spikes
 from voice_assist.types import RATE
 

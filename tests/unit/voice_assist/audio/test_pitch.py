@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from support.theatre_sound import speak
-from tests.unit.voice_assist.pipeline.test_pipeline import commands, hear, make, refusals, run
 from tests.unit.voice_assist.support import fake_speech
+from tests.unit.voice_assist.support.fake_pipeline import commands, hear, make, refusals, run
 from voice_assist.audio.pitch import pitch_variation
 from voice_assist.config import load_voice_config
 from voice_assist.types import RATE

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
 
-from tests.unit.voice_assist.pipeline.test_pipeline import COMMANDS, commands, make, refusals, run
+from tests.unit.voice_assist.support.fake_pipeline import COMMANDS, commands, make, refusals, run
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
 from voice_assist.audio.robot_speech import RobotSpeech, RobotSpeechChange
 from voice_assist.config import load_voice_config

@@ -12,11 +12,7 @@ from hypothesis import strategies as st
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
 from voice_assist.enrolment.self_check import SelfCheckResult, SelfCheckTrial
-from voice_assist.enrolment.thresholds import (
-    ConfidenceEvidence,
-    choose_threshold,
-    expected_errors,
-)
+from voice_assist.enrolment.thresholds import ConfidenceEvidence, choose_threshold, expected_errors
 from voice_assist.evaluation.exact_bounds import rate_at_most, share_at_most
 from voice_assist.profile.thresholds import Setting, Settings, from_bytes, overlay, to_bytes
 

@@ -4,10 +4,18 @@ import itertools
 import numpy as np
 import pytest
 
+from tests.unit.voice_assist.support.fake_pipeline import (
+    COMMANDS,
+    commands,
+    decisions,
+    hear,
+    make,
+    refusals,
+    run,
+)
 from tests.unit.voice_assist.support.fake_speech import (
     FakeRecognizer,
     frames,
-    make_detector,
     say,
     silence,
 )
@@ -15,8 +23,7 @@ from tests.unit.voice_assist.support.records import command_entries
 from voice_assist.audio.talk_gate import TalkChange
 from voice_assist.config import load_voice_config
 from voice_assist.intent.dialogue import Answered
-from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.side_inputs import SideInputKind, ignore
+from voice_assist.side_inputs import SideInputKind
 from voice_assist.types import (
     RATE,
     Call,
@@ -25,60 +32,11 @@ from voice_assist.types import (
     Lost,
     Match,
     Mode,
-    NoMatch,
     Partial,
     RejectionReason,
     SetMode,
-    UtteranceDecision,
     never_hopeless,
 )
-
-
-class StreamClock:
-    """Shows the time at which the newest frame ended."""
-
-    def __init__(self):
-        self.now = 0.0
-
-    def __call__(self):
-        return self.now
-
-
-def make(mode=Mode.ACTIVE, recognizer=None, detector=None, observer=ignore, **changes):
-    clock = StreamClock()
-    config = load_voice_config(**changes)
-    hearer, detector = recognizer or FakeRecognizer(), detector or make_detector()
-    pipeline = Pipeline(config, hearer, detector, clock, observer=observer)
-    pipeline.set_mode(mode, "test")
-    return pipeline, clock
-
-
-def run(pipeline, clock, sound):
-    events = []
-    for frame in sound:
-        clock.now = frame.end
-        events += pipeline(frame)
-    return events
-
-
-def hear(text, mode=Mode.ACTIVE, recognizer=None, **changes):
-    pipeline, clock = make(mode, recognizer, **changes)
-    return run(pipeline, clock, frames(say(text)))
-
-
-def decisions(events):
-    return [event for event in events if isinstance(event, UtteranceDecision)]
-
-
-def commands(events):
-    return [d.outcome.command for d in decisions(events) if isinstance(d.outcome, Match)]
-
-
-def refusals(events):
-    return [d.outcome for d in decisions(events) if isinstance(d.outcome, NoMatch)]
-
-
-COMMANDS = ("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate")
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -3,7 +3,7 @@
 
 import pytest
 
-from tests.unit.voice_assist.pipeline.test_pipeline import commands, decisions, make, run
+from tests.unit.voice_assist.support.fake_pipeline import commands, decisions, make, run
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
 from voice_assist.config import load_voice_config
 from voice_assist.side_inputs import SideInputKind

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.unit.voice_assist.pipeline.test_pipeline import commands, decisions, make, run
+from tests.unit.voice_assist.support.fake_pipeline import commands, decisions, make, run
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
 from voice_assist.types import Ask, Call, Halt, Mode, RejectionReason
 

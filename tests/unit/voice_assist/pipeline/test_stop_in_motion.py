@@ -5,37 +5,19 @@ from dataclasses import replace
 
 import pytest
 
-from tests.unit.voice_assist.pipeline.test_pipeline import (
-    StreamClock,
+from tests.unit.voice_assist.support.fake_pipeline import (
+    FakeSpotting,
     commands,
     decisions,
+    make,
     refusals,
     run,
 )
-from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
-from voice_assist.config import load_voice_config
-from voice_assist.pipeline.pipeline import Pipeline
-from voice_assist.spotter.fusion import StopFusion
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
 from voice_assist.types import Halt, Mode, RejectionReason
 
 WITH_STOP = ("he said stop now please", "do not stop", "pulling is stop he said", "never stop more")
 WITHOUT = ("he said pull more now", "do not pull less", "please release pulling", "never mumble")
-
-
-class SpotterOf:
-    """A spotter that gives one score, whatever it hears."""
-
-    def __init__(self, score):
-        self.score = score
-
-    def __call__(self, frame):
-        return None
-
-    def best(self, since, until=0):
-        return self.score
-
-    def reset(self):
-        """Nothing."""
 
 
 class AlwaysAsSure:
@@ -49,17 +31,11 @@ class AlwaysAsSure:
         """Nothing."""
 
 
-def hear(
-    text, is_moving, mode=Mode.ACTIVE, recognizer=None, spotter=None, over_talk=None, **changes
-):
-    config, clock = load_voice_config(**changes), StreamClock()
-    fusion = StopFusion(config.spotter, spotter)
-    recognizer = recognizer or FakeRecognizer()
+def hear(text, is_moving, mode=Mode.ACTIVE, recognizer=None, score=None, over_talk=None, **rest):
     in_sound = None if over_talk is None else AlwaysAsSure(over_talk)
-    pipeline = Pipeline(config, recognizer, make_detector(), clock, fusion, stop_in_sound=in_sound)
-    pipeline.set_mode(mode, "test")
-    sound = [replace(frame, is_moving=is_moving) for frame in frames(say(text))]
-    return run(pipeline, clock, sound)
+    spotting = None if score is None else FakeSpotting(score)
+    made = make(mode, recognizer, spotting=spotting, stop_in_sound=in_sound, **rest)
+    return run(*made, [replace(frame, is_moving=is_moving) for frame in frames(say(text))])
 
 
 @pytest.mark.parametrize("text", WITH_STOP)
@@ -110,21 +86,21 @@ SPOTTER = {"moving__refuse_spotter": 1.0, "moving__spotter_alone": 3.0}
 @pytest.mark.parametrize("command", ["tense", "release", "pull more", "pull less"])
 @pytest.mark.parametrize("is_moving", [False, True])
 def test_a_motion_with_a_stop_in_its_sound_is_refused_or_a_stop(command, is_moving):
-    assert commands(hear(command, is_moving, spotter=SpotterOf(0.9), **SPOTTER)) == [command]
-    refused = hear(command, is_moving, spotter=SpotterOf(1.5), **SPOTTER)
+    assert commands(hear(command, is_moving, score=0.9, **SPOTTER)) == [command]
+    refused = hear(command, is_moving, score=1.5, **SPOTTER)
     assert commands(refused) == []
     assert refusals(refused)[0].rejection.reason is RejectionReason.SECOND_VOICE
-    assert "stop" in commands(hear(command, is_moving, spotter=SpotterOf(3.5), **SPOTTER))
+    assert "stop" in commands(hear(command, is_moving, score=3.5, **SPOTTER))
 
 
 @pytest.mark.parametrize("command", ["hey robot", "terminate"])
 def test_what_moves_nothing_is_not_refused_for_it(command):
-    assert commands(hear(command, False, spotter=SpotterOf(1.5), **SPOTTER)) == [command]
+    assert commands(hear(command, False, score=1.5, **SPOTTER)) == [command]
 
 
 def test_switched_off_the_motion_is_taken_as_before():
     off = {**SPOTTER, "moving__is_enabled": False}
-    assert commands(hear("pull more", False, spotter=SpotterOf(1.5), **off)) == ["pull more"]
+    assert commands(hear("pull more", False, score=1.5, **off)) == ["pull more"]
 
 
 @pytest.mark.parametrize("text", WITH_STOP)

@@ -3,7 +3,7 @@
 
 import pytest
 
-from tests.unit.voice_assist.pipeline.test_pipeline import commands, hear, refusals
+from tests.unit.voice_assist.support.fake_pipeline import commands, hear, refusals
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
 from voice_assist.config import load_voice_config
 from voice_assist.types import Mode, RejectionReason

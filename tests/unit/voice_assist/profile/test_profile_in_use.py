@@ -21,12 +21,7 @@ from voice_assist.profile.active import (
     with_profile,
 )
 from voice_assist.profile.manifest import ACTIVE, REFUSED
-from voice_assist.profile.profile import (
-    VoiceProfile,
-    VoiceProfileError,
-    create_profile,
-    facts_of,
-)
+from voice_assist.profile.profile import VoiceProfile, VoiceProfileError, create_profile, facts_of
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.replay.replayer import restore_settings
 

@@ -5,18 +5,18 @@ from dataclasses import replace
 
 import pytest
 
-from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
+from tests.unit.voice_assist.support.fake_pipeline import decisions, hear
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, say
 from tests.unit.voice_assist.support.records import take
 from typed_config import load_config, load_yaml
 from voice_assist.config import CONFIG_DIR, CommandsConfig, load_voice_config
 from voice_assist.errors import VoiceError
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.intent.mapper import Mapper
-from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.profile import spellings
 from voice_assist.profile.profile import create_profile
 from voice_assist.profile.spellings import MAX_SPELLINGS, learn_spellings, overlay
-from voice_assist.types import Call, Match, Mode, NoMatch, UtteranceDecision, frozen_samples
+from voice_assist.types import Call, Match, NoMatch, frozen_samples
 
 FILES = {"commands_de.yaml": "de", "commands_es.yaml": "es", "endoscope_commands.yaml": "en-us"}
 GERMAN = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "commands_de.yaml"))
@@ -133,10 +133,7 @@ def decide(text, recognizer=None, **learned):
         for c in config.commands.commands
     )
     config = replace(config, commands=replace(config.commands, commands=changed))
-    pipeline = Pipeline(config, recognizer or FakeRecognizer(), make_detector(), lambda: 0.0)
-    pipeline.set_mode(Mode.ACTIVE, "test")
-    events = [e for frame in frames(say(text)) for e in pipeline(frame)]
-    return [e for e in events if isinstance(e, UtteranceDecision)]
+    return decisions(hear(text, recognizer=recognizer, config=config))
 
 
 def test_a_learned_spelling_moves_and_nothing_like_it_does():

@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
+from tests.unit.voice_assist.support.fake_pipeline import decisions, hear
 from voice_assist.config import load_voice_config
 from voice_assist.errors import ModelError
-from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.speaker import gate as gates
 from voice_assist.speaker import network
 from voice_assist.speaker.cohort import Cohort, read_cohort
@@ -26,7 +25,6 @@ from voice_assist.types import (
     NoMatch,
     Rejection,
     RejectionReason,
-    UtteranceDecision,
     frozen_samples,
 )
 
@@ -35,12 +33,8 @@ MOTIONS = ("tense", "release", "pull more", "pull less")
 OTHERS = ("hey robot", "stop", "terminate")
 
 
-def run(sound, gate, mode=Mode.ACTIVE):
-    config = load_voice_config()
-    pipeline = Pipeline(config, FakeRecognizer(), make_detector(), lambda: 0.0, gate=gate)
-    pipeline.set_mode(mode, "test")
-    events = [event for frame in frames(sound) for event in pipeline(frame)]
-    return [event for event in events if isinstance(event, UtteranceDecision)]
+def decided(text, gate, mode=Mode.ACTIVE):
+    return decisions(hear(text, mode, gate=gate))
 
 
 def nobody(samples):
@@ -53,21 +47,21 @@ def anybody(samples):
 
 @pytest.mark.parametrize("phrase", MOTIONS)
 def test_a_motion_in_another_voice_is_refused_by_name(phrase):
-    (decision,) = run(say(phrase), nobody)
+    (decision,) = decided(phrase, nobody)
     assert isinstance(decision.outcome, NoMatch) and decision.outcome.nearest_command == phrase
     assert decision.outcome.rejection.words.startswith("not this voice") and not decision.actions
 
 
 @pytest.mark.parametrize("phrase", MOTIONS)
 def test_a_motion_in_the_enrolled_voice_moves(phrase):
-    (decision,) = run(say(phrase), anybody)
+    (decision,) = decided(phrase, anybody)
     assert decision.outcome.command == phrase and Call(phrase) in decision.actions
 
 
 @pytest.mark.parametrize("gate", [nobody, ClosedGate("the model is missing")])
 @pytest.mark.parametrize("phrase", OTHERS)
 def test_what_moves_nothing_is_taken_from_any_voice(phrase, gate):
-    (decision,) = run(say(phrase), gate)
+    (decision,) = decided(phrase, gate)
     assert isinstance(decision.outcome, Match) and decision.outcome.command == phrase
 
 
@@ -77,18 +71,18 @@ def test_a_stop_never_asks_the_gate(mode):
         raise AssertionError("a stop waited for the gate")
 
     for text in ("stop", "please stop", "stop stop", "mumble 1.0 stop"):
-        assert any(Halt() in d.actions for d in run(say(text), never, mode)), text
+        assert any(Halt() in d.actions for d in decided(text, never, mode)), text
 
 
 def test_a_gate_that_cannot_judge_refuses_motion_with_its_reason():
-    (decision,) = run(say("tense"), ClosedGate("the model is missing"))
+    (decision,) = decided("tense", ClosedGate("the model is missing"))
     assert "cannot judge: the model is missing" in decision.outcome.rejection.words
 
 
 def test_what_moves_nothing_anyway_is_refused_for_its_own_reason():
     for text in ("do not pull more", "what he said", "tense"):
         mode = Mode.STANDBY if text == "tense" else Mode.ACTIVE
-        for decision in run(say(text), anybody, mode):
+        for decision in decided(text, anybody, mode):
             assert isinstance(decision.outcome, NoMatch) and not decision.actions
 
 
@@ -99,7 +93,7 @@ def test_the_gate_hears_the_utterance_and_judges_it_once():
         heard.append(len(spoken(samples)) / RATE)
         return None
 
-    run(say("tense"), gate)
+    decided("tense", gate)
     assert heard and min(heard) > 0.15
 
 

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 import soxr
 
-from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
+from tests.unit.voice_assist.support.fake_pipeline import FakeSpotting, decisions, hear
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames
 from voice_assist.assembly import make_spotter
 from voice_assist.audio.espeak import espeak
 from voice_assist.audio.source import FRAME
 from voice_assist.config import load_voice_config
 from voice_assist.errors import CommandsError, ModelError
-from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.spotter.features import STEP, Embedder
 from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.spotter.head import CONTEXT, read_head
-from voice_assist.spotter.spotter import Spotted, Spotter
+from voice_assist.spotter.spotter import Spotter
 from voice_assist.types import (
     RATE,
     Call,
@@ -22,7 +22,7 @@ from voice_assist.types import (
     Halt,
     Hypothesis,
     Match,
-    UtteranceDecision,
+    Mode,
     frozen_samples,
 )
 
@@ -162,25 +162,6 @@ def test_the_best_score_is_that_of_the_time_asked_for():
 # --- the rule
 
 
-class ScriptedSpotting:
-    """A spotter with a given best score; fires once from a time on."""
-
-    def __init__(self, best=None, at=None, is_sent=False):
-        self.score, self.at, self.is_sent = best, at, is_sent
-
-    def __call__(self, frame):
-        if self.at is not None and frame.stamp >= self.at:
-            self.at = None
-            return Spotted(frame.end, 9.0, self.is_sent)
-        return None
-
-    def best(self, since):
-        return self.score
-
-    def reset(self):
-        pass
-
-
 @pytest.mark.parametrize(
     ("confidence", "is_ready", "spotted", "stops"),
     [
@@ -196,7 +177,7 @@ class ScriptedSpotting:
     ],
 )
 def test_a_written_stop_needs_certainty_or_agreement(confidence, is_ready, spotted, stops):
-    second = StopFusion(RULE.spotter, ScriptedSpotting(spotted))
+    second = StopFusion(RULE.spotter, FakeSpotting(spotted))
     assert second.confirms(StopEvidence(confidence, is_ready, spotted), "stop") == stops
 
 
@@ -205,7 +186,7 @@ def test_a_written_stop_needs_certainty_or_agreement(confidence, is_ready, spott
     [(None, 5.0, False), (3.0, 5.0, False), (5.0, -2.0, True), (5.0, -4.0, False)],
 )
 def test_the_spotter_overrules_only_near_the_recognisers_own_opinion(spotted, ratio, stops):
-    assert StopFusion(RULE.spotter, ScriptedSpotting(spotted)).overrules(spotted, ratio) == stops
+    assert StopFusion(RULE.spotter, FakeSpotting(spotted)).overrules(spotted, ratio) == stops
 
 
 def test_what_is_spotted_must_be_a_halt():
@@ -223,12 +204,9 @@ def test_a_damaged_model_is_named(tmp_path):
 # --- in the pipeline
 
 
-def decisions(text, spotting, confidence=0.8, scores=None):
+def decided(text, spotting, confidence=0.8, scores=None):
     recognizer = FakeRecognizer(scores, confidence)
-    second = StopFusion(RULE.spotter, spotting)
-    pipeline = Pipeline(RULE, recognizer, make_detector(), lambda: 0.0, second)
-    events = [e for frame in frames(say(text)) for e in pipeline(frame)]
-    return [e for e in events if isinstance(e, UtteranceDecision)]
+    return decisions(hear(text, Mode.STANDBY, recognizer, config=RULE, spotting=spotting))
 
 
 def stops(found):
@@ -236,53 +214,53 @@ def stops(found):
 
 
 def test_an_unsure_stop_that_the_spotter_did_not_hear_is_refused_with_its_reason():
-    (decision,) = decisions("stop", ScriptedSpotting(-9.0), 0.7)
+    (decision,) = decided("stop", FakeSpotting(-9.0), 0.7)
     assert stops([decision]) == []
     assert "spotter" in decision.outcome.rejection.words
 
 
 def test_an_unsure_stop_that_the_spotter_heard_too_stops():
-    (decision,) = stops(decisions("stop", ScriptedSpotting(2.0), 0.7))
+    (decision,) = stops(decided("stop", FakeSpotting(2.0), 0.7))
     assert decision.decided_by == "recognizer"
 
 
 def test_without_a_spotter_an_unsure_stop_stops():
-    assert len(stops(decisions("stop", None, 0.7))) == 1
-    assert len(stops(decisions("stop", ScriptedSpotting(None), 0.7))) == 1
+    assert len(stops(decided("stop", None, 0.7))) == 1
+    assert len(stops(decided("stop", FakeSpotting(None), 0.7))) == 1
 
 
 def test_a_word_near_stop_that_the_spotter_believes_in_stops():
-    (decision,) = stops(decisions("mumble", ScriptedSpotting(5.0), scores={"stop": -1.0}))
+    (decision,) = stops(decided("mumble", FakeSpotting(5.0), scores={"stop": -1.0}))
     assert decision.decided_by == "spotter"
-    assert stops(decisions("mumble", ScriptedSpotting(5.0), scores={"stop": -9.0})) == []
-    assert stops(decisions("mumble", ScriptedSpotting(0.0), scores={"stop": -1.0})) == []
+    assert stops(decided("mumble", FakeSpotting(5.0), scores={"stop": -9.0})) == []
+    assert stops(decided("mumble", FakeSpotting(0.0), scores={"stop": -1.0})) == []
 
 
 def test_a_denied_stop_is_not_fired_by_half_belief():
-    assert stops(decisions("not stop", ScriptedSpotting(5.0), scores={"stop": -1.0})) == []
+    assert stops(decided("not stop", FakeSpotting(5.0), scores={"stop": -1.0})) == []
 
 
 def test_the_spotter_alone_stops_in_quiet_and_says_who_it_was():
-    (decision,) = stops(decisions("1.0", ScriptedSpotting(None, at=100.8)))
+    (decision,) = stops(decided("1.0", FakeSpotting(None, at=100.8)))
     assert decision.decided_by == "spotter"
     assert decision.outcome == Match("stop", decision.outcome.wer)
     assert decision.hypothesis == Hypothesis("", 0.0, 0.0)
 
 
 def test_a_stop_that_was_sent_already_is_reported_and_not_sent_again():
-    (decision,) = decisions("1.0", ScriptedSpotting(None, at=100.8, is_sent=True))
+    (decision,) = decided("1.0", FakeSpotting(None, at=100.8, is_sent=True))
     assert decision.outcome.command == "stop"
     assert stops([decision]) == []
     assert Call("stop") in decision.actions
 
 
 def test_after_a_stop_spotted_in_quiet_the_recogniser_still_hears_the_next():
-    found = stops(decisions("1.0 stop", ScriptedSpotting(None, at=100.4)))
+    found = stops(decided("1.0 stop", FakeSpotting(None, at=100.4)))
     assert [d.decided_by for d in found] == ["spotter", "recognizer"]
 
 
 def test_both_ways_give_one_decision_for_one_word():
-    early = stops(decisions("stop", ScriptedSpotting(9.0, at=100.6), 0.95))
-    late = stops(decisions("stop", ScriptedSpotting(9.0, at=100.9), 0.95))
+    early = stops(decided("stop", FakeSpotting(9.0, at=100.6), 0.95))
+    late = stops(decided("stop", FakeSpotting(9.0, at=100.9), 0.95))
     assert len(early) == len(late) == 1
     assert (early[0].decided_by, late[0].decided_by) == ("spotter", "recognizer")

@@ -11,13 +11,7 @@ import numpy as np
 
 from voice_assist.config.enrolment import AdaptConfig
 from voice_assist.enrolment.adapt import Adapted, adapt
-from voice_assist.enrolment.examples import (
-    Example,
-    broken_off,
-    other_voices,
-    take_example,
-    varied,
-)
+from voice_assist.enrolment.examples import Example, broken_off, other_voices, take_example, varied
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import VoiceProfile
 from voice_assist.recognizer.embedded import EmbeddedRecognizer

@@ -8,16 +8,7 @@ import re
 from dataclasses import asdict, dataclass
 from typing import Any, TypeVar
 
-from typed_config import (
-    ConfigError,
-    choice,
-    integer,
-    items,
-    load_config,
-    number,
-    require,
-    text,
-)
+from typed_config import ConfigError, choice, integer, items, load_config, number, require, text
 from voice_assist.config.profile import require_name
 from voice_assist.errors import VoiceError
 

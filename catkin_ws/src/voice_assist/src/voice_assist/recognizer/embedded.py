@@ -16,20 +16,9 @@ from voice_assist.recognizer.ctc import greedy_text
 from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.recognizer import LONGEST, SHORTEST, drop_hallucination, is_same
-from voice_assist.recognizer.scoring import (
-    ctc_likelihoods,
-    decoder_likelihoods,
-    ratios,
-)
+from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods, ratios
 from voice_assist.recognizer.verification import BLOCKS, PhraseVerifier
-from voice_assist.recognizer.vocabulary import (
-    END,
-    NO_SPEECH,
-    PROMPT,
-    WHISPER_IDS,
-    decode,
-    encode,
-)
+from voice_assist.recognizer.vocabulary import END, NO_SPEECH, PROMPT, WHISPER_IDS, decode, encode
 from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 EMBEDDING = "decoder.token_embedding.weight"

@@ -13,11 +13,7 @@ from whisper.decoding import DecodingOptions, DecodingTask, GreedyDecoder
 from whisper.model import LayerNorm, Whisper
 
 from voice_assist.errors import ModelError
-from voice_assist.recognizer.checkpoint import (
-    Checkpoint,
-    find_checkpoint,
-    read_checkpoint,
-)
+from voice_assist.recognizer.checkpoint import Checkpoint, find_checkpoint, read_checkpoint
 from voice_assist.recognizer.embedded import EmbeddedRecognizer, is_audible
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
