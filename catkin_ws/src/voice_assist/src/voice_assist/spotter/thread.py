@@ -6,21 +6,20 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import replace
 
 from voice_assist.side_inputs import Observer, SideInput, SideInputKind, ignore
-from voice_assist.spotter.spotter import NEWEST, Spotted, Spotting
+from voice_assist.spotter.spotter import Spotted, Spotting
+from voice_assist.spotter.view import SpotterView
 from voice_assist.types import Frame
 
 
-class SpotterThread:
-    """Takes frames without ever blocking who brings them; the oldest give way.
+class SpotterThread(SpotterView):
+    """Takes frames without ever blocking the caller that brings them; the oldest give way.
 
     To the pipeline it is a spotter that has heard each frame when the pipeline has, and none that
-    comes after: it waits for the thread for up to `patience`, and shows nothing newer. So what both
-    decide is a function of the sound, however busy the machine is. After a wait in vain it does not
-    wait again until the thread has caught up. While the thread is behind, and once it has failed,
-    it says that nobody listens, and the recogniser decides alone.
+    comes after: the pipeline waits for the thread for up to `patience`. So what both decide is a
+    function of the sound, however busy the machine is. After a wait in vain it does not wait again
+    until the thread has caught up.
     """
 
     def __init__(
@@ -42,16 +41,12 @@ class SpotterThread:
             patience: Longest wait of the pipeline for the thread [s].
             observer: Gets frames that it was late for, or never took.
         """
-        self._spotter, self._capacity, self._patience = spotter, capacity, patience
+        super().__init__(spotter)
+        self._capacity, self._patience = capacity, patience
         self._on_spotted, self._on_failure, self._observer = on_spotted, on_failure, observer
         self._ready = threading.Condition()
         self._frames: deque[Frame] = deque()
-        self._spotted: deque[tuple[int, Spotted]] = deque()  # for the pipeline, and since when
-        self._heard_until = 0  # index of the sample that follows all that the thread has heard
-        self._shown_until = NEWEST  # of which the pipeline sees so much
         self._is_in_step = True
-        self._is_deaf = False  # the pipeline knows that the thread has failed
-        self._is_late = False  # it has not heard the newest frame of the pipeline
         self._is_over = False
         self._thread = threading.Thread(target=self._run, name="spotter", daemon=True)
         self.dropped = 0  # frames
@@ -80,27 +75,10 @@ class SpotterThread:
 
     def __call__(self, frame: Frame) -> Spotted | None:
         """What was spotted up to that frame, which itself came by `feed`."""
-        until = frame.next_sample
         with self._ready:
-            self._wait_for(until)
-            self._note(frame, until)
-            self._shown_until = min(self._heard_until, until)
-            self._is_late = self._heard_until < until
-            if self._spotted and self._spotted[0][0] <= until:
-                return self._spotted.popleft()[1]
-            return None
-
-    def best(self, since: float, until: int = NEWEST) -> float | None:
-        """Highest score that the pipeline may know; None: nobody listens in time.
-
-        What the thread has not heard yet must not keep a stop from being taken.
-        """
-        if self._is_deaf or self._is_late:
-            return None
-        return self._spotter.best(since, min(until, self._shown_until))
-
-    def reset(self) -> None:
-        """Nothing: the stream that the thread hears goes on."""
+            self._wait_for(frame.next_sample)
+            self._note(frame)
+            return self._show(frame, is_late=self._heard_until < frame.next_sample)
 
     def _wait_for(self, until: int) -> None:
         def is_there() -> bool:
@@ -109,9 +87,10 @@ class SpotterThread:
         patience = self._patience if self._is_in_step else 0.0
         self._is_in_step = self._ready.wait_for(is_there, patience)
 
-    def _note(self, frame: Frame, until: int) -> None:
+    def _note(self, frame: Frame) -> None:
         """Say so where the pipeline sees less than the sound alone would show it."""
-        if self._is_deaf or (self._heard_until >= until and not self.has_failed):
+        is_heard = self._heard_until >= frame.next_sample
+        if self._is_deaf or (is_heard and not self.has_failed):
             return
         self._is_deaf = self.has_failed
         kind = SideInputKind.SPOTTER_FAILED if self.has_failed else SideInputKind.SPOTTER_LATE
@@ -126,20 +105,14 @@ class SpotterThread:
                 spotted = self._spotter(frame)
                 if spotted is not None:
                     self._on_spotted(spotted)
-                self._heard(frame, spotted)
+                with self._ready:
+                    self._note_heard(frame, spotted)
+                    self._ready.notify_all()
         except Exception as error:  # top of a thread: the recogniser must know that it is alone
             with self._ready:
                 self.has_failed = True
                 self._ready.notify_all()
             self._on_failure(error)
-
-    def _heard(self, frame: Frame, spotted: Spotted | None) -> None:
-        until = frame.next_sample
-        with self._ready:
-            if spotted is not None:
-                self._spotted.append((until, replace(spotted, is_sent=True)))
-            self._heard_until = until
-            self._ready.notify_all()
 
     def _next(self) -> Frame | None:
         """The next frame; None: it is over."""
