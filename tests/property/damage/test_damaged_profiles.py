@@ -34,7 +34,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> VoiceProfile:
     chosen = thresholds.Settings(
         commands=(thresholds.Setting(phrase="stop", least_confidence=0.5),)
     )
-    made.put("settings.json", thresholds.to_bytes(chosen))
+    made.put("settings.json", to_bytes(chosen))
     return made
 
 

@@ -14,7 +14,8 @@ from voice_assist.config.enrolment import load_enrolment_config
 from voice_assist.enrolment.self_check import SelfCheckResult, SelfCheckTrial
 from voice_assist.enrolment.thresholds import ConfidenceEvidence, choose_threshold, expected_errors
 from voice_assist.evaluation.exact_bounds import rate_at_most, share_at_most
-from voice_assist.profile.thresholds import Setting, Settings, from_bytes, overlay, to_bytes
+from voice_assist.profile.manifest import to_bytes
+from voice_assist.profile.thresholds import Setting, Settings, from_bytes, overlay
 
 COMMANDS = load_voice_config().commands
 CONFIG = load_enrolment_config()

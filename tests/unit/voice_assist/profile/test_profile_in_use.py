@@ -20,7 +20,7 @@ from voice_assist.profile.active import (
     profile_in_use,
     with_profile,
 )
-from voice_assist.profile.manifest import ACTIVE, REFUSED
+from voice_assist.profile.manifest import ACTIVE, REFUSED, to_bytes
 from voice_assist.profile.profile import VoiceProfile, VoiceProfileError, create_profile, facts_of
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.replay.replayer import restore_settings
@@ -32,7 +32,7 @@ def profile(tmp_path: Path, base: EmbeddedRecognizer) -> VoiceProfile:
     state = {"ctc.bias": base.model.get_parameter("ctc.bias").detach() + 1.0}
     made.put(model_file.NAME, model_file.to_bytes(state, base.model_hash))
     wanted = (thresholds.Setting(phrase="pull more", least_confidence=0.8),)
-    made.put(thresholds.NAME, thresholds.to_bytes(thresholds.Settings(commands=wanted)))
+    made.put(thresholds.NAME, to_bytes(thresholds.Settings(commands=wanted)))
     made.judge(ACTIVE)
     return made
 

@@ -14,6 +14,7 @@ from voice_assist.errors import VoiceError
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.intent.mapper import Mapper
 from voice_assist.profile import spellings
+from voice_assist.profile.manifest import to_bytes
 from voice_assist.profile.profile import create_profile
 from voice_assist.profile.spellings import MAX_SPELLINGS, learn_spellings, overlay
 from voice_assist.types import Call, Match, NoMatch, frozen_samples
@@ -90,7 +91,7 @@ def test_only_the_most_frequent_are_kept():
 
 def test_the_profile_keeps_them_and_they_are_laid_over_the_commands():
     found, _ = learn(mehr_ziehen=["makes in"] * 2)
-    again = spellings.from_bytes(spellings.to_bytes(found))
+    again = spellings.from_bytes(to_bytes(found))
     commands = overlay(GERMAN, again)
     assert again == found and Mapper(commands)("Makes in.").command == "mehr ziehen"
     assert isinstance(Mapper(GERMAN)("makes in"), NoMatch)

@@ -90,7 +90,7 @@ class FakeReplay(PipelineReplay):
 
     def _build(self, recognizer):
         second = StopFusion(self._config.spotter, self._spotter)
-        return Pipeline(self._config, recognizer, make_detector(), self._clock, second)
+        return Pipeline(self._config, recognizer, make_detector(), lambda: self._now, second)
 
 
 SAME = ("confidence", "decided_by", "is_partial", "speech_start", "speech_end")

@@ -22,7 +22,7 @@ from voice_assist.enrolment.voiceprint import put_voiceprint
 from voice_assist.errors import VoiceError
 from voice_assist.profile import model_file, thresholds
 from voice_assist.profile.active import PersonalRecognizer, with_spellings
-from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED
+from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED, to_bytes
 from voice_assist.profile.profile import VoiceProfile, VoiceProfileError
 from voice_assist.profile.spellings import put_spellings
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
@@ -119,7 +119,7 @@ def _write(
     else:
         data = model_file.to_bytes(learned.state, profile.manifest.base_sha256)
         profile.put(model_file.NAME, data)
-    profile.put(thresholds.NAME, thresholds.to_bytes(verdict.settings))
+    profile.put(thresholds.NAME, to_bytes(verdict.settings))
     facts = profile.manifest, verdict, problems, effort
     profile.put(report.JSON, report.as_json(*facts))
     profile.put(report.MARKDOWN, report.as_markdown(*facts))

@@ -59,27 +59,33 @@ class SelfCheckResult:
                 f"takes: {mine} of {len(self.own)} right, allowed: at least "
                 f"{base - limits.own_worse}, as the base has {base}"
             )
-        _limit(
-            found,
-            "takes for another command",
-            _confused(self.own, "profile"),
-            _confused(self.own, "base") + limits.own_confused,
-        )
-        _limit(
-            found,
-            "commands taken from talk",
-            sum(len(trial.profile) for trial in self.talk),
-            sum(len(trial.base) for trial in self.talk) + limits.talk_more,
-        )
         said = [trial for trial in self.others if trial.phrase]
         rest = [trial for trial in self.others if not trial.phrase]
-        lost = _right(said, "base") - _right(said, "profile")
-        allowed = _whole(limits.others_worse, len(said))
-        _limit(found, f"of {len(said)} commands of other voices lost", lost, allowed)
         more = sum(bool(t.profile) and not t.base for t in rest)
         more -= sum(bool(t.base) and not t.profile for t in rest)
-        allowed = _whole(limits.others_taken, len(rest))
-        _limit(found, f"of {len(rest)} near misses and talk of others newly taken", more, allowed)
+        limited = (
+            (
+                "takes for another command",
+                _confused(self.own, "profile"),
+                _confused(self.own, "base") + limits.own_confused,
+            ),
+            (
+                "commands taken from talk",
+                sum(len(trial.profile) for trial in self.talk),
+                sum(len(trial.base) for trial in self.talk) + limits.talk_more,
+            ),
+            (
+                f"of {len(said)} commands of other voices lost",
+                _right(said, "base") - _right(said, "profile"),
+                _whole(limits.others_worse, len(said)),
+            ),
+            (
+                f"of {len(rest)} near misses and talk of others newly taken",
+                more,
+                _whole(limits.others_taken, len(rest)),
+            ),
+        )
+        found += [f"{what}: {n}, allowed: up to {most}" for what, n, most in limited if n > most]
         return tuple(found)
 
 
@@ -226,11 +232,6 @@ def _right(trials: Sequence[SelfCheckTrial], who: str) -> int:
 
 def _confused(trials: Sequence[SelfCheckTrial], who: str) -> int:
     return sum(bool(set(getattr(trial, who)) - {trial.phrase}) for trial in trials)
-
-
-def _limit(found: list[str], what: str, value: int, allowed: int) -> None:
-    if value > allowed:
-        found.append(f"{what}: {value}, allowed: up to {allowed}")
 
 
 def _whole(share: float, count: int) -> int:

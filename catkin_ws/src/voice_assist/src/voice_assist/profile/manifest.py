@@ -6,11 +6,14 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import asdict, dataclass
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from typed_config import ConfigError, choice, integer, items, load_config, number, require, text
 from voice_assist.config.profile import require_name
 from voice_assist.errors import VoiceError
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 T = TypeVar("T")
 FORMAT = 1
@@ -110,13 +113,13 @@ def read_part(kind: type[T], data: bytes, name: str) -> T:
         raise VoiceError(f"{name} of the profile cannot be used: {error}") from error
 
 
-def to_bytes(manifest: Manifest) -> bytes:
-    """As profile.json holds it."""
-    return (json.dumps(asdict(manifest), indent=1, allow_nan=False) + "\n").encode()
+def to_bytes(part: DataclassInstance) -> bytes:
+    """The manifest or another part of a profile, as its file of JSON holds it."""
+    return (json.dumps(asdict(part), indent=1, allow_nan=False) + "\n").encode()
 
 
 def from_bytes(data: bytes, where: str) -> Manifest:
-    """What `to_bytes` gave.
+    """The manifest that `to_bytes` gave.
 
     Args:
         data: Of the file.

@@ -7,7 +7,6 @@ ziehen" it writes something else, but for one person mostly the same, and that i
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +17,7 @@ from voice_assist.config.commands import CommandsConfig
 from voice_assist.errors import CommandsError
 from voice_assist.intent.confusability import objection
 from voice_assist.profile.loudness import speech_of
-from voice_assist.profile.manifest import COMMAND, read_part
+from voice_assist.profile.manifest import COMMAND, read_part, to_bytes
 from voice_assist.text.normalize import is_negated, normalize
 
 if TYPE_CHECKING:
@@ -127,14 +126,8 @@ def overlay(commands: CommandsConfig, spellings: Spellings) -> CommandsConfig:
     return commands
 
 
-def to_bytes(spellings: Spellings) -> bytes:
-    """As spellings.json holds it."""
-    found = [{"phrase": s.phrase, "learned": list(s.learned)} for s in spellings.commands]
-    return (json.dumps({"commands": found}, indent=1) + "\n").encode()
-
-
 def from_bytes(data: bytes) -> Spellings:
-    """What `to_bytes` gave.
+    """What `manifest.to_bytes` gave.
 
     Raises:
         VoiceError: It is something else.

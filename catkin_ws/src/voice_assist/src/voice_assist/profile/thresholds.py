@@ -7,8 +7,7 @@ commands.yaml has it: whatever the file says, `overlay` keeps that.
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 
 from typed_config import items, number, text
 from voice_assist.config.commands import NEVER_SURE, CommandConfig, CommandsConfig
@@ -37,13 +36,8 @@ class Settings:
         return found[0] if found else None
 
 
-def to_bytes(settings: Settings) -> bytes:
-    """As settings.json holds it."""
-    return (json.dumps(asdict(settings), indent=1) + "\n").encode()
-
-
 def from_bytes(data: bytes) -> Settings:
-    """What `to_bytes` gave.
+    """What `manifest.to_bytes` gave.
 
     Raises:
         VoiceError: It is something else.

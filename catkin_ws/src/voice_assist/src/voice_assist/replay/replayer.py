@@ -97,18 +97,6 @@ class ReplayedDecision:
     decision: float  # [s] end of the frame with which it was decided
 
 
-class RecordedClock:
-    """Shows the time at which the newest frame was there, whatever the time is now."""
-
-    def __init__(self) -> None:
-        """Start at no time."""
-        self.now = 0.0  # [s]
-
-    def __call__(self) -> float:
-        """Recorded time [s]."""
-        return self.now
-
-
 class PipelineReplay:
     """The pipeline of one run of the node."""
 
@@ -131,12 +119,12 @@ class PipelineReplay:
         self.spotter_hash = ""
         self.warnings: tuple[str, ...] = ()
         self._config, self._past = config, past
-        self._clock = RecordedClock()
+        self._now = 0.0  # [s] recorded time at which the newest frame was there
         self._spotter = RecordedSpotter(spotter, past) if spotter is not None else None
         self._pipeline = self._build(recognizer)
 
     def _build(self, recognizer: Recognizer) -> Pipeline:
-        return make_pipeline(self._config, self._clock, recognizer, self._spotter)
+        return make_pipeline(self._config, lambda: self._now, recognizer, self._spotter)
 
     def hear(self, sound: RecordedSound) -> list[ReplayedDecision]:
         """Take the next block of sound, as it was published; gives what was decided with it.
@@ -151,9 +139,9 @@ class PipelineReplay:
             self._spotter.feed(frame)
         if self._past.get(SideInputKind.UNHEARD, frame.first_sample):
             return []
-        self._clock.now = frame.end
+        self._now = frame.end
         if self._past.get(SideInputKind.BEHIND, frame.first_sample):
-            self._clock.now += 2.0 * self._config.recognizer.early.max_backlog + 1.0
+            self._now += 2.0 * self._config.recognizer.early.max_backlog + 1.0
         return _decisions(self._pipeline(frame), frame.end)
 
     def _take(self, given: SideInput) -> None:

@@ -14,58 +14,22 @@ LONGEST = 2000  # characters that are read: a minute of fast talk; an utterance 
 
 _APOSTROPHES = str.maketrans(dict.fromkeys("\u2019\u2018\u02bc\u00b4`\u02b9\uff07", "'"))
 _IRREGULAR = {
-    "won't": "will not",
-    "can't": "can not",
-    "shan't": "shall not",
-    "ain't": "is not",
-    "let's": "let us",
-    "it's": "it is",
-    "that's": "that is",
-    "what's": "what is",
-    "he's": "he is",
-    "she's": "she is",
-    "there's": "there is",
-    "gonna": "going to",
-    "wanna": "want to",
-    "dont": "do not",
-    "cant": "can not",
-    "wont": "will not",
-    "doesnt": "does not",
-    "didnt": "did not",
-    "isnt": "is not",
-    "shouldnt": "should not",
-    "cannot": "can not",
+    **{"won't": "will not", "can't": "can not", "shan't": "shall not", "ain't": "is not"},
+    **{"let's": "let us", "it's": "it is", "that's": "that is", "what's": "what is"},
+    **{"he's": "he is", "she's": "she is", "there's": "there is"},
+    **{"gonna": "going to", "wanna": "want to", "dont": "do not", "cant": "can not"},
+    **{"wont": "will not", "doesnt": "does not", "didnt": "did not", "isnt": "is not"},
+    **{"shouldnt": "should not", "cannot": "can not"},
 }
 _ENDINGS = (
-    ("n't", " not"),
-    ("'re", " are"),
-    ("'ll", " will"),
-    ("'ve", " have"),
-    ("'m", " am"),
-    ("'d", " would"),
+    *(("n't", " not"), ("'re", " are"), ("'ll", " will"), ("'ve", " have")),
+    *(("'m", " am"), ("'d", " would")),
 )
-_ONES = [
-    "zero",
-    "one",
-    "two",
-    "three",
-    "four",
-    "five",
-    "six",
-    "seven",
-    "eight",
-    "nine",
-    "ten",
-    "eleven",
-    "twelve",
-    "thirteen",
-    "fourteen",
-    "fifteen",
-    "sixteen",
-    "seventeen",
-    "eighteen",
+_ONES = (
+    *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"),
+    *("eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen", "eighteen"),
     "nineteen",
-]
+)
 _TENS = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
 _POINT = re.compile(r"(?<![^\W\d])\.(\d+)")  # of a number such as 1.5 or .5
 _TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)*|\d+")

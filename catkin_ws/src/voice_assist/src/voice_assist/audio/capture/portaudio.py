@@ -70,12 +70,14 @@ class PortAudio:
         """Load PortAudio.
 
         Raises:
-            DeviceError: The library is not installed.
+            DeviceError: The library is not installed, or cannot start.
         """
         try:
             import sounddevice
         except OSError as error:
             raise DeviceError(f"PortAudio is missing ({error}); install libportaudio2") from error
+        except Exception as error:  # the import starts PortAudio, whose error it then defines
+            raise DeviceError(f"PortAudio cannot start ({error})") from error
         self._sd: Any = sounddevice
         os.environ.setdefault("PULSE_LATENCY_MSEC", _PULSE_LATENCY_MS)
 
@@ -86,11 +88,12 @@ class PortAudio:
             DeviceError: PortAudio cannot search.
         """
         try:
-            self._sd._terminate()
+            while self._sd._initialized:  # 0 after a start that failed, which ends nothing
+                self._sd._terminate()
             self._sd._initialize()
-        except self._sd.PortAudioError as error:
+            entries, default = list(self._sd.query_devices()), self._sd.default.device[0]
+        except (self._sd.PortAudioError, ValueError) as error:  # or a name that is no text
             raise DeviceError(f"the sound devices cannot be searched ({error})") from error
-        default = self._sd.default.device[0]
         found = [
             Device(
                 entry["name"],
@@ -98,7 +101,7 @@ class PortAudio:
                 entry["index"] == default,
                 _channels(entry["max_input_channels"]),
             )
-            for entry in self._sd.query_devices()
+            for entry in entries
             if entry["max_input_channels"] > 0
         ]
         sources = pulse_sources() if any(d.name in _SERVERS for d in found) else ()
