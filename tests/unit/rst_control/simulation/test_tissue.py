@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from rst_control.config import load_simulation_config
+from rst_control.simulation.mass_spring import MassSpringSheet, SheetMaterial
 from rst_control.simulation.tissue import SimulatedTissue
 from rst_control.tissue.sheet import rim_nodes
 
@@ -56,32 +57,37 @@ def test_force_opposes_the_pull():
     assert -force @ ALONG > 0.95 * np.linalg.norm(force)
 
 
-def test_at_rest_the_rim_the_jaws_and_the_surroundings_balance():
-    sheet = tissue()
-    pulled(sheet, 0.015, settle=2.0)
-    balance = sheet.balance
-    assert np.linalg.norm(balance.jaws) > 1.0
-    assert np.allclose(balance.jaws + balance.rim, balance.surroundings, atol=1e-6)
+def free_sheet(**changes) -> MassSpringSheet:
+    """A sheet of 60 by 40 mm that nothing holds at its rim."""
+    columns, rows = np.meshgrid(np.linspace(0.0, 0.06, 7), np.linspace(0.0, 0.04, 5), indexing="ij")
+    points = np.stack([columns, rows, np.zeros((7, 5))], axis=-1).reshape(-1, 3)
+    material = SheetMaterial(stiffness=200.0, mass=1e-4, damping=0.02, drag=0.0, bed=0.0)
+    return MassSpringSheet(points, 7, 5, np.zeros(35, bool), replace(material, **changes))
 
 
-def test_without_a_bed_the_rim_alone_carries_the_pull():
-    sheet = tissue(bed_stiffness=0.0)
-    force = pulled(sheet, 0.015, settle=2.0)
-    assert np.allclose(sheet.balance.rim, -force, atol=1e-6)
-
-
-def test_every_step_the_forces_explain_the_change_of_momentum():
-    sheet = tissue()
-    rng = np.random.default_rng(4)
-    sheet.grasp(GRASP)
-    tip, before = GRASP.copy(), sheet.momentum
+def test_the_force_on_what_holds_a_node_is_the_change_of_momentum_of_all_others():
+    sheet, held, rng = free_sheet(), 17, np.random.default_rng(4)
+    others, target = np.arange(35) != held, sheet.home[17].copy()
+    sheet.v[:] = rng.normal(0.0, 0.01, sheet.v.shape)
+    steps = int(np.ceil(STEP / sheet.longest_step()))
     for _ in range(300):
-        tip = tip + rng.normal(0.0, 2e-4, 3)
-        sheet.advance(tip)
-        after, done = sheet.momentum, sheet.balance
-        forces = done.surroundings - done.jaws - done.rim
-        assert np.allclose(after - before, forces * STEP, atol=1e-12)
-        before = after
+        target += rng.normal(0.0, 2e-4, 3)
+        before = sheet.material.mass * sheet.v[others].sum(axis=0)
+        force = sheet.advance(STEP, steps, held, target)
+        after = sheet.material.mass * sheet.v[others].sum(axis=0)
+        assert np.allclose(after - before, -force * STEP, atol=1e-12)
+
+
+def test_at_rest_the_bed_carries_the_pull():
+    sheet, pull = free_sheet(bed=2.0, drag=50.0), np.array([0.0, 0.0, 0.005])
+    steps = int(np.ceil(STEP / sheet.longest_step()))
+    for share in np.linspace(0.0, 1.0, 200):
+        sheet.advance(STEP, steps, 17, sheet.home[17] + share * pull)
+    for _ in range(3000):
+        force = sheet.advance(STEP, steps, 17, sheet.home[17] + pull)
+    others = np.arange(35) != 17
+    assert np.linalg.norm(force) > 0.03
+    assert np.allclose(force, 2.0 * (sheet.home - sheet.x)[others].sum(axis=0), atol=1e-6)
 
 
 def test_taking_hold_changes_no_force():

@@ -74,15 +74,6 @@ class SheetMaterial:
     bed: float  # [N/m] pull of each node towards its place at rest
 
 
-@dataclass(frozen=True, eq=False)
-class Impulses:
-    """Mean forces over one step, base frame, [N], each of shape (3,)."""
-
-    held: NDArray[np.float64]  # of the sheet on whatever moves the held node
-    rim: NDArray[np.float64]  # of the sheet on its fixed nodes
-    outside: NDArray[np.float64]  # of drag and bed on the free nodes
-
-
 @partial(kernel, error_model="numpy")
 def _link_forces(
     x: Rows,
@@ -136,14 +127,16 @@ def _advance(
     duration: float,
     steps: int,
     scratch: NDArray[np.float64],
-    sums: NDArray[np.float64],
+    felt: NDArray[np.float64],
 ) -> None:
-    """Move on by `steps` equal steps; what is fixed or held has no freedom and keeps its speed."""
+    """Move on by `steps` equal steps; what is fixed or held has no freedom and keeps its speed.
+
+    Writes the links' mean force on the held node into `felt` (3,).
+    """
     stiffness, mass, damping, drag, bed = material
     dt = duration / steps
-    force, pull, felt, pushed = scratch[0], scratch[1], scratch[2], scratch[3]
+    force, pull = scratch[0], scratch[1]
     felt[:] = 0.0
-    pushed[:] = 0.0
     if held >= 0:
         free[held] = 0.0
         for axis in range(3):
@@ -152,24 +145,17 @@ def _advance(
         _link_forces(x, v, offset, rest, strength, stiffness, damping, force, pull)
         for axis in range(3):
             xa, va, ha, fa = x[axis], v[axis], home[axis], force[axis]
-            ta, oa = felt[axis], pushed[axis]
+            if held >= 0:
+                felt[axis] += fa[held]
             for n in range(free.size):
                 outside = free[n] * (bed * (ha[n] - xa[n]) - drag * mass * va[n])
-                ta[n] += fa[n]
-                oa[n] += outside
                 va[n] += (free[n] * fa[n] + outside) * (dt / mass)
                 xa[n] += va[n] * dt
-    sums[:] = 0.0
-    for axis in range(3):
-        for n in range(free.size):
-            sums[1, axis] += (1.0 - free[n]) * felt[axis, n] / steps
-            sums[2, axis] += pushed[axis, n] / steps
-        if held >= 0:
-            sums[0, axis] = felt[axis, held] / steps
-            sums[1, axis] -= sums[0, axis]
-            x[axis, held] = target[axis]
     if held >= 0:
         free[held] = 1.0
+        for axis in range(3):
+            felt[axis] /= steps
+            x[axis, held] = target[axis]
 
 
 class MassSpringSheet:
@@ -197,7 +183,7 @@ class MassSpringSheet:
         self.links = Links.between(self.home, columns, rows)
         self.fixed, self.material = fixed, material
         self._free = (~fixed).astype(float)
-        self._scratch, self._sums = np.zeros((4, *self._home.shape)), np.zeros((3, 3))
+        self._scratch, self._felt = np.zeros((2, *self._home.shape)), np.zeros(3)
 
     def longest_step(self) -> float:
         """Largest time step to use [s]: 0.7 of the stability limit of the fastest vibration."""
@@ -208,7 +194,7 @@ class MassSpringSheet:
 
     def advance(
         self, duration: float, steps: int, held: int = -1, target: Any = (0.0, 0.0, 0.0)
-    ) -> Impulses:
+    ) -> NDArray[np.float64]:
         """Move on in time.
 
         Args:
@@ -216,6 +202,9 @@ class MassSpringSheet:
             steps: Sub-steps of the integration.
             held: Node that is led in a straight line to `target`; -1 for none.
             target: Where it is led to, base frame, [m]. Shape (3,).
+
+        Returns:
+            Mean force of the sheet on whatever holds the node, base frame, [N]. Shape (3,).
         """
         m, links = self.material, self.links
         _advance(
@@ -232,9 +221,9 @@ class MassSpringSheet:
             duration,
             steps,
             self._scratch,
-            self._sums,
+            self._felt,
         )
-        return Impulses(*self._sums.copy())
+        return self._felt.copy()
 
     def strains(self) -> NDArray[np.float64]:
         """Relative lengthening of every link [-]."""

@@ -3,30 +3,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.config import TissueConfig
-from rst_control.simulation.mass_spring import Impulses, MassSpringSheet, SheetMaterial
+from rst_control.simulation.mass_spring import MassSpringSheet, SheetMaterial
 from rst_control.tissue.sheet import rest_points, rim_nodes
 
 Vector = NDArray[np.float64]  # (3,)
 NOTHING = np.zeros(3)
-STILL = Impulses(NOTHING, NOTHING, NOTHING)
 RELAXATION_STEPS = 4000  # of calibration: the slowest vibration has died out by then
 REST_STRIDE = 64  # steps between checks whether a free sheet has come to rest
 REST_SPEED = 1e-7  # [m/s]
-
-
-@dataclass(frozen=True, eq=False)
-class Balance:
-    """Mean forces over the last step, base frame, [N], each of shape (3,)."""
-
-    jaws: Vector  # of the tissue on the jaws
-    rim: Vector  # of the tissue on what fixes its rim
-    surroundings: Vector  # of what lies around and under the tissue on it
 
 
 class SimulatedTissue:
@@ -49,7 +39,6 @@ class SimulatedTissue:
         self._steps = int(np.ceil(step / self._sheet.longest_step()))
         self._held, self._offset = -1, NOTHING
         self.taken_at = NOTHING  # (3,), base frame, [m]: the tool tip when it took hold last
-        self._impulses = STILL
         self._free_steps, self._is_at_rest = 0, True
 
     @property
@@ -71,21 +60,6 @@ class SimulatedTissue:
     def rim(self) -> NDArray[np.bool_]:
         """Which nodes are fixed. Shape (columns * rows,), a copy."""
         return self._sheet.fixed.copy()
-
-    @property
-    def momentum(self) -> Vector:
-        """Momentum of the free nodes, base frame, [kg m/s]. Shape (3,)."""
-        free = ~self._sheet.fixed
-        if self.is_held:
-            free[self._held] = False
-        total: Vector = self._sheet.material.mass * self._sheet.v[free].sum(axis=0)
-        return total
-
-    @property
-    def balance(self) -> Balance:
-        """Forces of the last step; jaws, rim and surroundings explain every change of momentum."""
-        done = self._impulses
-        return Balance(jaws=done.held, rim=done.rim, surroundings=done.outside)
 
     @property
     def max_strain(self) -> float:
@@ -117,7 +91,6 @@ class SimulatedTissue:
             return
         self._sheet.v[self._held] = 0.0
         self._held, self._free_steps = -1, 0
-        self._impulses = replace(self._impulses, held=NOTHING)
 
     def advance(self, tip: Vector) -> Vector:
         """Move on by one step; held tissue follows the tool tip.
@@ -130,21 +103,21 @@ class SimulatedTissue:
         """
         if self._is_at_rest:
             return NOTHING
-        self._impulses = self._sheet.advance(self.step, self._steps, self._held, tip + self._offset)
+        force = self._sheet.advance(self.step, self._steps, self._held, tip + self._offset)
         if not self.is_held:
-            self._look_whether_at_rest()
-        return self._impulses.held
+            self._check_rest()
+        return force
 
     def reset(self) -> None:
         """Let go and lie down as at the start."""
         self.release()
         self._sheet.reset()
-        self._impulses, self._is_at_rest = STILL, True
+        self._is_at_rest = True
 
-    def _look_whether_at_rest(self) -> None:
+    def _check_rest(self) -> None:
         self._free_steps += 1
-        if self._free_steps % REST_STRIDE == 0 and np.abs(self._sheet.v).max() < REST_SPEED:
-            self._impulses, self._is_at_rest = STILL, True
+        if self._free_steps % REST_STRIDE == 0:
+            self._is_at_rest = bool(np.abs(self._sheet.v).max() < REST_SPEED)
 
     def _calibrate(self) -> None:
         """Scale the links until the pull at the reference point has the stiffness asked for."""
@@ -159,7 +132,7 @@ class SimulatedTissue:
         for share in np.linspace(0.0, 1.0, RELAXATION_STEPS // 4):
             sheet.advance(step, 1, int(distance.argmin()), target - (1.0 - share) * pull)
         for _ in range(RELAXATION_STEPS):
-            felt = sheet.advance(step, 1, int(distance.argmin()), target).held
+            felt = sheet.advance(step, 1, int(distance.argmin()), target)
         secant = -float(felt @ pull) / float(pull @ pull)
         sheet.material = _material(config, config.stiffness**2 / secant)
         sheet.reset()
