@@ -199,3 +199,14 @@ def test_joints_that_are_no_numbers_are_refused(model, planner, robot, home):
         q[place, :, 4] = np.nan
         with pytest.raises(Collision):
             model.check(replace(samples, q=q))
+
+
+def test_one_body_at_no_place_counts_though_others_are_clear_of_all_planes(
+    motion_config, robot, home
+):
+    bodies = {body.link: body for body in motion_config.collision.bodies}
+    two = (bodies["finger_left_link"], bodies["half_arm_1_link"])
+    apart = replace(motion_config.collision.left_out[0], link=two[0].link, others=(two[1].link,))
+    config = replace(motion_config.collision, bodies=two, left_out=(apart,))
+    q = np.where(np.arange(9) == 6, np.nan, home)
+    assert np.isnan(CollisionModel(config, robot).clearance(q).distance)

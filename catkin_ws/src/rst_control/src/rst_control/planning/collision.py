@@ -85,12 +85,12 @@ class CollisionModel:
             raise Collision(found.first, found.second, found.distance, found.allowed)
 
     def _clearance(self, room: float, which: int) -> Clearance:
-        pairs, stops = self.shapes.pairs, self.shapes.stops
+        pairs, plane_pairs = self.shapes.pairs, self.shapes.plane_pairs
         if which < len(pairs):
             first, second = (self._names[body] for body in pairs[which])
             allowed = self.shapes.allowed
         else:
-            body, number = stops[which - len(pairs)]
+            body, number = plane_pairs[which - len(pairs)]
             plane = self._planes[number]
             first, second, allowed = self._names[body], plane.name, plane.clearance
         return Clearance(room + allowed, first, second, allowed)
@@ -112,7 +112,7 @@ def _shapes(
         if bodies[a].link != bodies[b].link
         and frozenset((bodies[a].link, bodies[b].link)) not in apart
     ]
-    stops = [
+    plane_pairs = [
         (n, k)
         for k, plane in enumerate(planes)
         for n, body in enumerate(bodies)
@@ -125,7 +125,7 @@ def _shapes(
         capsules,
         frames,
         np.array(pairs, dtype=np.int64).reshape(-1, 2),
-        np.array(stops, dtype=np.int64).reshape(-1, 2),
+        np.array(plane_pairs, dtype=np.int64).reshape(-1, 2),
         np.array(surfaces, dtype=np.float64).reshape(-1, 5),
         config.clearance,
         _reach(model.chain, capsules, frames),

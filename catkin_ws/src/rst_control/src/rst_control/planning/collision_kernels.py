@@ -25,7 +25,7 @@ class Shapes(NamedTuple):
     capsules: NDArray[np.float64]  # (n, 7): start and end in the frame, radius [m]
     frames: NDArray[np.int64]  # (n,): row of `forward.forward`'s frames, or BASE
     pairs: NDArray[np.int64]  # (m, 2): capsules that must keep apart
-    stops: NDArray[np.int64]  # (k, 2): capsule, and plane that it must keep above
+    plane_pairs: NDArray[np.int64]  # (k, 2): capsule, and plane that it must keep above
     planes: NDArray[np.float64]  # (p, 5): unit normal, offset along it, distance to keep [m]
     allowed: float  # [m] between the capsules of a pair
     reach: NDArray[np.float64]  # (9,): furthest that a capsule's line may be from each joint [m]
@@ -83,9 +83,9 @@ def _height(plane: Any, end: Any) -> float:
 
 @kernel
 def _smallest_room(ends: Any, shapes: Any) -> tuple[float, int]:
-    """Least room over what is allowed [m], and the index of its pair, or its stop behind them.
+    """Least room over what is allowed [m], and the index of its pair.
 
-    Joints that are no numbers give a room that is none.
+    Pairs of capsules are counted first, then those with planes. A room of NaN counts as least.
     """
     least, which, count = np.inf, -1, len(shapes.pairs)
     for n in range(count):
@@ -96,17 +96,19 @@ def _smallest_room(ends: Any, shapes: Any) -> tuple[float, int]:
             least, which = room, n
             if np.isnan(room):
                 return least, which
-    for n in range(len(shapes.stops)):
-        a, plane = shapes.stops[n, 0], shapes.planes[shapes.stops[n, 1]]
+    for n in range(len(shapes.plane_pairs)):
+        a, plane = shapes.plane_pairs[n, 0], shapes.planes[shapes.plane_pairs[n, 1]]
         room = _height(plane, ends[a]) - shapes.capsules[a, 6] - plane[4]
         if not room >= least:
             least, which = room, count + n
+            if np.isnan(room):
+                return least, which
     return least, which
 
 
 @kernel
 def min_room(chain: Any, q: Any, shapes: Any) -> tuple[float, int]:
-    """Least room over what is allowed [m] at q (9,), and the index of its pair or stop."""
+    """Least room over what is allowed [m] at q (9,), and the index of its pair."""
     frames, ends = np.empty((12, 3, 4)), np.empty((len(shapes.capsules), 6))
     kin.forward(chain, q, frames)
     place(frames, shapes, ends)
@@ -147,9 +149,8 @@ def sweep(chain: Any, q: Any, spacing: float, shapes: Any) -> tuple[float, int]:
     place with less room than allowed by more than half of RESOLUTION.
 
     Returns:
-        Where the room [m] is negative anywhere: the least at any sample or place looked at, and
-        the index of its pair or stop. Not a number, where joints are none. Else the room at the
-        end, which is not the path's least.
+        Where the room [m] is negative or NaN anywhere: the least at any checked place, and the
+        index of its pair. Else the room at the end, which is not the path's least.
     """
     joints = np.empty(9)
     k, share, last = 0, 0.0, len(q) - 1

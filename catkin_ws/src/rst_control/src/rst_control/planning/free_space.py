@@ -97,7 +97,7 @@ class Approach:
         """
         self._limits.require(q)
         found = self._collisions.clearance(q)
-        if found.distance < found.allowed:
+        if not found.distance >= found.allowed:
             raise Collision(found.first, found.second, found.distance, found.allowed)
 
     def _legs(self, corners: tuple[Vector, ...]) -> tuple[Path, ...]:

@@ -28,13 +28,13 @@ from rst_control.kinematics.joint_limits import PLAN_NAMES, TURN
 from rst_control.planning.free_space import Approach
 from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
+from rst_control.tissue.grasp_candidates import grasp_pose
 from rst_control.trajectory.path import Path
 from rst_control.types import Vector
 
 Array = NDArray[np.float64]
 
 SWINGS: Final = tuple(0.2 * k for k in range(-6, 7))  # [rad] of the elbow, tried for the way out
-MIN_KNOTS: Final = 4
 DENSITIES: Final = (1, 4)  # times as many knots as usual, where the shaft strays between them
 STRAIGHT: Final = 1e-9  # [rad] of pitch and yaw, below which the tool counts as straight
 NEARLY_STRAIGHT: Final = 0.01  # [rad] that may be straightened in the trocar: 0.3 mm at the tip
@@ -222,12 +222,7 @@ class Insertion:
     def _pointed(self, q: Vector) -> Array:
         """The tool's pose with its tip where it is, in line with the trocar."""
         pose = Configuration(self._planner.model, q).T_base_tip
-        y = self._planner.trocar - pose[:3, 3]
-        y /= np.linalg.norm(y)
-        z = pose[:3, 2] - y * float(y @ pose[:3, 2])
-        z /= np.linalg.norm(z)
-        pose[:3, 0], pose[:3, 1], pose[:3, 2] = np.cross(y, z), y, z
-        return pose
+        return grasp_pose(pose[:3, 3], pose[:3, 3] - self._planner.trocar, pose[:3, 2])
 
     def _along_shaft(self, q: Vector, way: float) -> Path:
         """Motion of a straight tool along its shaft by a way [m], inwards if positive.
@@ -259,29 +254,12 @@ class Insertion:
         return float(np.minimum(path.knots - limits.lower, limits.upper - path.knots).min())
 
     def _continued(self, q: Vector, way: float, swing: float, density: int) -> Path:
-        model, trocar = self._planner.model, self._planner.trocar
-        length, spacing = abs(way), self._rcm.knot_spacing / density
-        count = max(MIN_KNOTS, int(np.ceil(length / spacing)) + 1)
-        knots, slopes, axis = np.zeros((count, 9)), np.zeros((count, 9)), np.empty(9)
-        knots[0] = q
-        here = Configuration(model, q)
-        continuation.free_direction(model.chain, np.array(q), trocar, True, axis)
-        missing, reached = continuation.fill_knots(
-            model.chain,
-            np.ascontiguousarray(here.T_base_tip[:3]),
-            np.array([way * here.T_base_shaft[:3, 2], np.zeros(3)]),
-            trocar,
-            True,
-            axis,
-            swing,
-            length,
-            self._rcm.solver.tolerance,
-            knots,
-            slopes,
-        )
-        if not missing <= self._rcm.solver.tolerance:
-            raise Unreachable(reached / (count - 1) * length, length)
-        return Path(knots, slopes, length)
+        planner, axis = self._planner, np.empty(9)
+        shaft = Configuration(planner.model, q).T_base_shaft[:3, 2]
+        motion = np.array([way * shaft, np.zeros(3)])
+        continuation.free_direction(planner.model.chain, np.array(q), planner.trocar, True, axis)
+        spacing = self._rcm.knot_spacing / density
+        return planner.follow(q, motion, abs(way), spacing, axis, swing, is_straight=True)
 
     def _checked(self, path: Path, must_stay: bool) -> Path:
         """The path itself, once found to keep all limits.

@@ -72,9 +72,9 @@ class Patient:
 
         self.outside = kept_off(scene.surface_margin)  # for motion wholly outside
         self.passing = kept_off(scene.surface_margin, *TOOL)  # for motion through the trocar
+        moving = [k for k, body in enumerate(config.collision.bodies) if body.link not in FIXED]
         shapes = self.outside.shapes
-        kept_above = shapes.stops[shapes.stops[:, 1] == shapes.stops[:, 1].max(), 0]  # of this last
-        self._capsules, self._frames = shapes.capsules[kept_above], shapes.frames[kept_above]
+        self._capsules, self._frames = shapes.capsules[moving], shapes.frames[moving]
 
     def wrist_height(self, q: Vector) -> float:
         """Height of the tool's wrist above the surface at q (9,) [rad], whatever the tool's [m]."""

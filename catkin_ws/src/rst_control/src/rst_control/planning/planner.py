@@ -66,8 +66,8 @@ class Planner:
         self.centre = frozen_array(config.scene.workspace_centre, 3)
         self.limits = make_limits(config.limits, config.controller.jaws.open)
         self.solver = IkSolver(model, self.limits, config.scene.home, config.rcm.solver)
-        self.collisions = CollisionModel(config.collision, model)
-        self.checks = PathChecks(model, config, self.limits, self.collisions, self.trocar)
+        collisions = CollisionModel(config.collision, model)
+        self.checks = PathChecks(model, config, self.limits, collisions, self.trocar)
         self.patient = Patient(model, config)
         self.grasp_candidates = grasp_candidates(config.scene)
         self.T_base_grasp = self.grasp_candidates[0].T_base_tip
@@ -239,28 +239,58 @@ class Planner:
             return self._checked(self._continued(q, goal, posture, spacing))
 
     def _continued(self, q: Vector, goal: Array, posture: Vector, spacing: float) -> Path:
-        length = max(self._distance(q, goal), SAME_PLACE)
+        start, turn = Configuration(self.model, q).T_base_tip, np.empty(3)
+        forward.turn_between(start, goal, turn)
+        motion = np.array([goal[:3, 3] - start[:3, 3], turn])
+        axis, length = self._swing_axis(q, posture), max(self._distance(q, goal), SAME_PLACE)
+        return self.follow(q, motion, length, spacing, axis, float(axis @ (posture - q)))
+
+    def follow(
+        self,
+        q: Vector,
+        motion: Array,
+        length: float,
+        spacing: float,
+        axis: Vector,
+        swing: float,
+        is_straight: bool = False,
+    ) -> Path:
+        """Path of a straight motion of the tool, not yet checked.
+
+        Args:
+            q: Where it starts [rad]. Shape (9,).
+            motion: Shift [m], then turn [rad] of the tip, base frame. Shape (2, 3).
+            length: Of the path [m].
+            spacing: Of its knots [m], at most.
+            axis: Joint direction in which the elbow swings, of length 1. Shape (9,).
+            swing: How far the joints go along that direction [rad].
+            is_straight: A straight tool moves along its shaft, also where the wrist is in the
+                trocar.
+
+        Raises:
+            Unreachable: The arm cannot follow.
+            NearSingular: The same, near a singularity. A straight tool is not judged by that.
+        """
         count = max(MIN_KNOTS, int(np.ceil(length / spacing)) + 1)
         knots, slopes = np.zeros((count, 9)), np.zeros((count, 9))
         knots[0] = q
-        start, turn = Configuration(self.model, q).T_base_tip[:3], np.empty(3)
-        forward.turn_between(start, goal, turn)
-        axis = self._swing_axis(q, posture)
+        tolerance = self.config.rcm.solver.tolerance
         missing, reached = continuation.fill_knots(
             self.model.chain,
-            np.ascontiguousarray(start),
-            np.array([goal[:3, 3] - start[:3, 3], turn]),
+            np.ascontiguousarray(Configuration(self.model, q).T_base_tip[:3]),
+            motion,
             self.trocar,
-            False,
+            is_straight,
             axis,
-            float(axis @ (posture - q)),
+            swing,
             length,
-            self.config.rcm.solver.tolerance,
+            tolerance,
             knots,
             slopes,
         )
-        if not missing <= self.config.rcm.solver.tolerance:
-            self.checks.manipulability(knots[: max(reached, 1)])  # may be why it got no further
+        if not missing <= tolerance:
+            if not is_straight:
+                self.checks.manipulability(knots[: max(reached, 1)])  # may be the reason
             raise Unreachable(reached / (count - 1) * length, length)
         return Path(knots, slopes, length)
 

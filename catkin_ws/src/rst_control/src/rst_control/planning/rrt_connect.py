@@ -36,7 +36,7 @@ def free_share(chain: Any, shapes: Any, a: Any, b: Any) -> float:
         for j in range(9):
             joints[j] = a[j] + share * (b[j] - a[j])
         room, _ = min_room(chain, joints, shapes)
-        if room < 0.0:
+        if not room >= 0.0:
             return known
         if share >= 1.0:
             return 1.0
