@@ -13,11 +13,12 @@ from rst_control.config import URDF_FILE
 from rst_control.errors import RobotModelError
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration
-from rst_control.kinematics.inverse_dynamics import ARM, InverseDynamics
+from rst_control.kinematics.inverse_dynamics import InverseDynamics
 from rst_control.kinematics.mounting import GRAVITY
 from rst_control.kinematics.robot_model import load_robot as load_model
 from rst_control.simulation.physics import load_robot
 from rst_control.simulation.plant.loads import add_load
+from rst_control.types import ARM_COUNT
 
 TEXT = URDF_FILE.read_text(encoding="utf-8")
 
@@ -63,5 +64,5 @@ def test_where_tool0_has_no_mass_a_tool_is_added_at_its_origin() -> None:
     model, expected = load_model(), np.zeros(9)
     frames = Configuration(model, q).frames
     weight = np.array([0.0, 0.0, -0.5 * GRAVITY])
-    add_load(frames, ARM, frames[forward.TOOL0, :, 3], weight, expected)
-    np.testing.assert_allclose(added, -expected[:ARM], atol=1e-9)
+    add_load(frames, ARM_COUNT, frames[forward.TOOL0, :, 3], weight, expected)
+    np.testing.assert_allclose(added, -expected[:ARM_COUNT], atol=1e-9)

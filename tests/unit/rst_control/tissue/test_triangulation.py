@@ -55,6 +55,7 @@ def test_a_flat_taut_sheet_held_in_the_middle_is_triangulated():
         ({"tension": 0.2}, "tension 0.2 N, at least 0.3"),
         ({"tension": 1.2}, "tension 1.2 N, at most 1"),
         ({"strain": 0.7}, "strain 0.7"),
+        ({"strain": np.nan}, "strain nan, at most 0.6"),
     ],
 )
 def test_each_fault_is_found_alone_and_named(change, words):
@@ -102,6 +103,6 @@ def test_the_pull_leads_from_between_the_anchors_to_the_grasp():
     assert_allclose(pull_direction(nodes[rim], np.array([0.0, 0.0, 0.06])), [0, 0, 1], atol=1e-9)
 
 
-def test_all_faults_are_told_together():
+def test_all_faults_are_reported_together():
     found = replace(held(bulge=0.004), tension=0.1, strain=0.9)
     assert len(found.failures(LIMITS)) == 3

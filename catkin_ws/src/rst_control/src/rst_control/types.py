@@ -14,6 +14,7 @@ Vector = NDArray[np.float64]
 
 BASE = "base_link"  # frame of all poses, points and forces
 ARM_JOINTS = tuple(f"joint_{i}" for i in range(1, 8))
+ARM_COUNT = len(ARM_JOINTS)
 JOINTS = (*ARM_JOINTS, "joint_pitch", "joint_finger_left", "joint_finger_right")
 JOINT_COUNT = len(JOINTS)  # of the robot
 PLAN_COUNT = 9  # of a planning configuration q: joint_1 .. joint_7, pitch, yaw

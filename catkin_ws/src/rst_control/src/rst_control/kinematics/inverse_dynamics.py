@@ -15,11 +15,10 @@ from rst_control.errors import RobotModelError
 from rst_control.kinematics.body import TERMS, Body, link_body
 from rst_control.kinematics.mounting import gravity_in_base
 from rst_control.kinematics.robot_model import MOVING, Link, RobotModel, parse_robot
-from rst_control.types import ARM_JOINTS, PLAN_COUNT, Vector
+from rst_control.types import ARM_COUNT, PLAN_COUNT, Vector
 
 Array = NDArray[np.float64]
 TIP = "tool_tip"
-ARM = len(ARM_JOINTS)
 
 
 class InverseDynamics:
@@ -71,7 +70,7 @@ class InverseDynamics:
             raise RobotModelError(f"KDL's inverse dynamics gave up with code {code}")
         spread = np.zeros(PLAN_COUNT)
         spread[self._rows] = [torques[j] for j in range(self._count)]
-        return spread[:ARM]
+        return spread[:ARM_COUNT]
 
     def _array(self, values: Vector) -> Any:
         array = PyKDL.JntArray(self._count)

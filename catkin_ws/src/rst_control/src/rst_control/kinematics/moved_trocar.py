@@ -10,11 +10,10 @@ import numpy as np
 from rst_control.kinematics import forward
 from rst_control.kinematics.rcm import rcm_jacobian, rcm_offset
 from rst_control.kinematics.robot_model import RobotModel
-from rst_control.types import PLAN_COUNT, Vector
+from rst_control.types import ARM_COUNT, PLAN_COUNT, Vector
 
 ITERATIONS: Final = 4  # of Newton's method: from 8 mm the rest is far below a nanometre
 SHALLOW, DEEP = 0.03, 0.08  # [m] of the tip in the trocar: from here the tip begins to be kept
-ARM: Final = 7  # joints that move; the tool's stay
 
 
 def tip_share(depth: float) -> float:
@@ -62,6 +61,6 @@ def shifted_joints(model: RobotModel, q: Vector, trocar: Vector, shift: Vector) 
         forward.tip_jacobian(frames, 1.0, J_tip)
         off = np.array(rcm_offset(frames, moved)[:2]) - lateral
         error = np.concatenate([off, frames[forward.TIP, :, 3] - tip])
-        J = np.vstack([J_rcm[:, :ARM], J_tip[:3, :ARM]])
-        change[:ARM] -= J.T @ np.linalg.solve(J @ J.T, error)
+        J = np.vstack([J_rcm[:, :ARM_COUNT], J_tip[:3, :ARM_COUNT]])
+        change[:ARM_COUNT] -= J.T @ np.linalg.solve(J @ J.T, error)
     return change

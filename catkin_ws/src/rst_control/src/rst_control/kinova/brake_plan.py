@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rst_control.kinova.config import ARM_COUNT, BridgeConfig
+from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.velocity_ramp import TINY, Ramp, feasible_share, next_due, velocity_for
 from rst_control.robot.setpoint_servo import Curve
-from rst_control.types import Vector
+from rst_control.types import ARM_COUNT, Vector
 
 SETTLING = 3  # periods in which the arm reaches the place where it comes to rest
 

@@ -24,7 +24,7 @@ import numpy as np
 from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.kinova.arm_state import ArmReport, ArmWatch
 from rst_control.kinova.brake_plan import BrakePlan, LastCourse
-from rst_control.kinova.config import ARM_COUNT, BEAT_PERIOD, KinovaConfig, bridge_limits
+from rst_control.kinova.config import BEAT_PERIOD, KinovaConfig, bridge_limits
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.readiness import Readiness
 from rst_control.kinova.tool import Grip, Tool
@@ -32,7 +32,7 @@ from rst_control.kinova.velocity_follower import Follower
 from rst_control.kinova.velocity_ramp import next_due
 from rst_control.robot.setpoint_servo import Servo, ServoState, warm_up
 from rst_control.tension.gravity_check import RestTorques
-from rst_control.types import Measurement, Setpoint, Vector
+from rst_control.types import ARM_COUNT, Measurement, Setpoint, Vector
 
 
 class Hardware(Protocol):

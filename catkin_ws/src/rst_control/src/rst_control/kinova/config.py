@@ -20,13 +20,12 @@ from rst_control.config.torque_tension import (
     load_torque_tension,
 )
 from rst_control.robot.setpoint_servo import ServoLimits
-from rst_control.types import JOINTS
+from rst_control.types import ARM_COUNT, JOINTS
 from typed_config import choice, flag, load_file, number, require, text
 from typed_config.node_names import require_names
 
 Seven = tuple[float, float, float, float, float, float, float]
 Triple = tuple[float, float, float]
-ARM_COUNT = 7  # joints of the arm
 TOOL_COUNT = 3  # joints of OpenRST: pitch, left jaw, right jaw
 BEAT_PERIOD = 0.02  # [s] at most, between two beats of the bridge for its guard
 

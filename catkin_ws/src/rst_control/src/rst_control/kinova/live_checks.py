@@ -15,11 +15,11 @@ from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.kinova.arm_state import ArmReport, SoftLimits
-from rst_control.kinova.config import ARM_COUNT, KinovaConfig, bridge_limits
+from rst_control.kinova.config import KinovaConfig, bridge_limits
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import ToolState
 from rst_control.tension.gravity_check import RestTorques
-from rst_control.types import Vector
+from rst_control.types import ARM_COUNT, Vector
 from typed_config.node_names import is_allowed
 
 MIN_SHARE: Final = 0.95  # of the arm's feedback_rate

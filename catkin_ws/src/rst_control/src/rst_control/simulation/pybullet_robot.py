@@ -19,12 +19,11 @@ from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, war
 from rst_control.simulation.physics import JointReading, RobotPhysics
 from rst_control.simulation.plant import LabPlant, PlantInput
 from rst_control.simulation.tissue import Jaws, SimulatedTissue
-from rst_control.types import JOINTS, Measurement, Setpoint, unit_vector
+from rst_control.types import ARM_COUNT, JOINTS, Measurement, Setpoint, unit_vector
 from typed_config import ConfigError
 
 Vector = NDArray[np.float64]
 IDEAL = "ideal"  # simulator.plant
-ARM = 7  # joints of the arm
 
 
 class PybulletRobot(RobotBackend):
@@ -229,7 +228,7 @@ class PybulletRobot(RobotBackend):
         if self._plant is not None:
             position, velocity = self._plant.read()
             effort = np.array(true.effort)
-            effort[:ARM] = self._plant.torque_sensors.read(effort[:ARM])
+            effort[:ARM_COUNT] = self._plant.torque_sensors.read(effort[:ARM_COUNT])
             return JointReading(position, velocity, effort)
         return replace(true, position=true.position - self._error) if self._has_error else true
 

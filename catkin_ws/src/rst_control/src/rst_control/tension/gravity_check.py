@@ -14,16 +14,15 @@ from numpy.typing import NDArray
 
 from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.kinematics.configuration import planning_joints
-from rst_control.kinematics.inverse_dynamics import ARM
 from rst_control.kinematics.mounting import angle_between, way_words
 from rst_control.tension.torque_covariance import TorqueErrors
-from rst_control.types import Vector
+from rst_control.types import ARM_COUNT, Vector
 
 Array = NDArray[np.float64]
 READINGS: Final = 20  # that are averaged, of an arm at rest
 MAX_BY_TILT: Final = 12.0  # [-] chi-square that another gravity explains: 0.7 % by chance
 MIN_GRAVITY: Final = 0.1  # [-] share of gravity that torques show at least where it has a way
-NO_LOADS: Final = np.zeros((ARM, 3))
+NO_LOADS: Final = np.zeros((ARM_COUNT, 3))
 
 
 class GravityCheck:
@@ -45,7 +44,7 @@ class GravityCheck:
             excess: Torques beyond those of the model [N m]. Shape (7,).
             noise_share: Variance of these over that of one reading.
         """
-        spread = self._errors(q, NO_LOADS, np.zeros(ARM), noise_share, None)
+        spread = self._errors(q, NO_LOADS, np.zeros(ARM_COUNT), noise_share, None)
         G, gravity = self._errors.of_gravity(q), self._errors.dynamics.gravity
         misfit, by_tilt = float(excess @ np.linalg.solve(spread, excess)), _share(G, excess, spread)
         if misfit <= self._allowed and by_tilt <= MAX_BY_TILT:
@@ -92,7 +91,7 @@ class RestTorques:
         errors = TorqueErrors(config, description, setting)
         self._config, self._dynamics = config, errors.dynamics
         self._check = GravityCheck(errors, config.max_misfit)
-        self._sum, self._count = np.zeros(ARM), 0
+        self._sum, self._count = np.zeros(ARM_COUNT), 0
         self.refusal = "torques at rest were not compared with gravity's yet: rest, with empty jaws"
 
     def update(self, position: Vector, velocity: Vector, effort: Vector) -> None:
@@ -106,11 +105,11 @@ class RestTorques:
         if not self.refusal:
             return
         if np.abs(velocity).max() > self._config.tare.at_rest_speed:
-            self._sum, self._count = np.zeros(ARM), 0
+            self._sum, self._count = np.zeros(ARM_COUNT), 0
             return
         q = planning_joints(position)[0]
         excess = self._config.effort_sign * effort - self._dynamics(q)
         self._sum, self._count = self._sum + excess, self._count + 1
         if self._count >= READINGS:
             self.refusal = self._check.objection(q, self._sum / self._count, 1.0 / self._count)
-            self._sum, self._count = np.zeros(ARM), 0
+            self._sum, self._count = np.zeros(ARM_COUNT), 0

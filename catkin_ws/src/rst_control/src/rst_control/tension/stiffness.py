@@ -8,7 +8,7 @@ import math
 SYNCHRONY = 0.004  # [s] by which tension and displacement may be out of step
 DRIFT = 5e-4  # [N] per update that the tension changes by itself: vibration, relaxation
 BEND, BEND_WAY = 0.5, 1e-3  # share by which the stiffness changes over a way [m]
-SURPRISE = 4.0  # standard deviations from the forecast: the tissue is another now
+GATE = 4.0  # standard deviations from the forecast: the tissue is another now
 CAUTION = 2.0  # standard deviations above its mean that the stiffness is taken for
 STIFFENING = 10.0  # times stiffer that tissue may become at once
 
@@ -32,12 +32,12 @@ class StiffnessEstimate:
         self.force = 0.0  # [N] filtered
         self.value = 0.5 * highest  # [N/m]; with the deviation below, `cautious` is `highest`
         self._unknown = (0.5 * highest / CAUTION) ** 2
-        self._of_force, self._of_both, self._of_value = noise * noise, 0.0, self._unknown
+        self._var_force, self._covariance, self._var_value = noise * noise, 0.0, self._unknown
 
     @property
     def cautious(self) -> float:
         """Stiffness that the tissue hardly exceeds [N/m]."""
-        return self.value + CAUTION * math.sqrt(self._of_value)
+        return self.value + CAUTION * math.sqrt(self._var_value)
 
     def update(self, s: float, force: float, speed: float) -> None:
         """Take in one measured tension.
@@ -53,25 +53,25 @@ class StiffnessEstimate:
         ds, self._s = s - self._s, s
         self._forecast(ds)
         slip = self.value * speed * SYNCHRONY
-        spread = self._noise * self._noise + slip * slip
-        surprise = force - self.force
-        if surprise * surprise > SURPRISE * SURPRISE * (self._of_force + spread):
-            self._of_value = max(self._unknown, (STIFFENING * self.value) ** 2)
-            self._of_force, self._of_both = self._of_force + surprise * surprise, 0.0
-        self._correct(surprise, spread)
+        variance = self._noise * self._noise + slip * slip
+        innovation = force - self.force
+        if innovation * innovation > GATE * GATE * (self._var_force + variance):
+            self._var_value = max(self._unknown, (STIFFENING * self.value) ** 2)
+            self._var_force, self._covariance = self._var_force + innovation * innovation, 0.0
+        self._correct(innovation, variance)
 
     def _forecast(self, ds: float) -> None:
         self.force += self.value * ds
-        self._of_force += ds * (2.0 * self._of_both + ds * self._of_value) + DRIFT * DRIFT
-        self._of_both += ds * self._of_value
-        self._of_value += abs(ds) / BEND_WAY * (BEND * self.value) ** 2
+        self._var_force += ds * (2.0 * self._covariance + ds * self._var_value) + DRIFT * DRIFT
+        self._covariance += ds * self._var_value
+        self._var_value += abs(ds) / BEND_WAY * (BEND * self.value) ** 2
 
-    def _correct(self, surprise: float, spread: float) -> None:
-        total = self._of_force + spread
-        of_force, of_value = self._of_force / total, self._of_both / total
-        self.force += of_force * surprise
-        value = self.value + of_value * surprise
+    def _correct(self, innovation: float, variance: float) -> None:
+        total = self._var_force + variance
+        gain_force, gain_value = self._var_force / total, self._covariance / total
+        self.force += gain_force * innovation
+        value = self.value + gain_value * innovation
         self.value = min(max(value, self._lowest), STIFFENING * self.highest)
-        self._of_value = max(0.0, self._of_value - of_value * self._of_both)  # rounding
-        self._of_both -= of_value * self._of_force
-        self._of_force -= of_force * self._of_force
+        self._var_value = max(0.0, self._var_value - gain_value * self._covariance)  # rounding
+        self._covariance -= gain_value * self._var_force
+        self._var_force -= gain_force * self._var_force

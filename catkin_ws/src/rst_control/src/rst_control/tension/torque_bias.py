@@ -9,8 +9,7 @@ import numpy as np
 
 from rst_control.config.torque_tension import TareConfig
 from rst_control.kinematics.configuration import planning_joints
-from rst_control.kinematics.inverse_dynamics import ARM
-from rst_control.types import Measurement, Vector, frozen_array
+from rst_control.types import ARM_COUNT, Measurement, Vector, frozen_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +33,7 @@ class TareTaker:
         self._config = config
         self.tare: Tare | None = None
         self._since: float | None = None
-        self._sum, self._count = np.zeros(ARM), 0
+        self._sum, self._count = np.zeros(ARM_COUNT), 0
 
     def forget_start(self) -> None:
         """Readings were missing: begin the average under way anew."""
@@ -51,18 +50,18 @@ class TareTaker:
             excess: Filtered torques beyond the model [N m]. Shape (7,).
             noise_share: Variance of the filtered over that of one reading.
         """
-        config, speed = self._config, np.abs(measured.velocity[:ARM]).max()
+        config, speed = self._config, np.abs(measured.velocity[:ARM_COUNT]).max()
         is_free = not measured.gripped and opening >= config.opening
         if not (is_free and speed <= config.at_rest_speed):
             self._since = None
             return
         if self._since is None:
-            self._since, self._sum, self._count = measured.stamp, np.zeros(ARM), 0
+            self._since, self._sum, self._count = measured.stamp, np.zeros(ARM_COUNT), 0
         self._sum, self._count = self._sum + excess, self._count + 1
         if measured.stamp - self._since < config.time:
             return
         q, _ = planning_joints(measured.position)
-        bias = frozen_array(self._sum / self._count, ARM)
+        bias = frozen_array(self._sum / self._count, ARM_COUNT)
         # Filtered readings depend on each other; their mean is no noisier than one of them.
         self.tare = Tare(bias, frozen_array(q, len(q)), measured.stamp, noise_share)
         self._since = None
@@ -75,7 +74,7 @@ class TareTaker:
         """Why no bias holds at a posture (9,) [rad] and a time [s]; empty: one does."""
         if self.tare is None:
             return "no tare: the open jaws have not rested yet"
-        away = np.abs(q[:ARM] - self.tare.q[:ARM])
+        away = np.abs(q[:ARM_COUNT] - self.tare.q[:ARM_COUNT])
         joint, most = int(away.argmax()), self._config.holds_within
         if not away[joint] <= most:
             return (

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration
-from rst_control.kinematics.inverse_dynamics import ARM, InverseDynamics
+from rst_control.kinematics.inverse_dynamics import InverseDynamics
 from rst_control.kinematics.mounting import gravity_in_base
 from rst_control.kinematics.robot_model import parse_robot
 from rst_control.tension.torque_bias import Tare
-from rst_control.types import Vector
+from rst_control.types import ARM_COUNT, Vector
 
 Array = NDArray[np.float64]
 HEAVIER = 0.1  # [kg] by which the tool is made heavier to find what its weight asks of the joints
@@ -79,7 +79,7 @@ class TorqueErrors:
             *(error.gain * A * (pull, lean, lean)).T,
             error.model * gravity,
             error.inertia * asked,
-            np.full(ARM, LEAST),
+            np.full(ARM_COUNT, LEAST),
         ]
         if tare is None:
             parts.append(np.array(error.offset))

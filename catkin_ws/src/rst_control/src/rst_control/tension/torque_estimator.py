@@ -22,12 +22,11 @@ from numpy.typing import NDArray
 from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, planning_joints
-from rst_control.kinematics.inverse_dynamics import ARM
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.tension.gravity_check import GravityCheck
 from rst_control.tension.torque_bias import Tare, TareTaker
 from rst_control.tension.torque_covariance import TorqueErrors
-from rst_control.types import Measurement, Vector, frozen_array, unit_vector
+from rst_control.types import ARM_COUNT, Measurement, Vector, frozen_array, unit_vector
 
 Array = NDArray[np.float64]
 INVERTED = 0.3  # share of the excess that is left where efforts have the other sign
@@ -69,7 +68,7 @@ class TorqueTension:
         self._pull = frozen_array(unit_vector(config.pull_direction), 3)
         self._tares = TareTaker(config.tare)
         self._last: Measurement | None = None
-        self._excess, self._asked = np.zeros(ARM), np.zeros(ARM)  # filtered [N m]
+        self._excess, self._asked = np.zeros(ARM_COUNT), np.zeros(ARM_COUNT)  # filtered [N m]
         self._noise_share, self._readings = 1.0, 0
 
     def update(self, measured: Measurement, trocar: Vector) -> TensionEstimate:
@@ -99,7 +98,7 @@ class TorqueTension:
         before = dq if last is None or is_anew else planning_joints(last.velocity)[0]
         ddq = np.zeros_like(q) if is_anew else (dq - before) / span
         model = self._dynamics(q, dq, ddq)
-        effort = self._config.effort_sign * measured.effort[:ARM]
+        effort = self._config.effort_sign * measured.effort[:ARM_COUNT]
         excess, asked = effort - model, model - self._dynamics(q)
         if is_anew:
             self._tares.forget_start()
@@ -128,7 +127,7 @@ class TorqueTension:
     def _invalid_reason(
         self, measured: Measurement, q: Vector, sigma: float, misfit: float, tare: Tare | None
     ) -> str:
-        config, speed = self._config, np.abs(measured.velocity[:ARM])
+        config, speed = self._config, np.abs(measured.velocity[:ARM_COUNT])
         if self._readings < config.min_readings:
             return f"only {self._readings} torque readings so far, at least {config.min_readings}"
         if self._looks_inverted(q):
@@ -171,8 +170,8 @@ def load_matrix(model: RobotModel, q: Vector, trocar: Vector, pull: Vector) -> A
         Columns: pull, trocar along x and along y of interface_link [N m/N]. Shape (7, 3).
     """
     here = Configuration(model, q)
-    J_tip = here.J_tip[:3, :ARM]
-    axes, places = here.frames[:ARM, :, 2], here.frames[:ARM, :, 3]
+    J_tip = here.J_tip[:3, :ARM_COUNT]
+    axes, places = here.frames[:ARM_COUNT, :, 2], here.frames[:ARM_COUNT, :, 3]
     J_trocar = np.cross(axes, trocar - places).T  # of the shaft, there
     shaft = here.frames[forward.SHAFT]
     # Against the tissue's force -t * pull on the jaws the motors give +t * J^T pull; against the

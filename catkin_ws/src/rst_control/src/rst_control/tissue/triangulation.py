@@ -32,7 +32,7 @@ class Triangulation:
     strain: float  # [-]
 
     def failures(self, limits: TriangulationConfig) -> tuple[str, ...]:
-        """What is not as it should be, each with its value and what was allowed."""
+        """What is not as it should be, each with its value and what was allowed; NaN never is."""
         low, high = limits.tension
         checks = (
             _above("grasp error", self.grasp_error * 1e3, limits.grasp_error * 1e3, "mm"),
@@ -145,9 +145,9 @@ def pull_direction(rim: Points, grasp: Vector) -> Vector:
 
 def _above(name: str, value: float, most: float, unit: str) -> str:
     words = f"{name} {value:.3g} {unit}".rstrip()
-    return f"{words}, at most {most:.3g}" if value > most else ""
+    return f"{words}, at most {most:.3g}" if not value <= most else ""
 
 
 def _below(name: str, value: float, least: float, unit: str) -> str:
     words = f"{name} {value:.3g} {unit}".rstrip()
-    return f"{words}, at least {least:.3g}" if value < least else ""
+    return f"{words}, at least {least:.3g}" if not value >= least else ""

@@ -8,9 +8,8 @@ from itertools import chain
 import numpy as np
 
 from rst_control.kinova.brake_plan import LastCourse
-from rst_control.kinova.config import ARM_COUNT
 from rst_control.msg import BridgeBeat
-from rst_control.types import frozen_array
+from rst_control.types import ARM_COUNT, frozen_array
 
 ROWS = ("position", "velocity", "sent", "goal", "speed", "bend")
 

@@ -23,9 +23,8 @@ from rst_control.simulation.plant.encoders import Encoders
 from rst_control.simulation.plant.gears import Gears
 from rst_control.simulation.plant.loads import add_load
 from rst_control.simulation.plant.tool_play import ToolPlay
-from rst_control.types import PLAN_COUNT, Vector
+from rst_control.types import ARM_COUNT, PLAN_COUNT, Vector
 
-ARM: Final = 7
 GRAVITY_PERIOD: Final = 10  # steps between two looks at gravity, which changes slowly
 
 
@@ -64,9 +63,9 @@ class LabPlant:
         self._shaft_length, self._step = dynamics.model.shaft_length, step
         self._gravity = dynamics(q)
         self.body_wall = BodyWall(config.body_wall, trocar)
-        self.drives = Drives(config.drives, q[:ARM], step)
+        self.drives = Drives(config.drives, q[:ARM_COUNT], step)
         self.gears = Gears(config.gears, self._gravity, step)
-        self.play = ToolPlay(config.tool_play, q[ARM:], step)
+        self.play = ToolPlay(config.tool_play, q[ARM_COUNT:], step)
         self.encoders = Encoders(config.encoders, start, step, random)
         self.torque_sensors = DriftingSensor(config.torque_sensors, step, random)
         self.force_sensor = DriftingSensor(config.force_sensor, step, random)
@@ -91,12 +90,12 @@ class LabPlant:
         course, opening = planning_joints(now.course)
         speed, _ = planning_joints(now.speed)
         load, on_tool = self._loads(now)
-        self.drives.advance(course[:ARM], speed[:ARM], load)
+        self.drives.advance(course[:ARM_COUNT], speed[:ARM_COUNT], load)
         arm = self.drives.position + self.gears.advance(load)
-        tool = self.play.advance(course[ARM:], on_tool)
+        tool = self.play.advance(course[ARM_COUNT:], on_tool)
         self._q, self._opening = np.concatenate([arm, tool]), opening
         forward.forward(self._chain, self._q, self._frames)
-        self._motors = np.concatenate([self.drives.position, course[ARM:]])
+        self._motors = np.concatenate([self.drives.position, course[ARM_COUNT:]])
         return robot_joints(self._q, opening)
 
     def read(self) -> tuple[Vector, Vector]:
@@ -113,5 +112,5 @@ class LabPlant:
         end = shaft[:, 3] + self._shaft_length * shaft[:, 2]
         self.wall_force, point = self.body_wall.force(self.time, shaft[:, 3], end)
         if self.wall_force.any():
-            add_load(self._frames, ARM, point, self.wall_force, pushed)
-        return self._gravity - pushed[:ARM], pushed[ARM:]
+            add_load(self._frames, ARM_COUNT, point, self.wall_force, pushed)
+        return self._gravity - pushed[:ARM_COUNT], pushed[ARM_COUNT:]
