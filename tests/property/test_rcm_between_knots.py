@@ -36,15 +36,6 @@ def test_the_tip_goes_straight_at_the_pace_of_s_to_its_goal(planner, legs):
             np.testing.assert_allclose(tip, start + share * (end - start), atol=TOLERANCE)
 
 
-def test_derivatives_of_every_path_equal_finite_differences(legs):
-    h = 1e-6
-    for path, _ in legs:
-        for s in np.linspace(2 * h, path.length - 2 * h, 7):
-            point, before, after = path.evaluate(s), path.evaluate(s - h), path.evaluate(s + h)
-            np.testing.assert_allclose(point.dq, (after.q - before.q) / (2 * h), atol=1e-4)
-            np.testing.assert_allclose(point.ddq, (after.dq - before.dq) / (2 * h), atol=1e-1)
-
-
 def test_curvature_does_not_jump_at_knots(legs):
     for path, _ in legs:
         largest = np.abs(path.evaluate(0.5 * path.length).ddq).max() + 1.0
@@ -57,7 +48,8 @@ def test_curvature_does_not_jump_at_knots(legs):
 def test_no_joint_exceeds_its_limits_at_the_speed_a_path_allows(planner, legs):
     for path, _ in legs:
         samples = path.sample(planner.model.chain, planner.trocar)
-        speed, acceleration = speed_bounds(samples, planner.limits, 0.2, 5.0)
+        speed, acceleration = speed_bounds(samples, planner.limits, 10.0, 5.0)
+        assert speed < 10.0 and speed_bounds(samples, planner.limits, 0.001, 5.0)[0] == 0.001
         rate, bend = np.abs(samples.q[:, 1]), np.abs(samples.q[:, 2])
         assert (rate * speed <= planner.limits.velocity * (1 + 1e-9)).all()
         hardest = rate * acceleration + bend * speed**2

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A 6-DoF arm with a longer shaft: the same code, told by its URDF and settings alone."""
+"""A 6-DoF arm with a longer shaft: the same code, by its URDF and settings alone."""
 
 from dataclasses import replace
 from itertools import product
@@ -9,25 +9,22 @@ import pytest
 
 from bench.motion.bullet.robot import BulletRobot
 from bench.motion.paths import by_bullet, by_kdl, random_paths, shaft_error
-from rst_control.admission.command_queue import CommandQueue
-from rst_control.assembly import make_executor, make_trocar_context
+from rst_control.assembly import make_trocar_context
 from rst_control.description.facts import load_facts
 from rst_control.description.urdf_writer import urdf_text
 from rst_control.errors import RobotModelError
 from rst_control.kinematics import forward, manipulability
-from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.kinematics.robot_model import parse_robot
 from rst_control.planning.planner import Planner
-from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.trajectory.motion_profile import MotionProfile
 from rst_control.types import PathState
 from tests.property.six_joints import EXAMPLE, URDF, example
-from tests.support.fake_robot import FakeRobot, LinearSpring
 from tests.support.jacobians import differences, rcm_jacobian_at
+from tests.unit.rst_control.support.executor_rig import Rig
 
 PATHS = 100
 MOST_ERROR = 1e-6  # [m]
-PERIOD = 0.002  # [s]
 LACKING = 6  # number in q of the joint that the arm does not have
 
 
@@ -120,46 +117,15 @@ def test_paths_keep_joint_limits_and_speeds(planner, paths):
 def test_all_commands_are_carried_out_in_the_trocar(planner):
     """The whole controller on a robot that reaches its set-points, each judged by KDL."""
     config, model = example()
-    now = [10.0]
-
-    def tip_of(joints):
-        return Configuration(model, planning_joints(joints)[0]).tip
-
-    begin = robot_joints(np.array(config.scene.home), 0.0)
-    robot = FakeRobot(begin, lambda: now[0], tissue=LinearSpring(tip_of, 200.0))
-    context = ActiveTrocarContext(make_trocar_context(config, model))
-    executor = make_executor(config, context, robot.clear_fault)
-    queue = CommandQueue(executor, context.verify, lambda: now[0])
-
-    def tick():
-        now[0] += PERIOD
-        setpoint = executor.tick(now[0], robot.measured_js())
-        if setpoint is not None:
-            robot.servo_jp(setpoint)
-
-    def carry_out(words):
-        pending = queue.take(words, "test")
-        for _ in range(30_000):
-            if pending.ended.done() or (words == "hey robot" and pending.reply.done()):
-                break
-            if not pending.reply.done() and (waiting := queue.next(0.0)) is not None:
-                queue.check(waiting)
-            tick()
-        assert pending.reply.result(0).accepted, pending.reply.result(0).message
-        if words != "hey robot":
-            assert pending.ended.result(0).kind == "succeeded", pending.ended.result(0)
-
-    for _ in range(10):
-        tick()
-    tensions = []
-    for words in ("hey robot", "tense", "pull more", "pull less", "release"):
-        carry_out(words)
-        tensions.append(robot.measured_js().tension)
-    assert tensions[1] == pytest.approx(config.controller.tension.initial, abs=0.03)
-    assert tensions[2] > tensions[1] + 0.2
-    assert tensions[3] < tensions[2] - 0.2
-    assert tensions[4] == 0.0
-    kdl, sent = by_kdl(model), [s.position for s in robot.setpoints]
+    rig, tensions = Rig(config=config, context=make_trocar_context(config, model)).awake(), []
+    for words in ("tense", "pull more", "pull less", "release"):
+        rig.finish_long(words)
+        tensions.append(rig.robot.measured_js().tension)
+    assert tensions[0] == pytest.approx(config.controller.tension.initial, abs=0.03)
+    assert tensions[1] > tensions[0] + 0.2
+    assert tensions[2] < tensions[1] - 0.2
+    assert tensions[3] == 0.0
+    kdl, sent = by_kdl(model), [s.position for s in rig.sent if s is not None]
     assert len(sent) > 1000
     assert max(shaft_error(kdl(q), planner.trocar) for q in sent[::5]) <= MOST_ERROR
     assert {float(q[LACKING]) for q in sent} == {0.0}

@@ -29,7 +29,7 @@ def parsed(text):
         return None
 
 
-def told(link):
+def counted(link):
     """What counts of a link: nobody asks for the name of a joint that does not move."""
     return {key: v for key, v in vars(link).items() if key != "joint" or link.type != "fixed"}
 
@@ -37,7 +37,7 @@ def told(link):
 def is_same(model):
     if model.links.keys() != WHOLE.links.keys():
         return False
-    same = all(told(model.links[name]) == told(link) for name, link in WHOLE.links.items())
+    same = all(counted(model.links[name]) == counted(link) for name, link in WHOLE.links.items())
     return same and np.array_equal(model.chain, WHOLE.chain)
 
 
@@ -131,6 +131,7 @@ CASES = [
     ("grams", within("forearm_link", 'value="0.9302"', 'value="930.2"'), "up to 100 kg"),
     ("no mass", within("forearm_link", "<mass", "<weight"), "mass is given 0 times"),
     ("inertia", within("forearm_link", 'ixx="0.008147"', 'ixx="-0.008147"'), "each above 0"),
+    ("product", within("forearm_link", 'ixy="', 'ixy="0.1" x="'), "principal moments of inertia"),
 ]
 
 

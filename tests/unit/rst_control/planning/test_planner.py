@@ -10,7 +10,6 @@ from rst_control.errors import (
     JointLimitExceeded,
     OutsideWorkspace,
     TrocarDrift,
-    Unreachable,
 )
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_state
@@ -166,21 +165,6 @@ def test_the_jaws_may_be_changed_about_where_that_is_the_shorter_way(planner, ho
     away = changed(planner, jaw_axis=tuple(-np.array(planner.config.scene.jaw_axis)))
     ways, others = planner.reach(home), away.reach(home)
     np.testing.assert_allclose(others[-1].end, ways[-1].end, atol=1e-9)
-
-
-def test_a_way_past_a_joint_limit_is_refused_or_goes_round_it(planner, home):
-    config = planner.config
-    lower, upper = np.array(config.limits.arm_lower), np.array(config.limits.arm_upper)
-    upper[3] = home[3] + 0.025
-    limits = replace(config.limits, arm_lower=tuple(lower), arm_upper=tuple(upper))
-    tight = Planner(planner.model, replace(config, limits=limits))
-    try:
-        ways = tight.reach(home)
-    except (JointLimitExceeded, Unreachable):
-        return
-    for way in ways:
-        samples = way.sample(tight.model.chain, tight.trocar)
-        assert samples.q[:, 0, 3].max() <= tight.limits.upper[3]
 
 
 def test_a_joint_that_would_enter_its_margin_is_named_with_its_value_and_range(planner, home):

@@ -168,20 +168,6 @@ def test_jaws_that_were_never_open_hold_nothing():
         assert not robot.measured_js().gripped
 
 
-def test_pulling_tissue_is_felt_by_jaws_and_joints_alike():
-    with on_the_tissue(stiffness=400.0) as robot:
-        turn_jaws(robot, 0.5)
-        turn_jaws(robot, 0.0)
-        free = robot.reading.effort
-        size = np.zeros(10)
-        size[1] = -0.006
-        swing(robot, np.pi / 4.0, size)
-        robot.advance(robot.now + 0.4)
-        assert robot.measured_js().tension > 0.5
-        assert np.abs(robot.reading.effort - free)[:7].max() > 0.05
-        assert np.abs(robot.reading.position - robot.target).max() < 5e-6
-
-
 def test_what_the_tissue_does_to_the_jaws_the_joints_feel_to_the_last_newton_metre():
     model = load_robot()
     with on_the_tissue(stiffness=400.0) as robot:
@@ -195,6 +181,7 @@ def test_what_the_tissue_does_to_the_jaws_the_joints_feel_to_the_last_newton_met
         robot.tissue.reset()
         robot.advance(robot.now + 0.2)
         assert not robot.force.any()
+        assert np.abs(robot.reading.position - robot.target).max() < 5e-6
         free = robot.reading.effort
         J = Configuration(model, planning_joints(robot.reading.position)[0]).J_tip
     assert np.linalg.norm(force) > 0.5
@@ -228,35 +215,20 @@ def test_the_same_setpoints_give_the_same_bits_again_and_in_another_process():
     assert once in elsewhere.stdout.split()
 
 
-def test_other_setpoints_give_other_bits():
-    with make() as robot, make() as other:
-        a = swing(robot, 0.02, np.full(10, 0.01))[-1]
-        b = swing(other, 0.02, np.full(10, 0.0100001))[-1]
-        assert a.position.tobytes() != b.position.tobytes()
-
-
 def test_two_newtons_at_the_tip_are_two_newtons_in_the_joints():
     load = np.array([0.0, 0.0, -2.0])
     with make() as robot:
         robot.advance(0.1)
-        free = robot.reading.effort
+        free, away = robot.reading.effort, []
         robot.push_load(load)
-        robot.advance(0.3)
+        robot.advance(0.3, lambda: away.append(np.abs(robot.reading.position - HOME).max()))
         J = Configuration(load_robot(), planning_joints(robot.reading.position)[0]).J_tip
         felt = np.linalg.lstsq(-J[:3, :8].T, (robot.reading.effort - free)[:8], rcond=None)[0]
         assert np.allclose(felt, load, atol=1e-3)
-        assert np.abs(robot.reading.position - HOME).max() < 1e-8
+        assert max(away) < 1e-8
         robot.push_load(np.zeros(3))
         robot.advance(0.5)
         assert np.allclose(robot.reading.effort, free, atol=1e-6)
-
-
-def test_a_sudden_load_moves_no_joint_by_a_hundredth_of_a_microradian():
-    with make() as robot:
-        away = []
-        robot.push_load(np.array([0.0, 0.0, -2.0]))
-        robot.advance(0.1, lambda: away.append(np.abs(robot.reading.position - HOME).max()))
-        assert max(away) < 1e-8
 
 
 def test_time_is_skipped_only_at_rest():

@@ -2,7 +2,7 @@
 """A controller without ROS on a robot without physics, ticked by hand."""
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -26,20 +26,21 @@ def shared():
     return config, model, make_trocar_context(config, model)
 
 
-def tip_of(joints):
-    return Configuration(shared()[1], planning_joints(joints)[0]).tip
+def tip_of(joints, model=None):
+    return Configuration(model or shared()[1], planning_joints(joints)[0]).tip
 
 
 class Rig:
     """Time goes on only by `run`."""
 
-    def __init__(self, stiffness=200.0, config=None, start=None):
-        settings, _, context = shared()
-        self.config = config or settings
+    def __init__(self, stiffness=200.0, config=None, start=None, context=None):
+        settings, _, usual = shared()
+        self.config, context = config or settings, context or usual
+        tip = partial(tip_of, model=context.planner.model)
         self.now = 10.0
         q = np.array(self.config.scene.home if start is None else start)
         begin = robot_joints(q, self.config.scene.home_opening)
-        self.robot = FakeRobot(begin, lambda: self.now, tissue=LinearSpring(tip_of, stiffness))
+        self.robot = FakeRobot(begin, lambda: self.now, tissue=LinearSpring(tip, stiffness))
         self.context = ActiveTrocarContext(context)
         self.rcm = lambda joints: self.context.trocar_pose(joints).error
         self.liveness = NodeLiveness()  # of other nodes

@@ -2,8 +2,7 @@
 import numpy as np
 import pytest
 
-from rst_control.kinematics.joint_limits import make_limits
-from rst_control.trajectory.path import Path, speed_bounds
+from rst_control.trajectory.path import Path
 
 
 @pytest.fixture
@@ -52,14 +51,3 @@ def test_samples_hold_every_knot_and_what_lies_between(planner, home):
     samples = path.sample(planner.model.chain, planner.trocar, per_knot=10)
     assert len(samples.s) == 10 * (len(path.knots) - 1) + 1
     np.testing.assert_allclose(samples.q[::10, 0], path.knots, atol=1e-12)
-
-
-def test_a_joint_that_turns_fast_slows_the_path(planner, home, motion_config):
-    path = planner.reach(home)[0]
-    samples = path.sample(planner.model.chain, planner.trocar)
-    limits = make_limits(motion_config.limits, 0.0)
-    speed, _ = speed_bounds(samples, limits, 10.0, 10.0)
-    rate = np.abs(samples.q[:, 1]).max(axis=0)
-    assert speed <= (limits.velocity / rate).min() + 1e-12
-    assert speed < 10.0
-    assert speed_bounds(samples, limits, 0.001, 10.0)[0] == 0.001

@@ -7,6 +7,8 @@ import re
 from collections.abc import Sequence
 from xml.etree import ElementTree as Xml
 
+import numpy as np
+
 from rst_control.errors import RobotModelError
 
 LARGEST = 5_000_000  # characters
@@ -14,10 +16,10 @@ FARTHEST = 2.0  # [m] of a joint from its parent
 TURN = 6.2832  # [rad]
 ORIGIN = (("xyz", FARTHEST, "m"), ("rpy", TURN, "rad"))
 HEAVIEST = 100.0  # [kg] of a link
+ROUNDING = 1e-6  # [-] of moments of inertia: a thin rod is at the bound
 STRONGEST, FASTEST = 1000.0, 20.0  # [N m], [rad/s] of a joint
 TYPES = ("fixed", "revolute", "continuous")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
-_DIAGONAL, _OTHERS = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz")
 
 
 def read_joints(text: object) -> list[Xml.Element]:
@@ -65,15 +67,13 @@ def _check_link(link: Xml.Element) -> None:
     mass = _number(f"{what}: mass", _attribute(what, inertial, "mass", "value"))
     if not 0.0 < mass <= HEAVIEST:
         raise _refusal(f"{what}: mass", mass, f"above 0, up to {HEAVIEST:g} kg")
-    values = {
-        key: _number(f"{what}: {key}", _attribute(what, inertial, "inertia", key))
-        for key in (*_DIAGONAL, *_OTHERS)
-    }
-    diagonal = [values[key] for key in _DIAGONAL]
-    largest = max(diagonal)
-    if min(diagonal) <= 0.0 or 2.0 * largest > sum(diagonal) * (1.0 + 1e-9):
+    keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    words = [_attribute(what, inertial, "inertia", key) for key in keys]
+    xx, xy, xz, yy, yz, zz = (_number(f"{what}: {k}", w) for k, w in zip(keys, words, strict=True))
+    moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).tolist()  # rising
+    if moments[0] <= 0.0 or moments[2] > (moments[0] + moments[1]) * (1.0 + ROUNDING):
         allowed = "each above 0, none above the sum of the others"
-        raise _refusal(f"{what}: ixx, iyy, izz", diagonal, allowed)
+        raise _refusal(f"{what}: principal moments of inertia", moments, allowed)
 
 
 def _check_joint(joint: Xml.Element) -> None:
