@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from bench.motion.bullet.bodies import BulletBodies
@@ -71,7 +71,6 @@ points = st.lists(st.floats(-0.5, 0.5), min_size=3, max_size=3)
 segments = st.tuples(points, points).map(lambda ends: np.array([*ends[0], *ends[1]]))
 
 
-@settings(deadline=None)
 @given(segments, segments)
 def test_the_distance_of_two_lines_is_the_least_between_their_points(a, b):
     share = np.linspace(0.0, 1.0, 41)[:, None]
@@ -216,7 +215,6 @@ def test_no_path_passes_the_check_by_hopping_over(planner, robot, model):
     assert hidden >= 5  # both ends are free, and what lies between is not
 
 
-@settings(deadline=None)
 @given(st.integers(0, 10_000))
 def test_no_body_moves_further_than_the_bound_of_its_path(planner, robot, model, seed):
     rng, limits = np.random.default_rng(seed), planner.limits

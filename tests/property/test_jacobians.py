@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
@@ -53,7 +53,6 @@ def by_kdl(kdl, q):
     return differences(seen, q)
 
 
-@settings(deadline=None)
 @given(configurations)
 def test_manipulability_is_the_product_of_the_singular_values(kdl, q):
     values = np.linalg.svd(by_kdl(kdl, q), compute_uv=False)
@@ -64,7 +63,6 @@ def test_manipulability_is_the_product_of_the_singular_values(kdl, q):
     )
 
 
-@settings(deadline=None)
 @given(configurations, st.booleans())
 def test_the_free_direction_moves_neither_tool_nor_shaft(q, is_straight):
     if is_straight:
@@ -99,7 +97,6 @@ def posture_cost(q, posture):
     return float((0.5 * weight * (q - reference) ** 2).sum() + (x**power).sum() / power)
 
 
-@settings(deadline=None)
 @given(configurations, st.lists(st.floats(-0.5, 0.5), min_size=9, max_size=9).map(np.array))
 def test_the_posture_step_goes_down_the_gradient_of_its_cost_within_the_free_motions(q, shift):
     model = load_robot()

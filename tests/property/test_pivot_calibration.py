@@ -71,7 +71,7 @@ def test_at_the_fit_the_sum_of_squares_is_at_its_least(seed, count, trocar):
         assert ahead + behind > 2.0 * squares(result.position)
 
 
-@settings(deadline=None, max_examples=6)
+@settings(max_examples=6)
 @given(seeds, st.sampled_from([1e-5, 1e-4, 1e-3]))
 def test_the_error_is_as_large_as_the_covariance_says(seed, noise):
     """Over many repetitions: errors in units of the expected deviation have mean square one."""

@@ -2,7 +2,7 @@
 """Properties of the distance between shaft and trocar, and of its Jacobian."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
@@ -34,7 +34,6 @@ def test_error_is_square_to_the_shaft_and_ends_on_it(d, p, trocar):
     assert np.linalg.norm(np.cross(trocar - error - p, d)) < 1e-12
 
 
-@settings(deadline=None)
 @given(configurations, points)
 def test_lateral_errors_are_the_error_in_the_frame_of_the_shaft(q, trocar):
     configuration = Configuration(load_robot(), q)
@@ -44,7 +43,6 @@ def test_lateral_errors_are_the_error_in_the_frame_of_the_shaft(q, trocar):
     assert abs(state.error - np.linalg.norm(error)) < 1e-12
 
 
-@settings(deadline=None)
 @given(configurations)
 def test_rcm_jacobian_equals_finite_differences(q):
     model = load_robot()
@@ -56,7 +54,6 @@ def test_rcm_jacobian_equals_finite_differences(q):
     assert_allclose(J, differences(lateral, q), atol=1e-8)
 
 
-@settings(deadline=None)
 @given(configurations, st.booleans())
 def test_small_joint_steps_change_the_residual_by_minus_the_constraints(q, is_straight):
     model = load_robot()
@@ -77,7 +74,6 @@ def test_small_joint_steps_change_the_residual_by_minus_the_constraints(q, is_st
     assert_allclose(-J, differences(missing, q), atol=1e-7)
 
 
-@settings(deadline=None)
 @given(points, points)
 def test_turn_between_two_frames_turns_one_into_the_other(a, b):
     first, second, turn = rotation(3.0 * a), rotation(3.0 * b), np.empty(3)

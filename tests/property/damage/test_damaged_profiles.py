@@ -45,7 +45,7 @@ def read_all(root: Path) -> dict[str, bytes]:
     return {name: profile.read(name) for name in names}
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     name=st.sampled_from(FILES),
     at=st.floats(0.0, 1.0, exclude_max=True),
@@ -77,14 +77,14 @@ def test_damage_is_named_or_harmless(
             assert {n: after[n] for n in after if n in before} == {n: before[n] for n in after}
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.binary(max_size=300))
 def test_any_bytes_as_a_manifest_are_refused(data: bytes) -> None:
     with pytest.raises((ConfigError, ValueError)):
         from_bytes(data, "profile.json")
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.binary(max_size=200))
 def test_any_bytes_as_thresholds_are_refused(data: bytes) -> None:
     with pytest.raises(VoiceError, match=r"settings\.json"):

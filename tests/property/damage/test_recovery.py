@@ -129,7 +129,7 @@ def rescue(content, folder):
 
 @pytest.mark.parametrize("name", ["closed", "killed", "chunked", "killed in chunks"])
 @given(spoils=st.lists(damages(), min_size=1, max_size=4))
-@settings(max_examples=EXAMPLES, deadline=None)
+@settings(max_examples=EXAMPLES)
 def test_no_damage_stops_recovery_or_goes_unsaid(recordings, tmp_path_factory, name, spoils):
     content = recordings[name].content
     for spoil in spoils:
@@ -146,7 +146,7 @@ def test_no_damage_stops_recovery_or_goes_unsaid(recordings, tmp_path_factory, n
 
 @pytest.mark.parametrize("name", ["closed", "killed"])
 @given(spoils=st.lists(damages(), min_size=1, max_size=4))
-@settings(max_examples=EXAMPLES, deadline=None)
+@settings(max_examples=EXAMPLES)
 def test_every_recovered_message_stands_in_the_file_as_it_was_recorded(
     recordings, tmp_path_factory, name, spoils
 ):
@@ -161,7 +161,7 @@ def test_every_recovered_message_stands_in_the_file_as_it_was_recorded(
 
 @pytest.mark.parametrize("name", ["closed", "killed"])
 @given(data=st.data())
-@settings(max_examples=EXAMPLES, deadline=None)
+@settings(max_examples=EXAMPLES)
 def test_after_damage_in_place_only_what_was_recorded_is_read(
     recordings, tmp_path_factory, name, data
 ):

@@ -252,7 +252,7 @@ def test_before_the_robot_spoke_a_tick_sends_nothing_and_has_its_time():
 
 
 @given(tick=st.integers(0, 2400), how=st.sampled_from(["stop", "terminate"]))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_a_stop_at_any_moment_brakes_at_once_stays_on_the_trocar_and_holds(tick, how):
     rig = Rig().awake()
     rig.say("tense")

@@ -75,7 +75,7 @@ vectors = st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=4).map(np.array)
 
 
 class TestRamp:
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=60)
     @given(vectors, vectors)
     def test_the_velocity_for_a_way_goes_that_way(self, velocity, more):
         acceleration = np.array([1.0, 1.0, 5.0, 10.0])
@@ -86,7 +86,7 @@ class TestRamp:
         np.testing.assert_allclose(end, way, atol=1e-9)
         np.testing.assert_allclose(reached, wanted, atol=1e-9)
 
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=60)
     @given(vectors, vectors)
     def test_a_share_of_any_way_can_be_gone_by_all_where_one_can_be(self, velocity, way):
         acceleration = np.full(4, 1.0)

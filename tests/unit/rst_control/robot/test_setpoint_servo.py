@@ -202,7 +202,7 @@ def test_a_course_that_heads_into_a_limit_ends_at_the_limit():
     assert play_on(edge, 0.006, 0.3).max() == 2.0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.lists(
         st.tuples(

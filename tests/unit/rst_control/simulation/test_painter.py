@@ -2,6 +2,7 @@
 """Pictures of the scene: what moves shows, and the drawing process answers or says why not."""
 
 import io
+import signal
 from dataclasses import replace
 
 import matplotlib.image
@@ -79,7 +80,14 @@ def test_libraries_and_screens_that_are_not_there_are_found():
 
 
 def test_a_scene_that_cannot_be_drawn_says_why(tmp_path):
+    worker = SceneWorker(SceneSetup(CONFIG.scene, CAMERAS, tmp_path / "none.urdf", window=False))
     with pytest.raises(SceneLostError, match="no robot model"):
-        SceneWorker(
-            SceneSetup(CONFIG.scene, CAMERAS, tmp_path / "none.urdf", window=False)
-        ).wait_until_up()
+        worker.wait_until_up()
+
+
+def test_a_process_that_does_not_answer_is_ended(monkeypatch):
+    monkeypatch.setattr("rst_control.simulation.rendering.worker.START_LIMIT", 0.0)
+    worker = SceneWorker(SceneSetup(CONFIG.scene, CAMERAS, URDF_FILE, window=False))
+    with pytest.raises(SceneLostError, match="no answer for 0 s"):
+        worker.picture(SceneState(HOME, REST))
+    assert worker._process.returncode == -signal.SIGKILL

@@ -221,7 +221,7 @@ def test_velocities_that_are_filtered_and_noisy_are_none_the_worse():
     assert first_objection(swing(0.6), seconds=3.0, spoil=spoil)[0] == ""
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(st.integers(0, 10**6), st.floats(0.001, 1.1))
 def test_good_sensors_that_are_coarse_and_noisy_are_believed(seed, rate):
     assert first_objection(swing(rate), spoil=coarse(np.random.default_rng(seed)))[0] == ""

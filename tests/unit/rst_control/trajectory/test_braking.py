@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rst_control.planning.planner import Planner
@@ -14,7 +14,6 @@ from rst_control.types import Cause, PathState, Reason, State
 from tests.unit.rst_control.support.executor_rig import PERIOD, Rig
 
 
-@settings(deadline=None)
 @given(st.floats(0.02, 4.0), st.floats(20.0, 2000.0), st.floats(0.005, 0.5), st.floats(1e-4, 0.01))
 def test_from_the_stopping_speed_braking_keeps_time_and_distance(pull, jerk, time, distance):
     bounds = MotionBounds(0.1, pull, jerk)

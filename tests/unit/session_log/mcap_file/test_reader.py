@@ -77,7 +77,7 @@ def test_only_the_topics_asked_for_are_given(tmp_path):
 
 
 @given(cut=st.integers(9, 6000))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_file_cut_anywhere_gives_every_message_before_the_cut(sound, tmp_path_factory, cut):
     content, ends = sound
     path = tmp_path_factory.mktemp("cut") / "session.mcap"
@@ -93,7 +93,7 @@ def test_a_file_cut_anywhere_gives_every_message_before_the_cut(sound, tmp_path_
 
 
 @given(cut=st.integers(9, 14000))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_file_of_chunks_cut_anywhere_gives_every_commit_before_the_cut(
     tmp_path_factory, chunked, cut
 ):
@@ -114,7 +114,7 @@ def test_a_file_of_chunks_cut_anywhere_gives_every_commit_before_the_cut(
     filler=st.sampled_from(["zeros", "ones", "noise"]),
 )
 @example(start=2820, length=1, filler="ones")  # a length that would swallow two sound records
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_what_lies_beside_a_damaged_stretch_is_read(sound, tmp_path_factory, start, length, filler):
     content, ends = sound
     noise = random.Random(start).randbytes(length)

@@ -101,7 +101,7 @@ def test_a_microphone_muted_by_its_switch_is_named_with_its_level(noise, level):
     assert not found[-1]
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.floats(-85.0, -20.0), st.integers(1, 200))
 def test_a_room_is_heard_however_quiet(level, seed):
     assert not any(objections(np.tile(room(level, seed), 2)))

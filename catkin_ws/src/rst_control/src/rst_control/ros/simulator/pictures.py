@@ -77,8 +77,10 @@ class SimulatorPictures:
         with self._lock:
             try:
                 picture = self._picture()
-            except (SceneLostError, TimeoutError) as error:
+            except SceneLostError as error:
                 self._painter = None
+                return TriggerResponse(False, str(error))
+            except TimeoutError as error:
                 return TriggerResponse(False, str(error))
         return TriggerResponse(True, f"{len(picture)} bytes of PNG on {self._topic.resolved_name}")
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from rst_control.simulation.rendering.state import SceneSetup
 
-COURTESY = 15  # steps of priority that drawing leaves to others
+NICENESS = 15  # of drawing: what moves the robot goes first
 AUTOGROUP = Path("/proc/self/autogroup")  # Linux weighs sessions first, then processes in them
 
 
@@ -42,16 +42,16 @@ def serve(pipe: Connection) -> None:
                 pipe.send(png_bytes(painter.picture(state, setup.cameras)))
 
 
-def _be_courteous() -> None:
-    """Whatever moves the robot goes first, also where it started this process."""
+def _lower_priority() -> None:
+    """Let what moves the robot go first, also where it started this process."""
     with suppress(PermissionError, AttributeError):
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    os.nice(COURTESY)
+    os.nice(NICENESS)
     with suppress(OSError):  # its session is not weighed on this kernel
-        AUTOGROUP.write_text(str(COURTESY), encoding="ascii")
+        AUTOGROUP.write_text(str(NICENESS), encoding="ascii")
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a closed pipe ends it, not Ctrl-C
 
 
 if __name__ == "__main__":
-    _be_courteous()
+    _lower_priority()
     serve(Connection(int(sys.argv[1])))

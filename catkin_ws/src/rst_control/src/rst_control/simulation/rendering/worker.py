@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Starts the process that draws the scene, and speaks to it by a pipe.
+"""Starts the process that draws the scene, and exchanges messages with it by a pipe.
 
 A picture takes a tenth of a second and more, which the physics must not wait for.
 """
@@ -25,8 +25,8 @@ class SceneLostError(RuntimeError):
 class SceneWorker:
     """The drawing process, seen from outside; for one thread at a time.
 
-    The process comes up beside its caller. On a busy machine that takes long, as it has the lowest
-    priority.
+    The process starts while its caller goes on. On a busy machine that takes long, as it has the
+    lowest priority. Once it is lost, it is ended and of no more use.
 
     Raises:
         SceneLostError: The window cannot open; says why.
@@ -79,7 +79,7 @@ class SceneWorker:
         if not self._is_free:
             if not self._pipe.poll(0.0):
                 if self._process.poll() is not None:
-                    raise SceneLostError("the window was closed")
+                    raise self._lost("the window was closed")
                 return False
             self._answer(PICTURE_LIMIT)
         self._send(state)
@@ -87,7 +87,7 @@ class SceneWorker:
         return True
 
     def close(self) -> None:
-        """End the process; it holds nothing that has to be put away."""
+        """End the process, which keeps nothing; calling it twice does no harm."""
         self._pipe.close()
         self._process.kill()
         self._process.wait()
@@ -96,16 +96,21 @@ class SceneWorker:
         try:
             self._pipe.send(state)
         except OSError as error:
-            raise SceneLostError("the drawing process ended") from error
+            raise self._lost("the drawing process ended") from error
 
     def _answer(self, limit: float) -> bytes:
         try:
             if not self._pipe.poll(limit):
-                raise SceneLostError(f"the drawing process gave no answer for {limit:g} s")
+                raise self._lost(f"the drawing process gave no answer for {limit:g} s")
             answer = self._pipe.recv()
         except (EOFError, OSError) as error:
-            raise SceneLostError("the drawing process ended") from error
+            raise self._lost("the drawing process ended") from error
         if isinstance(answer, str):
-            raise SceneLostError(answer)
+            raise self._lost(answer)
         self._is_free = True
         return bytes(answer)
+
+    def _lost(self, words: str) -> SceneLostError:
+        """End a process that cannot be used any more; returns what to raise."""
+        self.close()
+        return SceneLostError(words)
