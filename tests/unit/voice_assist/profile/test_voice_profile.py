@@ -150,6 +150,8 @@ def test_the_folder_is_the_users_own_unless_another_is_given(
     monkeypatch.setenv("VOICE_ASSIST_PROFILES", str(tmp_path / "mine"))
     assert profiles_folder() == tmp_path / "mine"
     assert profiles_folder(tmp_path / "given") == tmp_path / "given"
+    with pytest.raises(VoiceProfileError, match=r"profiles in '~nobody-there/x': .*; allowed in"):
+        profiles_folder("~nobody-there/x")
 
 
 def test_a_broken_off_write_leaves_the_profile_as_it_was(

@@ -141,9 +141,10 @@ def test_loading_leaves_the_thread_count_alone():
     assert torch.get_num_threads() == before
 
 
-def test_an_unknown_model_is_refused_with_what_is_allowed():
-    with pytest.raises(ModelError, match=r"'big\.english'.*embedded, tiny\.en"):
-        load_recognizer("big.english")
+@pytest.mark.parametrize("name", ["big.english", "~nobody-there/model.pt"])
+def test_an_unknown_model_is_refused_with_what_is_allowed(name):
+    with pytest.raises(ModelError, match=rf"'{name}'.*embedded, tiny\.en"):
+        load_recognizer(name)
 
 
 def test_an_unknown_device_is_refused():

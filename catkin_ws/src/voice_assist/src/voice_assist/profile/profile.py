@@ -48,13 +48,18 @@ class VoiceProfileError(VoiceError):
 
 
 def profiles_folder(given: str | Path | None = None) -> Path:
-    """Folder of all profiles: as given, as the environment says, or in the user's own data."""
-    if given:
-        return Path(given).expanduser()
-    if named := os.environ.get(ENV):
-        return Path(named).expanduser()
-    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(data) / "voice_assist" / "profiles"
+    """Folder of all profiles: as given, as the environment says, or in the user's own data.
+
+    Raises:
+        VoiceProfileError: It is in the home of a user who has none.
+    """
+    data = os.environ.get("XDG_DATA_HOME") or "~/.local/share"
+    folder = given or os.environ.get(ENV) or f"{data}/voice_assist/profiles"
+    try:
+        return Path(folder).expanduser()
+    except RuntimeError as error:
+        allowed = f"allowed in profile.folder or {ENV}: a folder that exists or can be made"
+        raise VoiceProfileError(f"profiles in {str(folder)!r}: {error}; {allowed}") from error
 
 
 class VoiceProfile:

@@ -46,7 +46,7 @@ def find_checkpoint(model: str) -> Path:
     elif model in whisper.available_models():
         path = _fetch(model)
     else:
-        path = Path(model).expanduser()
+        path = _in_home(model)
     if not path.is_file():
         names = ", ".join([EMBEDDED, *whisper.available_models()])
         raise ModelError(f"model {model!r}: no file {path}; allowed: a file or {names}")
@@ -78,7 +78,7 @@ def read_checkpoint(path: Path) -> Checkpoint:
 
 def _fetch(name: str) -> Path:
     """Let the whisper library download a model, or find it in its cache."""
-    root = Path(os.getenv("XDG_CACHE_HOME", Path.home() / ".cache")) / "whisper"
+    root = Path(os.getenv("XDG_CACHE_HOME") or _in_home("~/.cache")) / "whisper"
     url = whisper._MODELS[name]  # the library has no public way to a model's file
     path = root / Path(url).name
     if not path.is_file():
@@ -88,3 +88,11 @@ def _fetch(name: str) -> Path:
             reason = f"model {name!r} is not in {root} and cannot be fetched: {error}"
             raise ModelError(f"{reason}; works offline: {EMBEDDED!r}") from error
     return path
+
+
+def _in_home(path: str) -> Path:
+    """The path with `~` as the home folder it stands for; as it is where there is none."""
+    try:
+        return Path(path).expanduser()
+    except RuntimeError:  # no such user, or one without a home
+        return Path(path)
