@@ -113,7 +113,7 @@ def shaft_error(ends: Array, trocar: Array) -> float:
 
 def _sampled(planner: Planner, path: Path) -> tuple[Array, Array]:
     """Joints (n, 9) [rad] and RCM errors (n,) [m] at 10 kHz of the motion along a path."""
-    bounds = planner.bounds(path, planner.config.controller.speed.tip_speed)
+    bounds = planner.pace(path, planner.config.controller.speed.tip_speed).moving
     profile = MotionProfile(PathState(0.0), bounds)
     profile.go_to(path.length)
     per_knot = int(np.ceil(profile.remaining * RATE / (len(path.knots) - 1)))

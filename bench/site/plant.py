@@ -28,12 +28,12 @@ import numpy as np
 from bench.common.resumable import CACHE, JOBS, carried_out, code, digest, pool
 from bench.common.rig import Rig
 from bench.kinova.rig import FILES, KinovaRig, kinova_motion
+from bench.site.late_robot import LateRobot
 from bench.site.plant_session import AnyRig, Seen, Session
 from rst_control.assembly import compensated
 from rst_control.config import CONFIG_FOLDER, PACKAGE, MotionConfig, load_simulation_config
 from rst_control.config.plant import PlantConfig
 from rst_control.registration.trocar_following import TrocarFollowing
-from rst_control.simulation.plant import LateRobot
 from support.figures import ROOT, Figure
 from typed_config import load_config, load_yaml, overlaid
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from bench.common.rig import Rig
 from bench.kinova.rig import KinovaRig
+from bench.site.late_robot import LateRobot
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.planning.plan import PhaseKind
@@ -21,7 +22,6 @@ from rst_control.registration.trocar_following import TrocarFollowing
 from rst_control.robot.joint_correction import JointCorrection
 from rst_control.robot.play_compensation import PlayCompensation
 from rst_control.simulation.exposure import exposure
-from rst_control.simulation.plant import LateRobot
 from rst_control.types import LATCHED, Cause, Reason
 
 Array = NDArray[np.float64]

@@ -141,7 +141,7 @@ class Course:
 
     def __init__(self, planner: Planner, path: Path, opening: float, period: float) -> None:
         self._path, self._opening, self._period = path, opening, period
-        self._profile = MotionProfile(PathState(0.0), planner.bounds(path, SPEED))
+        self._profile = MotionProfile(PathState(0.0), planner.pace(path, SPEED).moving)
         self._profile.go_to(path.length)
 
     @property
@@ -228,7 +228,7 @@ class Drill:
                 path = planner.leg(q, self._poses[self._rng.integers(len(self._poses))])
             except Infeasible:
                 continue
-            if path.length > LENGTH and planner.bounds(path, SPEED).speed >= ALMOST * SPEED:
+            if path.length > LENGTH and planner.pace(path, SPEED).moving.speed >= ALMOST * SPEED:
                 return path
 
     def go_on(self) -> str:

@@ -104,7 +104,7 @@ def test_random_paths_stay_in_the_trocar_by_kdl_and_by_pybullet(planner, paths):
 def test_paths_keep_joint_limits_and_speeds(planner, paths):
     for path in paths[:20]:
         samples = path.sample(planner.model.chain, planner.trocar)
-        bounds = planner.bounds(path, planner.config.controller.speed.tip_speed)
+        bounds = planner.pace(path, planner.config.controller.speed.tip_speed).moving
         for q in (samples.q[:, 0].min(axis=0), samples.q[:, 0].max(axis=0)):
             planner.limits.require(q)
         rates = np.abs(samples.q[:, 1]) * bounds.speed

@@ -26,7 +26,7 @@ class Way:
     def __init__(self, planner, home, begins):
         self.paths = planner.reach(home)
         self.path, self.begins = self.paths[0], begins
-        self.profile = MotionProfile(PathState(0.0), planner.bounds(self.path, 0.020))
+        self.profile = MotionProfile(PathState(0.0), planner.pace(self.path, 0.020).moving)
         self.profile.go_to(self.path.length)
         self.last = begins
 

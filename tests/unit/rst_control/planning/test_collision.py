@@ -184,14 +184,6 @@ def test_a_link_that_the_robot_does_not_have_is_refused_by_name(motion_config, r
         CollisionModel(wrong, robot)
 
 
-def test_a_refusal_leaves_verifier_and_model_as_they_were(motion_config, robot):
-    q = BESIDE_THE_UPPER_ARM
-    verify = Verifier(Planner(robot, crowded(motion_config, robot, q)))
-    here = situation(robot_joints(np.array(q), 0.0))
-    first = verify(request("tense"), here)
-    assert verify(request("tense"), here) == first
-
-
 def test_joints_that_are_no_numbers_are_refused(model, planner, robot, home):
     samples = planner.reach(home)[0].sample(robot.chain, planner.trocar)
     for place in (0, 57, -1):

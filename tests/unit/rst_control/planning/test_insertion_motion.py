@@ -58,13 +58,6 @@ def test_from_outside_the_tool_goes_in_works_and_comes_out_again(away):
     assert rig.state is State.ACTIVE
 
 
-def test_both_need_hey_robot_first(away):
-    rig = Rig(start=away).run(0.01)
-    for words in ("insert", "withdraw"):
-        assert "hey robot" in rig.refused(words)
-    assert rig.still_for(0.1)
-
-
 @pytest.mark.parametrize("words", ["insert", "withdraw"])
 def test_neither_is_taken_from_the_voice_node_heartbeat_or_not(away, words):
     rig = Rig(start=away).awake()

@@ -192,7 +192,7 @@ def test_soft_limits_of_the_driver_slow_the_path(planner, home):
     limits = replace(config.limits, layer="driver_soft")
     soft = Planner(planner.model, replace(config, limits=limits))
     path = planner.reach(home)[1]
-    assert soft.bounds(path, 0.02).acceleration < planner.bounds(path, 0.02).acceleration
+    assert soft.pace(path, 0.02).moving.acceleration < planner.pace(path, 0.02).moving.acceleration
 
 
 def test_the_grasp_pose_is_a_right_handed_turn_even_from_skew_axes(planner):

@@ -87,7 +87,7 @@ def test_going_back_into_the_trocar_the_tip_is_no_faster_than_on_any_other_way(c
     other = context.with_trocar(context.trocar + 1.9 * ASIDE)
     speed = other.config.controller.speed.tip_speed
     seat = other.planner.route(home)[0]
-    bounds = other.planner.bounds(seat, speed)
+    bounds = other.planner.pace(seat, speed).moving
     samples = seat.sample(other.model.chain, other.trocar)
     way = np.linalg.norm(np.diff(samples.tip, axis=0), axis=1) / np.diff(samples.s)
     assert way.max() * bounds.speed <= 1.05 * speed

@@ -136,21 +136,13 @@ def test_a_violent_pull_stays_finite_and_settles(stiffness):
     assert np.linalg.norm(force) < 0.01 * stiffness * 0.01 + 1e-3
 
 
-def out_of_plane_rms(nodes):
-    """Root mean square distance of the nodes from their best plane [m]."""
-    centred = nodes - nodes.mean(axis=0)
-    return np.linalg.svd(centred, compute_uv=False)[2] / np.sqrt(len(centred))
-
-
-def test_strain_and_flatness_are_zero_at_rest_and_tell_of_pull_and_push():
+def test_the_strain_is_zero_at_rest_and_rises_with_a_pull():
     sheet = tissue()
     assert sheet.max_strain == pytest.approx(0.0, abs=1e-9)
-    assert out_of_plane_rms(sheet.nodes) == pytest.approx(0.0, abs=1e-9)
     sheet.grasp(GRASP)
     for k in range(500):
         sheet.advance(GRASP + np.array([0.0, 2e-5 * k, 0.0]))
     assert sheet.max_strain > 0.01
-    assert out_of_plane_rms(sheet.nodes) > 1e-4
 
 
 def test_reset_puts_everything_back():
@@ -160,10 +152,6 @@ def test_reset_puts_everything_back():
     assert not sheet.is_held
     assert np.array_equal(sheet.nodes, tissue().nodes)
     assert not sheet.advance(GRASP).any()
-
-
-def test_the_same_pull_gives_the_same_bits():
-    assert np.array_equal(pulled(tissue(), 0.01), pulled(tissue(), 0.01))
 
 
 def test_a_sheet_turned_in_space_pulls_the_same():

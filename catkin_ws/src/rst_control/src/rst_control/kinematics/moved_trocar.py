@@ -44,11 +44,8 @@ def shifted_joints(model: RobotModel, q: Vector, trocar: Vector, shift: Vector) 
     if not shift.any():
         return np.zeros(PLAN_COUNT)
     q, moved = np.array(q), trocar + shift
-    frames, J_tip, J_rcm = (
-        np.empty((12, 3, 4)),
-        np.empty((6, PLAN_COUNT)),
-        np.zeros((2, PLAN_COUNT)),
-    )
+    frames = np.empty((12, 3, 4))
+    J_tip, J_rcm = np.empty((6, PLAN_COUNT)), np.zeros((2, PLAN_COUNT))
     forward.forward(model.chain, q, frames)
     lateral = np.array(rcm_offset(frames, trocar)[:2])
     tip = frames[forward.TIP, :, 3].copy()

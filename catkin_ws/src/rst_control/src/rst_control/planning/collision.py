@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
@@ -28,7 +29,7 @@ class Plane:
     """A surface that some bodies must stay above."""
 
     name: str
-    normal: tuple[float, float, float]  # unit, base frame, to the free side
+    normal: Sequence[float]  # (3,), unit, base frame, to the free side
     offset: float  # [m] of the surface from the base frame's origin, along the normal
     clearance: float  # [m] that bodies keep from it
     exempt: tuple[str, ...]  # links that may touch it or reach through it
@@ -62,8 +63,8 @@ class CollisionModel:
         self._chain = model.chain
         self._names = tuple(body.name for body in config.bodies)
         if config.has_table:
-            x, y, z = unit_vector(config.table_normal).tolist()
-            table = Plane(TABLE, (x, y, z), config.table_height, config.clearance, STANDING)
+            normal = unit_vector(config.table_normal).tolist()
+            table = Plane(TABLE, normal, config.table_height, config.clearance, STANDING)
             planes = (table, *planes)
         self._planes = planes
         self.shapes = _shapes(config, model, planes)

@@ -65,9 +65,8 @@ class Patient:
         self.sweep = _reach(self._chain, self._shaft) + scene.surface_margin  # [m] of pitch and yaw
 
         def kept_off(clearance: float, *exempt: str) -> CollisionModel:
-            x, y, z = (float(v) for v in normal)
             offset = float(normal @ self._trocar)
-            surface = Plane(SURFACE, (x, y, z), offset, clearance, (*FIXED, *exempt))
+            surface = Plane(SURFACE, normal.tolist(), offset, clearance, (*FIXED, *exempt))
             return CollisionModel(config.collision, model, (surface,))
 
         self.outside = kept_off(scene.surface_margin)  # for motion wholly outside

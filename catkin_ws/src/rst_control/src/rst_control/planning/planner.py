@@ -83,7 +83,7 @@ class Planner:
             except Infeasible:
                 if candidate is self.grasp_candidates[-1]:
                     raise
-        self.bounds(path, self.config.controller.speed.tip_speed)
+        self.pace(path, self.config.controller.speed.tip_speed)
         path.evaluate(0.0)
         self.project(home)
 
@@ -204,10 +204,6 @@ class Planner:
             speed = stopping_speed(braking, layer.stopping_time, layer.stopping_distance)
         moving = MotionBounds(speed, min(hardest, settings.acceleration), settings.jerk)
         return PathPace(moving, braking)
-
-    def bounds(self, path: Path, speed: float) -> MotionBounds:
-        """Speed, acceleration and jerk of motion along a path, up to `speed` [m/s]."""
-        return self.pace(path, speed).moving
 
     def _grasps(self, candidate: GraspCandidate) -> tuple[Array, Array]:
         """The grasp and the same with the jaws changed about, which take the tissue alike."""

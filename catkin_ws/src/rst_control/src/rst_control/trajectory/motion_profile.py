@@ -150,10 +150,3 @@ def stopping_speed(bounds: MotionBounds, time: float, distance: float) -> float:
     if in_time < half:  # the jerk alone takes longer than that
         in_time = 0.25 * bounds.jerk * time * time
     return min(bounds.speed, in_time, in_distance)
-
-
-def stopping_distance(state: PathState, bounds: MotionBounds) -> float:
-    """How far s still goes if it brakes now [m]."""
-    profile = MotionProfile(state, bounds)
-    profile.brake()
-    return profile.end - state.s

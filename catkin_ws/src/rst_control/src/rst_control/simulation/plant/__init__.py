@@ -3,6 +3,5 @@
 
 from rst_control.simulation.plant.body_wall import BodyWall
 from rst_control.simulation.plant.lab import LabPlant, PlantInput
-from rst_control.simulation.plant.lateness import LateRobot
 
-__all__ = ["BodyWall", "LabPlant", "LateRobot", "PlantInput"]
+__all__ = ["BodyWall", "LabPlant", "PlantInput"]

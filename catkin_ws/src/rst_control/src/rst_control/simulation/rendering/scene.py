@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
@@ -118,7 +120,8 @@ class SceneShapes:
             (PORT_RADIUS, PORT_LENGTH, 0.0),
             (2.2 * PORT_RADIUS, 0.010, 0.5 * PORT_LENGTH),
         ):
-            points, faces = _tube(radius, length)
+            points = _rings(np.zeros(3), [radius] * 2, [0.5 * length, -0.5 * length])
+            faces = grid_faces(2, SLICES, closed=True)
             normals = points * [1.0, 1.0, 0.0] / radius
             self._mesh(trocar + points + [0, 0, centre], normals, faces, RIM)
             self._mesh(trocar + points + [0, 0, centre], -normals, faces[:, ::-1], RIM)
@@ -173,16 +176,9 @@ def _finer(count: int) -> NDArray[np.float64]:
     return weights
 
 
-def _rings(centre: Points, radii: NDArray[np.float64], heights: NDArray[np.float64]) -> Points:
+def _rings(centre: Points, radii: Iterable[float], heights: Iterable[float]) -> Points:
     """Level circles about a centre, each of SLICES points."""
     angles = np.linspace(0.0, 2.0 * np.pi, SLICES, endpoint=False)
     ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(SLICES)])
     circles = [r * ring + [0.0, 0.0, h] for r, h in zip(radii, heights, strict=True)]
     return centre + np.vstack(circles)
-
-
-def _tube(radius: float, length: float) -> tuple[Points, NDArray[np.int64]]:
-    angles = np.linspace(0.0, 2.0 * np.pi, SLICES, endpoint=False)
-    ring = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    ends = [np.column_stack([ring, np.full(SLICES, z)]) for z in (0.5 * length, -0.5 * length)]
-    return np.vstack(ends), grid_faces(2, SLICES, closed=True)
