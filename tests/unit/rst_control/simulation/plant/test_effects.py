@@ -246,6 +246,14 @@ def test_it_pushes_a_shaft_back_by_stiffness_times_the_way_beyond_its_slack():
     assert not wall.force(0.0, home + aside + [0.0, 0.0, 0.1], home + aside)[0].any()
 
 
+@pytest.mark.parametrize("shift", [(0.0, 0.002, 0.3), (0.2, 0.0, 0.0)], ids=["before", "beside"])
+def test_it_does_not_push_a_shaft_that_is_outside(shift):
+    home = np.array([0.4, 0.0, 0.4])
+    wall = BodyWall(replace(PLANT.body_wall, stroke=0.0), home)
+    base, end = home + shift + [0.0, 0.0, 0.1], home + shift - [0.0, 0.0, 0.2]
+    assert not wall.force(0.0, base, end)[0].any()
+
+
 # Play.
 
 

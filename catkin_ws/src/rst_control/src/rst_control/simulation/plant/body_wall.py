@@ -3,10 +3,15 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from rst_control.config.plant import BodyWallConfig
 from rst_control.types import Vector, unit_vector
+
+
+FAR: Final = 0.05  # [m] beside the trocar; no breath is so deep, so the shaft is not in it
 
 
 class BodyWall:
@@ -30,7 +35,8 @@ class BodyWall:
     def force(self, time: float, base: Vector, end: Vector) -> tuple[Vector, Vector]:
         """Force on the shaft [N], and the point of the shaft at which it pushes [m]; shapes (3,).
 
-        It is stiffness times the shaft's distance from the trocar, less the slack, towards it.
+        It is stiffness times the shaft's distance from the trocar, less the slack, towards it. There
+        is none where the shaft does not pass the trocar: it ends before it, or is far beside it.
 
         Args:
             time: [s].
@@ -38,11 +44,13 @@ class BodyWall:
             end: The other. Shape (3,).
         """
         trocar, way = self.trocar(time), unit_vector(end - base)
-        point = base + float((trocar - base) @ way) * way
+        along = float((trocar - base) @ way)
+        point = base + along * way
         aside = trocar - point
         distance = float(np.linalg.norm(aside))
         pressed = distance - self._config.slack
-        if pressed <= 0.0:
+        passes = 0.0 <= along <= float((end - base) @ way) and distance <= FAR
+        if pressed <= 0.0 or not passes:
             return np.zeros(3), point
         push: Vector = (self._config.stiffness * pressed / distance) * aside
         return push, point
