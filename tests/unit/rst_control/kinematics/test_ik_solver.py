@@ -4,6 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rst_control.kinematics import constrained_ik
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.ik_solver import IkSolver
 from rst_control.kinematics.rcm import rcm_state
@@ -31,6 +32,16 @@ def test_joints_that_turn_for_ever_come_out_near_the_reference(planner, home):
     target = Configuration(planner.model, home).T_base_tip
     result = planner.solver.search(target, planner.trocar, start)
     np.testing.assert_allclose(result.q, home, atol=1e-8)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_no_joint_is_turned_past_its_limit_to_be_nearer_to_its_reference(planner, home, side):
+    far, q = home.copy(), home.copy()
+    far[0], q[0] = side * 6.0, side * 2.5  # a whole turn further it would be at 8.8 rad
+    solver = IkSolver(planner.model, planner.limits, far, planner.config.rcm.solver)
+    wrapped = q.copy()
+    constrained_ik.wrap(wrapped, solver.posture)
+    np.testing.assert_allclose(wrapped, q, atol=1e-12)
 
 
 def test_the_answer_cannot_be_changed(planner, home):

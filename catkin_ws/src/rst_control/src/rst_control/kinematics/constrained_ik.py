@@ -247,8 +247,15 @@ def search(
 
 @kernel
 def wrap(q: Any, posture: Any) -> None:
-    """Turn joints with a range of more than a turn by whole turns to near their reference."""
+    """Turn joints with a range of more than a turn by whole turns to near their reference.
+
+    Of two turns the one inside the limits is taken.
+    """
     for j in range(9):
         if posture[3, j] - posture[2, j] > 2.0 * np.pi:
             turns = np.round((q[j] - posture[0, j]) / (2.0 * np.pi))
             q[j] -= 2.0 * np.pi * turns
+            if q[j] > posture[3, j]:
+                q[j] -= 2.0 * np.pi
+            elif q[j] < posture[2, j]:
+                q[j] += 2.0 * np.pi

@@ -10,7 +10,6 @@ import numpy as np
 from rst_control.config.plant import BodyWallConfig
 from rst_control.types import Vector, unit_vector
 
-
 FAR: Final = 0.05  # [m] beside the trocar; no breath is so deep, so the shaft is not in it
 
 
@@ -35,8 +34,8 @@ class BodyWall:
     def force(self, time: float, base: Vector, end: Vector) -> tuple[Vector, Vector]:
         """Force on the shaft [N], and the point of the shaft at which it pushes [m]; shapes (3,).
 
-        It is stiffness times the shaft's distance from the trocar, less the slack, towards it. There
-        is none where the shaft does not pass the trocar: it ends before it, or is far beside it.
+        It is stiffness times the shaft's distance from the trocar, less the slack, towards it.
+        There is none where the shaft ends before the trocar, or is far beside it.
 
         Args:
             time: [s].
