@@ -10,7 +10,7 @@ from rst_control.kinematics import constrained_ik, forward
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.rcm import rcm_error_vector, rcm_state
 from rst_control.kinematics.robot_model import load_robot, rotation
-from tests.support.jacobians import differences, rcm_jacobian_at
+from tests.support.jacobians import differences
 
 TROCAR = np.array([0.406, -0.024, 0.415])
 
@@ -41,17 +41,6 @@ def test_lateral_errors_are_the_error_in_the_frame_of_the_shaft(q, trocar):
     error = T[:3, :3].T @ rcm_error_vector(T[:3, 3], T[:3, 2], trocar)
     assert_allclose([*state.lateral, 0.0], error, atol=1e-12)
     assert abs(state.error - np.linalg.norm(error)) < 1e-12
-
-
-@given(configurations)
-def test_rcm_jacobian_equals_finite_differences(q):
-    model = load_robot()
-
-    def lateral(joints):
-        return np.array(rcm_state(Configuration(model, joints), TROCAR).lateral)
-
-    J = rcm_jacobian_at(Configuration(model, q), TROCAR)
-    assert_allclose(J, differences(lateral, q), atol=1e-8)
 
 
 @given(configurations, st.booleans())

@@ -94,9 +94,6 @@ def test_random_paths_stay_in_the_trocar_by_kdl_and_by_pybullet(planner, paths):
                 joints = robot_joints(samples.q[k, 0], 0.0)
                 assert joints[LACKING] == 0.0
                 worst[n] = max(worst[n], shaft_error(shaft(joints), planner.trocar))
-    print(
-        f"RCM error of {PATHS} paths: KDL {worst[0] * 1e6:.3f} um, PyBullet {worst[1] * 1e6:.3f} um"
-    )
     assert worst[0] <= MOST_ERROR
     assert worst[1] <= MOST_ERROR
 

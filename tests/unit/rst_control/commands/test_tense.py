@@ -49,7 +49,7 @@ def sheet_turned(scene, vector):
 def test_directions_that_the_scene_names_are_kept(motion_config):
     scene = motion_config.scene
     (way,) = grasp_candidates(scene)
-    assert_allclose(way.approach, scene.approach_axis, atol=1e-12)
+    assert_allclose(-way.T_base_tip[:3, 1], scene.approach_axis, atol=1e-12)
     assert_allclose(way.T_base_tip[:3, 2], scene.jaw_axis, atol=1e-12)
     assert_allclose(way.pull, scene.pull_direction / np.linalg.norm(scene.pull_direction))
     assert way.length == scene.max_displacement
@@ -63,9 +63,9 @@ def test_every_way_has_the_sheet_between_the_jaws_and_the_squarest_comes_first(s
         R = way.T_base_tip[:3, :3]
         assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
         assert np.linalg.det(R) == pytest.approx(1.0)
-        assert abs(way.approach @ normal) < 1e-9  # within the sheet, from its free side
+        assert abs(way.T_base_tip[:3, 1] @ normal) < 1e-9  # within the sheet, from its free side
         ways_in = [-outward for _, outward in free_sides(scene.tissue)]
-        assert max(way.approach @ ways_in[0], 0.0) >= np.cos(MAX_ASIDE) - 1e-9
+        assert max(-way.T_base_tip[:3, 1] @ ways_in[0], 0.0) >= np.cos(MAX_ASIDE) - 1e-9
         assert abs(R[:, 0] @ normal) == pytest.approx(np.cos(way.askew), abs=1e-6)
     assert ways[0].askew == pytest.approx(0.0, abs=1e-6)
     askew = [round(way.askew, 6) for way in ways]
@@ -90,7 +90,7 @@ def test_a_chosen_grasp_keeps_the_point_the_way_and_the_retreat(planner, scene, 
     pulled = Configuration(planner.model, plan.pull.end).tip - tip[:3, 3]
     assert_allclose(pulled, plan.candidate.length * plan.candidate.pull, atol=1e-6)
     back = Configuration(planner.model, plan.retreat.end).tip - tip[:3, 3]
-    assert_allclose(back, -scene.clearance * plan.candidate.approach, atol=1e-6)
+    assert_allclose(back, scene.clearance * plan.candidate.T_base_tip[:3, 1], atol=1e-6)
 
 
 def test_the_same_situation_gives_the_same_choice(planner, scene, home):

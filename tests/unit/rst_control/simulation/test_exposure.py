@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The simulator says whether the tissue it shows is triangulated."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -26,7 +24,7 @@ def pulled(way, missed=(0.0, 0.0, 0.0), steps=600):
     return tissue, force
 
 
-def test_tissue_that_nobody_holds_has_no_verdict():
+def test_tissue_that_is_not_held_has_no_verdict():
     assert exposure(SimulatedTissue(SCENE.tissue, STEP), SCENE, np.zeros(3)) is None
     assert exposure_words(None, SCENE) == "no tissue held"
 
@@ -47,14 +45,8 @@ def test_the_sheet_pulled_upwards_is_triangulated():
         ((0.0, 0.0, 0.025), (0.0, 0.0, 0.0), "strain"),
     ],
 )
-def test_what_keeps_it_from_being_triangulated_is_told(way, missed, words):
+def test_what_keeps_it_from_being_triangulated_is_named(way, missed, words):
     tissue, force = pulled(way, missed)
-    told = exposure_words(exposure(tissue, SCENE, force), SCENE)
-    assert told.startswith("not triangulated: ")
-    assert words in told
-
-
-def test_other_bands_give_another_verdict():
-    tissue, force = pulled((0.0, 0.0, 0.006))
-    strict = replace(SCENE, triangulation=replace(SCENE.triangulation, strain=0.2))
-    assert "strain 0.263, at most 0.2" in exposure_words(exposure(tissue, strict, force), strict)
+    words_now = exposure_words(exposure(tissue, SCENE, force), SCENE)
+    assert words_now.startswith("not triangulated: ")
+    assert words in words_now

@@ -26,7 +26,7 @@ def tip_share(depth: float) -> float:
 
 
 def shifted_joints(model: RobotModel, q: Vector, trocar: Vector, shift: Vector) -> Vector:
-    """Change of the arm's joints that takes a shift of the trocar into account.
+    """Change of the arm's joints that follows a shift of the trocar.
 
     Solved for e(dq) = 0 by Newton's method with the least change of the joints:
     e is the trocar's lateral offset in the shaft's frame, less that before the shift, and the tip's

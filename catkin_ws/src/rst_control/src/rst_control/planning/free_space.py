@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Ways outside the patient, from wherever the joints are to a given configuration.
+"""Paths outside the patient, from the present joints to a given configuration.
 
 A straight joint motion is tried first, then one by way of a place further out, then a search. All
 are checked everywhere for collisions and for the patient's surface.
@@ -119,7 +119,7 @@ class Approach:
         return Path(np.array([a, b]), np.array([slope, slope]), length)
 
     def _lifted(self, q: Vector) -> Vector:
-        """Joints with the tip further from the patient, the arm bent as little as possible."""
+        """Joints (9,) with the tip further from the patient, by damped least squares."""
         q, frames, J = np.array(q), np.empty((12, 3, 4)), np.empty((6, 9))
         for _ in range(LIFTS):
             forward.forward(self._chain, q, frames)
@@ -143,7 +143,7 @@ class Approach:
     def _samples(self, ends: Array) -> Array:
         """Configurations all over the joint ranges, but near the ends where a range is endless."""
         low, high = self._limits.lower.copy(), self._limits.upper.copy()
-        endless = high - low > 2.0 * np.pi
+        endless = self._limits.endless.copy()
         endless[7:] = True  # the wrist need not bend on the way, either
         beside = np.where(np.arange(9) < 7, BESIDE, 0.0)
         low[endless] = np.maximum(low, ends.min(axis=0) - beside)[endless]

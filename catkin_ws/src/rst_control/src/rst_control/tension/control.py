@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Speed along the pull path from the tension's error, as fast as the tissue's stiffness lets it.
+"""Speed along the pull path from the tension's error, as fast as the tissue's stiffness permits.
 
-A pull starts as if the tissue were the stiffest allowed, and speeds up as it is seen to be softer;
-so stiff tissue is not torn and soft tissue is not waited for. Loaded tissue may stiffen tenfold at
-any moment, and the pull still stops below the tension's limit.
+A pull starts as if the tissue were the stiffest allowed, and speeds up once it is measured to be
+softer. So stiff tissue is not torn, and soft tissue is not pulled needlessly slowly. Loaded tissue
+may stiffen tenfold at any moment, and the pull still stops below the tension's limit.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class TensionControl:
         error = self._error()
         is_close = abs(error) <= self._config.tolerance
         self._settled_for = self._settled_for + dt if is_close else 0.0
-        self._head(error)
+        self._set_speed(error)
         state = self._profile.step(dt)
         self._past.append((self._time, state.s))
         return state
@@ -118,10 +118,10 @@ class TensionControl:
         now, seen = self.target - self.tension, self.target - self._estimate.force
         return now if now * seen > 0.0 else 0.0
 
-    def _head(self, error: float) -> None:
-        """Take up the speed that fits now, and brake hard where the limit asks for it."""
-        speed, state = min(self._bounds.speed, self._towards(error)), self.state
-        safe = self._safe() if error > 0.0 else speed
+    def _set_speed(self, error: float) -> None:
+        """Set the speed that fits now; brake hard where the limit is near."""
+        speed, state = min(self._bounds.speed, self._approach_speed(error)), self.state
+        safe = self._limit_speed() if error > 0.0 else speed
         # A hard deceleration needs its jerk until it has ended, else it would throw s back.
         is_slowing = self._is_braking_hard and state.acceleration < 0.0
         self._is_braking_hard = is_slowing or safe < min(speed, state.speed)
@@ -131,19 +131,19 @@ class TensionControl:
         else:
             self._profile.go_to(self._end(error), replace(bounds, speed=min(speed, safe)))
 
-    def _towards(self, error: float) -> float:
+    def _approach_speed(self, error: float) -> float:
         """Speed at which the tension comes near its target without passing it [m/s]."""
         if error > 0.0 and self._is_slack:
-            return self._stoppable(SLACK_SHARE * error / self._estimate.highest, self._bounds)
+            return self._stopping_speed(SLACK_SHARE * error / self._estimate.highest, self._bounds)
         way = abs(error) / self._cautious
-        return min(self._config.bandwidth * way, self._stoppable(way, self._bounds))
+        return min(self._config.bandwidth * way, self._stopping_speed(way, self._bounds))
 
-    def _safe(self) -> float:
+    def _limit_speed(self) -> float:
         """Speed from which it stops below the limit though the tissue stiffen at once [m/s]."""
         room = max(0.0, self._config.limit - self.tension)
-        return self._stoppable(room / (STIFFENING * self._cautious), self._brakes)
+        return self._stopping_speed(room / (STIFFENING * self._cautious), self._brakes)
 
-    def _stoppable(self, way: float, bounds: MotionBounds) -> float:
+    def _stopping_speed(self, way: float, bounds: MotionBounds) -> float:
         """Speed v from which it stops within a way [m], the delay of the tension included [m/s].
 
         The way is v * t + v^2 / (2 a), where t is the delay and half of the time in which the
@@ -151,8 +151,8 @@ class TensionControl:
         """
         acceleration = BRAKING_SHARE * bounds.acceleration
         lost = LATE * self._config.delay + 0.5 * bounds.acceleration / bounds.jerk
-        head = acceleration * lost
-        return math.sqrt(head * head + 2.0 * acceleration * way) - head
+        gained = acceleration * lost
+        return math.sqrt(gained * gained + 2.0 * acceleration * way) - gained
 
     def _end(self, error: float) -> float:
         return min(self._length, self.bound) if error > 0.0 else 0.0

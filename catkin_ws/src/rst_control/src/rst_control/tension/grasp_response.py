@@ -40,7 +40,7 @@ WINDOW: Final = 3.0  # standard deviations that a mean may be off
 
 
 class GraspResponse:
-    """Looks at each reading while tissue is held.
+    """Judges each reading while tissue is held.
 
     Args:
         config: Limit, stiffest tissue, delay and noise of the tension.

@@ -42,11 +42,6 @@ class GraspCandidate:
     length: float  # [m] that it may be pulled, at most
     askew: float  # [rad] of the jaws from square to the sheet
 
-    @property
-    def approach(self) -> Vector:
-        """Way the closed jaws point, base frame. Shape (3,)."""
-        return -self.T_base_tip[:3, 1]
-
 
 def grasp_candidates(scene: SceneConfig) -> tuple[GraspCandidate, ...]:
     """All grasps that a scene leaves open; just one where it names approach and jaw axis.

@@ -74,7 +74,7 @@ class PathPoint(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """What a path does at many places."""
+    """A path at many places, as evaluated through a trocar."""
 
     s: Vector  # (n,), [m]
     q: Array  # (n, 3, 9): joints, first and second derivative by s
@@ -122,7 +122,7 @@ class Path:
         return Path(self.knots[::-1], -self.slopes[::-1], self.length)
 
     def sample(self, chain: Array, trocar: Vector, per_knot: int = 10) -> Samples:
-        """Look at the path at every knot and between, `per_knot` times as densely."""
+        """Evaluate the path at every knot and between, `per_knot` times as densely."""
         s = np.linspace(0.0, self.length, (len(self.knots) - 1) * per_knot + 1)
         q, seen = np.empty((len(s), 3, 9)), np.empty((len(s), 8))
         _sample(chain, self.knots, self.slopes, self.spacing, trocar, s, q, seen)

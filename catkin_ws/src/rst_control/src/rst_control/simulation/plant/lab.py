@@ -25,7 +25,7 @@ from rst_control.simulation.plant.loads import add_load
 from rst_control.simulation.plant.tool_play import ToolPlay
 from rst_control.types import ARM_COUNT, PLAN_COUNT, Vector
 
-GRAVITY_PERIOD: Final = 10  # steps between two looks at gravity, which changes slowly
+GRAVITY_PERIOD: Final = 10  # steps between two evaluations of gravity, which changes slowly
 
 
 @dataclass(frozen=True, eq=False)

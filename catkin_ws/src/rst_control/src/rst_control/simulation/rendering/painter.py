@@ -50,7 +50,7 @@ class ScenePainter(BulletWorld):
         self._joints = joint_indices(self._robot, self._client)
         self._shapes, self._marks = SceneShapes(scene, self._client), SceneMarks(self._client)
         if window is not None:
-            self._look_from(window)
+            self._view_from(window)
 
     def picture(self, state: SceneState, cameras: Sequence[CameraConfig]) -> Image:
         """Draw the scene as several cameras see it, side by side.
@@ -72,7 +72,7 @@ class ScenePainter(BulletWorld):
         self._marks.show(state.trail, state.tip, state.force)
         pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 1, **on)
 
-    def _look_from(self, camera: CameraConfig) -> None:
+    def _view_from(self, camera: CameraConfig) -> None:
         on = {"physicsClientId": self._client}
         pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, **on)
         pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_SHADOWS, 0, **on)
