@@ -5,6 +5,7 @@ import os
 import pickle
 import random
 import zipfile
+from functools import partial
 
 import pytest
 import torch
@@ -16,9 +17,10 @@ from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.recognizer.vocabulary import BLANK
 from voice_assist.recognizer.whisper_shapes import whisper_shapes
 from voice_assist.spotter.head import PATH, Head, read_head
+from voice_assist.spotter.overlap import read_overlap, untrained
 
 DIMS = {
-    **{"n_mels": 80, "n_audio_ctx": 512, "n_audio_state": 4, "n_audio_head": 2, "n_audio_layer": 1},
+    **{"n_mels": 80, "n_audio_ctx": 512, "n_audio_state": 4, "n_audio_head": 2, "n_audio_layer": 2},
     **{"n_vocab": 51864, "n_text_ctx": 64, "n_text_state": 4, "n_text_head": 2, "n_text_layer": 1},
 }
 
@@ -46,8 +48,26 @@ def head():
     return Head().state_dict()
 
 
-READERS = {"checkpoint": (read_checkpoint, checkpoint), "head": (read_head, head)}
-both = pytest.mark.parametrize("kind", READERS)
+@pytest.fixture(scope="module")
+def encoder(tmp_path_factory):
+    """The file of a recogniser that a spotter over talk is made for."""
+    return saved(tmp_path_factory.mktemp("encoder") / "encoder.pt", checkpoint())
+
+
+@pytest.fixture(params=["checkpoint", "head", "overlap"])
+def reader(request, encoder):
+    """What reads a kind of file, and what makes the content of a right one."""
+    made_for = read_checkpoint(encoder)
+
+    def overlap():
+        state = dict(untrained(made_for).own_state())
+        return {"encoder_sha256": made_for.sha256, "state": state}
+
+    return {
+        "checkpoint": (read_checkpoint, checkpoint),
+        "head": (read_head, head),
+        "overlap": (partial(read_overlap, encoder=encoder), overlap),
+    }[request.param]
 
 
 def refusal(read, path):
@@ -79,9 +99,8 @@ def test_what_is_whole_is_read(tmp_path):
     assert len(read_head(PATH)[1]) == 64
 
 
-@both
-def test_any_bytes_cuts_and_changes_are_refused_or_change_nothing(kind, tmp_path):
-    read, make = READERS[kind]
+def test_any_bytes_cuts_and_changes_are_refused_or_change_nothing(reader, tmp_path):
+    read, make = reader
     whole = saved(tmp_path / "whole.pt", make()).read_bytes()
     order, file, accepted = random.Random(5), tmp_path / "damaged.pt", 0
     for index in range(60):
@@ -101,9 +120,8 @@ def test_any_bytes_cuts_and_changes_are_refused_or_change_nothing(kind, tmp_path
     assert accepted < 10
 
 
-@both
-def test_code_in_a_file_never_runs_and_the_error_says_what_was_expected(kind, tmp_path):
-    read, make = READERS[kind]
+def test_code_in_a_file_never_runs_and_the_error_says_what_was_expected(reader, tmp_path):
+    read, make = reader
     trace, content = tmp_path / "ran", make()
     content[next(iter(content))] = Intruder(trace)
     hidden = make()
@@ -137,12 +155,11 @@ def broken_weights(name, tensor):
     yield None, "is NoneType, allowed: a dense tensor"
 
 
-@both
-def test_weights_that_are_no_numbers_or_do_not_fit_are_refused_by_name(kind, tmp_path):
-    read, make = READERS[kind]
+def test_weights_that_are_no_numbers_or_do_not_fit_are_refused_by_name(reader, tmp_path):
+    read, make = reader
     content = make()
-    names = ("model_state_dict", "ctc_state_dict")
-    for part in [content] if kind == "head" else [content[name] for name in names]:
+    parts = [part for key, part in content.items() if isinstance(part, dict) and key != "dims"]
+    for part in parts or [content]:
         name = list(part)[-1]
         whole = part[name]
         for bad, words in broken_weights(name, whole):
@@ -211,11 +228,10 @@ def test_dims_that_are_missing_are_named(tmp_path):
     assert "dims has NoneType" in refusal(read_checkpoint, saved(tmp_path / "x.pt", content))
 
 
-@both
 def test_an_archive_that_unpacks_to_more_than_memory_is_refused_unopened(
-    kind, tmp_path, monkeypatch
+    reader, tmp_path, monkeypatch
 ):
-    read, _ = READERS[kind]
+    read, _ = reader
     path = tmp_path / "bomb.pt"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("archive/data.pkl", bytes(1_000_001))
@@ -225,8 +241,7 @@ def test_an_archive_that_unpacks_to_more_than_memory_is_refused_unopened(
     assert "bomb.pt unpacks to 1000001 bytes, allowed: at most 1000000" in words
 
 
-@both
-def test_a_file_that_is_not_there_or_is_a_folder_is_named(kind, tmp_path):
-    read, _ = READERS[kind]
+def test_a_file_that_is_not_there_or_is_a_folder_is_named(reader, tmp_path):
+    read, _ = reader
     for path in (tmp_path / "none.pt", tmp_path):
         assert str(path) in refusal(read, path)

@@ -100,8 +100,3 @@ def test_a_file_that_holds_something_else_is_refused(tmp_path, content, words):
     torch.save(content, tmp_path / "v.pt")
     with pytest.raises(ModelError, match=words):
         read_verifier(BASE, WIDTH, tmp_path / "v.pt")
-
-
-def test_a_missing_file_is_refused(tmp_path):
-    with pytest.raises(ModelError, match="cannot be read"):
-        read_verifier(BASE, WIDTH, tmp_path / "v.pt")

@@ -115,33 +115,6 @@ def test_another_encoder_is_refused(written, encoder, tmp_path):
         read_overlap(path, encoder)
 
 
-@pytest.mark.parametrize(
-    "spoil",
-    [
-        lambda content: content["state"].popitem(),
-        lambda content: content["state"].update(other=torch.ones(1)),
-        lambda content: content["state"]["head.0.weight"].fill_(float("nan")),
-        lambda content: content.pop("encoder_sha256"),
-    ],
-)
-def test_a_file_that_holds_something_else_is_named(written, encoder, spoil):
-    path, _ = written
-    content = torch.load(path, weights_only=True)
-    spoil(content)
-    torch.save(content, path)
-    with pytest.raises(ModelError, match=r"overlap\.pt"):
-        read_overlap(path, encoder)
-
-
-def test_a_missing_or_damaged_file_is_named(encoder, tmp_path):
-    path = tmp_path / "overlap.pt"
-    with pytest.raises(ModelError, match=r"overlap\.pt cannot be read"):
-        read_overlap(path, encoder)
-    path.write_bytes(b"no weights")
-    with pytest.raises(ModelError, match=r"overlap\.pt"):
-        read_overlap(path, encoder)
-
-
 def test_it_fires_once_for_a_word_and_again_after_a_second():
     times = {10, 11, 12, 13, 30, 31}  # windows that are sure
 
