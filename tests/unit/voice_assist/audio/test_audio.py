@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from tests.unit.voice_assist.support.fake_speech import quiet_frame
 from voice_assist.audio.channels import mix, plain
 from voice_assist.audio.resample import Resampler
-from voice_assist.audio.sound_file import read_sound
 from voice_assist.audio.source import FRAME, Framer, GapWatch, level_db
 from voice_assist.audio.wav_file import WavFile
 from voice_assist.errors import AudioError
@@ -124,20 +123,6 @@ def test_integer_samples_are_scaled_once():
         frozen_samples(np.zeros((2, 2)))
 
 
-@pytest.mark.parametrize("kind", ["wav", "flac", "ogg"])
-@pytest.mark.parametrize("rate", [16_000, 44_100])
-def test_a_recording_of_any_format_is_played(tmp_path, kind, rate):
-    path = tmp_path / f"sound.{kind}"
-    soundfile.write(path, np.stack([sine(rate)] * 2, axis=1), rate)
-    time = FakeTime()
-    with WavFile(path, time, time.wait, speed=0.0) as source:
-        heard = np.concatenate([f.samples for f in source])
-    assert len(heard) == pytest.approx(RATE, abs=FRAME)
-    assert level_db(heard[2000:14_000]) == pytest.approx(-9.03, abs=0.3)
-    assert time.waits == []
-    assert len(read_sound(path)) == pytest.approx(RATE, abs=2)
-
-
 @pytest.mark.parametrize("speed", [1.0, 4.0])
 def test_a_recording_is_played_in_time(tmp_path, speed):
     path = tmp_path / "sound.wav"
@@ -159,19 +144,6 @@ def test_after_a_recording_silence_goes_on(tmp_path):
         heard = [frame for frame, _ in zip(source, range(50), strict=False)]
     assert [f.first_sample for f in heard] == [FRAME * i for i in range(50)]
     assert heard[1].samples.any() and not heard[-1].samples.any()
-
-
-def test_a_missing_or_damaged_recording_is_named(tmp_path):
-    time = FakeTime()
-    with pytest.raises(AudioError, match="no such file"), WavFile("none.wav", time, time.wait):
-        pass
-    path = tmp_path / "text.wav"
-    path.write_text("this is no sound")
-    with pytest.raises(AudioError, match=r"text\.wav: not a sound file"):
-        read_sound(path)
-    soundfile.write(path, np.zeros(0), RATE)
-    with pytest.raises(AudioError, match="holds no sound"):
-        read_sound(path)
 
 
 def test_a_recording_must_be_entered_before_it_is_read(tmp_path):
