@@ -143,7 +143,11 @@ class _Pass:
         is_named_there = broken.offset <= self._named_at < broken.offset + broken.length
         if is_named_there and not self._from_ending:
             broken = replace(broken, what=f"{broken.what}; names of topics may be wrong")
-        damage.append(broken)
+        reached = damage[-1].offset + damage[-1].length if damage else 0
+        begin = max(broken.offset, reached)  # a damaged checksum can cover what was said before
+        if begin < broken.offset + broken.length:
+            length = broken.offset + broken.length - begin
+            damage.append(replace(broken, offset=begin, length=length))
         self._channels.update(self._from_ending)  # those of the broken stretch may be wrong
 
     def _note(self, record: McapRecord) -> None:
