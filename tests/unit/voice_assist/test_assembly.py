@@ -54,7 +54,7 @@ def test_sources_of_pulseaudio_are_read_from_its_list(monkeypatch):
     answers = {"list": rows, "get-default-source": "alsa_input.usb\n"}
 
     def run(words, **__):
-        return subprocess.CompletedProcess([], 0, stdout=answers[words[1]])
+        return subprocess.CompletedProcess([], 0, stdout=answers[words[1]].encode())
 
     monkeypatch.setattr(pulse.shutil, "which", lambda _: "pactl")
     monkeypatch.setattr(pulse.subprocess, "run", run)
