@@ -218,6 +218,7 @@ def clip(text, seconds=1.0, kind="command", speaker="a"):
     return TrainingClip((sound(seconds) * 32767).astype(np.int16), text, kind, speaker)
 
 
+WORDS = ("snowing", "table", "stop", "garden")
 ALIGNED = Aligned(
     clip("pull more now", 1.5, "sentence"),
     (WordTime("pull", 0.1, 0.4), WordTime("more", 0.5, 0.8), WordTime("now", 1.0, 1.3)),
@@ -240,6 +241,14 @@ def test_sound_cut_short_is_written_as_the_part_heard():
             assert len(item.samples) > 0.7 * 16000
         if len(item.samples) < 0.1 * 16000:
             assert item.text == ""
+
+
+def test_peoples_words_that_begin_like_a_command_are_broken_off():
+    said = [Aligned(clip(word, 1.0, "sentence"), (WordTime(word, 0.1, 0.9),)) for word in WORDS]
+    mixture, rng = Mixture([], said, {"human onset": 1.0}), np.random.default_rng(0)
+    drawn = {mixture.draw(rng).text for _ in range(100)}
+    assert {"sno", "tab"} <= drawn
+    assert all("snowing".startswith(text) or "table".startswith(text) for text in drawn)
 
 
 def surroundings():

@@ -16,8 +16,8 @@ from voice_assist.training.data.homophones import same_as_command, sounds
 from voice_assist.training.data.synthesis import (
     SynthesisAmounts,
     plan_held_out,
+    plan_texts,
     plan_training,
-    plan_twins,
 )
 from voice_assist.training.data.voices import Prompt, speak
 
@@ -59,10 +59,16 @@ def test_training_leaves_whole_engines_and_voices_out() -> None:
     assert not spoken & set(voices.HELD_OUT_RHVOICE)
 
 
-def test_twins_are_near_misses_in_voices_that_training_may_hear() -> None:
-    assert set(texts.TWINS) <= {*texts.NEAR_MISSES, *texts.HARD}
-    prompts = plan_twins(1, 250)
-    assert {prompt.text for prompt in prompts} <= set(texts.TWINS)
+def test_twins_are_near_misses_and_beginnings_are_none_of_them() -> None:
+    near = {*texts.NEAR_MISSES, *texts.HARD}
+    assert set(texts.TWINS) <= near
+    assert not set(texts.BEGINNINGS) & {*near, *texts.COMMANDS}
+
+
+@pytest.mark.parametrize("said", [texts.TWINS, texts.BEGINNINGS])
+def test_texts_are_said_by_voices_that_training_may_hear(said: tuple[str, ...]) -> None:
+    prompts = plan_texts(said, 1, 250)
+    assert {prompt.text for prompt in prompts} <= set(said)
     assert not [p for p in prompts if same_as_command(p.text, p.engine, p.voice)]
     held_out = {prompt.voice for prompt in plan_held_out(1)}
     assert not held_out & {prompt.voice for prompt in prompts}

@@ -21,12 +21,12 @@ from voice_assist.training.data.synthesis import (
     SynthesisAmounts,
     TrainingClip,
     plan_held_out,
+    plan_texts,
     plan_training,
-    plan_twins,
     speak_all,
     synthesise,
 )
-from voice_assist.training.data.texts import TALK
+from voice_assist.training.data.texts import BEGINNINGS, TALK, TWINS
 
 TALK_THIN = 5  # of the talk to measure on, one clip in so many
 
@@ -67,7 +67,9 @@ def load_corpus(
     sentences = training_sentences(rows) + list(TALK)
     prompts = plan_training(sentences, seed, amounts)
     train = synthesise(prompts, cache / "synthetic", workers)
-    train += synthesise(plan_twins(seed, amounts.twin), cache / "twins", workers)
+    train += synthesise(plan_texts(TWINS, seed, amounts.twin), cache / "twins", workers)
+    begun = plan_texts(BEGINNINGS, seed, amounts.beginning)
+    train += synthesise(begun, cache / "beginnings", workers)
     if packages:
         train += spoken(plan_neural(sentences), packages, cache / "neural")
         train += _foreign(seed, cache / "foreign", workers)

@@ -12,7 +12,7 @@ from numpy.random import Generator
 
 from voice_assist.audio.espeak import Int16
 from voice_assist.training.data.synthesis import TrainingClip
-from voice_assist.training.data.texts import TWINS
+from voice_assist.training.data.texts import COMMANDS, TWINS
 from voice_assist.types import RATE
 
 LONGEST = 7.8  # [s] of an item; slowed and with quiet it fits the encoder
@@ -49,6 +49,7 @@ class Aligned:
 
 
 RARE = ("more", "less", "pull", "release", "robot", "hey", "tense")
+ONSETS = "sptrj"  # letters with which a command, or what is taken for one, begins
 CLOSE = ("up", "go", "down", "on", "off", "no")  # short words of people near to "stop"
 
 
@@ -105,6 +106,9 @@ def _sources(clips: Sequence[TrainingClip], aligned: Sequence[Aligned]) -> dict[
     if human:
         sources["human span"] = lambda rng: _item(span(_pick(human, rng), rng).clip)
         sources["human cut"] = lambda rng: cut_short(span(_pick(human, rng), rng, 4), rng)
+    onsets = [(a, i) for a in human for i, word in enumerate(a.words) if _begins(word.word)]
+    if onsets:
+        sources["human onset"] = lambda rng: _onset(*_pick(onsets, rng), rng)
     synthetic = [a for a in aligned if a.clip.kind != "sentence"]
     if synthetic:
         sources["cut"] = lambda rng: cut_short(_pick(synthetic, rng), rng)
@@ -140,6 +144,16 @@ def excerpt(aligned: Aligned, first: int, last: int) -> Aligned:
     sound = samples[int(start * RATE) : int(end * RATE)]
     text = " ".join(word.word for word in kept)
     return Aligned(replace(aligned.clip, samples=sound, text=text), kept)
+
+
+def _begins(word: str) -> bool:
+    """Whether a word begins like a command and is none."""
+    return word[0] in ONSETS and word not in COMMANDS
+
+
+def _onset(aligned: Aligned, index: int, rng: Generator) -> Item:
+    """A word alone, broken off."""
+    return cut_short(excerpt(aligned, index, index + 1), rng)
 
 
 def cut_short(aligned: Aligned, rng: Generator) -> Item:

@@ -46,6 +46,7 @@ class SynthesisAmounts:
     span: int = 12000
     short: int = 4000  # spans of one or two words
     twin: int = 0  # what is most like a command, for the lessons "twins" and "voices"
+    beginning: int = 0  # what begins like a command, for the lesson "beginnings"
 
     def part(self, share: float) -> SynthesisAmounts:
         """A share of each."""
@@ -73,11 +74,11 @@ def plan_training(sentences: Sequence[str], seed: int, amounts: SynthesisAmounts
     return _cast(said, variants, rng)
 
 
-def plan_twins(seed: int, amount: int) -> list[Prompt]:
-    """Prompts with what is most like a command, grouped by voice; no held-out voice speaks."""
+def plan_texts(said: Sequence[str], seed: int, amount: int) -> list[Prompt]:
+    """So many prompts of these texts, grouped by voice; no held-out voice speaks."""
     rng = Random(seed)
     variants, _ = voices.espeak_variants()
-    return _cast([texts.TWINS[i % len(texts.TWINS)] for i in range(amount)], variants, rng)
+    return _cast([said[i % len(said)] for i in range(amount)], variants, rng)
 
 
 def _cast(said: Sequence[str], variants: list[str], rng: Random) -> list[Prompt]:
@@ -177,12 +178,16 @@ def _kind(text: str) -> str:
         return "command"
     if text in _NEAR:
         return "near"
+    if text in texts.BEGINNINGS:
+        return "beginning"
     is_variant = any(text.count(command) for command in texts.COMMANDS) and len(text) < 30
     return "variant" if is_variant else "span"
 
 
 def _is_homophone(prompt: Prompt) -> bool:
-    return prompt.text in _NEAR and same_as_command(prompt.text, prompt.engine, prompt.voice)
+    return _kind(prompt.text) in ("near", "beginning") and same_as_command(
+        prompt.text, prompt.engine, prompt.voice
+    )
 
 
 def cast_voice(text: str, variants: list[str], rng: Random) -> Prompt:

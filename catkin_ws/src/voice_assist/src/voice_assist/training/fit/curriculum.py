@@ -68,6 +68,10 @@ VOICED = {
     **{"accent": 12, "accent near": 5, "foreign": 12, "human stop": 8, "human word": 16},
     **{"human close": 8, "human span": 26, "sentence": 6},
 }
+BEGUN = {
+    **{**VOICED, "beginning": 20, "human onset": 30, "human cut": 8, "human span": 20},
+    **{"twin": 14, "human stop": 10, "human close": 10},
+}
 HARSH = Strength(snr=(-3.0, 25.0), noise=0.8, warp=0.12, telephone=0.06)
 
 STAGES = (
@@ -80,6 +84,7 @@ CONTINUED = {
     "mending": (TrainingStage(1_000_000, MENDING, 80.0, 7.8, HARSH, True),),
     "balanced": (TrainingStage(1_000_000, BALANCED, 80.0, 7.8, HARSH, True),),
     "twins": (TrainingStage(1_000_000, TWINNED, 80.0, 7.8, HARSH, True),),
+    "beginnings": (TrainingStage(1_000_000, BEGUN, 80.0, 7.8, HARSH, True),),
     "voices": (TrainingStage(1_000_000, VOICED, 80.0, 7.8, HARSH, True),),
 }
 LESSONS = tuple(CONTINUED)

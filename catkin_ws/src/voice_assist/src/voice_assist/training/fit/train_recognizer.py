@@ -33,6 +33,8 @@ from voice_assist.training.validation import ValidationFigures, measure
 PACKAGE = package_folder("voice_assist")
 REPOSITORY = repository("voice_assist") or Path.cwd()
 TWINS = 8000  # clips of them, where the lesson asks for any
+BEGINNINGS = 4000
+VOICED = ("voices", "beginnings")  # lessons that Kokoro's voices take part in
 LOG = logging.getLogger("fit")
 
 
@@ -219,9 +221,12 @@ def main() -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     options = parse()
     torch.set_num_threads(options.threads)
-    amounts = SynthesisAmounts(twin=TWINS if options.lesson in ("twins", "voices") else 0)
+    amounts = SynthesisAmounts(
+        twin=TWINS if options.lesson in ("twins", *VOICED) else 0,
+        beginning=BEGINNINGS if options.lesson == "beginnings" else 0,
+    )
     said = amounts.part(options.share)
-    packages = options.packages if options.lesson == "voices" else None
+    packages = options.packages if options.lesson in VOICED else None
     where = (options.speech, options.cache, options.seed)
     corpus = load_corpus(*where, said, options.threads, packages)
     LOG.info("%d training clips", len(corpus.train))
