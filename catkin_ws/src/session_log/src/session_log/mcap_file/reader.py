@@ -6,7 +6,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
@@ -140,14 +140,14 @@ class _Pass:
             return
         while damage and damage[-1].offset >= broken.offset:
             damage.pop()  # part of it
-        is_named_there = broken.offset <= self._named_at < broken.offset + broken.length
-        if is_named_there and not self._from_ending:
-            broken = replace(broken, what=f"{broken.what}; names of topics may be wrong")
-        reached = damage[-1].offset + damage[-1].length if damage else 0
-        begin = max(broken.offset, reached)  # a damaged checksum can cover what was said before
-        if begin < broken.offset + broken.length:
-            length = broken.offset + broken.length - begin
-            damage.append(replace(broken, offset=begin, length=length))
+        end = broken.offset + broken.length
+        what = broken.what
+        if broken.offset <= self._named_at < end and not self._from_ending:
+            what += "; names of topics may be wrong"
+        # a damaged checksum can cover what was named before
+        begin = max(broken.offset, damage[-1].offset + damage[-1].length if damage else 0)
+        if begin < end:
+            damage.append(Damage(begin, end - begin, what))
         self._channels.update(self._from_ending)  # those of the broken stretch may be wrong
 
     def _note(self, record: McapRecord) -> None:

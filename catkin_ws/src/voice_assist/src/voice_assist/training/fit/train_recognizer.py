@@ -34,7 +34,7 @@ PACKAGE = package_folder("voice_assist")
 REPOSITORY = repository("voice_assist") or Path.cwd()
 TWINS = 8000  # clips of them, where the lesson asks for any
 BEGINNINGS = 4000
-VOICED = ("voices", "beginnings")  # lessons that Kokoro's voices take part in
+WITH_KOKORO = ("voices", "beginnings")  # lessons that Kokoro's voices take part in
 LOG = logging.getLogger("fit")
 
 
@@ -222,11 +222,11 @@ def main() -> None:
     options = parse()
     torch.set_num_threads(options.threads)
     amounts = SynthesisAmounts(
-        twin=TWINS if options.lesson in ("twins", *VOICED) else 0,
+        twin=TWINS if options.lesson in ("twins", *WITH_KOKORO) else 0,
         beginning=BEGINNINGS if options.lesson == "beginnings" else 0,
     )
     said = amounts.part(options.share)
-    packages = options.packages if options.lesson in VOICED else None
+    packages = options.packages if options.lesson in WITH_KOKORO else None
     where = (options.speech, options.cache, options.seed)
     corpus = load_corpus(*where, said, options.threads, packages)
     LOG.info("%d training clips", len(corpus.train))
