@@ -104,7 +104,8 @@ $(STYLES): $(TINY)
 
 MEAN := python -m voice_assist.training.fit.average
 RUNS := .cache/training/run_
-train: $(if $(ARGS),.setup/dev,$(TINY) $(STYLES)) ## fine-tune Whisper tiny.en into the embedded recogniser, then the verifier and the spotter that hears over talk; or one run of your own with ARGS; resumes where it was interrupted
+GPU := $(if $(DEVICE),--device '$(DEVICE)' --workers 8)
+train: $(if $(ARGS),.setup/dev,$(TINY) $(STYLES)) ## fine-tune Whisper tiny.en into the embedded recogniser, then the verifier and the spotter that hears over talk; or one run of your own with ARGS; [DEVICE=cuda] for the longest runs; resumes where it was interrupted
 ifneq ($(ARGS),)
 	@$(RUN) $(FIT) $(ARGS)
 else
@@ -113,9 +114,16 @@ else
 	@$(RUN) $(MEAN) $(RUNS)longer/step_00500.pt $(RUNS)longer/step_01000.pt --out .cache/training/second.pt
 	@$(RUN) $(FIT) --from .cache/training/second.pt --out .cache/training/third.pt --lesson balanced --seed 2 --rate 2.5e-4 --steps 5000 --decay 0.75 --measure-every 500
 	@$(RUN) $(FIT) --from $(RUNS)third/step_05000.pt --out .cache/training/fourth.pt --lesson twins --seed 2 --rate 2e-4 --steps 1600 --decay 0.75
-	@$(RUN) $(MEAN) .cache/training/second.pt $(RUNS)third/step_04000.pt $(RUNS)fourth/step_01600.pt \
-	    --out catkin_ws/src/voice_assist/models/embedded.pt
-	@$(RUN) python -m voice_assist.training.verifier.train_verifier
+	@$(RUN) $(MEAN) .cache/training/second.pt $(RUNS)third/step_04000.pt $(RUNS)fourth/step_01600.pt --out .cache/training/before.pt
+	@$(RUN) $(FIT) --from .cache/training/before.pt --out .cache/training/fifth.pt --lesson voices --seed 3 --held 2 --share 0.5 --batch 2 --rate 3e-4 \
+	    --steps 11450 --decay 0.75 --measure-every 2290 $(GPU)
+	@$(RUN) $(FIT) --from $(RUNS)fifth/step_11450.pt --out .cache/training/sixth.pt --lesson beginnings --seed 3 --held 2 --share 0.5 --rate 2e-4 \
+	    --steps 1200 --decay 0.75 --measure-every 400
+	@$(RUN) $(MEAN) .cache/training/before.pt $(RUNS)sixth/step_01200.pt $(RUNS)sixth/step_01200.pt --out .cache/training/mixed.pt
+	@for seed in 3 4; do $(RUN) $(FIT) --from .cache/training/mixed.pt --out .cache/training/amounts_$$seed.pt --lesson amounts --seed $$seed --held 2 --share 0.5 \
+	    --batch 2 --rate 2e-4 --steps 13400 --decay 0.75 --measure-every 3350 $(GPU) || exit; done
+	@$(RUN) $(MEAN) .cache/training/before.pt $(RUNS)amounts_3/step_13400.pt $(RUNS)amounts_4/step_13400.pt --out catkin_ws/src/voice_assist/models/embedded.pt
+	@$(RUN) python -m voice_assist.training.verifier.train_verifier --aligner .cache/training/before.pt
 	@$(RUN) python -m voice_assist.training.spotter.train_overlap --steps 4000
 endif
 

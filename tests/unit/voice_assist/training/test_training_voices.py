@@ -65,7 +65,7 @@ def test_twins_are_near_misses_and_beginnings_are_none_of_them() -> None:
     assert not set(texts.BEGINNINGS) & {*near, *texts.COMMANDS}
 
 
-@pytest.mark.parametrize("said", [texts.TWINS, texts.BEGINNINGS])
+@pytest.mark.parametrize("said", [texts.TWINS, texts.BEGINNINGS, texts.AMOUNTS])
 def test_texts_are_said_by_voices_that_training_may_hear(said: tuple[str, ...]) -> None:
     prompts = plan_texts(said, 1, 250)
     assert {prompt.text for prompt in prompts} <= set(said)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,6 @@ from numpy.typing import NDArray
 def write_arrays(path: Path, **arrays: NDArray[np.generic]) -> None:
     """Write arrays by name, all or nothing; the folder is made where it is missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(".tmp.npz")
+    temporary = path.with_suffix(f".{os.getpid()}.npz")  # another program may write the same
     np.savez(temporary, **arrays)  # type: ignore[arg-type]
     temporary.replace(path)

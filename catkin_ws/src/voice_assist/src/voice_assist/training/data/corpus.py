@@ -15,7 +15,12 @@ from voice_assist.training.data.human import (
     training_sentences,
 )
 from voice_assist.training.data.kokoro import spoken
-from voice_assist.training.data.neural_voices import folded, plan_foreign, plan_neural
+from voice_assist.training.data.neural_voices import (
+    folded,
+    plan_foreign,
+    plan_neural,
+    plan_neural_texts,
+)
 from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import (
     SynthesisAmounts,
@@ -26,7 +31,7 @@ from voice_assist.training.data.synthesis import (
     speak_all,
     synthesise,
 )
-from voice_assist.training.data.texts import BEGINNINGS, TALK, TWINS
+from voice_assist.training.data.texts import AMOUNTS, BEGINNINGS, TALK, TWINS
 
 TALK_THIN = 5  # of the talk to measure on, one clip in so many
 
@@ -70,8 +75,11 @@ def load_corpus(
     train += synthesise(plan_texts(TWINS, seed, amounts.twin), cache / "twins", workers)
     begun = plan_texts(BEGINNINGS, seed, amounts.beginning)
     train += synthesise(begun, cache / "beginnings", workers)
+    train += synthesise(plan_texts(AMOUNTS, seed, amounts.amount), cache / "amounts", workers)
     if packages:
         train += spoken(plan_neural(sentences), packages, cache / "neural")
+        if amounts.amount:
+            train += spoken(plan_neural_texts(), packages, cache / "neural_texts")
         train += _foreign(seed, cache / "foreign", workers)
     human = [c for c in load_speech(rows, "train", recordings) if c.text and c.text.isascii()]
     rng = np.random.default_rng(seed)

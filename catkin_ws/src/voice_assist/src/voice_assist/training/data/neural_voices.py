@@ -27,6 +27,7 @@ from voice_assist.training.data.voices import Prompt, espeak_variants, random_st
 
 _SEED = 3
 _NEAR, _TALK, _WORDS = 18, 6, 14  # texts of each voice
+_MORE = 12  # texts of each voice that begin like a command, and amounts
 _ACCENTED = 2  # accents of each native voice
 _ACCENTED_NEAR = 3  # near words of each accent
 _TAKES = 3  # voices of espeak-ng for each word of another language
@@ -66,6 +67,21 @@ def plan_neural(sentences: Sequence[str]) -> list[KokoroPrompt]:
                 sounds = for_kokoro(ipa(word, language))
                 prompts.append(KokoroPrompt(folded(word), sounds, voice, 1.0, "foreign"))
     return [prompt for prompt in prompts if prompt.text]
+
+
+def plan_neural_texts() -> list[KokoroPrompt]:
+    """What begins like a command, and amounts, in the natives' voices; the same in every run.
+
+    Raises:
+        ModelError: espeak-ng, which knows the sounds, is not installed.
+    """
+    rng = Random(_SEED)
+    prompts: list[KokoroPrompt] = []
+    for voice in NATIVE:
+        for said, kind in ((texts.BEGINNINGS, "beginning"), (texts.AMOUNTS, "amount")):
+            some = rng.sample(said, _MORE)
+            prompts += _said(some, voice, rng.choice(SPEEDS), "", kind)
+    return prompts
 
 
 def plan_foreign(seed: int) -> list[Prompt]:

@@ -46,7 +46,8 @@ class SynthesisAmounts:
     span: int = 12000
     short: int = 4000  # spans of one or two words
     twin: int = 0  # what is most like a command, for the lessons "twins" and "voices"
-    beginning: int = 0  # what begins like a command, for the lesson "beginnings"
+    beginning: int = 0  # what begins like a command, for the lessons "beginnings" and "amounts"
+    amount: int = 0  # numbers with units, for the lesson "amounts"
 
     def part(self, share: float) -> SynthesisAmounts:
         """A share of each."""
@@ -180,6 +181,8 @@ def _kind(text: str) -> str:
         return "near"
     if text in texts.BEGINNINGS:
         return "beginning"
+    if text in texts.AMOUNTS:
+        return "amount"
     is_variant = any(text.count(command) for command in texts.COMMANDS) and len(text) < 30
     return "variant" if is_variant else "span"
 

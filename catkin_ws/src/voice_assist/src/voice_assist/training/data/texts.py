@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from random import Random
 
 from voice_assist.recognizer.vocabulary import CHARACTERS
+from voice_assist.text.amounts import UNITS, spoken_amount, spoken_value
 
 COMMANDS = (
     "hey robot",
@@ -148,6 +149,19 @@ DIGITS = (
     *("zero", "one", "two", "three", "four", "five", "six", "seven"),
     *("eight", "nine", "ten", "eleven", "twelve", "twenty", "thirty", "forty"),
     *("fifty", "sixty", "seventy", "eighty", "ninety", "hundred"),
+)
+
+_WAYS = ("more", "less")
+_OTHER_UNITS = ("centimetre", "centimetres", "metre", "metres", "inches", "percent", "degrees")
+# Commands with an amount, in and out of what any configuration takes, and amounts alone.
+_VALUES = (0.2, 0.5, *range(1, 11), 1.2, 1.5, 2.5, 12, 15, 20, 30, 100)
+_SAID = tuple(spoken_amount(value, unit) for unit in UNITS for value in _VALUES)
+AMOUNTS = (
+    *(f"{before}{amount} {way}" for amount in _SAID for before in ("pull ", "") for way in _WAYS),
+    *(f"tension {amount}" for amount in _SAID),
+    *(f"tension {spoken_value(value)}" for value in _VALUES),
+    *(f"pull {number} {unit} more" for number in ("one", "two") for unit in _OTHER_UNITS),
+    *_SAID,
 )
 
 _FILLED = ("um {}", "uh {}", "{} please", "please {}", "okay {}", "now {}", "{} now")

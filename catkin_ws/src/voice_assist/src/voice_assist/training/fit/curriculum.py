@@ -5,7 +5,7 @@ A run that continues a checkpoint of an earlier one has a single lesson: pieces 
 with more of what that checkpoint got wrong, in louder noise; or, once near misses have made
 it slow to write a command in noise, with more commands among them; or with many twins, which
 differ from a command by a sound or two; or with neural voices, accents and words of other
-languages. One that starts from a Whisper
+languages; or with what begins like a command, and with amounts. One that starts from a Whisper
 model, which hears well already, first learns to write in letters, then has that lesson too.
 """
 
@@ -72,6 +72,7 @@ BEGUN = {
     **{**VOICED, "beginning": 20, "human onset": 30, "human cut": 8, "human span": 20},
     **{"twin": 14, "human stop": 10, "human close": 10},
 }
+COUNTED = {**BEGUN, "command": 34, "wake": 8, "variant": 8, "amount": 12}
 HARSH = Strength(snr=(-3.0, 25.0), noise=0.8, warp=0.12, telephone=0.06)
 
 STAGES = (
@@ -85,6 +86,7 @@ CONTINUED = {
     "balanced": (TrainingStage(1_000_000, BALANCED, 80.0, 7.8, HARSH, True),),
     "twins": (TrainingStage(1_000_000, TWINNED, 80.0, 7.8, HARSH, True),),
     "beginnings": (TrainingStage(1_000_000, BEGUN, 80.0, 7.8, HARSH, True),),
+    "amounts": (TrainingStage(1_000_000, COUNTED, 80.0, 7.8, HARSH, True),),
     "voices": (TrainingStage(1_000_000, VOICED, 80.0, 7.8, HARSH, True),),
 }
 LESSONS = tuple(CONTINUED)

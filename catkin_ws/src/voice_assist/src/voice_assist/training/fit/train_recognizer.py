@@ -32,9 +32,13 @@ from voice_assist.training.validation import ValidationFigures, measure
 
 PACKAGE = package_folder("voice_assist")
 REPOSITORY = repository("voice_assist") or Path.cwd()
-TWINS = 8000  # clips of them, where the lesson asks for any
-BEGINNINGS = 4000
-WITH_KOKORO = ("voices", "beginnings")  # lessons that Kokoro's voices take part in
+MORE = {  # clips that a lesson asks for beyond the usual ones
+    "twins": {"twin": 8000},
+    "voices": {"twin": 8000},
+    "beginnings": {"twin": 8000, "beginning": 4000},
+    "amounts": {"twin": 8000, "beginning": 4000, "amount": 4000},
+}
+WITH_KOKORO = ("voices", "beginnings", "amounts")  # lessons that Kokoro's voices take part in
 LOG = logging.getLogger("fit")
 
 
@@ -221,11 +225,7 @@ def main() -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     options = parse()
     torch.set_num_threads(options.threads)
-    amounts = SynthesisAmounts(
-        twin=TWINS if options.lesson in ("twins", *WITH_KOKORO) else 0,
-        beginning=BEGINNINGS if options.lesson == "beginnings" else 0,
-    )
-    said = amounts.part(options.share)
+    said = SynthesisAmounts(**MORE.get(options.lesson, {})).part(options.share)
     packages = options.packages if options.lesson in WITH_KOKORO else None
     where = (options.speech, options.cache, options.seed)
     corpus = load_corpus(*where, said, options.threads, packages)

@@ -56,6 +56,7 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
     add("--packages", type=Path, default=REPOSITORY / ".cache" / "training" / "openai")
     add("--recogniser", type=Path, default=EMBEDDED_PATH, help="that it belongs to")
+    add("--aligner", type=Path, help="another recogniser with the same lower blocks, to align by")
     add("--out", type=Path, default=PATH)
     add("--seed", type=int, default=1)
     add("--threads", type=int, default=1)
@@ -68,8 +69,9 @@ def main() -> None:
     options = parse()
     torch.set_num_threads(options.threads)
     checkpoint = read_checkpoint(options.recogniser)
-    model = restore(checkpoint).eval()
-    key = f"{checkpoint.sha256[:12]}_{options.seed}"
+    aligner = read_checkpoint(options.aligner) if options.aligner else checkpoint
+    model = restore(aligner).eval()
+    key = f"{aligner.sha256[:12]}_{options.seed}"
     kept = options.cache / "verifier" / f"examples_{key}.npz"
     if not kept.exists():
         examples.save(list(_seen(model, options)), kept)
