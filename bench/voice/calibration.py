@@ -46,7 +46,7 @@ KINDS = ("stop by the recogniser", "stop by the spotter", "motion", "other")
 # Harm of a command that nobody gave, in refusals of one that somebody gave. A motion can tear, and
 # "tense" grasps what nobody holds yet, where the others change what is held; a wrong "terminate"
 # ends what "hey robot" begins again; a wrong "hey robot" moves nothing by itself.
-FALSE = {"motion": 4.0, "tense": 16.0, "terminate": 1.0, "hey robot": 0.5}
+FALSE = {"motion": 9.0, "tense": 16.0, "terminate": 1.0, "hey robot": 0.5}
 SOURCES = ("transcript", "scores", "spotter")  # of evidence, as in recognizer.yaml
 LIMIT = 0.9999  # beyond it a confidence was rounded, and says only that the evidence was strong
 MAX_EVIDENCES = (2.0, 4.0, 6.0, 8.0, 12.0, 1000.0)  # [nat] where a curve may become level

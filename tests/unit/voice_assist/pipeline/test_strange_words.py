@@ -15,8 +15,8 @@ LEAST = load_voice_config().recognizer.motion_verification
 class Asked(FakeRecognizer):
     """Notes what it is asked to verify, and is sure of nothing."""
 
-    def __init__(self):
-        super().__init__()
+    def __init__(self, confidence=0.9):
+        super().__init__(confidence=confidence)
         self.asked = []
 
     def verify(self, samples, phrase):
@@ -49,6 +49,6 @@ def test_a_stop_and_what_moves_nothing_are_never_verified(command, mode):
 
 
 def test_without_a_second_opinion_nothing_is_verified():
-    recognizer = Asked()
+    recognizer = Asked(confidence=0.95)
     heard = hear("release", recognizer=recognizer, recognizer__second_opinion=False)
     assert commands(heard) == ["release"] and recognizer.asked == []
