@@ -3,11 +3,15 @@
 
 import numpy as np
 import pytest
+import torch
 
+from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
+from voice_assist.recognizer.embedded import restore
+from voice_assist.recognizer.verification import BLOCKS
 from voice_assist.training.data import voices
 from voice_assist.training.verifier import examples
 from voice_assist.training.verifier.examples import PHRASES, Examples, Seen
-from voice_assist.training.verifier.train_verifier import LOST, train
+from voice_assist.training.verifier.train_verifier import LOST, sees_the_same, train
 
 WIDTH = 8
 
@@ -38,6 +42,15 @@ def test_what_was_seen_is_kept(tmp_path):
     assert list(loaded) == list(PHRASES)
     assert loaded["release"].seen.tolist() == [[1.0, 1.0, 1.0]]
     assert loaded["tense"].is_said.tolist() == [True]
+
+
+def test_an_aligner_must_have_the_same_lower_blocks_and_may_differ_above():
+    model, other = (restore(read_checkpoint(EMBEDDED_PATH)) for _ in range(2))
+    with torch.no_grad():
+        other.whisper.encoder.blocks[BLOCKS].mlp_ln.bias += 1.0
+        assert sees_the_same(model, other)
+        other.whisper.encoder.blocks[BLOCKS - 1].mlp_ln.bias += 1e-3
+        assert not sees_the_same(model, other)
 
 
 @pytest.mark.skipif(not voices.espeak_variants()[0], reason="needs espeak-ng")

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import torch
+from torch import nn
 from whisper.model import disable_sdpa
 
 from typed_config import package_folder, repository
@@ -182,9 +183,14 @@ def hold_lower(model: WhisperCtc, blocks: int) -> None:
         model: To be trained.
         blocks: Held ones, from the input on; 0 holds nothing.
     """
-    encoder = model.whisper.encoder
-    for part in (encoder.conv1, encoder.conv2, *encoder.blocks[:blocks]) if blocks else ():
+    for part in lower_parts(model, blocks) if blocks else ():
         part.requires_grad_(False)
+
+
+def lower_parts(model: WhisperCtc, blocks: int) -> tuple[nn.Module, ...]:
+    """The encoder up to a block."""
+    encoder = model.whisper.encoder
+    return encoder.conv1, encoder.conv2, *encoder.blocks[:blocks]
 
 
 def _to_align(clips: list[TrainingClip]) -> list[TrainingClip]:

@@ -18,13 +18,14 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch.nn.functional import binary_cross_entropy_with_logits
+from torch.nn.utils import parameters_to_vector
 
 from voice_assist.audio.espeak import Int16
 from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.recognizer.embedded import restore
 from voice_assist.recognizer.hybrid import WhisperCtc
-from voice_assist.recognizer.verification import PATH, write_verifier
+from voice_assist.recognizer.verification import BLOCKS, PATH, write_verifier
 from voice_assist.training.data import kokoro
 from voice_assist.training.data.human import (
     ManifestRow,
@@ -37,7 +38,7 @@ from voice_assist.training.data.neural_voices import plan_neural
 from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import speak_all
 from voice_assist.training.data.texts import TALK
-from voice_assist.training.fit.train_recognizer import REPOSITORY
+from voice_assist.training.fit.train_recognizer import REPOSITORY, lower_parts
 from voice_assist.training.verifier import examples
 from voice_assist.training.verifier.examples import Examples, Seen
 
@@ -71,6 +72,8 @@ def main() -> None:
     checkpoint = read_checkpoint(options.recogniser)
     aligner = read_checkpoint(options.aligner) if options.aligner else checkpoint
     model = restore(aligner).eval()
+    if not sees_the_same(model, restore(checkpoint)):
+        raise ModelError(f"{options.aligner} and {options.recogniser} differ in their lower blocks")
     key = f"{aligner.sha256[:12]}_{options.seed}"
     kept = options.cache / "verifier" / f"examples_{key}.npz"
     if not kept.exists():
@@ -80,6 +83,15 @@ def main() -> None:
         weights[phrase], figures = train(some)
         LOG.info("%s: %s", phrase, json.dumps(figures))
     write_verifier(weights, checkpoint.sha256, options.out)
+
+
+def sees_the_same(one: WhisperCtc, other: WhisperCtc) -> bool:
+    """Whether the states that the verifier reads are the same in two recognisers."""
+    weights, others = (
+        parameters_to_vector([w for part in lower_parts(model, BLOCKS) for w in part.parameters()])
+        for model in (one, other)
+    )
+    return torch.equal(weights, others)
 
 
 def train(some: Examples) -> tuple[NDArray[np.float32], dict[str, float]]:
