@@ -72,10 +72,12 @@ def load_corpus(
     sentences = training_sentences(rows) + list(TALK)
     prompts = plan_training(sentences, seed, amounts)
     train = synthesise(prompts, cache / "synthetic", workers)
-    train += synthesise(plan_texts(TWINS, seed, amounts.twin), cache / "twins", workers)
-    begun = plan_texts(BEGINNINGS, seed, amounts.beginning)
-    train += synthesise(begun, cache / "beginnings", workers)
-    train += synthesise(plan_texts(AMOUNTS, seed, amounts.amount), cache / "amounts", workers)
+    for said, amount, name in (
+        (TWINS, amounts.twin, "twins"),
+        (BEGINNINGS, amounts.beginning, "beginnings"),
+        (AMOUNTS, amounts.amount, "amounts"),
+    ):
+        train += synthesise(plan_texts(said, seed, amount), cache / name, workers)
     if packages:
         train += spoken(plan_neural(sentences), packages, cache / "neural")
         if amounts.amount:

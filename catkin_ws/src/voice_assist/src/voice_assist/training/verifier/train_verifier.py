@@ -72,7 +72,7 @@ def main() -> None:
     checkpoint = read_checkpoint(options.recogniser)
     aligner = read_checkpoint(options.aligner) if options.aligner else checkpoint
     model = restore(aligner).eval()
-    if not sees_the_same(model, restore(checkpoint)):
+    if options.aligner and not sees_the_same(model, restore(checkpoint)):
         raise ModelError(f"{options.aligner} and {options.recogniser} differ in their lower blocks")
     key = f"{aligner.sha256[:12]}_{options.seed}"
     kept = options.cache / "verifier" / f"examples_{key}.npz"
