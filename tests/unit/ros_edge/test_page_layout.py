@@ -17,9 +17,7 @@ from tests.unit.voice_assist.display.support.theatre import (
 )
 from typed_config import load_config, load_yaml
 from voice_assist.config import CONFIG_DIR, load_voice_config
-from voice_assist.config.commands import CommandsConfig
-from voice_assist.config.display import LANGUAGES
-from voice_assist.display.page_texts import ENGLISH
+from voice_assist.config.commands import ENGLISH, LANGUAGES, CommandsConfig
 from voice_assist.display.snapshot import UtterancePart
 from voice_assist.ros.display.messages import word_rules
 
@@ -107,6 +105,7 @@ def test_every_band_holds_all_of_it_on_every_screen_in_every_theme(parts):
 @pytest.mark.parametrize("language", LANGUAGES[1:])
 def test_every_band_holds_the_words_of_another_language_and_none_stays_english(language):
     theatre = busy_theatre(replace(HALTED, halt_reason="stopped by /display"), STOPPED)
+    theatre.rules = word_rules(load_voice_config(language=language).commands.commands)
     faults, _, words = asyncio.run(look(theatre, language))
     assert faults == []
     assert "stop" in words

@@ -83,7 +83,7 @@ def test_what_takes_too_long_or_holds_a_command_is_named_and_not_said(loudspeake
 
 
 def test_a_sentence_is_announced_before_it_sounds_and_its_end_too(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
     with loudspeaker.answers() as answers:
         answers.prepare(["ready"])
         answers.say("ready", lambda: False)
@@ -92,7 +92,7 @@ def test_a_sentence_is_announced_before_it_sounds_and_its_end_too(loudspeaker, m
 
 
 def test_its_end_is_announced_where_the_loudspeaker_fails(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
     with loudspeaker.answers() as answers:
         answers.prepare(["ready"])
         loudspeaker.play_file = None
@@ -108,7 +108,7 @@ def test_its_end_is_announced_where_the_loudspeaker_fails(loudspeaker, monkeypat
 
 @pytest.mark.parametrize("volume_db", [-6.0, -20.0])
 def test_the_volume_is_that_of_the_peak(loudspeaker, monkeypatch, volume_db):
-    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
     peaks = []
     loudspeaker.play_file = lambda path, *_: peaks.append(abs(soundfile.read(path)[0]).max())
     with loudspeaker.answers(volume_db=volume_db) as answers:
@@ -125,7 +125,7 @@ def played(loudspeaker, answers, quiet_for=60.0):
 
 
 def test_the_tone_comes_first_then_the_answer(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
     with loudspeaker.answers() as answers, played(loudspeaker, answers) as player:
         wait_until(lambda: answers.duration("ready") > 0.0)
         player.offer(TAKEN)
@@ -134,7 +134,7 @@ def test_the_tone_comes_first_then_the_answer(loudspeaker, monkeypatch):
 
 
 def test_a_stop_ends_an_answer_and_none_follows_for_a_while(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
     loudspeaker.hangs = True
     with loudspeaker.answers() as answers, played(loudspeaker, answers) as player:
         wait_until(lambda: answers.duration("ready") > 0.0)
@@ -150,7 +150,7 @@ def test_a_stop_ends_an_answer_and_none_follows_for_a_while(loudspeaker, monkeyp
 
 
 def test_a_motion_ends_an_answer_and_none_begins_until_the_robot_rests(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
     loudspeaker.hangs = True
     with loudspeaker.answers() as answers, played(loudspeaker, answers) as player:
         wait_until(lambda: answers.duration("ready") > 0.0)
@@ -193,7 +193,7 @@ def test_what_is_missing_is_named_and_the_tones_go_on(
 
 
 def test_a_missing_loudspeaker_is_named_at_the_start(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda config: tone(0.5))
+    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
 
     def fail(path, duration, is_cut):
         raise AudioError("sound device: Connection refused")

@@ -29,7 +29,7 @@ from voice_assist.alarms.types import (
     Priority,
     UtteranceReport,
 )
-from voice_assist.answers.sentences import taken, why
+from voice_assist.answers.sentences import asked, taken, why
 
 HEY_ROBOT: Final = "hey robot"
 TERMINATE: Final = "terminate"
@@ -80,7 +80,7 @@ def unheard_alarm(utterance: UtteranceReport) -> Alarm | None:
     code, words = utterance.reason_code, f"{utterance.nearest_command}: {utterance.reason}"
     if code != "nearly_sure":
         return _refusal(advice, words, why(code))
-    alarm = _refusal(advice, words, taken(utterance.nearest_command))
+    alarm = _refusal(advice, words, asked(utterance.nearest_command))
     return replace(alarm, earcon=Earcon.QUESTION, priority=Priority.INFORMATION)
 
 

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 
 IN_MOTION = ("moving", "stopping")  # states of the controller
@@ -57,6 +58,16 @@ class Alarm(AlarmText):
 
     earcon: Earcon
     answer: str = ""  # sentence of `answers.sentences` that may be said of it
+
+    def said_in(self, texts: Callable[[str], str]) -> Alarm:
+        """The same in another language: what to do, and why in brief; the details stay English.
+
+        Args:
+            texts: A sentence in that language, by the English one.
+        """
+        why, step = texts(self.answer), texts(self.next_step)
+        cause = f"{why}: {self.cause}" if why != self.answer else self.cause
+        return replace(self, cause=cause, next_step=step, answer=why)
 
 
 @dataclass(frozen=True)

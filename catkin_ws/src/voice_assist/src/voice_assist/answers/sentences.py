@@ -112,16 +112,25 @@ UNSPOKEN: Final = frozenset(  # codes after which nothing is said
         "no_command",
         # The robot answered itself: to say so would be heard, too.
         "robot_speaking",
-        # The command is asked for: `taken` gives the sentence.
+        # The command is asked for: `asked` gives the sentence.
         "nearly_sure",
     }
 )
 
 
 def taken(command: str) -> str:
-    """What is said of a command that was accepted, or that is asked for, whatever its amount."""
+    """What is said of a command that was accepted, whatever its amount."""
+    return _named(command) or TAKEN_OTHERWISE
+
+
+def asked(phrase: str) -> str:
+    """What is said of a command that is asked for; of one in another language, to say it again."""
+    return _named(phrase) or WHY["unsure"]
+
+
+def _named(command: str) -> str:
     named = (said for one, said in TAKEN.items() if f"{command} ".startswith(f"{one} "))
-    return next(named, TAKEN_OTHERWISE)
+    return next(named, "")
 
 
 def why(code: str) -> str:

@@ -17,6 +17,7 @@ from voice_assist.answers.voices import Speak, choose_voice
 from voice_assist.answers.word_check import WordCheck
 from voice_assist.config.alarms import SpeechConfig
 from voice_assist.config.commands import CommandsConfig
+from voice_assist.config.texts import texts_of
 from voice_assist.errors import AudioError
 from voice_assist.types import RATE
 
@@ -47,7 +48,7 @@ class SpokenAnswers:
         announce: Callable[[bool], None],
         report: Callable[[str], None],
     ) -> None:
-        self._config, self._commands = config, commands
+        self._config, self._commands, self._texts = config, commands, texts_of(commands)
         self._play, self._announce, self._report = play, announce, report
         self._lock = Lock()  # of the folder, which may go while sentences are still made
         self._folder: TemporaryDirectory[str] | None = None
@@ -67,14 +68,20 @@ class SpokenAnswers:
     def prepare(self, sentences: Iterable[str] = catalogue()) -> None:
         """Make the sound of each sentence that may be said, and try the loudspeaker.
 
+        Args:
+            sentences: English; said in the language of the commands.
+
         Raises:
             ModelError: What speaks is not installed, or refuses the voice.
             AudioError: There is no loudspeaker.
         """
-        voice, check = choose_voice(self._config), WordCheck(self._commands)
+        voice, check = (
+            choose_voice(self._config, self._commands.language),
+            WordCheck(self._commands),
+        )
         silence = self._write("silence", np.zeros(round(SILENCE * RATE), np.float32))
         self._play(silence, SILENCE, lambda: False)
-        for sentence in sentences:
+        for sentence in map(self._texts, sentences):
             why = check.objection(sentence)
             with self._lock:
                 if self._folder is None:

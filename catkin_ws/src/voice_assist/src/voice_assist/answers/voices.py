@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
@@ -15,7 +16,9 @@ from voice_assist.answers.kokoro import Kokoro
 from voice_assist.audio.espeak import espeak, ipa
 from voice_assist.audio.mixing import trimmed
 from voice_assist.config.alarms import SpeechConfig
+from voice_assist.config.commands import ENGLISH
 from voice_assist.errors import ModelError
+from voice_assist.text.phonetic_distance import espeak_language
 from voice_assist.types import RATE, Samples, frozen_samples
 
 Speak = Callable[[str], Samples]  # of a text, 16 kHz, peak 1, without silence around it
@@ -24,12 +27,14 @@ FADE: Final = 0.005  # [s] over which a sentence that is cut out of silence rise
 _ENGLISH: Final = "en-us"  # sounds that Kokoro is given
 
 
-def choose_voice(config: SpeechConfig) -> Speak:
-    """The voice that the settings name.
+def choose_voice(config: SpeechConfig, language: str = ENGLISH) -> Speak:
+    """The voice that the settings name; of another language, espeak-ng's own voice.
 
     Raises:
         ModelError: What speaks is not installed, or refuses the voice.
     """
+    if language != ENGLISH:
+        config = replace(config, synthesizer="espeak-ng", voice=espeak_language(language))
     voice = _kokoro(config) if config.synthesizer == "kokoro" else _espeak(config)
     voice("ready")  # what is wrong shows at once
     return voice

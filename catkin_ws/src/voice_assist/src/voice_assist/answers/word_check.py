@@ -8,7 +8,7 @@ from typing import Final
 
 from voice_assist.config.commands import CommandsConfig
 from voice_assist.text.normalize import normalize
-from voice_assist.text.phonetic_distance import distance, sounds
+from voice_assist.text.phonetic_distance import distance, espeak_language, sounds
 
 YES: Final = "yes"  # the answer to a motion that is asked for
 NEAREST: Final = 0.33  # distance in sound that is allowed, as `confusability` warns below it
@@ -24,8 +24,9 @@ class WordCheck:
 
     def __init__(self, commands: CommandsConfig) -> None:
         spellings = [text for c in commands.commands for _, text in c.all_spellings]
+        self._language = espeak_language(commands.language)
         self._words = {word for text in (*spellings, YES) for word in normalize(text)}
-        self._sounds = {text: sounds(text) for text in dict.fromkeys((*spellings, YES))}
+        self._sounds = {text: self._said(text) for text in dict.fromkeys((*spellings, YES))}
 
     def objection(self, sentence: str) -> str:
         """Why the sentence may not be said; empty: it may.
@@ -45,9 +46,12 @@ class WordCheck:
             return f"{near:.2f} from {text!r} in sound, allowed: {NEAREST:.2f} and more"
         return ""
 
+    def _said(self, text: str) -> tuple[str, ...]:
+        return sounds(text, self._language)
+
     def _nearest(self, sentence: str, text: str) -> float:
         """Distance of the spelling to that part of the sentence which sounds most like it."""
-        said, sought = sounds(sentence), self._sounds[text]
+        said, sought = self._said(sentence), self._sounds[text]
         lengths = range(max(len(sought) - 1, 1), len(sought) + 2)
         parts = (said[i : i + n] for n in lengths for i in range(max(len(said) - n, 0) + 1))
         return min((distance(part, sought) for part in _distinct(parts)), default=1.0)

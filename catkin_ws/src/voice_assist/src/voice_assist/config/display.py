@@ -6,9 +6,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from typed_config import choice, integer, number, text
+from voice_assist.config.commands import LANGUAGES
 from voice_assist.config.voice import CONFIG_DIR
 
-LANGUAGES = ("en", "de", "es", "fr")  # of the page's own words
 FILE = CONFIG_DIR / "display.yaml"
 
 

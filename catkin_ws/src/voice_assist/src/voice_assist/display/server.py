@@ -13,12 +13,12 @@ from pathlib import Path
 from aiohttp import web
 
 from voice_assist.config.display import DisplayConfig
+from voice_assist.config.texts import page_texts
 from voice_assist.display.access_token import AccessToken
 from voice_assist.display.acts import FORMS, STOP, Acts, BadRequestError, Outcome, read_act
 from voice_assist.display.connections import Connection, Connections
 from voice_assist.display.encoding import event
 from voice_assist.display.http_rules import HostRules, answer, strict
-from voice_assist.display.page_texts import page_texts
 from voice_assist.display.theatre import Theatre
 from voice_assist.display.viewers import Viewer, Viewers
 

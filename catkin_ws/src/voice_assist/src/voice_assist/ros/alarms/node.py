@@ -10,6 +10,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from queue import Empty, Queue
 
 import rospy
@@ -19,7 +20,7 @@ from std_msgs.msg import Empty as EmptyMessage
 from visualization_msgs.msg import Marker
 
 from rst_control.msg import ControllerState, Event
-from typed_config import load_config
+from typed_config import load_config, load_file
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 from voice_assist.alarms.annunciator import Annunciator
@@ -29,8 +30,10 @@ from voice_assist.alarms.player import Player
 from voice_assist.alarms.sound_output import ProgramOutput
 from voice_assist.alarms.types import IN_MOTION, PartHealth, Priority
 from voice_assist.answers.speech import SpokenAnswers
-from voice_assist.config import CommandsConfig
+from voice_assist.config import CONFIG_DIR, CommandsConfig
 from voice_assist.config.alarms import FILE, AlarmsConfig
+from voice_assist.config.texts import texts_of
+from voice_assist.config.voice import commands_file
 from voice_assist.msg import Alarm as AlarmMessage
 from voice_assist.msg import Utterance
 from voice_assist.ros.alarms import messages
@@ -53,10 +56,10 @@ Take = Callable[[Board, float], None]
 class AlarmNode:
     """One thread takes in what came and shows what is new; callbacks of rospy only hand over."""
 
-    def __init__(self, config: AlarmsConfig, commands: CommandsConfig | None) -> None:
+    def __init__(self, config: AlarmsConfig, commands: CommandsConfig) -> None:
         self._config, self._board = config, Board(config.board)
-        self._output = ProgramOutput(config.sound)
-        self._answers = None if commands is None else self._make_answers(commands)
+        self._output, self._texts = ProgramOutput(config.sound), texts_of(commands)
+        self._answers = self._make_answers(commands) if config.speech.is_enabled else None
         length = (lambda _: 0.0) if self._answers is None else self._answers.duration
         self._annunciator = Annunciator(config.sound, length)
         self._player: Player | None = None
@@ -123,7 +126,9 @@ class AlarmNode:
         now = _now()
         self._known.publish_status()
         self._board.tick(now)
-        standing = self._board.standing
+        standing = tuple(
+            replace(entry, alarm=entry.alarm.said_in(self._texts)) for entry in self._board.standing
+        )
         if standing != self._shown:
             self._shown = standing
             self._alarm.publish(messages.alarm_message(standing, now))
@@ -207,13 +212,15 @@ def main() -> None:
     """Run the alarm node."""
     with starting("alarms"):
         config = private_settings(AlarmsConfig, FILE)
-        node = AlarmNode(config, _load_commands() if config.speech.is_enabled else None)
+        node = AlarmNode(config, _load_commands())
     node.run()
 
 
 def _load_commands() -> CommandsConfig:
-    """All that can be said, from the node's private parameters."""
-    given = rospy.get_param("~commands", {})
+    """All that can be said, from the node's private parameters; without a launch, as shipped."""
+    given = rospy.get_param("~commands", None)
+    if given is None:
+        return load_file(CommandsConfig, commands_file(CONFIG_DIR))
     return load_config(CommandsConfig, given, "commands.yaml")
 
 
