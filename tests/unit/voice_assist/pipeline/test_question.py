@@ -145,3 +145,31 @@ def test_after_a_change_of_mode_an_answer_by_hand_does_nothing():
     pipeline, _, _ = ask_by_hand()
     pipeline.set_mode(Mode.STANDBY, "test")
     assert pipeline.answer_by_hand("pull more", True) is None
+
+
+@pytest.mark.parametrize(
+    ("said", "done"),
+    [
+        ("0.3 pull more", [Ask("pull more")]),
+        ("0.3 pull more 1.0 pull more", [Ask("pull more"), Call("pull more")]),
+        ("0.3 pull more 3.4 pull more", [Ask("pull more")] * 2),
+        ("0.3 pull more 1.0 pull less", [Ask("pull more"), Ask("pull less")]),
+        ("0.3 pull more 0.8 what 0.8 pull more", [Ask("pull more")] * 2),
+        ("0.3 pull more 0.8 please", [Ask("pull more"), Call("pull more")]),
+    ],
+)
+def test_where_motions_are_said_twice_the_same_one_again_does_it(said, done):
+    events = hear(said, odds=None, is_enabled=False, commands__said_twice=True)
+    assert actions(events) == done
+
+
+def test_a_motion_said_three_times_is_done_once():
+    said = "0.3 pull more 1.0 pull more 1.0 pull more"
+    events = hear(said, odds=None, is_enabled=False, commands__said_twice=True)
+    assert actions(events) == [Ask("pull more"), Call("pull more"), Ask("pull more")]
+
+
+@pytest.mark.parametrize("said", ["stop", "terminate", "hey robot"])
+def test_what_is_no_motion_is_said_once(said):
+    events = hear(f"0.3 {said}", odds=None, is_enabled=False, commands__said_twice=True)
+    assert commands(events) == [said]

@@ -14,6 +14,7 @@ from tests.unit.voice_assist.support.fake_pipeline import (
     run,
 )
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
+from voice_assist.config import load_voice_config
 from voice_assist.types import Halt, Mode, RejectionReason
 
 WITH_STOP = ("he said stop now please", "do not stop", "pulling is stop he said", "never stop more")
@@ -118,3 +119,13 @@ def test_at_rest_a_stop_under_talk_counts_at_the_end_of_the_utterance(text):
 @pytest.mark.parametrize("text", WITH_STOP)
 def test_at_rest_a_stop_that_is_written_in_a_sentence_is_none_however_surely_it_is_heard(text):
     assert commands(hear(text, False, over_talk=9.0)) == []
+
+
+@pytest.mark.parametrize("is_moving", [False, True])
+def test_a_halt_that_the_spotter_over_talk_does_not_know_needs_no_word_from_it(is_moving):
+    config = load_voice_config()
+    (stop,) = (c for c in config.commands.commands if c.is_halt)
+    both = (*config.commands.commands, replace(stop, phrase="please", spellings=()))
+    config = replace(config, commands=replace(config.commands, commands=both))
+    heard = commands(hear("he said please now", is_moving, over_talk=0.0, config=config))
+    assert heard == (["please"] if is_moving else [])

@@ -59,20 +59,20 @@ def test_a_long_text_counts_when_written_once_and_a_short_one_when_written_twice
 
 
 def test_what_was_written_for_two_commands_belongs_to_none():
-    found = learn(spannen=["stand by us"] * 2, loslassen=["stand by us"] * 2)
-    assert found[0].commands == () and len(found[1]) == 2
-    assert "it was written for 'loslassen', too" in found[1][1].why
+    told = learn(gewebe_spannen=["stand by us"] * 2, jetzt_loslassen=["stand by us"] * 2)
+    assert told[0].commands == () and len(told[1]) == 2
+    assert "it was written for 'gewebe spannen', too" in told[1][1].why
 
 
 def test_what_belongs_to_another_command_is_refused():
-    (reason,) = why(spannen=["stop"] * 3)
+    (reason,) = why(gewebe_spannen=["stop"] * 3)
     assert "'stop'" in reason
-    assert learned(spannen=["stop"] * 3, stop=["stop"]) == {}
+    assert learned(gewebe_spannen=["stop"] * 3, stop=["stop"]) == {}
 
 
 def test_what_sounds_too_much_like_another_command_is_refused():
-    (reason,) = why(spannen=["been done"] * 2)
-    assert "too alike" in reason and "beenden" in reason
+    (reason,) = why(gewebe_spannen=["sits ung bay enden"] * 2)
+    assert "too alike" in reason and "sitzung beenden" in reason
 
 
 def test_a_spelling_of_a_motion_never_denies():
@@ -80,13 +80,13 @@ def test_a_spelling_of_a_motion_never_denies():
 
 
 def test_nothing_is_learned_of_silence_or_of_what_is_right_already():
-    assert learned(spannen=["", "", "spannen", "Spannen."]) == {}
+    assert learned(gewebe_spannen=["", "", "gewebe spannen", "Gewebe spannen."]) == {}
 
 
 def test_only_the_most_frequent_are_kept():
     texts = [f"{word} and the rest" for word in ("one", "owl", "red", "sky", "toy", "fur", "gym")]
-    found, refused = learn(spannen=texts)
-    assert len(found.commands[0].learned) == MAX_SPELLINGS and "more frequent" in refused[0].why
+    told, refused = learn(gewebe_spannen=texts)
+    assert len(told.commands[0].learned) == MAX_SPELLINGS and "more frequent" in refused[0].why
 
 
 def test_the_profile_keeps_them_and_they_are_laid_over_the_commands():

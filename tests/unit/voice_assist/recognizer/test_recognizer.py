@@ -143,7 +143,7 @@ def test_loading_leaves_the_thread_count_alone():
 
 @pytest.mark.parametrize("name", ["big.english", "~nobody-there/model.pt"])
 def test_an_unknown_model_is_refused_with_what_is_allowed(name):
-    with pytest.raises(ModelError, match=rf"'{name}'.*embedded, tiny\.en"):
+    with pytest.raises(ModelError, match=rf"'{name}'.*embedded, multilingual, tiny\.en"):
         load_recognizer(name)
 
 

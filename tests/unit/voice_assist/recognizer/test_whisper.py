@@ -34,6 +34,12 @@ def recognizer(model):
     return OpenAIRecognizer("small", checkpoint, max_tokens=8, dtype=torch.float32)
 
 
+def test_a_model_with_english_words_alone_refuses_another_language(model):
+    checkpoint = SimpleNamespace(dims=DIMS, state=model.state_dict(), sha256="none")
+    with pytest.raises(ModelError, match=r"hears English only, not 'de'.*make languages"):
+        OpenAIRecognizer("small", checkpoint, language="de")
+
+
 def sound(seed=0):
     samples = np.random.default_rng(seed).standard_normal(RATE).astype(np.float32) * 0.1
     samples.flags.writeable = False

@@ -29,6 +29,7 @@ from voice_assist.text.normalize import is_negated, normalize, spoken_number
         ("o'clock", "oclock"),
         ("stop\u200bnow", "stop now"),
         ("\u0663", "three"),
+        ("¡Tira más fuerte!", "tira mas fuerte"),
     ],
 )
 def test_text_becomes_plain_words(text, words):
@@ -52,6 +53,11 @@ def test_normalising_twice_changes_nothing(text):
     "text", ["don't", "do not pull", "never", "no", "I cannot", "dont", "without it", "won't"]
 )
 def test_denials_are_noticed(text):
+    assert is_negated(normalize(text))
+
+
+@pytest.mark.parametrize("text", ["nicht ziehen", "nunca más", "ne pas tirer"])
+def test_denials_are_noticed_in_other_languages(text):
     assert is_negated(normalize(text))
 
 

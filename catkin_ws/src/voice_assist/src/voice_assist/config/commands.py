@@ -16,6 +16,9 @@ from voice_assist.text.wer import wer
 
 # The robot's commands that begin no motion.
 NOT_MOTIONS = ("hey robot", "stop", "terminate", "grasp here")
+ENGLISH = "en"
+LANGUAGES = (ENGLISH, "de", "es", "fr")  # of the commands, as Whisper names them
+MEASURE_BACKGROUND = "python -m voice_assist.training.phrase_background"
 NEVER_SURE = 0.95  # [0, 1] a recogniser is hardly ever surer of a word than this
 
 
@@ -32,6 +35,7 @@ class CommandConfig:
     phrase: str = text()
     spellings: tuple[str, ...] = text()
     learned: tuple[str, ...] = text(default=())  # what the recogniser writes for one person's takes
+    background: tuple[float, ...] = number(-1000.0, 1000.0, "nat", default=())  # of its score
     threshold: float = number(0.01, 1.0, "WER")
     modes: tuple[str, ...] = choice("standby", "active")
     mode_after: str = choice("same", "standby", "active")
@@ -67,6 +71,9 @@ class CommandConfig:
             _require(self.modes == ("active",), "modes", modes, "[active], as it is a motion")
         if self.is_halt:
             self._check_halt()
+        is_pair = len(self.background) == 2 and self.background[1] > 0.0
+        allowed = "mean and spread, the second above 0, or no such key"
+        _require(is_pair or not self.background, "background", list(self.background), allowed)
 
     def _check_halt(self) -> None:
         _require(not self.is_motion, "is_motion", True, "false, as is_halt is true")
@@ -108,8 +115,10 @@ class AmountCommand(CommandConfig):
 class CommandsConfig:
     """All spoken commands; after `__post_init__` one for each amount of those with a slot."""
 
+    language: str = choice(*LANGUAGES)
     answer_within: float = number(0.05, 30.0, "s")
     amounts: bool = flag()
+    said_twice: bool = flag()  # each motion, before it is taken
     slots: tuple[SlotConfig, ...] = items(0, 20)
     commands: tuple[CommandConfig, ...] = items(1, 200)
 
@@ -128,13 +137,21 @@ class CommandsConfig:
             is_new = command.phrase not in phrases
             _require(is_new, f"{where}.phrase", command.phrase, "a name given once")
             phrases.add(command.phrase)
+            is_heard = self.language == ENGLISH or bool(command.background)
+            allowed = f"what `{MEASURE_BACKGROUND}` prints for {command.phrase!r}"
+            _require(is_heard, f"{where}.background", list(command.background), allowed)
             for key, spelling in command.all_spellings:
+                is_plain = self.language != ENGLISH or spelling.isascii()
+                _require(is_plain, f"{where}.{key}", spelling, "English, in letters a to z")
                 words = _words(f"{where}.{key}", spelling, command.is_motion)
                 for other, theirs, their_words in known:
                     if other is not command:
                         _require_apart(f"{where}.{key}", command, words, other, theirs, their_words)
                 known.append((command, spelling, words))
         names = list(self.phrases)
+        is_english = self.language == ENGLISH
+        allowed = f"false with language {self.language}: amounts are English words"
+        _require(is_english or not self.amounts, "amounts", True, allowed)
         halts = any(c.is_halt for c in self.commands)
         _require(halts, "commands", names, "at least one with is_halt, such as stop")
         wakes = any("standby" in c.modes and c.mode_after == "active" for c in self.commands)
@@ -222,7 +239,6 @@ def _with_amount(command: CommandConfig, slot: SlotConfig, value: float) -> Amou
 
 
 def _words(key: str, spelling: str, is_motion: bool) -> Words:
-    _require(spelling.isascii(), key, spelling, "English, in letters a to z")
     words = normalize(spelling)
     _require(bool(words), key, spelling, "text with a word; it has no word")
     allowed = "no word that denies: a motion's phrase or spelling never denies"

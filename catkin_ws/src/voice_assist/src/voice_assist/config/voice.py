@@ -20,7 +20,7 @@ from typed_config import (
     text,
 )
 from voice_assist.config.calibration import Calibration
-from voice_assist.config.commands import NEVER_SURE, CommandsConfig
+from voice_assist.config.commands import ENGLISH, LANGUAGES, NEVER_SURE, CommandsConfig
 from voice_assist.config.moving import MovingConfig
 from voice_assist.config.profile import ProfileConfig
 from voice_assist.config.speaker import SpeakerConfig
@@ -28,6 +28,7 @@ from voice_assist.errors import CommandsError
 
 CONFIG_DIR = package_folder("voice_assist") / "config"
 LOWEST_PITCH = 10.0  # [Hz] below it there is no sound to remove
+SLOWER = 5.0  # times that the multilingual model takes as long as the embedded one
 # Each a file and a key.
 SECTIONS = ("audio", "recognizer", "spotter", "speaker", "profile", "commands", "moving")
 
@@ -253,19 +254,47 @@ class VoiceConfig:
         """Check what no single file can show.
 
         Raises:
-            CommandsError: What is spotted is no command that halts.
+            CommandsError: What is spotted is no command that halts, or something is asked for that
+                only English has.
         """
+        language, asks = self.commands.language, self.recognizer.ask.is_enabled
+        if asks and language != ENGLISH:
+            allowed = f"false with language {language}"
+            raise CommandsError("recognizer.ask.is_enabled", True, allowed)
         halts = [c.phrase for c in self.commands.commands if c.is_halt]
         if self.spotter.is_enabled and self.spotter.phrase not in halts:
             allowed = ", ".join(halts) or "none"
             raise CommandsError("spotter.phrase", self.spotter.phrase, allowed)
 
+    @property
+    def is_multilingual(self) -> bool:
+        """Whether the multilingual model hears the commands, and no profile of the language."""
+        return self.commands.language != ENGLISH and not self.profile.is_used
 
-def load_voice_config(folder: str | Path = CONFIG_DIR, **changes: Any) -> VoiceConfig:
+    @property
+    def hung_after(self) -> float:
+        """Time on one frame after which recognition counts as hung [s]."""
+        return self.recognizer.hung_after * (SLOWER if self.is_multilingual else 1.0)
+
+
+def commands_file(folder: str | Path, language: str = ENGLISH) -> Path:
+    """File of the commands in a language.
+
+    Raises:
+        ConfigError: There is no such language.
+    """
+    require(language in LANGUAGES, "language", language, ", ".join(LANGUAGES))
+    return Path(folder) / ("commands.yaml" if language == ENGLISH else f"commands_{language}.yaml")
+
+
+def load_voice_config(
+    folder: str | Path = CONFIG_DIR, *, language: str = ENGLISH, **changes: Any
+) -> VoiceConfig:
     """Read the YAML files of all sections.
 
     Args:
         folder: That holds them.
+        language: Of the commands.
         **changes: Single settings to replace, by their path with `__` for dots, such as
             `audio__wav__speed=0.0`.
 
@@ -273,7 +302,9 @@ def load_voice_config(folder: str | Path = CONFIG_DIR, **changes: Any) -> VoiceC
         typed_config.ConfigError: A file or a key is not as it must be.
         CommandsError: The commands contradict each other.
     """
-    data = {name: dict(load_yaml(Path(folder) / f"{name}.yaml")) for name in SECTIONS}
+    files = {name: Path(folder) / f"{name}.yaml" for name in SECTIONS}
+    files["commands"] = commands_file(folder, language)
+    data = {name: dict(load_yaml(file)) for name, file in files.items()}
     for path, value in changes.items():
         *parents, key = path.split("__")
         branch: dict[str, Any] = data

@@ -41,6 +41,8 @@ class Mapper:
             for command in config.commands
         }
         self._phrases = {phrase: normalize(phrase) for phrase in self._spellings}
+        written = " ".join(text for c in config.commands for _, text in c.all_spellings)
+        self._letters = frozenset(c for c in written.lower() if not c.isascii())
         self._joined = _joined(chain.from_iterable(self._spellings.values()))
         self._thresholds = {command.phrase: command.threshold for command in config.commands}
         self._halts = {command.phrase for command in config.commands if command.is_halt}
@@ -50,8 +52,8 @@ class Mapper:
     def __call__(self, transcript: str) -> Match | NoMatch:
         """The command with the lowest WER below its own threshold.
 
-        Only a halt is taken from a text with letters that English has not, and nothing from a text
-        longer than LONGEST, whose errors are those of its beginning.
+        Only a halt is taken from a text with letters that neither English nor a command has, and
+        nothing from a text longer than LONGEST, whose errors are those of its beginning.
 
         Args:
             transcript: As recognised; may have punctuation, contractions and capitals.
@@ -67,7 +69,7 @@ class Mapper:
         near = self._near(words, errors)
         best = [phrase for phrase, error in near.items() if error == min(near.values())]
         if len(best) == 1 and (near[best[0]] == 0.0 or not is_negated(words)):
-            odd = foreign(transcript)
+            odd = foreign(transcript, self._letters)
             if odd and best[0] not in self._halts:
                 why = f"U+{ord(odd):04X} in it, which no command has"
                 return _no_command(why, best[0], errors)

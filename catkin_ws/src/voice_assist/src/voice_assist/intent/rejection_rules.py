@@ -91,6 +91,12 @@ def to_be_confirmed(ask: AskConfig, what: str, why: str) -> Rejection:
     return Rejection(RejectionReason.NEARLY_SURE, words)
 
 
+def to_be_said_again(ask: AskConfig) -> Rejection:
+    """What asks for every motion, where none is taken at once."""
+    words = f"said once; say it again within {ask.answer_within:g} s"
+    return Rejection(RejectionReason.NEARLY_SURE, words)
+
+
 def another_word(command: str, odds: float, minimum: float) -> Rejection:
     """Why a motion is refused whose sound may be a strange word's; log-odds in nat."""
     words = f"it sounds like another word that is written {command!r}: {odds:.1f} nat"

@@ -14,7 +14,12 @@ from voice_assist.config.calibration import log_odds
 from voice_assist.config.commands import AmountCommand
 from voice_assist.intent.early_decision import DecisionContext, EarlyDecision, too_unsure
 from voice_assist.intent.mapper import Mapper
-from voice_assist.intent.rejection_rules import RejectionRules, another_word, to_be_confirmed
+from voice_assist.intent.rejection_rules import (
+    RejectionRules,
+    another_word,
+    to_be_confirmed,
+    to_be_said_again,
+)
 from voice_assist.pipeline.stop_decider import RECOGNIZER, StopDecider, StopInSound, Verdict
 from voice_assist.types import Hypothesis, Match, Rejection, RejectionReason
 
@@ -132,6 +137,8 @@ class Decider:
             doubt = another_word(match.command, odds, sure)
         elif isinstance(command, AmountCommand) and command.is_large:
             return to_be_confirmed(ask, "a large amount", command.too_large)
+        elif command.is_motion and self._config.commands.said_twice:
+            return to_be_said_again(ask)
         else:
             return None
         if not is_asking or confidence < ask.min_confidence or odds < minimum:

@@ -109,7 +109,7 @@ class Pipeline:
         rules = self._stop_fusion, rejection_rules, stop_in_sound
         self._decider = Decider(config, mapper, self._decoder, *rules)
         self._dialogue_state = AT_START
-        self._question = Question(config.recognizer.ask)
+        self._question = Question(config.recognizer.ask, config.commands.said_twice)
         self._shown = ""  # the transcript published last
         self._start_utterance()
 
@@ -209,7 +209,7 @@ class Pipeline:
             self._decider.accept(self._config.commands.get(outcome.command), partial)
             outcome, actions = self._act(outcome)
         elif outcome.rejection.reason is RejectionReason.NEARLY_SURE:
-            outcome, actions = self._ask(outcome, utterance.speech_end + partial.quiet, is_answer)
+            outcome, actions = self._ask(outcome, utterance, partial.quiet, is_answer)
         if not utterance.is_complete:
             self._segmenter.restart(_KEPT_OF_PAUSE if self._decoder.is_settled(partial) else 0.0)
             self._decoder.restart(partial)
@@ -236,7 +236,10 @@ class Pipeline:
         return match, outcome.actions
 
     def _confirmed(self, verdict: Verdict, partial: PartialUtterance) -> Verdict:
-        """The motion that was asked for, where the whole utterance confirms it."""
+        """The motion that was asked for, where it is said again or the whole utterance says yes."""
+        again = self._question.said_again(verdict.outcome, partial.utterance.speech_start)
+        if again is not None:
+            return replace(verdict, outcome=again)
         is_whole = partial.is_whole and not self._decoder.is_window
         if isinstance(verdict.outcome, Match) or not (is_whole and partial.utterance.is_complete):
             return verdict
@@ -245,16 +248,17 @@ class Pipeline:
         return self._decider.confirmed(command, heard, partial) if command else verdict
 
     def _ask(
-        self, outcome: NoMatch, time: float, is_answer: bool
+        self, outcome: NoMatch, utterance: Utterance, quiet: float, is_answer: bool
     ) -> tuple[NoMatch, tuple[Action, ...]]:
         """Ask for a motion that is nearly sure, unless it answers a question itself."""
         command = self._config.commands.get(outcome.nearest_command)
         refused = step(self._dialogue_state, CommandRecognized(command)).rejection
-        if is_answer:
+        if is_answer and not self._question.is_repeated:
             refused = Rejection(RejectionReason.UNSURE, "nearly sure again; it was asked once")
         if refused is not None:
             return replace(outcome, rejection=refused), ()
-        self._question.ask(command.phrase, time)
+        said = utterance.speech_end
+        self._question.ask(command.phrase, said, said + quiet)
         return outcome, (Ask(command.phrase),)
 
     def _forget_noise(self, partial: PartialUtterance, time: float) -> None:

@@ -110,15 +110,18 @@ class StopDecider:
     def in_motion(self, transcript: Hypothesis, partial: PartialUtterance) -> Verdict | None:
         """A stop among the words of a transcript, while the robot moves.
 
-        The spotter over talk must have heard it, too. Without one, enough transcripts in a row
-        must hold it.
+        The spotter over talk must have heard it, too. Without one, or of a halt that it does not
+        know, enough transcripts in a row must hold it.
         """
         written = self._written_among(transcript)
         self._votes = self._votes + 1 if written else 0
-        needed = self._config.moving.sentence_agreement if self._stop_in_sound is None else 1
-        if written is None or self._votes < needed or not self._is_heard_over_talk(partial):
+        if written is None:
             return None
         phrase, heard = written
+        is_spotted = self._stop_in_sound is not None and phrase == self._stop_fusion.phrase
+        needed = 1 if is_spotted else self._config.moving.sentence_agreement
+        if self._votes < needed or (is_spotted and not self._is_heard_over_talk(partial)):
+            return None
         worth = self._recognizer_config.confidence.transcript(log_odds(heard.confidence))
         return Verdict(Match(phrase, self._mapper(heard.text).wer), heard, worth, RECOGNIZER)
 

@@ -22,7 +22,15 @@ STATE, CTC = "model_state_dict", "ctc_state_dict"
 NEEDED = {"dims", STATE}
 MIN_POSITIONS = round(LONGEST * 50)  # of the encoder: one for 20 ms
 EMBEDDED = "embedded"
+MULTILINGUAL = "multilingual"  # Whisper base, once it is fetched
+FETCH = "`make languages` fetches Whisper base, which hears de, es and fr"
 EMBEDDED_PATH = package_folder("voice_assist") / "models" / "embedded.pt"
+
+
+def multilingual_path() -> Path:
+    """File of the multilingual model: in the user's own data, for set-up alone writes it."""
+    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(data) / "voice_assist" / "models" / "whisper-base.pt"
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,12 +51,16 @@ def find_checkpoint(model: str) -> Path:
     """
     if model == EMBEDDED:
         path = EMBEDDED_PATH
+    elif model == MULTILINGUAL:
+        path = multilingual_path()
+        if not path.is_file():
+            raise ModelError(f"model {model!r}: no file {path}; {FETCH}")
     elif model in whisper.available_models():
         path = _fetch(model)
     else:
         path = _in_home(model)
     if not path.is_file():
-        names = ", ".join([EMBEDDED, *whisper.available_models()])
+        names = ", ".join([EMBEDDED, MULTILINGUAL, *whisper.available_models()])
         raise ModelError(f"model {model!r}: no file {path}; allowed: a file or {names}")
     return path
 

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -12,8 +13,14 @@ from torch import Tensor
 from whisper.decoding import DecodingOptions, DecodingTask, GreedyDecoder
 from whisper.model import LayerNorm, Whisper
 
+from voice_assist.config.commands import ENGLISH
 from voice_assist.errors import ModelError
-from voice_assist.recognizer.checkpoint import Checkpoint, find_checkpoint, read_checkpoint
+from voice_assist.recognizer.checkpoint import (
+    FETCH,
+    Checkpoint,
+    find_checkpoint,
+    read_checkpoint,
+)
 from voice_assist.recognizer.embedded import EmbeddedRecognizer, is_audible
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
@@ -81,6 +88,7 @@ class OpenAIRecognizer:
         device: str = "cpu",
         max_tokens: int = MAX_TOKENS,
         dtype: torch.dtype | None = None,
+        language: str = ENGLISH,
     ) -> None:
         """Take the weights.
 
@@ -90,17 +98,23 @@ class OpenAIRecognizer:
             device: A torch device.
             max_tokens: Written for one sound.
             dtype: Of the weights; None: the device's best.
+            language: That it hears, by Whisper's token.
+
+        Raises:
+            ModelError: It hears English only, and another language is asked for.
         """
         self.name, self.model_hash = name, checkpoint.sha256
         self.dtype = dtype or best_dtype(device)
         self.model = Whisper(checkpoint.dims)
+        if language != ENGLISH and not self.model.is_multilingual:
+            raise ModelError(f"model {name!r} hears English only, not {language!r}; {FETCH}")
         self.model.load_state_dict(checkpoint.state)
         self.model = self.model.to(device, self.dtype).eval()
         for module in self.model.modules():
             if isinstance(module, LayerNorm):
                 module.float()  # Whisper computes it so
         options = DecodingOptions(
-            language="en",
+            language=language,
             temperature=0.0,
             sample_len=max_tokens,
             without_timestamps=True,
@@ -126,14 +140,28 @@ class OpenAIRecognizer:
         if written in phrases:
             texts[written].append(free.strip())
         texts |= {text: [text] for text in ("", free) if " ".join(normalize(text)) not in phrases}
-        tokenizer = self._task.tokenizer
+        return ratios(self._best_of(heard, texts), phrases)
+
+    def likelihoods(self, samples: Samples, texts: Mapping[str, Sequence[str]]) -> dict[str, float]:
+        """Log-likelihood [nat] of each phrase in a sound, by the likeliest way to write it.
+
+        Args:
+            samples: As for transcribe, audible.
+            texts: Per phrase all that it may be written as.
+        """
+        written = {
+            p: [way for text in some for way in _spellings(text)] for p, some in texts.items()
+        }
+        return self._best_of(self._listen(samples), written)
+
+    def _best_of(self, heard: _Listened, texts: Mapping[str, Sequence[str]]) -> dict[str, float]:
         lines = {text: self._tokens(text) for some in texts.values() for text in some}
+        tokenizer, decoder = self._task.tokenizer, self.model.decoder
         prompt = tokenizer.sot_sequence_including_notimestamps
-        sound, decoder = heard.states, self.model.decoder
         with torch.inference_mode():
-            found = likelihoods(decoder, sound, prompt, list(lines.values()), tokenizer.eot)
+            found = likelihoods(decoder, heard.states, prompt, list(lines.values()), tokenizer.eot)
         likely = dict(zip(lines, found, strict=True))
-        return ratios({text: max(likely[t] for t in some) for text, some in texts.items()}, phrases)
+        return {text: max(likely[t] for t in some) for text, some in texts.items()}
 
     def verify(self, samples: Samples, phrase: str) -> float:
         """It cannot; see Recognizer."""
@@ -207,12 +235,7 @@ def load_recognizer(model: str = "embedded", device: str = "cpu") -> Recognizer:
         ModelError: The model is unknown, missing or damaged, or the device is not
             there.
     """
-    try:
-        torch.zeros(1, device=device)
-    except (RuntimeError, AssertionError) as error:
-        raise ModelError(f"device {device!r}: {error}; 'cpu' always works") from error
-    path = find_checkpoint(model)
-    checkpoint = read_checkpoint(path)
+    path, checkpoint = _checkpoint(model, device)
     try:
         if checkpoint.ctc is None:
             return OpenAIRecognizer(model, checkpoint, device)
@@ -220,6 +243,35 @@ def load_recognizer(model: str = "embedded", device: str = "cpu") -> Recognizer:
         return EmbeddedRecognizer(model, checkpoint, device, verifier)
     except (RuntimeError, KeyError, IndexError) as error:
         raise ModelError(f"{path}: weights do not fit its dims: {error}") from error
+
+
+def load_multilingual(model: str, device: str, language: str) -> OpenAIRecognizer:
+    """Load a model that hears another language than English.
+
+    Args:
+        model: As for load_recognizer.
+        device: A torch device.
+        language: By Whisper's token.
+
+    Raises:
+        ModelError: As for load_recognizer, or the model hears English only.
+    """
+    path, checkpoint = _checkpoint(model, device)
+    if checkpoint.ctc is not None:
+        raise ModelError(f"model {model!r} hears English only, not {language!r}; {FETCH}")
+    try:
+        return OpenAIRecognizer(model, checkpoint, device, language=language)
+    except (RuntimeError, KeyError, IndexError) as error:
+        raise ModelError(f"{path}: weights do not fit its dims: {error}") from error
+
+
+def _checkpoint(model: str, device: str) -> tuple[Path, Checkpoint]:
+    try:
+        torch.zeros(1, device=device)
+    except (RuntimeError, AssertionError) as error:
+        raise ModelError(f"device {device!r}: {error}; 'cpu' always works") from error
+    path = find_checkpoint(model)
+    return path, read_checkpoint(path)
 
 
 def _spellings(phrase: str) -> list[str]:

@@ -97,7 +97,7 @@ class VoiceNode:
         )
         spotting = self._load_spotter() if config.spotter.is_enabled else None
         self._spotter = None if spotting is None else self._in_thread(spotting)
-        hang_watch = HangWatch(config.recognizer.hung_after)
+        hang_watch = HangWatch(config.hung_after)
         self._watch = RecognitionWatch(hang_watch, spotting, config.spotter)
         facts["spotter_sha256"] = self._health.spotter
         rospy.set_param("session/voice_assist", facts)  # for the recording's metadata

@@ -8,7 +8,14 @@ import unicodedata
 
 Words = tuple[str, ...]
 
-NEGATIONS = frozenset({"not", "no", "never", "dont", "nor", "neither", "without", "cannot"})
+NEGATIONS = frozenset(
+    (
+        *("not", "no", "never", "dont", "nor", "neither", "without", "cannot"),
+        *("nicht", "nie", "kein", "keine", "ohne"),  # German
+        *("nunca", "tampoco", "sin"),  # Spanish
+        *("ne", "pas", "jamais", "sans"),  # French
+    )
+)
 
 LONGEST = 2000  # characters that are read: a minute of fast talk; an utterance lasts 8 s at most
 
@@ -60,14 +67,19 @@ def is_too_long(text: str) -> bool:
     return len(text) > LONGEST
 
 
-def foreign(text: str) -> str:
-    """The first character that no English sentence has; empty: there is none.
+def foreign(text: str, known: frozenset[str] = frozenset()) -> str:
+    """The first character that no sentence of the language has; empty: there is none.
 
     Such are letters of other scripts, of which some look like ours, letters with accents, marks
     that combine with the one before, and those that cannot be seen. Dashes, quotation marks and
     spaces are none.
+
+    Args:
+        text: Any text.
+        known: Characters that the language has and English has not, in lower case.
     """
-    return next((c for c in text if not c.isascii() and unicodedata.category(c)[0] not in "PZ"), "")
+    odd = (c for c in text if not c.isascii() and c.lower() not in known)
+    return next((c for c in odd if unicodedata.category(c)[0] not in "PZ"), "")
 
 
 def contains(words: Words, some: Words) -> bool:

@@ -71,6 +71,11 @@ def languages() -> tuple[str, ...]:
     return tuple(row.split()[1] for row in rows if len(row.split()) > 1)
 
 
+def espeak_language(language: str) -> str:
+    """What espeak-ng calls a language of the commands."""
+    return {"en": "en-us", "fr": "fr-fr"}.get(language, language)
+
+
 @cache
 def sounds(text: str, language: str = "en-us") -> Sounds:
     """Sounds of a text, one symbol of the IPA each, without stress and length.
