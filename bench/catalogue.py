@@ -186,6 +186,14 @@ _HEARING = Area(
             details=(r"^(tense|release|pull more|pull less), ", "trained voices"),
         ),
         Part(
+            "voice.languages",
+            "Commands in German, Spanish and French",
+            "voice.languages",
+            code.LANGUAGES,
+            SYNTHETIC,
+            details=("p99$", "max$"),
+        ),
+        Part(
             "voice.near",
             "Words that are nearly a command",
             "voice.no_commands.near_misses",

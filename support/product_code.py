@@ -47,6 +47,10 @@ HEARING = _rooms(
     *("moving.yaml", "recognizer.yaml", "spotter.yaml"),
     *("embedded.pt", "overlap.pt", "spotter.pt", "verifier.pt"),
 )
+LANGUAGES = (
+    *HEARING,
+    *_rooms("voice_assist", "commands_de.yaml", "commands_es.yaml", "commands_fr.yaml"),
+)
 ANSWERS = (*HEARING, *_rooms("voice_assist", "answers", "alarms.yaml"))
 ENROLMENT = (*HEARING, *_rooms("voice_assist", "enrolment", "profile", "enrolment.yaml"))
 RECORDING = _rooms("session_log", "mcap_file", "recording", "recorder.yaml")

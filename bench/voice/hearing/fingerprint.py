@@ -24,6 +24,7 @@ from bench.voice.hearing.replay_stream import SceneListener, SoundScene
 from support.theatre_sound import LEVEL, speak, theatre_noise
 from voice_assist.assembly import make_recognizer, make_spotter, make_spotters
 from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
+from voice_assist.config.commands import CommandConfig
 from voice_assist.pipeline import pipeline
 from voice_assist.types import RATE, Mode, Samples
 
@@ -106,10 +107,13 @@ def at_rest(config: VoiceConfig) -> tuple[object, ...]:
 def values(settings: object) -> object:
     """What settings hold, without the names of their fields and classes; of commands what counts.
 
-    Slots that no command has are left out.
+    Slots that no command has are left out, and what only other languages have.
     """
     if isinstance(settings, CommandsConfig) and not settings.amounts:
-        return settings.answer_within, tuple(astuple(command) for command in settings.commands)
+        english = [f.name for f in fields(CommandConfig) if f.name != "background"]
+        return settings.answer_within, tuple(
+            tuple(getattr(command, name) for name in english) for command in settings.commands
+        )
     return astuple(settings) if is_dataclass(settings) else settings  # type: ignore[arg-type]
 
 

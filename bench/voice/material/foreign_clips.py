@@ -63,12 +63,26 @@ def by_espeak() -> dict[str, list[SpokenClip]]:
 
 def by_kokoro() -> list[SpokenClip]:
     """Near words in Kokoro's voices; none where its packages are missing."""
-    return _by_kokoro(
+    return in_kokoro(
         [
-            KokoroPrompt(text, for_kokoro(ipa(text, one.voice)), style, 1.0)
+            (text, one.voice, style)
             for one in LANGUAGES.values()
             for style in one.styles
             for text in one.near.split("|")
+        ]
+    )
+
+
+def in_kokoro(said: Sequence[tuple[str, str, str]]) -> list[SpokenClip]:
+    """Texts in Kokoro's voices; none where its packages are missing.
+
+    Args:
+        said: Text, language of espeak-ng whose sounds it has, style of Kokoro.
+    """
+    return _by_kokoro(
+        [
+            KokoroPrompt(text, for_kokoro(ipa(text, voice)), style, 1.0)
+            for text, voice, style in said
         ]
     )
 
