@@ -66,12 +66,13 @@ class SaidTwice:
     """A trial, and after about 2 s the same words again, where they are no command said once."""
 
     trial: StreamedTrial
+    is_moving: bool = False  # the robot, all the while
 
     def scene(self) -> tuple[Label, SoundScene]:
         """What to stream, and what is known of it; the end is that of the last words."""
         label, heard = self.trial.scene()
         if label["text"] in ONCE:
-            return label, replace(heard, keeps_mode=False)
+            return label, replace(heard, keeps_mode=False, is_moving=self.is_moving)
         again, end, _ = stream_of(replace(self.trial, index=AGAIN + self.trial.index))
         label["end"] = len(heard.sound) / RATE + end
         sound = np.concatenate([heard.sound, again])
@@ -86,7 +87,9 @@ def _plan(language: str) -> dict[str, list[SaidTwice]]:
         "near misses": trials_of(language_clips.near_misses(language)),
         "other words": trials_of(language_clips.other_words(language)),
     }
-    return {kind: list(map(SaidTwice, trials)) for kind, trials in plans.items()}
+    scenes = {kind: list(map(SaidTwice, trials)) for kind, trials in plans.items()}
+    stops = [trial for trial in plans["noise"] if trial.clip.text == "stop"]
+    return scenes | {"in motion": [SaidTwice(trial, is_moving=True) for trial in stops]}
 
 
 def _file(language: str, kind: str, plan: Sequence[SaidTwice]) -> Path:
@@ -140,6 +143,10 @@ def _in_noise(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
     return _commands(f"{name}, {SNR:.0f} dB", records)
 
 
+def _in_motion(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
+    return [right(f'{name}, {SNR:.0f} dB: "stop" while the robot moves', tally(records))]
+
+
 def _commands(
     name: str, records: Sequence[SceneRecord], least: float | None = None
 ) -> list[Figure]:
@@ -176,6 +183,7 @@ def _said(records: Iterable[SceneRecord]) -> str:
 OF_KIND = {
     "commands": _in_quiet,
     "noise": _in_noise,
+    "in motion": _in_motion,
     "near misses": _near_misses,
     "other words": _other_words,
 }

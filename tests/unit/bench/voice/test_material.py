@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Plans and sounds: who says what how often, and how loud the background is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from bench.voice.languages import SaidTwice
 from bench.voice.material import held_out_voices, mixing
 from bench.voice.material.held_out_voices import SyntheticVoice, spread
 from bench.voice.material.mixing import StreamedTrial, stream_of, twice
@@ -69,3 +72,13 @@ def test_background_lies_as_far_below_the_speech_as_asked_for(beep):
     noise = np.asarray(noisy, np.float64) - quiet
     ratio = 0.125 / np.mean(noise**2)
     assert 10 * np.log10(ratio) == pytest.approx(10.0, abs=0.3)
+
+
+def test_in_another_language_a_motion_is_said_twice_and_a_stop_once(beep):
+    (label, once), (again, twice_) = (
+        SaidTwice(StreamedTrial(replace(beep[0], text=text), 3), is_moving=True).scene()
+        for text in ("stop", "tense")
+    )
+    assert len(twice_.sound) == 2 * len(once.sound)
+    assert again["end"] == pytest.approx(len(once.sound) / RATE + label["end"])
+    assert once.is_moving and not (once.keeps_mode or twice_.keeps_mode)
