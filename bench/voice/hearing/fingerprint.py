@@ -109,12 +109,16 @@ def values(settings: object) -> object:
 
     Slots that no command has are left out, and what only other languages have.
     """
-    if isinstance(settings, CommandsConfig) and not settings.amounts:
-        english = [f.name for f in fields(CommandConfig) if f.name != "background"]
-        return settings.answer_within, tuple(
-            tuple(getattr(command, name) for name in english) for command in settings.commands
-        )
+    if isinstance(settings, CommandsConfig):
+        commands = tuple(map(_of_command, settings.commands))
+        slots = (settings.amounts, tuple(map(astuple, settings.slots))) if settings.amounts else ()
+        return settings.answer_within, *slots, commands
     return astuple(settings) if is_dataclass(settings) else settings  # type: ignore[arg-type]
+
+
+def _of_command(command: CommandConfig) -> tuple[object, ...]:
+    named = zip(fields(command), astuple(command), strict=True)
+    return tuple(value for field, value in named if field.name != "background")
 
 
 def outline(sound: Samples | NDArray[np.float64]) -> str:
