@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
+from typed_config import load_yaml
 from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, load_voice_config
 from voice_assist.intent.dialogue import Answered
@@ -390,13 +391,13 @@ def test_a_folder_of_recordings_loads_its_model_once(monkeypatch):
         return FakeRecognizer()
 
     monkeypatch.setattr(recognizer, "load_recognizer", load)
-    module._recognizer.cache_clear()
+    module._english.cache_clear()
     given = settings()
     given["spotter"]["is_enabled"] = False
     try:
         first, second = replay_pipeline(given, [], None), replay_pipeline(given, [], None)
     finally:
-        module._recognizer.cache_clear()
+        module._english.cache_clear()
     assert loaded == ["embedded"] and first.model == second.model == "fake"
 
 
@@ -413,3 +414,22 @@ def test_a_stop_in_a_sentence_is_decided_again_as_the_robot_moved_then():
     assert [d.outcome.command for d in stops] == ["stop"]
     assert as_heard(again(live)) == as_decided(live.decisions)
     assert all(not heard.command for heard in again(live, notes=[]))
+
+
+def test_a_session_in_another_language_is_replayed_by_what_heard_it(monkeypatch):
+    made = []
+    fake = FakeRecognizer()
+    monkeypatch.setattr(module, "_of_another_language", lambda config: made.append(config) or fake)
+    given = settings()
+    given["spotter"].update(is_enabled=False)
+    given["commands"] = load_yaml(CONFIG_DIR / "commands_de.yaml")
+    assert replay_pipeline(given, [], None).warnings == ()
+    assert [c.commands.language for c in made] == ["de"]
+
+
+def test_a_recording_from_before_there_were_languages_is_english_and_said_once():
+    given = settings()
+    for key in ("language", "said_twice"):
+        del given["commands"][key]
+    config, warnings = restore_settings(given, None)
+    assert (config.commands.language, config.commands.said_twice, warnings) == ("en", False, ())

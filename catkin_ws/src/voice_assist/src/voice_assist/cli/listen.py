@@ -112,7 +112,7 @@ def listen(config: VoiceConfig, mode: Mode) -> None:
         screen.note(trouble, screen.mode)
 
     with make_source(config.audio, time.time, stop.wait, report) as source:
-        console.print(f"loading {config.recognizer.model} ...", style="dim")
+        console.print("loading the models ...", style="dim")
         pipeline = make_pipeline(config, time.time)
         pipeline.set_mode(mode, "start")
         console.print("Ctrl-C ends. A spoken stop is no emergency stop.", style="dim")

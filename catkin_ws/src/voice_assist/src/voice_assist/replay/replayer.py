@@ -16,11 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from typed_config import ConfigError, load_yaml, with_present_keys
-from voice_assist.assembly import limit_torch, make_pipeline, make_spotters
+from voice_assist.assembly import limit_torch, make_pipeline, make_recognizer, make_spotters
 from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.audio.source import FRAME
 from voice_assist.audio.talk_gate import TalkChange
 from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, voice_config
+from voice_assist.config.commands import ENGLISH
 from voice_assist.config.profile import NOBODY
 from voice_assist.errors import VoiceError
 from voice_assist.intent.dialogue import Answered
@@ -50,7 +51,7 @@ SWITCHED_OFF: dict[str, dict[str, Any]] = {
     "profile": {"name": "none"},
     "moving": {"is_enabled": False},
     "spotter": {"over_talk": False},
-    "commands": {"amounts": False},
+    "commands": {"amounts": False, "said_twice": False, "language": ENGLISH},
 }
 NOT_YET: dict[str, dict[str, Any]] = {"commands": {"slots": []}}  # in a section that was recorded
 
@@ -194,8 +195,7 @@ def replay_pipeline(
         config, warnings = restore_settings(settings, model)
         limit_torch(config)
         past = SideInputs(from_text(note) for note in notes)
-        recognizer = _recognizer(config.recognizer.model, config.recognizer.device)
-        config, recognizer, missing = _with_profile(config, recognizer)
+        config, recognizer, missing = _with_profile(config, _recognizer(config))
         spotter, digest = None, ""
         if config.spotter.is_enabled:
             spotter, digest = make_spotters(config)
@@ -262,12 +262,22 @@ def _with_profile(
         return replace(config, profile=nobody), base, (f"heard without a profile: {error}",)
 
 
+def _recognizer(config: VoiceConfig) -> Recognizer:
+    """That of the recorded language, without a profile."""
+    if config.is_multilingual:
+        return _of_another_language(config)
+    return _english(config.recognizer.model, config.recognizer.device)
+
+
 @lru_cache(maxsize=2)
-def _recognizer(model: str, device: str) -> Recognizer:
+def _english(model: str, device: str) -> Recognizer:
     """Load a model once for a folder of recordings."""
     from voice_assist.recognizer import load_recognizer
 
     return load_recognizer(model, device)
+
+
+_of_another_language = lru_cache(maxsize=1)(make_recognizer)
 
 
 def _frame(sound: RecordedSound) -> Frame:
