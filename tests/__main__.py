@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
-The demo comes first, and no other system beside it, for it takes both cores. Systems wait half of
-the time, so then two run at once, and one process more has the tests with nodes but without a robot
-that is led. The tests without nodes run on every core beside them, at a lower priority. With other
-arguments: one pytest with them.
+The demo and Whisper base come first, and no other system beside them: they take both cores. Systems
+wait half of the time, so then two run at once, and one process more has the tests with nodes but
+without a robot that is led. The tests without nodes run on every core beside them, at a lower
+priority. With other arguments: one pytest with them.
 """
 
 from __future__ import annotations
@@ -32,7 +32,10 @@ WITHOUT_SYSTEM = (  # of those, what hardly computes
     "integration/test_session_replay.py",
     "integration/test_voice_node.py",
 )
-ALONE = ("integration/test_end_to_end.py",)  # the demo: all nodes, a browser and two pictures
+ALONE = (
+    "integration/test_end_to_end.py",  # the demo: all nodes, a browser and two pictures
+    "integration/test_language.py",  # Whisper base, where `make languages` fetched it
+)
 WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit")
 CORES = len(os.sched_getaffinity(0))
 SYSTEMS = 2  # that run at once; each takes less than a core
