@@ -75,10 +75,8 @@ class SpokenAnswers:
             ModelError: What speaks is not installed, or refuses the voice.
             AudioError: There is no loudspeaker.
         """
-        voice, check = (
-            choose_voice(self._config, self._commands.language),
-            WordCheck(self._commands),
-        )
+        voice = choose_voice(self._config, self._commands.language)
+        check = WordCheck(self._commands)
         silence = self._write("silence", np.zeros(round(SILENCE * RATE), np.float32))
         self._play(silence, SILENCE, lambda: False)
         for sentence in map(self._texts, sentences):

@@ -64,7 +64,8 @@ class AlarmNode:
         self._annunciator = Annunciator(config.sound, length)
         self._player: Player | None = None
         self._inbox: Queue[Take] = Queue(_WAITING)
-        self._shown: tuple[Standing, ...] | None = None
+        self._shown: tuple[Standing, ...] | None = None  # as the board has them
+        self._said: tuple[Standing, ...] = ()  # the same in the language of the commands
         self._logged: dict[str, tuple[str, int, float]] = {}  # words, times given, when [s]
         self._was_lit = True
         self._alarm = rospy.Publisher("voice_assist/alarm", AlarmMessage, queue_size=50, latch=True)
@@ -126,22 +127,23 @@ class AlarmNode:
         now = _now()
         self._known.publish_status()
         self._board.tick(now)
-        standing = tuple(
-            replace(entry, alarm=entry.alarm.said_in(self._texts)) for entry in self._board.standing
-        )
+        standing = self._board.standing
         if standing != self._shown:
-            self._shown = standing
-            self._alarm.publish(messages.alarm_message(standing, now))
-            self._log(standing, now)
+            self._shown, self._said = standing, self._in_language(standing)
+            self._alarm.publish(messages.alarm_message(self._said, now))
+            self._log(self._said, now)
             self._show(now)
         elif standing and is_lit(standing[0].alarm.priority, now) is not self._was_lit:
             self._show(now)
-        alarm = self._annunciator.next(standing, now)
+        alarm = self._annunciator.next(self._said, now)
         if alarm is not None and player is not None:
             player.offer(alarm)
 
+    def _in_language(self, standing: tuple[Standing, ...]) -> tuple[Standing, ...]:
+        return tuple(replace(s, alarm=s.alarm.said_in(self._texts)) for s in standing)
+
     def _show(self, now: float) -> None:
-        first = self._shown[0].alarm if self._shown else None
+        first = self._said[0].alarm if self._said else None
         self._was_lit = first is None or is_lit(first.priority, now)
         marker = messages.alarm_marker(first, self._was_lit, self._config.look, now)
         self._marker.publish(marker)
