@@ -34,6 +34,7 @@ from bench.voice.outcomes import motions, right, tally
 from support.figures import Figure, percentiles, share
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
+from voice_assist.config.commands import NOT_MOTIONS
 from voice_assist.recognizer import phrases
 from voice_assist.recognizer.checkpoint import EMBEDDED
 from voice_assist.types import RATE
@@ -41,7 +42,6 @@ from voice_assist.types import RATE
 LEAST_RIGHT = 97.0  # [%] in quiet; aim of the project
 SNR = 15.0  # [dB] over the noise of a theatre
 AGAIN = 10_000  # added to what seeds the chance of a trial
-ONCE = ("hey robot", "stop", "terminate")  # commands that are no motion
 ASKED = "said once;"  # how the reason of a question begins
 NAMES = {"de": "German", "es": "Spanish", "fr": "French"}
 
@@ -71,7 +71,7 @@ class SaidTwice:
     def scene(self) -> tuple[Label, SoundScene]:
         """What to stream, and what is known of it; the end is that of the last words."""
         label, heard = self.trial.scene()
-        if label["text"] in ONCE:
+        if label["text"] in NOT_MOTIONS:
             return label, replace(heard, keeps_mode=False, is_moving=self.is_moving)
         again, end, _ = stream_of(replace(self.trial, index=AGAIN + self.trial.index))
         label["end"] = len(heard.sound) / RATE + end
