@@ -74,6 +74,18 @@ def test_what_is_no_phrase_surely_is_what_the_model_writes(said):
     assert hears(written="etwas anderes", **said).transcribe(SOUND).text == "etwas anderes"
 
 
+def test_a_language_may_want_its_motions_nearer_to_what_the_model_writes():
+    strict = replace(GERMAN, max_behind=5.0)
+
+    def taken(**said):
+        return PhraseRecognizer(Heard(written="anderes", **said), strict).transcribe(SOUND).text
+
+    sure = LEAST_OF_MOTION + 2.0
+    assert taken(mehr_ziehen=sure, behind=5.1) == "anderes"
+    assert taken(mehr_ziehen=sure, behind=4.9) == "mehr ziehen"
+    assert taken(hallo_roboter=sure, behind=5.1) == "hallo roboter"
+
+
 def test_a_text_that_denies_is_no_motion_but_may_be_a_stop():
     denied = "nicht mehr ziehen"
     assert hears(written=denied, mehr_ziehen=9.0).transcribe(SOUND).text == denied

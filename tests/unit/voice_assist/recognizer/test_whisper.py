@@ -55,6 +55,8 @@ def sound(seed=0):
         ("pull more", "pull more"),
         ("more or less more", "more or less more"),
         ("the past tense", "the past tense"),
+        ("少し上げて少し上げて少し上げて少", "少し上げて"),
+        ("そろそろ終わります", "そろそろ終わります"),
         ("", ""),
     ],
 )

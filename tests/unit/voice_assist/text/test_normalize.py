@@ -30,6 +30,9 @@ from voice_assist.text.normalize import is_negated, normalize, spoken_number
         ("stop\u200bnow", "stop now"),
         ("\u0663", "three"),
         ("¡Tira más fuerte!", "tira mas fuerte"),
+        ("モットひっぱって。", "も っ と ひ っ ぱ っ て"),
+        ("ｶﾞｰｾﾞ", "が ー ぜ"),
+        ("組織を離して stop", "組 織 を 離 し て stop"),
     ],
 )
 def test_text_becomes_plain_words(text, words):
@@ -56,12 +59,16 @@ def test_denials_are_noticed(text):
     assert is_negated(normalize(text))
 
 
-@pytest.mark.parametrize("text", ["nicht ziehen", "nunca más", "ne pas tirer"])
+@pytest.mark.parametrize(
+    "text", ["nicht ziehen", "nunca más", "ne pas tirer", "引っ張らないで", "ひっぱるな"]
+)
 def test_denials_are_noticed_in_other_languages(text):
     assert is_negated(normalize(text))
 
 
-@pytest.mark.parametrize("text", ["now", "know", "nothing else", "note", "pull more", "knot"])
+@pytest.mark.parametrize(
+    "text", ["now", "know", "nothing else", "note", "pull more", "knot", "はなして"]
+)
 def test_words_that_only_look_like_denials_are_none(text):
     assert not is_negated(normalize(text))
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from typing import Final
 
 from voice_assist.config.commands import CommandsConfig
-from voice_assist.text.normalize import normalize
-from voice_assist.text.phonetic_distance import distance, espeak_language, sounds
+from voice_assist.text.normalize import is_japanese, normalize
+from voice_assist.text.phonetic_distance import can_read, distance, espeak_language, sounds
 
 YES: Final = "yes"  # the answer to a motion that is asked for
 NEAREST: Final = 0.33  # distance in sound that is allowed, as `confusability` warns below it
@@ -24,9 +24,11 @@ class WordCheck:
 
     def __init__(self, commands: CommandsConfig) -> None:
         spellings = [text for c in commands.commands for _, text in c.all_spellings]
+        known = dict.fromkeys((*spellings, YES))
+        words = {word for text in known for word in normalize(text)}
         self._language = espeak_language(commands.language)
-        self._words = {word for text in (*spellings, YES) for word in normalize(text)}
-        self._sounds = {text: self._said(text) for text in dict.fromkeys((*spellings, YES))}
+        self._words = {w for w in words if len(w) > 1 or not is_japanese(w)}  # one kana is no word
+        self._sounds = {text: self._said(text) for text in known if can_read(text)}
 
     def objection(self, sentence: str) -> str:
         """Why the sentence may not be said; empty: it may.

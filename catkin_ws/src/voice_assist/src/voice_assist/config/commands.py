@@ -12,12 +12,13 @@ from voice_assist.config.spelling_grammar import SlotConfig, slot_of, without_br
 from voice_assist.errors import CommandsError
 from voice_assist.text.amounts import amount_words, with_value
 from voice_assist.text.normalize import Words, is_negated, normalize
+from voice_assist.text.phonetic_distance import can_read
 from voice_assist.text.wer import wer
 
 # The robot's commands that begin no motion.
 NOT_MOTIONS = ("hey robot", "stop", "terminate", "grasp here")
 ENGLISH = "en"
-LANGUAGES = (ENGLISH, "de", "es", "fr")  # of the commands, as Whisper names them
+LANGUAGES = (ENGLISH, "de", "es", "fr", "ja")  # of the commands, as Whisper names them
 MEASURE_BACKGROUND = "python -m voice_assist.training.phrase_background"
 NEVER_SURE = 0.95  # [0, 1] a recogniser is hardly ever surer of a word than this
 
@@ -119,6 +120,7 @@ class CommandsConfig:
     answer_within: float = number(0.05, 30.0, "s")
     amounts: bool = flag()
     said_twice: bool = flag()  # each motion, before it is taken
+    max_behind: float = number(0.0, 1000.0, "nat", default=20.0)  # a motion's phrase, free text
     slots: tuple[SlotConfig, ...] = items(0, 20)
     commands: tuple[CommandConfig, ...] = items(1, 200)
 
@@ -137,6 +139,8 @@ class CommandsConfig:
             is_new = command.phrase not in phrases
             _require(is_new, f"{where}.phrase", command.phrase, "a name given once")
             phrases.add(command.phrase)
+            allowed = "kana: kanji are spellings, since a phrase is compared by its sounds"
+            _require(can_read(command.phrase), f"{where}.phrase", command.phrase, allowed)
             is_heard = self.language == ENGLISH or bool(command.background)
             allowed = f"what `{MEASURE_BACKGROUND}` prints for {command.phrase!r}"
             _require(is_heard, f"{where}.background", list(command.background), allowed)

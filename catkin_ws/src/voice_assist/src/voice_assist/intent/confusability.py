@@ -20,7 +20,7 @@ from typing import Final, Literal
 from voice_assist.config.commands import AmountCommand, CommandConfig, CommandsConfig
 from voice_assist.text.amounts import UNITS
 from voice_assist.text.normalize import normalize
-from voice_assist.text.phonetic_distance import can_pronounce, distance, sounds
+from voice_assist.text.phonetic_distance import can_pronounce, can_read, distance, sounds
 from voice_assist.text.wer import distance as edits
 from voice_assist.text.wer import wer
 
@@ -150,8 +150,11 @@ def _differing(one: str, other: str, language: str) -> CommandPair:
 
 
 def _spellings(command: CommandConfig) -> tuple[str, ...]:
-    """What is compared: of a halt no sentences around its word, since hearing one errs safely."""
-    spellings = tuple(spelling for _, spelling in command.all_spellings)
+    """What is compared: of a halt no sentences around its word, since hearing one errs safely.
+
+    A text that nothing reads aloud is left out, since it has no sounds.
+    """
+    spellings = tuple(text for _, text in command.all_spellings if can_read(text))
     if not command.is_halt:
         return spellings
     own = set(normalize(command.phrase))

@@ -23,7 +23,7 @@ from voice_assist.types import Hypothesis, IsHopeless, Samples, never_hopeless
 LEAST: Final = 2.0  # [spreads] above the mean that a phrase must be
 LEAST_OF_MOTION: Final = 3.0  # [spreads] the same of a phrase that moves the robot
 APART: Final = 0.7  # [spreads] from the best phrase of another command
-BEHIND: Final = 20.0  # [nat] that a phrase may be less likely than what the model writes freely
+BEHIND: Final = 20.0  # [nat] that a phrase of no motion may be less likely than the free text
 _SURE: Final = 1.4  # log-odds of a phrase that only just counts; one more per spread above
 
 
@@ -43,6 +43,8 @@ class PhraseRecognizer:
         self._texts = {c.phrase: [text for _, text in c.all_spellings] for c in commands.commands}
         self._halts = {c.phrase for c in commands.commands if c.is_halt}
         self._motions = {c.phrase for c in commands.commands if c.is_motion}
+        self._max_behind = dict.fromkeys(self._texts, BEHIND)
+        self._max_behind |= dict.fromkeys(self._motions, commands.max_behind)
         self._normed: tuple[Samples, dict[str, float]] | None = None  # of the newest sound
 
     def transcribe(self, samples: Samples, is_hopeless: IsHopeless = never_hopeless) -> Hypothesis:
@@ -86,7 +88,7 @@ class PhraseRecognizer:
         """Whether a phrase is nearly as likely as the text that was written freely."""
         texts = {"": [written], phrase: self._texts[phrase]}
         likely = self._base.likelihoods(samples, texts) if written else {"": 0.0, phrase: 0.0}
-        return likely[phrase] >= likely[""] - BEHIND
+        return likely[phrase] >= likely[""] - self._max_behind[phrase]
 
     def _margin(self, norms: dict[str, float], phrase: str) -> float:
         """How far a phrase is above what it needs [spreads]."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,11 +30,12 @@ from voice_assist.recognizer.scoring import ratios
 from voice_assist.recognizer.token_tree import likelihoods
 from voice_assist.recognizer.verification import read_verifier
 from voice_assist.text.amounts import in_digits
-from voice_assist.text.normalize import normalize
+from voice_assist.text.normalize import is_japanese, normalize
 from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 MAX_TOKENS = 64  # written for one sound; ten seconds of talk need about 40
 QUIET = RATE  # samples of silence appended: models trained on 30 s expect an end
+_THRICE = re.compile(r"(.{2,}?)\1\1")  # a text that begins with three equal parts
 
 
 class _UntilHopeless(GreedyDecoder):  # type: ignore[misc]  # untyped library
@@ -185,7 +187,8 @@ class OpenAIRecognizer:
         """Of a text as it stands behind the prompt; odd letters can take more than were written."""
         most = min(self._task.sample_len, self._task.n_ctx - self._task.sample_begin - 1)
         encode = self._task.tokenizer.encode
-        return encode(f" {text}", disallowed_special=())[:most] if text else []
+        written = text if is_japanese(text) else f" {text}"  # which has no space before a word
+        return encode(written, disallowed_special=())[:most] if text else []
 
     def _write(self, heard: _Listened, is_hopeless: IsHopeless) -> Hypothesis:
         was_cut = False
@@ -207,7 +210,13 @@ class OpenAIRecognizer:
 
 
 def once(text: str) -> str:
-    """The first of equal parts that a text begins with; the text, if it does not begin so."""
+    """The first of equal parts that a text begins with; the text, if it does not begin so.
+
+    A Japanese text has to begin with three of them: there two of a few characters are a word.
+    """
+    if is_japanese(text):
+        thrice = _THRICE.match(text.strip())
+        return thrice[1] if thrice else text
     words, plain = text.split(), [_plain(word) for word in text.split()]
     for n in range(1, len(words) // 2 + 1):
         if plain[:n] == plain[n : 2 * n]:

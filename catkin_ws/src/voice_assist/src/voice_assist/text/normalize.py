@@ -14,6 +14,18 @@ NEGATIONS = frozenset(
         *("nicht", "nie", "kein", "keine", "ohne"),  # German
         *("nunca", "tampoco", "sin"),  # Spanish
         *("ne", "pas", "jamais", "sans"),  # French
+        *("ない", "なく", "ません", "だめ"),  # Japanese
+        *(
+            "うな",
+            "くな",
+            "ぐな",
+            "すな",
+            "つな",
+            "ぬな",
+            "ぶな",
+            "むな",
+            "るな",
+        ),  # "do not", behind a verb
     )
 )
 
@@ -39,13 +51,19 @@ _ONES = (
 )
 _TENS = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
 _POINT = re.compile(r"(?<![^\W\d])\.(\d+)")  # of a number such as 1.5 or .5
-_TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)*|\d+")
+_VOICED = "\u3099\u309a"  # marks of kana that NFKD parts from them
+_KATAKANA = {code: code - 0x60 for code in range(0x30A1, 0x30F7)}  # to hiragana
+_JAPANESE = r"[\u3005\u3041-\u30ff\u4e00-\u9fff]"  # kana and kanji, which no space parts
+_DENIES = "|".join(sorted((word for word in NEGATIONS if re.match(_JAPANESE, word)), key=len))
+_LETTER = rf"(?:(?!{_JAPANESE})[^\W\d_])"
+_TOKEN = re.compile(rf"{_DENIES}|{_JAPANESE}|{_LETTER}+(?:'{_LETTER}+)*|\d+")
 
 
 def normalize(text: str) -> Words:
     """Words of a text in lower case, without punctuation, contractions, accents or digits.
 
     The point in a number is a word, and so is each digit behind it: "1.25" is "one point two five".
+    In Japanese each character is a word, kana in hiragana; what denies is one word, too.
 
     Args:
         text: Any text, such as a transcript with punctuation. Its first LONGEST characters are
@@ -57,9 +75,15 @@ def normalize(text: str) -> Words:
     read = text[:LONGEST].translate(_APOSTROPHES)
     folded = unicodedata.normalize("NFKD", read).casefold()
     folded = _POINT.sub(lambda number: f" point {' '.join(number[1])}", folded)
-    bare = (c for c in folded if not unicodedata.combining(c))
-    plain = "".join(c if c.isalpha() or c.isdecimal() or c == "'" else " " for c in bare)
+    bare = "".join(c for c in folded if c in _VOICED or not unicodedata.combining(c))
+    kana = unicodedata.normalize("NFC", bare).translate(_KATAKANA)
+    plain = "".join(c if c.isalpha() or c.isdecimal() or c == "'" else " " for c in kana)
     return tuple(word for token in _TOKEN.findall(plain) for word in _expand(token))
+
+
+def is_japanese(text: str) -> bool:
+    """Whether a kana or a kanji stands in it."""
+    return re.search(_JAPANESE, text) is not None
 
 
 def is_too_long(text: str) -> bool:

@@ -76,6 +76,11 @@ def espeak_language(language: str) -> str:
     return {"en": "en-us", "fr": "fr-fr"}.get(language, language)
 
 
+def can_read(text: str) -> bool:
+    """Whether the program reads a text aloud; of a kanji it says only that it is one."""
+    return not any("\u4e00" <= character <= "\u9fff" for character in text)
+
+
 @cache
 def sounds(text: str, language: str = "en-us") -> Sounds:
     """Sounds of a text, one symbol of the IPA each, without stress and length.
