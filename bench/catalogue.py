@@ -187,7 +187,7 @@ _HEARING = Area(
         ),
         Part(
             "voice.languages",
-            "Commands in German, Spanish and French",
+            "Commands in other languages",
             "voice.languages",
             code.LANGUAGES,
             SYNTHETIC,

@@ -49,7 +49,8 @@ HEARING = _rooms(
 )
 LANGUAGES = (
     *HEARING,
-    *_rooms("voice_assist", "commands_de.yaml", "commands_es.yaml", "commands_fr.yaml"),
+    *_rooms("voice_assist", "commands_de.yaml", "commands_es.yaml"),
+    *_rooms("voice_assist", "commands_fr.yaml", "commands_ja.yaml"),
 )
 ANSWERS = (*HEARING, *_rooms("voice_assist", "answers", "alarms.yaml"))
 ENROLMENT = (*HEARING, *_rooms("voice_assist", "enrolment", "profile", "enrolment.yaml"))

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Commands in German, Spanish and French, as `language:=` hears them, without enrolment.
+"""Commands in German, Spanish, French and Japanese, as `language:=` hears them, without enrolment.
 
 A motion is said twice, as it must be, and so is whatever must not move the robot. All needs the
 model of `make languages`. Kokoro's styles speak where its packages lie; without them there are
-fewer voices. One core hears all in half an hour. MINUTES=0 measures nothing, and gives the figures
-of what is kept.
+fewer voices. One core hears all in three quarters of an hour. MINUTES=0 measures nothing, and gives
+the figures of what is kept.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ LEAST_RIGHT = 97.0  # [%] in quiet; aim of the project
 SNR = 15.0  # [dB] over the noise of a theatre
 AGAIN = 10_000  # added to what seeds the chance of a trial
 ASKED = "said once;"  # how the reason of a question begins
-NAMES = {"de": "German", "es": "Spanish", "fr": "French"}
+NAMES = {"de": "German", "es": "Spanish", "fr": "French", "ja": "Japanese"}
 
 
 def measure() -> list[Figure]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Commands, near misses and other words of German, Spanish and French, in voices of their own.
+"""Commands, near misses and other words of other languages, in voices of their own.
 
 No threshold was chosen, and no background of a phrase measured, with any of these voices.
 """
@@ -25,7 +25,7 @@ class LanguageVoices:
     """Who speaks a language, and what comes near to its commands."""
 
     mbrola: tuple[str, ...]  # diphones of one person each
-    kokoro: tuple[str, ...]  # styles; ff_siwis is French, ef_dora Spanish, all others English
+    kokoro: tuple[str, ...]  # styles; ff_siwis is French, ef_dora Spanish, jm_kumo Japanese
     near: str  # separated by "|"
     others: Spoken  # words and short talk
 
@@ -60,6 +60,16 @@ LANGUAGES = {
         "fermer la pince|ouvrir la peau|ne pas ouvrir|terminer|la séance|terminer la suture|"
         "commencer la séance|bonjour docteur|bonjour à tous|robot|arrivez|arrière|un arrêt",
         WORDS["French"],
+    ),
+    "ja": LanguageVoices(
+        ("mb-jp3",),
+        ("jm_kumo", "af_sky", "bm_fable"),
+        "もっと ひらいて|もっと ひろげて|もっと ひかりを|ひっぱって|ひっぱらないで|もっと おして|"
+        "すこし ひいて|すこし あげて|すこし まって|ゆるめないで|しめて|そしき|そしきを あらって|"
+        "そしきを はさんで|そしきを とって|はなして いい|テンション|テンションが たかい|"
+        "でんわを かけて|ライトを かけて|セッション|セッションを はじめます|しゅうりょう|"
+        "こんにちは せんせい|こんにちは みなさん|ロボット|ストック|トップ|とまって いる|たまに",
+        WORDS["Japanese"],
     ),
 }
 

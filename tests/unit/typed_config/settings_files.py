@@ -56,6 +56,7 @@ WHOLE = {  # files that one call loads, as their program does at its start
     FOLDERS["voice_assist"] / "commands_de.yaml": CommandsConfig,
     FOLDERS["voice_assist"] / "commands_es.yaml": CommandsConfig,
     FOLDERS["voice_assist"] / "commands_fr.yaml": CommandsConfig,
+    FOLDERS["voice_assist"] / "commands_ja.yaml": CommandsConfig,
     FOLDERS["voice_assist"] / "endoscope_commands.yaml": CommandsConfig,
     FOLDERS["voice_assist"] / "theatre_commands.yaml": CommandsConfig,
     FOLDERS["session_log"] / "foxglove.yaml": FoxgloveConfig,

@@ -23,6 +23,7 @@ from voice_assist.errors import CommandsError, ModelError
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.intent.mapper import Mapper
 from voice_assist.text.phonetic_distance import can_pronounce, espeak_language
+from voice_assist.types import NoMatch
 
 OTHERS = LANGUAGES[1:]
 ENGLISH = load_voice_config().commands
@@ -141,7 +142,7 @@ def test_the_page_gets_its_texts():
 
 @pytest.mark.parametrize("use", [lambda it: load_voice_config(language=it), page_texts])
 def test_an_unknown_language_is_refused_with_those_there_are(use):
-    with pytest.raises(ConfigError, match="'it', allowed: en, de, es, fr"):
+    with pytest.raises(ConfigError, match="'it', allowed: en, de, es, fr, ja"):
         use("it")
 
 
@@ -153,6 +154,25 @@ def test_what_only_english_has_is_refused_by_name():
     with pytest.raises(CommandsError, match="English, in letters a to z"):
         data = dict(load_yaml(CONFIG_DIR / "commands_es.yaml"), language="en")
         load_config(CommandsConfig, data)
+
+
+def test_a_phrase_of_kanji_is_refused_since_nothing_tells_its_sounds():
+    commands = load_yaml(CONFIG_DIR / "commands_ja.yaml")
+    commands["commands"][2]["phrase"] = "組織を離して"
+    with pytest.raises(CommandsError, match=r"commands\[2\].phrase.*'組織を離して'.*kana"):
+        load_config(CommandsConfig, commands)
+
+
+def test_what_a_japanese_sentence_may_not_hold():
+    check = WordCheck(commands_in("ja"))
+    assert "in sound" in check.objection("もっと ひっぱって います")
+    assert not check.objection("かんせつの げんかい")
+
+
+def test_kanji_and_kana_are_taken_for_the_same_command_and_a_denial_for_none():
+    mapper = Mapper(commands_in("ja"))
+    assert mapper("もっと引っ張って。").command == mapper("もっとひっぱって！").command
+    assert isinstance(mapper("もっと ひっぱらないで"), NoMatch)
 
 
 def test_a_missing_model_names_the_command_that_fetches_it(monkeypatch, tmp_path):

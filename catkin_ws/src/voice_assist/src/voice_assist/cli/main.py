@@ -170,14 +170,14 @@ def _fetch_languages(_: argparse.Namespace) -> None:
     path = multilingual_path()
     path.parent.mkdir(parents=True, exist_ok=True)
     convert(parts, path)
-    print(f"{path}: launch with language:=de, es or fr")
+    print(f"{path}: launch with language:=de, es, fr or ja")
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="voice_assist", description="Hear spoken commands.")
     add_common_options(parser, "voice_assist")
     parser.add_argument("--config", type=Path, default=CONFIG_DIR, help="folder of the YAML files")
-    help_ = "of the commands: en, de, es or fr; those of commands_<language>.yaml"
+    help_ = "of the commands: en, de, es, fr or ja; those of commands_<language>.yaml"
     parser.add_argument("--language", default=ENGLISH, help=help_)
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="verb")
     _add_listen(verbs)

@@ -23,7 +23,7 @@ NEEDED = {"dims", STATE}
 MIN_POSITIONS = round(LONGEST * 50)  # of the encoder: one for 20 ms
 EMBEDDED = "embedded"
 MULTILINGUAL = "multilingual"  # Whisper base, once it is fetched
-FETCH = "`make languages` fetches Whisper base, which hears de, es and fr"
+FETCH = "`make languages` fetches Whisper base, which hears de, es, fr and ja"
 EMBEDDED_PATH = package_folder("voice_assist") / "models" / "embedded.pt"
 
 
