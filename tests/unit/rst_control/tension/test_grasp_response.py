@@ -143,6 +143,21 @@ def test_easing_and_pulling_again_is_not_objected_to():
     assert pull.words == ""
 
 
+@pytest.mark.parametrize("held_for", [0.5, 120.0])
+def test_a_sensor_with_noise_is_believed_however_long_and_often_tissue_is_held(held_for):
+    """Of thousands of means at rest a few are off by more than three standard deviations."""
+    rng, pull = np.random.default_rng(1), Pull()
+
+    def noisy(s):
+        return 200.0 * s + rng.normal(0.0, CONFIG.noise)
+
+    pull.go(0.008, noisy).rest(0.5, noisy)
+    for _ in range(round(120.0 / held_for)):
+        pull.go(-0.004, noisy).rest(held_for, noisy)
+        pull.go(0.004, noisy).rest(0.5, noisy)
+    assert pull.words == ""
+
+
 def test_until_a_reading_at_rest_the_pull_ends_where_the_stiffest_tissue_has_its_limit():
     pull = Pull(blind_stiffness=200.0).go(0.004, lambda s: 0.0)
     assert pull.response.room == pytest.approx(2.4 / 200.0 - 0.004, abs=1e-4)

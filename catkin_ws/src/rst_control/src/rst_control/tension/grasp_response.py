@@ -175,7 +175,8 @@ class GraspResponse:
         going_on = (after - before - error) / (0.5 * span) * self._moved_for
         times = rest[0][0] + 0.25 * span, rest[-1][0] - 0.25 * span
         self._falls.update((times[0], before), (times[1], after), error)
-        if self._moved_for > 0.0 and going_on > LATE_SHARE * max(rise, 0.0):
+        is_confirmed = rise >= MIN_CONFIRMED
+        if is_confirmed and going_on > LATE_SHARE * rise:
             self._object(
                 f"tension rose from {before:.2f} to {after:.2f} N within {span:.2f} s at rest"
             )
@@ -184,7 +185,7 @@ class GraspResponse:
                 f"tension fell by {self._falls.total:.2f} N in all while nothing moved, "
                 f"allowed {self._deficit:.2f} N"
             )
-        elif rise >= MIN_CONFIRMED:
+        elif is_confirmed:
             self._confirmed, self._moved_for = (pull, after), 0.0
             self._is_free = after - (self._first or 0.0) >= WELL_CONFIRMED and bool(self._lines)
         elif self.room <= SAME:
