@@ -78,11 +78,14 @@ class Decider:
     def __call__(
         self, transcript: Hypothesis, partial: PartialUtterance, context: DecisionContext
     ) -> Verdict | None:
-        """Decide about the newest transcript; None: wait for more."""
-        if context.is_moving and (stop := self.stops.in_motion(transcript, partial)) is not None:
-            return stop
+        """Decide about the newest transcript; None: wait for more.
+
+        In motion, too, a stop that stands alone comes first: that costs no pass of a network.
+        """
         outcome = self._early_decision(transcript, context)
         stop = self.stops.stop(outcome, transcript, partial, context)
+        if stop is None and context.is_moving:
+            stop = self.stops.in_motion(transcript, partial)
         is_over_at_rest = context.is_complete and not context.is_moving
         if stop is None and is_over_at_rest and not isinstance(outcome, Match):
             stop = self.stops.over_talk(transcript, partial)

@@ -134,24 +134,25 @@ class StopDecider:
     ) -> Verdict | None:
         """A stop by the first way that holds; None: no stop.
 
-        1. The last part of the sound says it over the robot's own voice.
-        2. The transcript says it (confirmed by `StopFusion.confirms`).
+        1. The transcript says it (confirmed by `StopFusion.confirms`).
+        2. The last part of the sound says it over the robot's own voice. In motion `in_motion`
+           asks that, and the spotter over talk with it.
         3. The spotter or the scores are sure of it, where the transcript names no command.
 
         The spotter alone stops by `spotted`.
         """
         worth = self._recognizer_config.confidence
+        confidence = worth.transcript(log_odds(transcript.confidence))
+        if isinstance(outcome, Match) and outcome.command in self.halts:
+            return Verdict(outcome, transcript, confidence, RECOGNIZER)
         part = self._decoder.part
         minimum = self._config.audio.robot_speech.stop_over_speech_confidence
-        over = self._early_decision.said_over(part, minimum)
-        if over is not None and context.is_moving and not self._is_heard_over_talk(partial):
-            over = None
+        is_asked_later = context.is_moving and self._stop_in_sound is not None
+        over = None if is_asked_later else self._early_decision.said_over(part, minimum)
         if part is not None and over is not None:
             return Verdict(over, part, worth.transcript(log_odds(part.confidence)), RECOGNIZER)
-        confidence = worth.transcript(log_odds(transcript.confidence))
         if isinstance(outcome, Match):
-            is_halt = outcome.command in self.halts
-            return Verdict(outcome, transcript, confidence, RECOGNIZER) if is_halt else None
+            return None
         unwritten = self._unwritten_stop(transcript, partial, context.spotted)
         if unwritten is None:
             return None
