@@ -104,6 +104,17 @@ def test_switched_off_the_motion_is_taken_as_before():
     assert commands(hear("pull more", False, score=1.5, **off)) == ["pull more"]
 
 
+def test_a_sure_stop_that_stands_alone_waits_for_no_word_of_the_spotter_over_talk():
+    def ask(sound):
+        raise AssertionError("the network was asked")
+
+    in_sound = AlwaysAsSure(0.0)
+    in_sound.newest = ask
+    made = make(Mode.ACTIVE, FakeRecognizer(confidence=0.99), stop_in_sound=in_sound)
+    events = run(*made, [replace(frame, is_moving=True) for frame in frames(say("stop"))])
+    assert commands(events) == ["stop"]
+
+
 @pytest.mark.parametrize("text", WITH_STOP)
 def test_in_motion_a_written_stop_counts_only_if_the_spotter_over_talk_heard_it(text):
     assert commands(hear(text, True, over_talk=0.0)) == []
