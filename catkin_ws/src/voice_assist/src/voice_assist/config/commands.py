@@ -120,7 +120,7 @@ class CommandsConfig:
     answer_within: float = number(0.05, 30.0, "s")
     amounts: bool = flag()
     said_twice: bool = flag()  # each motion, before it is taken
-    max_behind: float = number(0.0, 1000.0, "nat", default=20.0)  # a motion's phrase, free text
+    max_behind: float = number(0.0, 1000.0, "nat", default=0.0)  # 0: heard by its text
     slots: tuple[SlotConfig, ...] = items(0, 20)
     commands: tuple[CommandConfig, ...] = items(1, 200)
 
@@ -156,6 +156,8 @@ class CommandsConfig:
         is_english = self.language == ENGLISH
         allowed = f"false with language {self.language}: amounts are English words"
         _require(is_english or not self.amounts, "amounts", True, allowed)
+        allowed = "above 0 [nat]: what a motion's phrase may be less likely than the free text"
+        _require(is_english or self.max_behind > 0.0, "max_behind", "missing, or 0", allowed)
         halts = any(c.is_halt for c in self.commands)
         _require(halts, "commands", names, "at least one with is_halt, such as stop")
         wakes = any("standby" in c.modes and c.mode_after == "active" for c in self.commands)
