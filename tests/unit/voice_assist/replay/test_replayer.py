@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, make_detector, say
-from typed_config import load_yaml
+from typed_config import ConfigError, load_yaml
 from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, load_voice_config
 from voice_assist.intent.dialogue import Answered
@@ -424,7 +424,23 @@ def test_a_session_in_another_language_is_replayed_by_what_heard_it(monkeypatch)
     given["spotter"].update(is_enabled=False)
     given["commands"] = load_yaml(CONFIG_DIR / "commands_de.yaml")
     assert replay_pipeline(given, [], None).warnings == ()
-    assert [c.commands.language for c in made] == ["de"]
+    assert [(c.commands.language, c.commands.max_behind) for c in made] == [("de", 20.0)]
+
+
+def test_what_a_recording_in_another_language_lacks_is_taken_from_the_file_of_that_language():
+    given = settings()
+    given["commands"] = load_yaml(CONFIG_DIR / "commands_ja.yaml")
+    del given["commands"]["max_behind"]
+    config, warnings = restore_settings(given, None)
+    assert config.commands.max_behind == 10.0
+    assert warnings == ("setting commands.max_behind was not recorded; today's is 10.0",)
+
+
+def test_a_recording_in_an_unknown_language_is_refused_with_those_there_are():
+    given = settings()
+    given["commands"]["language"] = "it"
+    with pytest.raises(ConfigError, match="'it', allowed: en, de, es, fr, ja"):
+        restore_settings(given, None)
 
 
 def test_a_recording_from_before_there_were_languages_is_english_and_said_once():
