@@ -287,6 +287,16 @@ def commands_file(folder: str | Path, language: str = ENGLISH) -> Path:
     return Path(folder) / ("commands.yaml" if language == ENGLISH else f"commands_{language}.yaml")
 
 
+def section_files(folder: str | Path, language: str = ENGLISH) -> dict[str, Path]:
+    """File of each section.
+
+    Raises:
+        ConfigError: There is no such language.
+    """
+    files = {name: Path(folder) / f"{name}.yaml" for name in SECTIONS}
+    return files | {"commands": commands_file(folder, language)}
+
+
 def load_voice_config(
     folder: str | Path = CONFIG_DIR, *, language: str = ENGLISH, **changes: Any
 ) -> VoiceConfig:
@@ -302,8 +312,7 @@ def load_voice_config(
         typed_config.ConfigError: A file or a key is not as it must be.
         CommandsError: The commands contradict each other.
     """
-    files = {name: Path(folder) / f"{name}.yaml" for name in SECTIONS}
-    files["commands"] = commands_file(folder, language)
+    files = section_files(folder, language)
     data = {name: dict(load_yaml(file)) for name, file in files.items()}
     for path, value in changes.items():
         *parents, key = path.split("__")

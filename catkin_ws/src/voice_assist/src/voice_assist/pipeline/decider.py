@@ -80,7 +80,7 @@ class Decider:
     ) -> Verdict | None:
         """Decide about the newest transcript; None: wait for more.
 
-        In motion, too, a stop that stands alone comes first: that costs no pass of a network.
+        In motion, too, a stop that stands alone comes first: it waits for no second network.
         """
         outcome = self._early_decision(transcript, context)
         stop = self.stops.stop(outcome, transcript, partial, context)

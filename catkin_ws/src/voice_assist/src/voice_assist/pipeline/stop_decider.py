@@ -118,9 +118,12 @@ class StopDecider:
         if written is None:
             return None
         phrase, heard = written
-        is_spotted = self._stop_in_sound is not None and phrase == self._stop_fusion.phrase
-        needed = 1 if is_spotted else self._config.moving.sentence_agreement
-        if self._votes < needed or (is_spotted and not self._is_heard_over_talk(partial)):
+        if self._stop_in_sound is None or phrase != self._stop_fusion.phrase:
+            is_sure = self._votes >= self._config.moving.sentence_agreement
+        else:
+            score = self._stop_in_sound.newest(partial.utterance.samples)
+            is_sure = score >= self._config.moving.over_talk_agree
+        if not is_sure:
             return None
         worth = self._recognizer_config.confidence.transcript(log_odds(heard.confidence))
         return Verdict(Match(phrase, self._mapper(heard.text).wer), heard, worth, RECOGNIZER)
@@ -135,8 +138,8 @@ class StopDecider:
         """A stop by the first way that holds; None: no stop.
 
         1. The transcript says it (confirmed by `StopFusion.confirms`).
-        2. The last part of the sound says it over the robot's own voice. In motion `in_motion`
-           asks that, and the spotter over talk with it.
+        2. The last part of the sound says it over the robot's own voice. In motion, where a
+           spotter over talk listens, `in_motion` asks both.
         3. The spotter or the scores are sure of it, where the transcript names no command.
 
         The spotter alone stops by `spotted`.
@@ -209,13 +212,6 @@ class StopDecider:
             outcome = stop.rejected(Rejection(RejectionReason.SECOND_VOICE, words))
         worth = self._recognizer_config.confidence.spotter(moving.spotter_alone - lacks)
         return Verdict(outcome, transcript, worth, SPOTTER)
-
-    def _is_heard_over_talk(self, partial: PartialUtterance) -> bool:
-        """Whether the spotter over talk heard a stop in the newest sound, or there is none."""
-        if self._stop_in_sound is None:
-            return True
-        score = self._stop_in_sound.newest(partial.utterance.samples)
-        return score >= self._config.moving.over_talk_agree
 
     def _written_among(self, transcript: Hypothesis) -> tuple[str, Hypothesis] | None:
         """A halt that stands among other words, and the transcript; None: there is none."""

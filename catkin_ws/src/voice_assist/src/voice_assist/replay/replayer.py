@@ -20,10 +20,10 @@ from voice_assist.assembly import limit_torch, make_pipeline, make_recognizer, m
 from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.audio.source import FRAME
 from voice_assist.audio.talk_gate import TalkChange
-from voice_assist.config import CONFIG_DIR, SECTIONS, VoiceConfig, voice_config
+from voice_assist.config import CONFIG_DIR, VoiceConfig, voice_config
 from voice_assist.config.commands import ENGLISH
 from voice_assist.config.profile import NOBODY
-from voice_assist.config.voice import commands_file
+from voice_assist.config.voice import section_files
 from voice_assist.errors import VoiceError
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.pipeline import Event, Pipeline
@@ -216,10 +216,9 @@ def restore_settings(
         ConfigError: A recorded value is not allowed today.
         CommandsError: The recorded commands contradict each other.
     """
-    files = {name: CONFIG_DIR / f"{name}.yaml" for name in SECTIONS}
     commands = recorded.get("commands")
-    if isinstance(commands, Mapping):
-        files["commands"] = commands_file(CONFIG_DIR, str(commands.get("language", ENGLISH)))
+    language = commands.get("language", ENGLISH) if isinstance(commands, Mapping) else ENGLISH
+    files = section_files(CONFIG_DIR, str(language))
     today = {name: dict(load_yaml(file)) for name, file in files.items()}
     warnings = [] if recorded else ["no settings were recorded; today's are used"]
     recorded = {key: value for key, value in recorded.items() if key not in _OTHER_PARAMETERS}

@@ -15,17 +15,7 @@ NEGATIONS = frozenset(
         *("nunca", "tampoco", "sin"),  # Spanish
         *("ne", "pas", "jamais", "sans"),  # French
         *("ない", "なく", "ません", "だめ"),  # Japanese
-        *(
-            "うな",
-            "くな",
-            "ぐな",
-            "すな",
-            "つな",
-            "ぬな",
-            "ぶな",
-            "むな",
-            "るな",
-        ),  # "do not", behind a verb
+        *(f"{verb_end}な" for verb_end in "うくぐすつぬぶむる"),  # "do not", behind a verb
     )
 )
 
@@ -54,7 +44,7 @@ _POINT = re.compile(r"(?<![^\W\d])\.(\d+)")  # of a number such as 1.5 or .5
 _VOICED = "\u3099\u309a"  # marks of kana that NFKD parts from them
 _KATAKANA = {code: code - 0x60 for code in range(0x30A1, 0x30F7)}  # to hiragana
 _JAPANESE = r"[\u3005\u3041-\u30ff\u4e00-\u9fff]"  # kana and kanji, which no space parts
-_DENIES = "|".join(sorted((word for word in NEGATIONS if re.match(_JAPANESE, word)), key=len))
+_DENIES = "|".join(sorted(word for word in NEGATIONS if re.match(_JAPANESE, word)))
 _LETTER = rf"(?:(?!{_JAPANESE})[^\W\d_])"
 _TOKEN = re.compile(rf"{_DENIES}|{_JAPANESE}|{_LETTER}+(?:'{_LETTER}+)*|\d+")
 
