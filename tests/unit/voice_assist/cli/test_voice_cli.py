@@ -44,6 +44,14 @@ def test_phrases_prints_all_that_is_accepted(capsys):
     assert "stop         in standby and active" in shown
 
 
+def test_phrases_of_another_language_are_printed_as_they_are_written(capsys):
+    main(["--language", "ja", "phrases"])
+    shown = capsys.readouterr().out
+    assert "'組織を離して'" in shown
+    assert "ストップ" in shown
+    assert "すとっぷ" not in shown
+
+
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [

@@ -207,6 +207,13 @@ def test_a_list_says_what_is_in_which_recording(tmp_path: Path) -> None:
     ]
 
 
+def test_a_phrase_with_accents_is_known_by_its_words(tmp_path: Path) -> None:
+    write(tmp_path, "arretez-1.wav", said("stop"))
+    write(tmp_path, "arrêtez-2.wav", said("stop"))
+    found = find_recordings(tmp_path, load_voice_config(language="fr").commands.phrases)
+    assert [r.phrase for r in found] == ["arrêtez", "arrêtez"]
+
+
 def test_a_recording_of_no_command_is_named(tmp_path: Path) -> None:
     folder = tmp_path / "wavs"
     write(folder, "banana-1.wav", said("now"))

@@ -3,7 +3,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from voice_assist.text.normalize import is_negated, normalize, spoken_number
+from voice_assist.text.normalize import (
+    as_text,
+    is_negated,
+    normalize,
+    spoken_number,
+    with_same_words,
+)
 
 
 @pytest.mark.parametrize(
@@ -50,6 +56,33 @@ def test_words_hold_only_lower_case_letters(text):
 def test_normalising_twice_changes_nothing(text):
     once = normalize(text)
     assert normalize(" ".join(once)) == once
+
+
+@pytest.mark.parametrize(
+    ("text", "written"),
+    [
+        ("", ""),
+        ("Pull more!", "pull more"),
+        ("セッション しゅうりょう", "せっしょんしゅうりょう"),
+        ("stop とまれ stop", "stop とまれ stop"),
+    ],
+)
+def test_words_are_written_as_a_person_would(text, written):
+    assert as_text(normalize(text)) == written
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("Arretez", "arrêtez"),
+        ("¡Tira más fuerte!", "tira más fuerte"),
+        ("すとっぷ", "ストップ"),
+        ("arrêtez vite", ""),
+        ("", ""),
+    ],
+)
+def test_a_text_is_found_by_its_words(text, found):
+    assert with_same_words(text, ("arrêtez", "tira más fuerte", "ストップ")) == found
 
 
 @pytest.mark.parametrize(

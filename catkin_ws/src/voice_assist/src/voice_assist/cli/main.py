@@ -23,6 +23,7 @@ from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_vo
 from voice_assist.config.commands import ENGLISH
 from voice_assist.errors import VoiceError
 from voice_assist.intent.mapper import Mapper
+from voice_assist.text.normalize import with_same_words
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -64,7 +65,7 @@ def _phrases(options: argparse.Namespace) -> None:
     config = settings(options)
     for phrase, spellings in Mapper(config.commands).accepted().items():
         command = config.commands.get(phrase)
-        also = ", ".join(repr(spelling) for spelling in spellings if spelling != phrase)
+        also = ", ".join(repr(s) for s in spellings if not with_same_words(s, (phrase,)))
         print(f"{phrase:12} in {' and '.join(command.modes)}" + (f"; also {also}" if also else ""))
 
 

@@ -18,7 +18,7 @@ from voice_assist.errors import AudioError, ManifestError
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.text.csv_rows import csv_rows
-from voice_assist.text.normalize import contains, normalize
+from voice_assist.text.normalize import Words, contains, normalize
 from voice_assist.types import RATE, Match, Mode, Samples, UtteranceDecision
 
 MOVING = "moving"  # active, while the robot moves
@@ -207,7 +207,7 @@ def read_manifest(
     """
     path = Path(path)
     phrases = {
-        spelling: phrase
+        normalize(spelling): phrase
         for phrase, spellings in Mapper(commands).accepted().items()
         for spelling in spellings
     }
@@ -250,7 +250,7 @@ def _clip(
     row: int,
     name: str,
     transcript: str,
-    phrases: Mapping[str, str],
+    phrases: Mapping[Words, str],
     halts: Sequence[str],
 ) -> LabelledClip:
     if not name.strip():
@@ -259,7 +259,7 @@ def _clip(
     check_sound(path)
     words = normalize(transcript)
     said = next((halt for halt in halts if contains(words, normalize(halt))), None)
-    return LabelledClip(row, path, transcript, said or phrases.get(" ".join(words), ""))
+    return LabelledClip(row, path, transcript, said or phrases.get(words, ""))
 
 
 def claims_of(decision: UtteranceDecision) -> list[ClaimedCommand]:

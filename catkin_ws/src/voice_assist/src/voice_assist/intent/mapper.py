@@ -22,7 +22,15 @@ from voice_assist.config import CommandsConfig
 from voice_assist.config.commands import AmountCommand
 from voice_assist.intent.amounts import AmountTalk
 from voice_assist.text.amounts import amount_words, canonical
-from voice_assist.text.normalize import LONGEST, Words, foreign, is_negated, is_too_long, normalize
+from voice_assist.text.normalize import (
+    LONGEST,
+    Words,
+    as_text,
+    foreign,
+    is_negated,
+    is_too_long,
+    normalize,
+)
 from voice_assist.text.phonetic_distance import distance, sounds_of_letters
 from voice_assist.text.wer import min_distance, wer
 from voice_assist.types import Match, NoMatch, Rejection, RejectionReason
@@ -124,7 +132,7 @@ class Mapper:
     def accepted(self) -> dict[str, tuple[str, ...]]:
         """Per command every phrase that is taken for it without an error, in normalised words."""
         return {
-            phrase: tuple(dict.fromkeys(" ".join(words) for words in spellings))
+            phrase: tuple(dict.fromkeys(as_text(words) for words in spellings))
             for phrase, spellings in self._spellings.items()
         }
 

@@ -30,7 +30,7 @@ from voice_assist.recognizer.scoring import ratios
 from voice_assist.recognizer.token_tree import likelihoods
 from voice_assist.recognizer.verification import read_verifier
 from voice_assist.text.amounts import in_digits
-from voice_assist.text.normalize import is_japanese, normalize
+from voice_assist.text.normalize import is_japanese, with_same_words
 from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 MAX_TOKENS = 64  # written for one sound; ten seconds of talk need about 40
@@ -138,10 +138,9 @@ class OpenAIRecognizer:
         heard = self._listen(samples)
         free = (heard.text or self._write(heard, never_hopeless)).text
         texts = {phrase: _spellings(phrase) for phrase in phrases}
-        written = " ".join(normalize(free))
-        if written in phrases:
+        if written := with_same_words(free, phrases):
             texts[written].append(free.strip())
-        texts |= {text: [text] for text in ("", free) if " ".join(normalize(text)) not in phrases}
+        texts |= {text: [text] for text in (("",) if written else ("", free))}
         return ratios(self._best_of(heard, texts), phrases)
 
     def likelihoods(self, samples: Samples, texts: Mapping[str, Sequence[str]]) -> dict[str, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Iterable
 
 Words = tuple[str, ...]
 
@@ -69,6 +70,17 @@ def normalize(text: str) -> Words:
     kana = unicodedata.normalize("NFC", bare).translate(_KATAKANA)
     plain = "".join(c if c.isalpha() or c.isdecimal() or c == "'" else " " for c in kana)
     return tuple(word for token in _TOKEN.findall(plain) for word in _expand(token))
+
+
+def as_text(words: Words) -> str:
+    """Words as they are written; no space parts kana and kanji."""
+    return re.sub(f"(?<={_JAPANESE}) (?={_JAPANESE})", "", " ".join(words))
+
+
+def with_same_words(text: str, others: Iterable[str]) -> str:
+    """The first of other texts that has the words of this one; empty: none has."""
+    words = normalize(text)
+    return next((other for other in others if normalize(other) == words), "")
 
 
 def is_japanese(text: str) -> bool:

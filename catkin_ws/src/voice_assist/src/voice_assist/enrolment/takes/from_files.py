@@ -17,7 +17,7 @@ from voice_assist.enrolment.takes.script import RecordedTake
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK
 from voice_assist.text.csv_rows import csv_rows
-from voice_assist.text.normalize import normalize
+from voice_assist.text.normalize import normalize, with_same_words
 from voice_assist.types import RATE
 
 LIST = "takes.csv"
@@ -81,7 +81,8 @@ def _recording(path: Path, said: str, phrases: Sequence[str]) -> Recording:
     words = " ".join(normalize(said))
     if words in (TALK, ROOM):
         return Recording(path, words, "")
-    if words not in phrases:
+    phrase = with_same_words(said, phrases)
+    if not phrase:
         allowed = ", ".join((*phrases, TALK, ROOM))
         raise ManifestError(f"{path.name}: {said!r} is no command, allowed: {allowed}")
-    return Recording(path, COMMAND, words)
+    return Recording(path, COMMAND, phrase)

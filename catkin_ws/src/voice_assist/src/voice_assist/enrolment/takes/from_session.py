@@ -19,7 +19,7 @@ from voice_assist.enrolment.takes.script import RecordedTake
 from voice_assist.errors import ManifestError, VoiceError
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.text.csv_rows import csv_rows
-from voice_assist.text.normalize import normalize
+from voice_assist.text.normalize import normalize, with_same_words
 from voice_assist.types import RATE, frozen_samples
 
 COLUMNS = ("number", "time", "seconds", "heard", "command", "said")
@@ -102,10 +102,11 @@ def _corrected(
         if number.strip() not in by_number:
             allowed = f"allowed: 1 to {len(utterances)}"
             raise ManifestError(f"{path}, row {row}: number {number!r}, {allowed}")
-        if words != TALK and words not in phrases:
+        phrase = with_same_words(said, phrases)
+        if words != TALK and not phrase:
             allowed = ", ".join((*phrases, TALK))
             raise ManifestError(f"{path}, row {row}: said {said!r}, allowed: {allowed}, or nothing")
-        kind, phrase = (TALK, "") if words == TALK else (COMMAND, words)
+        kind = TALK if words == TALK else COMMAND
         samples = frozen_samples(np.asarray(by_number[number.strip()].samples, np.int16))
         name = f"{session.resolve().parent.name}/{session.name} {number.strip()}"
         takes.append(RecordedTake(name, kind, phrase, samples))
