@@ -13,8 +13,8 @@ from tests.support.robot_client import START_LIMIT, Halted, RobotClient, run_tes
 
 ROUGH = 0.6  # [N] by which a pull led by noisy torques may miss; what they are worth says the bench
 CLOSE = 0.5  # [N] by which the estimate may be off, at rest
-TRIES = 3  # to grasp: on a machine that stalls few torques come, and the tension is told badly
-PULLS = 40  # until one is refused, at most; two do where the tension is told well
+TRIES = 3  # to grasp: on a machine that stalls few torques come, and the estimate is poor
+PULLS = 40  # until one is refused, at most; two do where the estimate is good
 MOST = 2.4  # [N] at which the controller gives up
 
 
@@ -85,6 +85,7 @@ class KinovaTorques(unittest.TestCase):
         self.grasp()
         self.assertTrue(self.gripped)
         self.assertEqual(self.invalid, "")
+        self.assertAlmostEqual(self.true, 1.0, delta=ROUGH)
         self.assert_told()
 
     def test_3_more_than_the_maximum_is_refused(self):
