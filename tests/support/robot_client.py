@@ -145,12 +145,17 @@ class RobotClient:
         """Largest measured joint speed [rad/s]."""
         return max(abs(v) for v in self.joints.velocity)
 
+    def measured(self) -> tuple[float, ...]:
+        """Joint positions [rad] that come after this call, so never those of a robot that died."""
+        last = self.joints
+        self.wait(lambda: self.joints is not last)
+        return self.joints.position
+
     def drift(self, seconds: float) -> float:
         """Largest change of a joint within a time [rad]."""
-        before = self.joints.position
+        before = self.measured()
         rospy.sleep(seconds)
-        after = self.joints.position
-        return max(abs(a - b) for a, b in zip(before, after, strict=True))
+        return max(abs(a - b) for a, b in zip(before, self.measured(), strict=True))
 
     def max_rcm_error(self) -> float:
         """Largest RCM error that the controller reported while in motion [m]."""

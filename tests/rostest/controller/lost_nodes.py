@@ -77,10 +77,10 @@ class LostNodes(unittest.TestCase):
         self._kill_the_robot()
         self.robot.wait_for_state("faulted", limit=5)
         self.robot.activate()  # `respawn` has started it again: at home, with nothing held
-        begun = self.robot.joints.position
+        begun = self.robot.measured()
         self.assertIn("grasped", self.robot.refused("pull more"))
         rospy.sleep(1.0)
-        moved = max(abs(a - b) for a, b in zip(begun, self.robot.joints.position, strict=True))
+        moved = max(abs(a - b) for a, b in zip(begun, self.robot.measured(), strict=True))
         self.assertLess(moved, 1e-4)
         self.assertFalse(self.robot.state.tissue_held)
         self.assertEqual(self.robot.state.state, "active")
