@@ -204,6 +204,7 @@ class Drill:
     def _course(self) -> Course:
         rig = self._rig
         rig.bridge.hold(rig.now)  # the controller, which holds the arm, is not asked from here on
+        rig.step()  # set-points up to the hold do not count
         while (at := rig.bridge.measured) is None or at.sent_to is None:
             rig.step()
         q, opening = planning_joints(at.sent_to)  # where the controller begins, too
