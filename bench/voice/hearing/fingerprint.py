@@ -38,6 +38,7 @@ SNRS = (40.0, 6.0)  # [dB]
 QUIET = 0.8  # [s] before and after the words
 WINDOWS = 20  # of an outline
 DIGITS = 3  # of full scale, in an outline
+GONE = 1000.0  # [nat] of a setting that never decided; as when rows were first kept
 UNHEARD = {"recognizer__hung_after": 0.35}  # of the node alone; as when rows were first kept
 
 
@@ -118,7 +119,7 @@ def values(settings: object) -> object:
 
 def _of_command(command: CommandConfig) -> tuple[object, ...]:
     named = zip(fields(command), astuple(command), strict=True)
-    return tuple(value for field, value in named if field.name != "background")
+    return (*(value for field, value in named if field.name != "background"), GONE)
 
 
 def outline(sound: Samples | NDArray[np.float64]) -> str:

@@ -20,7 +20,7 @@ from typed_config import (
 
 @dataclass(frozen=True, kw_only=True)
 class Inner:
-    RENAMED: ClassVar[Mapping[str, str]] = {"strength": "gain"}
+    RENAMED: ClassVar[Mapping[str, str]] = {"strength": "gain", "colour": ""}
 
     gain: float = number(0.0, 10.0, "1/s")
 
@@ -70,6 +70,7 @@ def test_good_settings_become_a_frozen_dataclass():
         ({"inner": {"gain": 1, "gian": 1}}, "inner.gian", "did you mean gain?"),
         ({"inner": {"strength": 1}}, "inner.strength", "no such key; its name is now gain"),
         ({"entries": [{"strength": 1}]}, "entries[0].strength", "its name is now gain"),
+        ({"entries": [{"colour": 1}]}, "entries[0].colour", "it is gone; leave it out"),
         ({"trocar": [0.1, 0.2]}, "trocar", "a list of 3"),
         ({"trocar": [0.1, 0.2, 400]}, "trocar[2]", "-2 to 2 m"),
         ({"count": 2.5}, "count", "whole number"),

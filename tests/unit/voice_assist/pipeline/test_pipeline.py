@@ -137,7 +137,6 @@ def test_a_phrase_that_can_grow_waits_for_the_end_of_the_utterance():
             "is_motion": True,
             "is_halt": False,
             "min_confidence": 0.5,
-            "halt_score_threshold": 1000.0,
         }
     ]
     grown += command_entries()
@@ -188,16 +187,6 @@ def test_an_unsure_stop_is_refused_at_the_end_and_says_so():
 
 def test_the_second_opinion_never_refuses_a_stop():
     assert commands(hear("stop", recognizer=FakeRecognizer({"stop": -99.0}))) == ["stop"]
-
-
-def test_the_second_opinion_can_fire_a_stop():
-    entries = command_entries()
-    for entry in entries:
-        entry["halt_score_threshold"] = 0.5 if entry["is_halt"] else 1000.0
-    recognizer = FakeRecognizer({"stop": 2.0})
-    events = hear("mumble", recognizer=recognizer, commands__commands=entries)
-    assert commands(events) == ["stop"]
-    assert decisions(events)[0].decided_by == "spotter"
 
 
 def test_without_second_opinion_the_transcript_decides():

@@ -17,6 +17,7 @@ from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, 
 from voice_assist.config import load_voice_config
 from voice_assist.types import Halt, Mode, RejectionReason
 
+CONFIG = load_voice_config().moving
 WITH_STOP = ("he said stop now please", "do not stop", "pulling is stop he said", "never stop more")
 WITHOUT = ("he said pull more now", "do not pull less", "please release pulling", "never mumble")
 
@@ -130,6 +131,38 @@ def test_at_rest_a_stop_under_talk_counts_at_the_end_of_the_utterance(text):
 @pytest.mark.parametrize("text", WITH_STOP)
 def test_at_rest_a_stop_that_is_written_in_a_sentence_is_none_however_surely_it_is_heard(text):
     assert commands(hear(text, False, over_talk=9.0)) == []
+
+
+def nearly_said(text, is_moving, score, **rest):
+    """A sound for which the recogniser writes a text, with its score of "stop" there [nat]."""
+    return hear(text, is_moving, recognizer=FakeRecognizer({"stop": score}), **rest)
+
+
+@pytest.mark.parametrize("score", [0.0, -CONFIG.nearly_said])
+def test_a_word_that_is_nearly_a_stop_stops_a_robot_that_moves(score):
+    events = nearly_said("mumble", True, score)
+    assert commands(events) == ["stop"]
+    assert decisions(events)[0].decided_by == "recognizer"
+    assert any(isinstance(a, Halt) for d in decisions(events) for a in d.actions)
+
+
+@pytest.mark.parametrize(
+    ("text", "is_moving", "score", "rest"),
+    [
+        ("mumble", False, 9.0, {}),  # at rest
+        ("mumble", True, -CONFIG.nearly_said - 0.1, {}),
+        ("he said mumble", True, 9.0, {}),  # in a sentence
+        ("not", True, 9.0, {}),
+        ("mumble", True, 9.0, {"moving__nearly_said": -1000.0}),
+        ("mumble", True, 9.0, {"recognizer__second_opinion": False}),
+    ],
+)
+def test_otherwise_a_word_that_is_nearly_a_stop_does_nothing(text, is_moving, score, rest):
+    assert commands(nearly_said(text, is_moving, score, **rest)) == []
+
+
+def test_a_command_in_motion_is_no_stop_that_was_nearly_said():
+    assert commands(nearly_said("pull more", True, 9.0)) != ["stop"]
 
 
 @pytest.mark.parametrize("is_moving", [False, True])

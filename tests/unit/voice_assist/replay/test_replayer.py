@@ -336,8 +336,17 @@ def former_keys(kind, value):
 
 def test_settings_recorded_under_their_former_names_are_restored():
     given = former_keys(VoiceConfig, settings())
-    assert "talkback" in given["audio"] and "fire_above" in given["commands"]["commands"][0]
+    assert "talkback" in given["audio"] and "least_confidence" in given["commands"]["commands"][0]
     assert restore_settings(given, None) == (CONFIG, ())
+
+
+def test_a_setting_that_is_gone_is_left_out_and_what_came_later_is_off():
+    given = settings()
+    given["commands"]["commands"][0]["halt_score_threshold"] = 1000.0
+    del given["moving"]["nearly_said"]
+    config, warnings = restore_settings(given, None)
+    assert config.commands == CONFIG.commands and config.moving.nearly_said == -1000.0
+    assert warnings == ()
 
 
 def test_without_recorded_settings_those_of_today_are_used_and_said():

@@ -26,7 +26,7 @@ def load_config(kind: type[T], data: object, where: str = "") -> T:
     A key that is a word of Python has an underscore behind it in the dataclass: `from_`. What a
     dataclass finds wrong in its `__post_init__` is named from `where` on too. A dataclass may map
     former keys to their present names: `RENAMED: ClassVar[Mapping[str, str]]`. A former key is
-    refused, and the error names the present one.
+    refused, and the error names the present one, or says that it is gone where that is "".
 
     Args:
         kind: Frozen dataclass whose fields were declared with `typed_config.fields`.
@@ -65,7 +65,9 @@ def load_file(kind: type[T], path: Path) -> T:
 
 
 def with_present_keys(kind: type[Any], data: Mapping[str, Any]) -> dict[str, Any]:
-    """The same settings with each former key under its present name, in nested ones too.
+    """The same settings with each former key under its present name, or without it if it is gone.
+
+    In nested ones too.
 
     For settings that were recorded by an older version; `load_config` refuses a former key.
 
@@ -77,6 +79,8 @@ def with_present_keys(kind: type[Any], data: Mapping[str, Any]) -> dict[str, Any
     found = {}
     for former, value in data.items():
         key = renamed.get(former, former)
+        if not key:
+            continue
         hint = fields[key].hint if key in fields else None
         found[key] = _with_present_keys(hint, value)
     return found
@@ -95,7 +99,8 @@ def _hint(kind: type[Any], key: str, fields: Mapping[str, _Field]) -> str:
     """What the user may have meant by an unknown key."""
     renamed: Mapping[str, str] = getattr(kind, "RENAMED", {})
     if key in renamed:
-        return f"its name is now {renamed[key]}"
+        present = renamed[key]
+        return f"its name is now {present}" if present else "it is gone; leave it out"
     close = difflib.get_close_matches(key, fields, n=1)
     return f"did you mean {close[0]}?" if close else "one of " + ", ".join(fields)
 

@@ -19,6 +19,7 @@ class MovingConfig:
     sentence_confidence: float = number(0.0, 1.0, "")
     sentence_agreement: int = integer(1, 10, "transcripts")
     window: float = number(0.0, 4.0, "s")
+    nearly_said: float = number(-1000.0, 1000.0, "nat")
     over_talk_alone: float = number(-100.0, 1000.0, "nat")
     over_talk_agree: float = number(-100.0, 1000.0, "nat")
     refuse_spotter: float = number(-100.0, 1000.0, "nat")

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from voice_assist.vad.segmenter import PartialUtterance
 
 RECOGNIZER, SPOTTER = "recognizer", "spotter"  # who decided
-NEVER = 1000.0  # [nat] a `halt_score_threshold` that switches halts by score off
 
 
 class StopInSound(Protocol):
@@ -140,7 +139,8 @@ class StopDecider:
         1. The transcript says it (confirmed by `StopFusion.confirms`).
         2. The last part of the sound says it over the robot's own voice. In motion, where a
            spotter over talk listens, `in_motion` asks both.
-        3. The spotter or the scores are sure of it, where the transcript names no command.
+        3. The spotter is sure of it, where the transcript names no command.
+        4. In motion, where nothing else was said: a word that sounds nearly like it.
 
         The spotter alone stops by `spotted`.
         """
@@ -154,13 +154,11 @@ class StopDecider:
         over = None if is_asked_later else self._early_decision.said_over(part, minimum)
         if part is not None and over is not None:
             return Verdict(over, part, worth.transcript(log_odds(part.confidence)), RECOGNIZER)
-        if isinstance(outcome, Match):
+        has_command = isinstance(outcome, Match) or self._early_decision.has_halted
+        if has_command or is_negated(normalize(transcript.text)):
             return None
-        unwritten = self._unwritten_stop(transcript, partial, context.spotted)
-        if unwritten is None:
-            return None
-        confidence = confidence if context.spotted is None else worth.spotter(context.spotted)
-        return Verdict(unwritten, transcript, confidence, SPOTTER)
+        overruled = self._overruled(transcript, context.spotted)
+        return overruled or self._nearly_said(transcript, partial, context)
 
     def spotted(self, spotted: Spotted) -> Verdict | None:
         """The stop that the spotter fired alone; None: the recogniser was quicker."""
@@ -224,27 +222,38 @@ class StopDecider:
                         return phrase, heard
         return None
 
-    def _unwritten_stop(
-        self, transcript: Hypothesis, partial: PartialUtterance, spotted: float | None
-    ) -> Match | None:
-        """A halt that the transcript misses, but the spotter is sure of, or the scores are."""
-        if self._early_decision.has_halted or is_negated(normalize(transcript.text)):
+    def _overruled(self, transcript: Hypothesis, spotted: float | None) -> Verdict | None:
+        """A stop that the transcript misses, but that the spotter is sure of."""
+        if spotted is None or not self._stop_fusion.is_asking(spotted):
             return None
-        if self._stop_fusion.is_asking(spotted):
-            phrase = self._stop_fusion.phrase
-            ratio = self._decoder.scores(self._config.commands.fixed_phrases)[phrase]
-            if self._stop_fusion.overrules(spotted, ratio):
-                return Match(phrase, self._mapper(transcript.text).wer)
-        return self._scored_stop(transcript) if self._decoder.is_settled(partial) else None
+        phrase = self._stop_fusion.phrase
+        ratio = self._decoder.scores(self._config.commands.fixed_phrases)[phrase]
+        if not self._stop_fusion.overrules(spotted, ratio):
+            return None
+        match = Match(phrase, self._mapper(transcript.text).wer)
+        worth = self._recognizer_config.confidence.spotter(spotted)
+        return Verdict(match, transcript, worth, SPOTTER)
 
-    def _scored_stop(self, transcript: Hypothesis) -> Match | None:
-        """A halt whose score alone is above its `halt_score_threshold`."""
-        halts = [h for h in self.halts.values() if h.halt_score_threshold < NEVER]
-        is_asked = halts and self._recognizer_config.second_opinion
-        if not is_asked or self._early_decision.has_decided:
+    def _nearly_said(
+        self, transcript: Hypothesis, partial: PartialUtterance, context: DecisionContext
+    ) -> Verdict | None:
+        """A halt that is little less likely than what was written instead, in motion.
+
+        Noise makes "stuff" of a "stop". In a sentence such a word is none, so no more words than
+        the halt's may be written.
+        """
+        is_asked = context.is_moving and self._recognizer_config.second_opinion
+        is_first = not self._early_decision.has_decided
+        if not (is_asked and is_first and self._decoder.is_settled(partial)):
+            return None
+        count = len(self._mapper.words(transcript.text))
+        halts = [p for p in self.halts if 1 <= count <= len(normalize(p))]
+        if not halts:
             return None
         scores = self._decoder.scores(self._config.commands.fixed_phrases)
-        for halt in halts:
-            if scores[halt.phrase] > halt.halt_score_threshold:
-                return Match(halt.phrase, self._mapper(transcript.text).wer)
-        return None
+        phrase = max(halts, key=scores.__getitem__)
+        if scores[phrase] < -self._config.moving.nearly_said:
+            return None
+        match = Match(phrase, self._mapper(transcript.text).wer)
+        worth = self._recognizer_config.confidence.scores(scores[phrase])
+        return Verdict(match, transcript, worth, RECOGNIZER)

@@ -54,7 +54,10 @@ SWITCHED_OFF: dict[str, dict[str, Any]] = {
     "spotter": {"over_talk": False},
     "commands": {"amounts": False, "said_twice": False, "language": ENGLISH},
 }
-NOT_YET: dict[str, dict[str, Any]] = {"commands": {"slots": []}}  # in a section that was recorded
+NOT_YET: dict[str, dict[str, Any]] = {  # in a section that was recorded
+    "commands": {"slots": []},
+    "moving": {"nearly_said": -1000.0},
+}
 
 
 class NotReplayable(VoiceError, ValueError):
