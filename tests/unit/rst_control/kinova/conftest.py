@@ -31,3 +31,10 @@ def hardware(kinova, motion_config):
     made = FakeHardware(robot_joints(np.array(motion_config.scene.home), 0.6))
     made.ready(kinova)
     return made
+
+
+@pytest.fixture
+def way(soft_planner, home, hardware):
+    from tests.unit.rst_control.kinova.fake_hardware import Way
+
+    return Way(soft_planner, home, hardware.now + 0.5)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An arm that turns at the speeds it was last sent, late and as fast as it can change them, and a
-tool that is where it was sent: both on a clock that tests move on."""
+"""An arm that turns at the speeds it was last sent, late and as fast as it can change them, a tool
+that is where it was sent, and set-points for both, on a clock that tests move on."""
 
 from __future__ import annotations
 
@@ -9,15 +9,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinova.arm_state import ArmReport, ArmState, SoftLimits
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import ToolState
-from rst_control.types import Setpoint
+from rst_control.trajectory.motion_profile import MotionProfile
+from rst_control.types import PathState, Setpoint
 
 STEP = 0.001  # [s]
 ACCELERATION = np.array([1.0, 1.0, 1.0, 1.0, 10.0, 10.0, 10.0])  # [rad/s^2] of the driver
 FEEDBACK = 0.025  # [s]
+OPENING = 0.6  # [rad] of the jaws on the way
 
 
 class FakeHardware:
@@ -108,3 +111,22 @@ class FakeHardware:
         for joint in self.blocked:
             self.speed[joint] = 0.0
         self.arm = self.arm + 0.5 * STEP * (last + self.speed)
+
+
+class Way:
+    """Set-points along the way to the grasp, up to 20 mm/s."""
+
+    def __init__(self, planner, home, begins):
+        self.paths = planner.reach(home)
+        self.path, self.begins = self.paths[0], begins
+        self.profile = MotionProfile(PathState(0.0), planner.pace(self.path, 0.020).moving)
+        self.profile.go_to(self.path.length)
+        self.last = begins
+
+    def __call__(self, now):
+        if now > self.begins:
+            self.profile.step(now - max(self.last, self.begins))
+        self.last = now
+        point = self.path.evaluate(self.profile.state.s)
+        speed = point.dq * self.profile.state.speed
+        return robot_joints(point.q, OPENING), robot_joints(speed, 0.0)

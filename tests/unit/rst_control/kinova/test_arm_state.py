@@ -16,8 +16,7 @@ from rst_control.kinova.arm_state import (
 )
 from rst_control.kinova.bridge import Bridge, Lead
 from rst_control.types import Reason, robot_fault
-from tests.unit.rst_control.kinova.fake_hardware import ACCELERATION
-from tests.unit.rst_control.kinova.test_bridge import Way
+from tests.unit.rst_control.kinova.fake_hardware import ACCELERATION, FakeHardware
 
 READY = ArmReport(ArmState.SERVOING_READY, 1, 0.0)
 PUBLISHED_BASE = {  # Base.SafetyIdentifier: value and what it names
@@ -120,11 +119,6 @@ def test_only_an_arm_that_is_ready_may_be_led(hardware, state, reason):
 # On the bridge.
 
 
-@pytest.fixture
-def way(soft_planner, home, hardware):
-    return Way(soft_planner, home, hardware.now + 0.5)
-
-
 JOINT_4 = ArmReport(
     ArmState.IN_FAULT, 1, 0.0, joints=(Banks(),) * 3 + (Banks(0x20),) + (Banks(),) * 3
 )
@@ -151,6 +145,33 @@ def test_a_fault_that_lasts_is_not_cleared_by_asking_and_is_once_it_is_gone(hard
     hardware.report = READY
     hardware.advance(0.1)
     assert hardware.bridge.fault(hardware.now) == ""
+
+
+def test_a_fault_that_lasted_is_cleared_by_asking_again(hardware):
+    """The emergency stop was still pressed when "hey robot" was said for the first time."""
+    hardware.report = JOINT_4
+    for count in (1, 2):
+        hardware.advance(0.1)
+        hardware.bridge.clear_fault(hardware.now)
+        assert hardware.clears == count
+
+
+def test_an_arm_that_is_in_fault_from_the_start_is_asked_to_clear_it(hardware, kinova):
+    arm = FakeHardware(hardware.joints)
+    arm.report = JOINT_4
+    bridge = Bridge(kinova, arm)
+    bridge.on_arm_report(arm.report)  # before any joint state
+    bridge = arm.ready(kinova)
+    arm.advance(0.1)
+    assert "maximum torque" in bridge.fault(arm.now)
+    bridge.clear_fault(arm.now)
+    assert arm.clears == 1
+
+
+def test_an_arm_without_a_fault_is_not_asked_to_clear_one(hardware):
+    hardware.advance(0.1)
+    hardware.bridge.clear_fault(hardware.now)
+    assert hardware.clears == 0
 
 
 def test_a_fault_in_motion_stops_the_arm_at_once_and_is_named_rightly(hardware, way):

@@ -13,35 +13,7 @@ from rst_control.kinova.bridge import Lead
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import ToolState
 from rst_control.tension.gravity_check import RestTorques
-from rst_control.trajectory.motion_profile import MotionProfile
-from rst_control.types import PathState
-from tests.unit.rst_control.kinova.fake_hardware import FakeHardware
-
-OPENING = 0.6
-
-
-class Way:
-    """Set-points along the way to the grasp, up to 20 mm/s."""
-
-    def __init__(self, planner, home, begins):
-        self.paths = planner.reach(home)
-        self.path, self.begins = self.paths[0], begins
-        self.profile = MotionProfile(PathState(0.0), planner.pace(self.path, 0.020).moving)
-        self.profile.go_to(self.path.length)
-        self.last = begins
-
-    def __call__(self, now):
-        if now > self.begins:
-            self.profile.step(now - max(self.last, self.begins))
-        self.last = now
-        point = self.path.evaluate(self.profile.state.s)
-        speed = point.dq * self.profile.state.speed
-        return robot_joints(point.q, OPENING), robot_joints(speed, 0.0)
-
-
-@pytest.fixture
-def way(soft_planner, home, hardware):
-    return Way(soft_planner, home, hardware.now + 0.5)
+from tests.unit.rst_control.kinova.fake_hardware import OPENING, FakeHardware
 
 
 def shaft_error(planner, joints):

@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 
 from bench.kinova.rig import KinovaRig, kinova_motion
+from rst_control.kinova.bridge import Lead
+from rst_control.types import Setpoint
 
 
 @pytest.fixture
@@ -42,3 +44,16 @@ def test_one_that_is_merely_late_goes_on(rig):
     rig.run(0.2)
     assert rig.bridge.fault(rig.now) == ""
     assert rig.speed > 1e-3
+
+
+def test_one_that_is_late_at_rest_takes_the_set_points_that_waited(hardware, way):
+    hardware.advance(0.1)
+    hardware.now += 0.065  # nothing ran
+    hardware.start += 0.065
+    hardware.arm = hardware.arm + 1e-6  # no state twice, as from a real arm
+    hardware.tell()
+    hardware.bridge.servo_jp(Setpoint(*way(hardware.now), hardware.now), hardware.now)
+    hardware.bridge.step(hardware.now)
+    hardware.advance(0.05, way)
+    assert hardware.bridge.fault(hardware.now) == ""
+    assert hardware.bridge.lead is Lead.COURSE

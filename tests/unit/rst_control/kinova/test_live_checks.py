@@ -35,6 +35,12 @@ def feedback(rig, kinova, steps):
     return found
 
 
+def tool_feedback(rig, kinova):
+    tool, rows = kinova.bridge.tool, ("position", "velocity", "effort")
+    values = dict.fromkeys(rows, np.zeros(3))
+    return FeedbackReader(tool.joints, tool.signs, None).read(tool.joints, values, rig.now)
+
+
 @pytest.fixture(scope="module")
 def rig():
     with KinovaRig(kinova_motion()) as rig:
@@ -50,6 +56,7 @@ def seen(rig, kinova):
         limits=rig.drivers.soft_limits(),
         firmware="2.5.2",
         clock=0.01,
+        tool=tool_feedback(rig, kinova),
         tool_state=3,
         guard_beats=50,
         forces=[np.full(3, 0.01)] * 100,
@@ -100,6 +107,10 @@ FAULTS = {
         lambda s: replace(s, arm=s.arm[::2]),
     ],
     "no state is late": [lambda s: replace(s, arm=[*s.arm[:20], *s.arm[24:]])],
+    "tool reports its joints": [
+        lambda s: replace(s, tool=None),
+        lambda s: replace(s, tool=None, bad_tool="joint state without joint_f0_pitch"),
+    ],
     "states are new ones": [
         lambda s: replace(s, arm=[replace(s.arm[0], stamp=a.stamp) for a in s.arm])
     ],

@@ -256,6 +256,12 @@ class ArmWatch:
         return self.limits.objection(config, self._speed)
 
     @property
+    def has_fault(self) -> bool:
+        """The arm's newest state is a fault."""
+        cause = None if self.report is None else self._objection(self.report)
+        return cause is not None and cause.reason is Reason.ARM_FAULT
+
+    @property
     def words(self) -> dict[str, str]:
         """What is known of the arm, for people and for the recording."""
         report, limits = self.report, self.limits

@@ -174,7 +174,7 @@ class Bridge:
             self._follower.start(self._ready.arm.position, now)
             place, _ = servo.course(now)
             self._goals, self._lead = (place, place, now), Lead.COURSE
-            self._arm_due = self._tool_due = now
+            self._arm_due = self._tool_due = self._stepped = now  # at rest it may be late
 
     def hold(self, now: float) -> None:
         """Slow down along the present course, then stop."""
@@ -184,7 +184,10 @@ class Bridge:
     def clear_fault(self, now: float) -> None:
         """Take set-points again, and let the arm clear its own faults; at rest only."""
         servo = self._servo
-        if servo is not None and servo.fault and self._lead is Lead.NOBODY and servo.clear_fault():
+        if servo is None or self._lead is not Lead.NOBODY:
+            return
+        is_faulted = bool(servo.fault) or self.watch.has_fault  # one that lasts latches only once
+        if is_faulted and servo.clear_fault():
             self._hardware.clear_faults()
 
     def fail(self, reason: str, now: float) -> None:

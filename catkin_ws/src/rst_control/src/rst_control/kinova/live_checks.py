@@ -45,6 +45,7 @@ class Observed:
     firmware: str = ""  # of the arm
     clock: float | None = None  # [s] of the newest stamp behind this host's clock
     tool: JointFeedback | None = None
+    bad_tool: str = ""  # the same of the tool's
     tool_state: int | None = None
     guard_beats: int = 0
     forces: Sequence[Vector] = ()  # [N] of the force sensor, each of shape (3,)
@@ -97,6 +98,7 @@ class LiveChecks:
             self._limits,
             self._turns,
             self._gravity,
+            self._tool_joints,
             self._shaft,
             self._tool_state,
             self._force,
@@ -243,6 +245,13 @@ class LiveChecks:
         error = rcm_state(Configuration(load_robot(), q), self._trocar).error
         found = f"{error * 1e3:.2f} mm off it, allowed {self._tolerance * 1e3:.2f} mm"
         return CheckResult(name, error <= self._tolerance, found, "steps 6 and 7; guide it back")
+
+    def _tool_joints(self, seen: Observed) -> CheckResult:
+        name, topic = "tool reports its joints", f"{self._tool.namespace}/joint_states"
+        if seen.tool is None:
+            found = seen.bad_tool or f"nothing on {topic}"
+            return CheckResult(name, False, found, "step 4: its node, tool.joints")
+        return CheckResult(name, True, ", ".join(self._tool.joints))
 
     def _tool_state(self, seen: Observed) -> CheckResult:
         name, wanted = "tool holds its position", ToolState.POSITION_CONTROL.value

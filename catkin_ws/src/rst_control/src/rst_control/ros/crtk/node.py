@@ -91,8 +91,12 @@ class CrtkNode:
         self._state, self._state_at = message, time.monotonic()
 
     def _on_brake(self, message: StringStamped) -> None:
-        if state_command(message.string).brakes:
-            self._stop.publish(EmptyMessage())
+        if not state_command(message.string).brakes:
+            return
+        self._stop.publish(EmptyMessage())
+        with suppress(Empty):  # what waits was said before
+            while True:
+                self._commands.get_nowait()
 
     def _on_command(self, message: StringStamped) -> None:
         follows = state_command(message.string)

@@ -32,6 +32,7 @@ from rst_control.kinova.arm_state import (
 
 ASK_AGAIN: Final = 1.0  # [s] between two looks whether something has to be asked
 SAY_AGAIN: Final = 10.0  # [s] before the same complaint is made again
+FIRMWARE_TRIES: Final = 5  # a driver may not know it
 ANSWER_TIME: Final = 2.0  # [s] for a service to be there
 
 
@@ -106,7 +107,7 @@ def _asked(name: str, kind: type, given: genpy.Message) -> Any:
 
 
 class ArmFacts:
-    """Asks for limits while they are wanted, and for the firmware once, in a thread of its own.
+    """Asks for limits while they are wanted, and a few times for the firmware, in its own thread.
 
     Args:
         namespace: Of the driver.
@@ -122,9 +123,11 @@ class ArmFacts:
         threading.Thread(target=self._ask, name="arm facts", daemon=True).start()
 
     def _ask(self) -> None:
+        tries = 0
         while not rospy.is_shutdown():
             if self._is_wanted():
                 self._try(lambda: self._on_limits(ask_limits(self._namespace)))
+            if not self.firmware and (tries := tries + 1) <= FIRMWARE_TRIES:
                 self._try(lambda: setattr(self, "firmware", ask_firmware(self._namespace)))
             time.sleep(ASK_AGAIN)
 

@@ -88,7 +88,7 @@ class KinovaBridgeNode:
         self._last_rest: Repeated[Vector] = Repeated(REPEAT_PERIOD, np.array_equal)
         self._beat_due, self._diagnostics_due = Due(BEAT_PERIOD), Due(DIAGNOSTICS_PERIOD)
         self._published_course: LastCourse | None = None  # with the last beat
-        self._homing = threading.Lock()
+        self._homing, self._is_closing = threading.Lock(), False
         self._latest = 0.0
         self._advertise()
         self._subscribe()
@@ -99,8 +99,8 @@ class KinovaBridgeNode:
         rospy.loginfo("kinova bridge ready (priority: %s)", priority)
         period = 1.0 / self._config.rate
         due = time.monotonic()
-        while not rospy.is_shutdown():
-            now = self._round()
+        while not rospy.is_shutdown():  # to be closed is not yet to be shut down
+            now = time.monotonic() if self._is_closing else self._round()
             due += period
             if due < now:  # rounds that were missed are not made up for
                 self._latest = max(self._latest, now - due)
@@ -108,7 +108,12 @@ class KinovaBridgeNode:
             time.sleep(max(0.0, due - time.monotonic()))
 
     def close(self) -> None:
-        """Brake the arm, stop it, send nothing else; may come in the midst of a round."""
+        """Brake the arm, stop it, send nothing else; may come in the midst of a round.
+
+        The loop does nothing meanwhile. It would lead the arm on, and the guard would take its
+        last beat for that of an arm that moves.
+        """
+        self._is_closing = True
         plan = self._bridge.brake_plan(self._config.arm.period)
         self._hardware.close(plan, lambda: self._beat.publish(BridgeBeat()))
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from typing import Any
 
@@ -43,7 +44,7 @@ class GuardNode:
     """Hears the bridge's beats; brakes and stops the arm where they fail to come."""
 
     def __init__(self, config: BridgeConfig) -> None:
-        self._guard = StopGuard(config)
+        self._guard, self._lock = StopGuard(config), threading.Lock()
         newest: dict[str, Any] = {"queue_size": 1, "tcp_nodelay": True}
         arm = config.arm.namespace
         self._stop = rospy.Publisher(f"{arm}/in/stop", Empty, **newest)
@@ -80,13 +81,16 @@ class GuardNode:
 
     def _on_beat(self, message: BridgeBeat) -> None:
         now = time.monotonic()
-        self._guard.heard(now, course_of(message, now))
+        course = course_of(message, now)
+        with self._lock:
+            self._guard.heard(now, course)
 
     def _guard_once(self) -> None:
         """Brake or stop the arm, where that is due."""
-        now = time.monotonic()
-        braking = self._guard.speeds_due(now)
-        if braking is not None:
-            self._speeds.publish(speeds_message(braking))
-        elif self._guard.is_stop_due(now):
-            self._stop.publish(Empty())
+        with self._lock:  # what is sent after a beat of the bridge would be in its way
+            now = time.monotonic()
+            braking = self._guard.speeds_due(now)
+            if braking is not None:
+                self._speeds.publish(speeds_message(braking))
+            elif self._guard.is_stop_due(now):
+                self._stop.publish(Empty())

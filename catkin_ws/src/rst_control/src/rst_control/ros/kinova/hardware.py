@@ -91,7 +91,12 @@ class KinovaHardware:
                 self._speeds.publish(speeds_message(speeds))
             beat()
             time.sleep(LOOK_PERIOD)
-        send_at_shutdown(self.stop)
+
+        def stop() -> None:
+            self.stop()
+            beat()
+
+        send_at_shutdown(stop)
 
     def request(self, message: str) -> bool:
         """Ask OpenRST's node for something; waits for the answer, however long that takes.

@@ -7,9 +7,9 @@ import argparse
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,14 +21,23 @@ from kortex_driver.msg import BaseCyclic_Feedback
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty, Int32MultiArray
 
-from rst_control.config import CONFIG_FOLDER, URDF_FILE, LimitsConfig, RcmConfig, SceneConfig
+from rst_control.config import CONFIG_FOLDER, URDF_FILE, RcmConfig
+from rst_control.config.torque_tension import TORQUE_TENSION_FILE
 from rst_control.errors import RstError
 from rst_control.kinova.arm_state import ArmReport, SoftLimits
-from rst_control.kinova.config import KinovaConfig, load_kinova_config
+from rst_control.kinova.config import KinovaConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
 from rst_control.kinova.live_checks import LiveChecks, Observed, table
 from rst_control.ros.kinova.arm_report import ask_firmware, ask_limits, read_report
-from typed_config import ConfigError, add_common_options, load_file, number_option
+from typed_config import (
+    ConfigError,
+    add_common_options,
+    load_config,
+    load_file,
+    load_yaml,
+    number_option,
+    overlaid,
+)
 from typed_config.ros.xmlrpc import master_problem
 
 
@@ -41,6 +50,7 @@ class _Heard:
     reports: list[ArmReport] = field(default_factory=list)
     clock: float | None = None
     tool: JointFeedback | None = None
+    bad_tool: str = ""
     tool_state: int | None = None
     guard_beats: int = 0
     forces: list[Any] = field(default_factory=list)
@@ -90,7 +100,7 @@ class _Observer:
                 now = time.monotonic()
                 self._heard.tool = self._tool.read(message.name, _values(message), now)
             except BadFeedback as error:
-                self._heard.bad_feedback = str(error)
+                self._heard.bad_tool = str(error)
 
     def _on_state(self, message: Int32MultiArray) -> None:
         with self._lock:
@@ -127,6 +137,7 @@ def _facts(arm: str) -> dict[str, SoftLimits | str]:
     found: dict[str, SoftLimits | str] = {}
     with suppress(rospy.ServiceException, rospy.ROSException):
         found["limits"] = ask_limits(arm)
+    with suppress(rospy.ServiceException, rospy.ROSException):
         found["firmware"] = ask_firmware(arm)
     return found
 
@@ -139,6 +150,11 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument("--limits", type=Path, default=CONFIG_FOLDER / "kinova_limits.yaml")
     parser.add_argument("--scene", type=Path, default=CONFIG_FOLDER / "scene.yaml")
     parser.add_argument("--arm", default="my_gen3", help="namespace of Kinova's driver")
+    parser.add_argument("--tool", default="openrst", help="namespace of OpenRST's node")
+    parser.add_argument("--torques", type=Path, default=TORQUE_TENSION_FILE)
+    parser.add_argument(
+        "--bridge-overrides", type=Path, help="YAML file with settings of the bridge to change"
+    )
     parser.add_argument("--seconds", type=number_option(0.5, 600.0, "s"), default=3.0)
     add_common_options(parser, "rst_control")
     given = parser.parse_args(rospy.myargv(sys.argv)[1:] if argv is None else argv)
@@ -155,19 +171,30 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 
 def _checks(given: argparse.Namespace) -> tuple[LiveChecks, KinovaConfig]:
-    config = load_kinova_config()
-    arm = replace(config.bridge.arm, namespace=given.arm)
-    believed = replace(config.bridge.believed, arm=("/robot", f"/{given.arm}/*"))
-    config = replace(
-        config,
-        bridge=replace(config.bridge, arm=arm, believed=believed),
-        limits=load_file(LimitsConfig, given.limits),
-        scene=load_file(SceneConfig, given.scene),
-    )
+    config = _config(given)
     rcm = load_file(RcmConfig, CONFIG_FOLDER / "rcm.yaml")
     trocar = np.array(given.trocar or config.scene.trocar)
     description = URDF_FILE.read_text(encoding="utf-8")
     return LiveChecks(config, trocar, description, rcm.measured_tolerance), config
+
+
+def _config(given: argparse.Namespace) -> KinovaConfig:
+    """What the bridge would have with the same arguments of kinova.launch; overrides come last."""
+    merged: Mapping[str, object] = {
+        "limits": load_yaml(given.limits),
+        "scene": load_yaml(given.scene),
+        "torques": load_yaml(given.torques),
+        "bridge": load_yaml(CONFIG_FOLDER / "kinova_bridge.yaml"),
+    }
+    names = {
+        "arm": {"namespace": given.arm},
+        "tool": {"namespace": given.tool},
+        "believed": {"arm": ["/robot", f"/{given.arm}/*"], "tool": ["/robot", f"/{given.tool}/*"]},
+    }
+    merged = overlaid(merged, {"bridge": names})
+    if given.bridge_overrides is not None:
+        merged = overlaid(merged, load_yaml(given.bridge_overrides))
+    return load_config(KinovaConfig, merged, "settings of the bridge")
 
 
 if __name__ == "__main__":

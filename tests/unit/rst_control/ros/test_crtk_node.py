@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""CRTK's commands that wait, where a later one stops the robot."""
+
+from queue import Queue
+from types import SimpleNamespace
+
+import pytest
+
+from rst_control.ros.crtk.node import CrtkNode
+
+
+def node():
+    stops, it = [], object.__new__(CrtkNode)
+    it._stop, it._commands = SimpleNamespace(publish=stops.append), Queue(8)
+    return it, stops
+
+
+def says(it, words):
+    """In the order in which rospy calls the subscribers of one topic."""
+    it._on_brake(SimpleNamespace(string=words))
+    it._on_command(SimpleNamespace(string=words))
+
+
+@pytest.mark.parametrize(("last", "left"), [("pause", []), ("disable", ["terminate"])])
+def test_what_waits_is_dropped_by_what_stops(last, left):
+    it, stops = node()
+    says(it, "resume")
+    says(it, "resume")
+    assert not stops and it._commands.qsize() == 2
+    says(it, last)
+    assert len(stops) == 1
+    assert [it._commands.get() for _ in range(it._commands.qsize())] == left

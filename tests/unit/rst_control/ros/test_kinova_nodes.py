@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Nodes of the real arm: what is sent while one ends, and what its threads do to each other."""
+
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+from rst_control.msg import BridgeBeat
+from rst_control.ros.kinova import arm_report, bridge_node, hardware
+from rst_control.ros.kinova.arm_report import FIRMWARE_TRIES, ArmFacts
+from rst_control.ros.kinova.bridge_node import KinovaBridgeNode
+from rst_control.ros.kinova.guard_node import GuardNode
+from rst_control.ros.kinova.hardware import KinovaHardware
+
+
+class Topic:
+    """Notes what is published on it, among all that is sent."""
+
+    def __init__(self, name, sent):
+        self.name, self.sent = name, sent
+
+    def publish(self, _):
+        self.sent.append(self.name)
+
+
+class Plan:
+    """Braking in three steps."""
+
+    left = 3
+
+    @property
+    def is_over(self):
+        return self.left == 0
+
+    def step(self, _):
+        self.left -= 1
+        return SimpleNamespace(tolist=lambda: [0.1] * 7)
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch):
+    monkeypatch.setattr(hardware.time, "sleep", lambda _: None)
+
+
+def closed(plan):
+    """What is sent by hardware that is closed."""
+    sent, arm = [], object.__new__(KinovaHardware)
+    arm._speeds, arm._stop, arm._is_closed = Topic("speeds", sent), Topic("stop", sent), False
+    arm.close(plan, lambda: sent.append("beat"))
+    return arm, sent
+
+
+def test_the_guard_hears_a_beat_with_each_velocity_and_with_each_stop_of_the_end():
+    _, sent = closed(Plan())
+    assert sent[:6] == ["speeds", "beat"] * 3
+    assert sent[6:] == ["stop", "beat"] * (len(sent[6:]) // 2) and len(sent) > 8
+
+
+def test_an_arm_that_is_not_led_is_stopped_and_the_guard_hears_it():
+    arm, sent = closed(None)
+    assert set(sent) == {"stop", "beat"}
+    before = len(sent)
+    arm.send_speeds(None)
+    assert len(sent) == before
+
+
+def test_the_loop_leads_nobody_while_the_bridge_is_closed(monkeypatch):
+    """rospy calls what is to be done at the end before it says that it ends."""
+    rounds, looks = [], iter([False] * 5 + [True])
+    node = object.__new__(KinovaBridgeNode)
+    node._config, node._latest, node._is_closing = SimpleNamespace(rate=200.0), 0.0, False
+    node._bridge = SimpleNamespace(brake_plan=lambda _: None)
+    node._hardware = SimpleNamespace(close=lambda plan, beat: None)
+    node._config.arm = SimpleNamespace(period=0.025)
+
+    def one_round():
+        rounds.append(1)
+        if len(rounds) == 2:
+            node.close()
+        return 0.0
+
+    node._round = one_round
+    monkeypatch.setattr(bridge_node, "ask_for_priority", lambda: "none")
+    monkeypatch.setattr(bridge_node.rospy, "is_shutdown", lambda: next(looks))
+    node.run()
+    assert len(rounds) == 2
+
+
+def test_a_beat_waits_until_the_guard_has_sent_what_it_decided():
+    sent, looks, goes_on = [], threading.Event(), threading.Event()
+
+    def speeds_due(_):
+        looks.set()
+        assert goes_on.wait(30.0)
+        return SimpleNamespace(tolist=lambda: [0.1] * 7)
+
+    node = object.__new__(GuardNode)
+    node._lock, node._speeds = threading.Lock(), Topic("speeds", sent)
+    heard = SimpleNamespace(heard=lambda *_: sent.append("heard"), speeds_due=speeds_due)
+    node._guard = heard
+    guarding = threading.Thread(target=node._guard_once)
+    guarding.start()
+    assert looks.wait(30.0)
+    beating = threading.Thread(target=node._on_beat, args=(BridgeBeat(),))
+    beating.start()
+    beating.join(0.05)
+    goes_on.set()
+    guarding.join()
+    beating.join()
+    assert sent == ["speeds", "heard"]
+
+
+@pytest.mark.parametrize(("answers", "firmware"), [([None, "2.5.2"], "2.5.2"), ([None] * 99, "")])
+def test_the_firmware_is_asked_for_a_few_times_whether_limits_are_read_or_not(
+    monkeypatch, answers, firmware
+):
+    asked = []
+
+    def ask(_):
+        answer = answers[len(asked)]
+        asked.append(answer)
+        if answer is None:
+            raise arm_report.rospy.ROSException("no answer")
+        return answer
+
+    monkeypatch.setattr(arm_report, "ask_firmware", ask)
+    monkeypatch.setattr(arm_report.rospy, "logwarn_throttle", lambda *_: None)
+    monkeypatch.setattr(arm_report.rospy, "is_shutdown", lambda: len(looks) > 20)
+    looks = []
+    monkeypatch.setattr(arm_report.time, "sleep", looks.append)
+    facts = object.__new__(ArmFacts)
+    facts._namespace, facts._is_wanted, facts.firmware = "my_gen3", lambda: False, ""
+    facts._ask()
+    assert facts.firmware == firmware
+    assert len(asked) == (2 if firmware else FIRMWARE_TRIES)
