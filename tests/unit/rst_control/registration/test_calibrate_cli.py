@@ -88,6 +88,20 @@ def test_poses_in_motion_count_only_when_asked_for(capsys, session):
     assert "residual 0.000 mm" not in printed(capsys, session, "--moving")
 
 
+def test_a_trocar_that_moved_half_way_is_refused_and_the_poses_are_shown(capsys, tmp_path, visit):
+    """The robot's base turned by 0.02 rad: 8 mm at the trocar."""
+    half = len(visit) // 2
+    slipped = [(q + 0.02 * np.eye(10)[0], speed) for q, speed in visit[half:]]
+    path = write_mcap(tmp_path / "slipped.mcap", [*visit[:half], *slipped])
+    with pytest.raises(SystemExit) as end:
+        main([str(path)])
+    shown = capsys.readouterr()
+    assert end.value.code == 1
+    assert "mm from the common point, allowed 1.000 mm" in shown.err
+    assert "pose 6" in shown.out
+    assert "# for scene.yaml" not in shown.out and "set_trocar" not in shown.out
+
+
 def test_joints_may_come_in_any_order(capsys, tmp_path, visit):
     order = [7, 2, 9, 0, 1, 6, 5, 4, 3, 8]
     names = [JOINTS[n] for n in order]

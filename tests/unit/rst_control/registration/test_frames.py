@@ -50,6 +50,14 @@ def test_an_old_frame_is_refused_with_its_age():
     assert refused.words == "frame 'camera' 0.50 s old, allowed 0.20 s"
 
 
+def test_a_frame_from_the_future_is_refused():
+    """The clock of another host is ahead: its last transform would be taken for as long."""
+    refused = frames(age=-10.0).in_base("camera", 10.0, 0.2)
+    assert refused.reason is Reason.TRACKER_STALE
+    assert "stamped 10.00 s ahead, allowed 0.05 s" in refused.words
+    assert not isinstance(frames(age=-0.04).in_base("camera", 10.0, 0.2), Cause)
+
+
 def test_a_circle_of_frames_is_refused():
     known = Frames()
     known.put("a", Link("b", np.eye(4), np.inf))

@@ -203,7 +203,13 @@ def tracked(here, point, seconds=0.7, is_taken=True, pull=()):
     """Track a point for a while; returns the answers of what was asked for."""
     tracking = here.rig.config.controller.tracking
     tracking = replace(tracking, grasp_point=replace(tracking.grasp_point, is_taken=is_taken))
-    grasp, answers = TrackedGrasp(tracking, here.rig.context, here.registrar), []
+    grasp = TrackedGrasp(tracking, here.rig.context, here.registrar)
+    return reported(here, grasp, point, seconds, pull)
+
+
+def reported(here, grasp, point, seconds=0.7, pull=()):
+    """The same of one that goes on."""
+    answers = []
     for number in range(round(seconds / PERIOD)):
         if number % 10 == 0:
             grasp.update(Report(np.array(point), here.rig.now, pull))
@@ -226,6 +232,46 @@ def test_a_tracked_point_that_is_refused_is_asked_for_once():
     here = setting()
     (reply,) = tracked(here, here.first + np.array([0.0, 0.02, 0.0]))
     assert not reply.accepted and "from a node" in reply.message
+
+
+def follower(here):
+    tracking = here.rig.config.controller.tracking
+    tracking = replace(tracking, grasp_point=replace(tracking.grasp_point, is_taken=True))
+    return TrackedGrasp(tracking, here.rig.context, here.registrar)
+
+
+def test_a_refusal_is_reported_and_holds_until_the_situation_changes():
+    here = setting()
+    beside = here.first + np.array([0.0, 0.02, 0.0])
+    grasp = follower(here)
+    assert len(reported(here, grasp, beside)) == 1
+    assert "from a node" in grasp.objection(here.rig.now).words
+    here.rig.say("stop")
+    here.rig.run(0.3)
+    here.rig.say("hey robot")
+    here.rig.run(0.3)
+    (again,) = reported(here, grasp, beside)
+    assert not again.accepted
+
+
+def test_a_point_that_a_person_sets_after_the_tracked_one_stays():
+    here = setting()
+    grasp, point, other = follower(here), here.node(aside=0.008), here.node(aside=0.004)
+    (reply,) = reported(here, grasp, point)
+    assert reply.accepted, reply.message
+    here.accepted(other)
+    assert reported(here, grasp, point) == []
+    np.testing.assert_allclose(here.point, other, atol=1e-9)
+
+
+def test_another_way_of_the_pull_alone_is_taken():
+    here = setting()
+    grasp, point = follower(here), here.node(aside=0.008)
+    for pull in ((0.0, 0.0, 1.0), (-0.3, 0.0, 1.0)):
+        (reply,) = reported(here, grasp, point, pull=pull)
+        assert reply.accepted, reply.message
+        assert here.scene.pull_direction == pull
+    assert reported(here, grasp, point, pull=(-0.3, 0.0, 1.0)) == []
 
 
 @pytest.mark.parametrize("phase", ["reach", "pull"])

@@ -74,6 +74,29 @@ def test_a_far_place_is_refused_and_so_is_none(away):
     refused(place.taken(now), Reason.TRACKER_TOO_FAR, "mm from that of scene.yaml")
 
 
+def test_one_report_that_is_no_number_is_a_jump():
+    place, now = steady([HOME] * 60 + [HOME * np.nan] + [HOME] * 5)
+    refused(place.taken(now), Reason.TRACKER_JUMPED, "went nan mm")
+
+
+@pytest.mark.parametrize("flips", [[0], [3], [0, 3]])
+def test_a_way_of_the_pull_that_flips_is_a_jump(flips):
+    place, now = steady([HOME] * 60)
+    for number in range(5):
+        now += PERIOD
+        way = (0.0, 0.6, -0.8) if number in flips else (0.0, 0.0, 1.0)
+        place.update(Report(HOME, now, way))
+    refused(place.taken(now), Reason.TRACKER_JUMPED, "way of the pull turned")
+
+
+def test_a_steady_way_of_the_pull_is_taken():
+    place, now = steady([HOME] * 60)
+    for number in range(60):
+        now += PERIOD
+        place.update(Report(HOME, now, (0.02 * (number % 2), 0.0, 1.0)))
+    assert place.taken(now).pull == (0.02, 0.0, 1.0)
+
+
 # The trocar.
 
 

@@ -14,13 +14,13 @@ from pathlib import Path
 
 import numpy as np
 
-from rst_control.config import CONFIG_FOLDER, load_motion_config
+from rst_control.config import CONFIG_FOLDER, MotionConfig, load_motion_config
 from rst_control.errors import RstError
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.registration.pivot_calibration import PivotFit, fit_pivot
 from rst_control.registration.pose_file import ArmSample, read_arm, rest_poses
-from rst_control.registration.shaft_poses import fit_words, shaft_line
+from rst_control.registration.shaft_poses import fit_objection, fit_words, shaft_line
 from rst_control.types import Vector
 from typed_config import ConfigError, add_common_options, number_option, run_command
 
@@ -32,12 +32,23 @@ def main(words: Sequence[str] | None = None) -> None:
         sys.exit(status)
 
 
+class NoTrocar(RstError):
+    """The poses have no point in common that is good enough to be the trocar."""
+
+
 def _calibrate(arguments: argparse.Namespace) -> None:
-    print(_report(*_fit(arguments)))
+    config = load_motion_config(arguments.config)
+    poses, fit = _fit(arguments, config)
+    print(_report(poses, fit))
+    if objection := fit_objection(fit, config.rcm.registration.tolerance):
+        raise NoTrocar(objection)
+    x, y, z = (f"{value:.6f}" for value in fit.position)
+    print(f"trocar: [{x}, {y}, {z}]   # for scene.yaml")
+    print(f'rosservice call /rst_control/set_trocar "position: {{x: {x}, y: {y}, z: {z}}}"')
 
 
-def _fit(arguments: argparse.Namespace) -> tuple[list[ArmSample], PivotFit]:
-    config, model = load_motion_config(arguments.config), load_robot()
+def _fit(arguments: argparse.Namespace, config: MotionConfig) -> tuple[list[ArmSample], PivotFit]:
+    model = load_robot()
     rest = config.controller.watchdogs.at_rest_speed
     samples = read_arm(arguments.file, arguments.topic)
     span = (arguments.since, arguments.until)
@@ -52,9 +63,6 @@ def _report(poses: Sequence[ArmSample], fit: PivotFit) -> str:
     lines = [fit_words(fit)]
     for number, (pose, residual) in enumerate(zip(poses, fit.residuals, strict=True), 1):
         lines.append(f"pose {number}, {pose.time:.1f} s: {residual * 1e3:.3f} mm")
-    x, y, z = (f"{value:.6f}" for value in fit.position)
-    lines.append(f"trocar: [{x}, {y}, {z}]   # for scene.yaml")
-    lines.append(f'rosservice call /rst_control/set_trocar "position: {{x: {x}, y: {y}, z: {z}}}"')
     return "\n".join(lines)
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.kinematics.rotations import rotation_of
+from rst_control.registration.tracked_place import FUTURE
 from rst_control.types import BASE, Cause, Reason
 
 Array = NDArray[np.float64]
@@ -82,6 +84,9 @@ class Frames:
             if (late := now - link.stamp) > age:
                 words = f"frame {at!r} {late:.2f} s old, allowed {age:.2f} s"
                 return Cause(Reason.TRACKER_STALE, words)
+            if -math.inf < late < -FUTURE:  # minus infinity: it never moves
+                words = f"frame {at!r} stamped {-late:.2f} s ahead, allowed {FUTURE:.2f} s"
+                return Cause(Reason.TRACKER_STALE, f"{words}: are the clocks of both hosts set?")
             T, at = np.array(link.T @ T), link.parent
         return Cause(Reason.UNKNOWN_FRAME, f"frame {frame!r} hangs in a circle of frames")
 

@@ -43,7 +43,7 @@ class ContextRegistrar(ABC):
 
     @abstractmethod
     def _other(self, context: TrocarContext) -> tuple[float, ...]:
-        """The place [m] that is set by another service, and that this one relies on."""
+        """What is set by another service, and what this one relies on."""
 
     @abstractmethod
     def _note(self, origin: Origin) -> None:

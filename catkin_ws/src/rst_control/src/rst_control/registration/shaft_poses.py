@@ -66,24 +66,34 @@ class ShaftPoses:
 
     def objection(self, fit: PivotFit) -> str:
         """Why a fit is not good enough to be set; empty: it is."""
-        allowed, worst = self._settings.tolerance, int(fit.residuals.argmax())
-        if fit.largest > allowed:
-            return (
-                f"shaft pose {worst + 1} is {fit.largest * 1e3:.3f} mm from the common point, "
-                f"allowed {allowed * 1e3:.3f} mm"
-            )
-        if fit.deviation > allowed:
-            return (
-                f"standard deviation of the common point is {fit.deviation * 1e3:.3f} mm, "
-                f"allowed {allowed * 1e3:.3f} mm"
-            )
-        return ""
+        return fit_objection(fit, self._settings.tolerance)
 
 
 def shaft_line(model: RobotModel, joints: Vector) -> tuple[Vector, Vector]:
     """A point [m] and the direction of the shaft, base frame, for joints (10,) [rad]."""
     T = Configuration(model, planning_joints(joints)[0]).T_base_shaft
     return T[:3, 3], T[:3, 2]
+
+
+def fit_objection(fit: PivotFit, allowed: float) -> str:
+    """Why a fit is not good enough to be the trocar; empty: it is.
+
+    Args:
+        fit: Of the shaft's poses.
+        allowed: Largest residual, and largest standard deviation of the point [m].
+    """
+    worst = int(fit.residuals.argmax())
+    if not fit.largest <= allowed:
+        return (
+            f"shaft pose {worst + 1} is {fit.largest * 1e3:.3f} mm from the common point, "
+            f"allowed {allowed * 1e3:.3f} mm"
+        )
+    if not fit.deviation <= allowed:
+        return (
+            f"standard deviation of the common point is {fit.deviation * 1e3:.3f} mm, "
+            f"allowed {allowed * 1e3:.3f} mm"
+        )
+    return ""
 
 
 def fit_words(fit: PivotFit) -> str:

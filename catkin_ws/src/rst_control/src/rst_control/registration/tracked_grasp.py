@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,9 +12,36 @@ from rst_control.config.tracking import TrackingConfig
 from rst_control.execution.orders import Reply
 from rst_control.registration.grasp_point import GraspPointRegistrar
 from rst_control.registration.registrar import ready
-from rst_control.registration.tracked_place import Report, SteadyPlace
+from rst_control.registration.tracked_place import Report, SteadyPlace, is_other_way
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.types import Cause, Vector
+from rst_control.types import Cause
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A tracked point that was asked for."""
+
+    report: Report
+    serial: int  # of the situation in which it was asked for
+    reply: Future[Reply]
+
+    @property
+    def refusal(self) -> Cause | None:
+        """Why it was refused; None: it was not, or is not yet."""
+        if not self.reply.done() or self.reply.cancelled():
+            return None
+        answer = self.reply.result()
+        return Cause(answer.reason, answer.message) if answer.reason is not None else None
+
+    def holds(self, serial: int) -> bool:
+        """Whether it need not be asked for again in a situation.
+
+        A refusal holds while nothing changes. A point that was set holds: if another one counts
+        since, a person set it.
+        """
+        if self.reply.cancelled():
+            return False
+        return self.refusal is None or serial == self.serial
 
 
 class TrackedGrasp:
@@ -34,7 +62,7 @@ class TrackedGrasp:
         self._config, self._present, self._registrar = config.grasp_point, present, registrar
         home = np.array(present.current.config.scene.grasp_point)
         self._place = SteadyPlace(config.grasp_point, config.age, home)
-        self._tried: Vector | None = None  # [m] the last that was asked for, set or refused
+        self._asked: Asked | None = None  # the newest
 
     def update(self, report: Report) -> None:
         """Take in a report."""
@@ -42,8 +70,10 @@ class TrackedGrasp:
 
     def objection(self, now: float) -> Cause | None:
         """Why the tracked point is not taken now; None: it is, or would be."""
-        found = self._place.taken(now)
-        return found if isinstance(found, Cause) else None
+        found, asked = self._place.taken(now), self._asked
+        if isinstance(found, Cause):
+            return found
+        return asked.refusal if asked is not None and self._is_same(found, asked.report) else None
 
     def step(self, now: float, tracker: str) -> Future[Reply] | None:
         """Ask for the tracked point where it is another than the active one; None: nothing to do.
@@ -55,14 +85,17 @@ class TrackedGrasp:
         found = self._place.taken(now) if self._config.is_taken else None
         if not isinstance(found, Report):
             return None
-        if self._is_near(found.place, np.array(self._present.current.config.scene.grasp_point)):
+        scene, view, asked = self._present.current.config.scene, self._registrar.view(), self._asked
+        if self._is_same(found, Report(np.array(scene.grasp_point), now, scene.pull_direction)):
             return None
-        if self._tried is not None and self._is_near(found.place, self._tried):
-            return None  # it was refused
-        if isinstance(ready(self._present.current, self._registrar.view()), Cause):
+        if asked is not None and self._is_same(found, asked.report) and asked.holds(view.serial):
             return None
-        self._tried = found.place
-        return self._registrar.ask((*found.place.tolist(), *found.pull), tracker)
+        if isinstance(ready(self._present.current, view), Cause):
+            return None
+        reply = self._registrar.ask((*found.place.tolist(), *found.pull), tracker)
+        self._asked = Asked(found, view.serial, reply)
+        return reply
 
-    def _is_near(self, place: Vector, other: Vector) -> bool:
-        return float(np.linalg.norm(place - other)) < self._config.min_change
+    def _is_same(self, found: Report, other: Report) -> bool:
+        is_near = float(np.linalg.norm(found.place - other.place)) < self._config.min_change
+        return is_near and not is_other_way(found.pull, other.pull)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Final
@@ -11,9 +11,11 @@ from typing import Final
 import numpy as np
 
 from rst_control.config.tracking import TrackedGraspConfig
+from rst_control.kinematics.mounting import angle_between
 from rst_control.types import Cause, Reason, Vector
 
 FUTURE: Final = 0.05  # [s] by which a stamp may be ahead: clocks of two hosts differ
+SAME_WAY: Final = float(np.radians(5.0))  # [rad] between ways of the pull that count as one
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +32,13 @@ class Report:
         if last is None or self.stamp > last.stamp:
             return True
         return last.stamp > self.arrived + FUTURE
+
+
+def is_other_way(first: Sequence[float], second: Sequence[float]) -> bool:
+    """Whether two ways of the pull (3,) differ; what names none, (), differs from nothing."""
+    if not first or not second:
+        return False
+    return not angle_between(np.array(first), np.array(second)) <= SAME_WAY  # no number is not
 
 
 def too_old(report: Report, now: float, age: float) -> Cause | None:
@@ -64,33 +73,36 @@ class SteadyPlace:
 
     def __init__(self, config: TrackedGraspConfig, age: float, home: Vector) -> None:
         self._config, self._age, self._home = config, age, np.array(home)
-        self._reports: deque[Report] = deque()
+        self._reports: tuple[Report, ...] = ()  # replaced as one: other threads read it
 
     def update(self, report: Report) -> None:
         """Take in a report; one that is no newer than the last is passed over."""
         last = self._reports[-1] if self._reports else None
         if not report.is_news(last):
             return
-        if last is not None and report.stamp <= last.stamp:
-            self._reports.clear()
-        self._reports.append(report)
-        while report.stamp - self._reports[0].stamp > self._config.steady_time:
-            self._reports.popleft()
+        kept = () if last is not None and report.stamp <= last.stamp else self._reports
+        since = report.stamp - self._config.steady_time
+        self._reports = (*(each for each in kept if each.stamp >= since), report)
 
     def taken(self, now: float) -> Report | Cause:
         """The place, where it is steady, or why it is not taken."""
-        if not self._reports:
+        reports, config = self._reports, self._config
+        if not reports:
             return Cause(Reason.TRACKER_STALE, "no place was tracked yet")
-        newest, config = self._reports[-1], self._config
+        newest = reports[-1]
         refusal = too_old(newest, now, self._age) or too_far(newest.place, self._home, config.range)
         if refusal is not None:
             return refusal
-        places = np.array([report.place for report in self._reports])
+        places = np.array([report.place for report in reports])
         spread = float(np.linalg.norm(places - newest.place, axis=1).max())
-        if spread > (allowed := config.steady_within):
+        if not spread <= (allowed := config.steady_within):  # no number is not
             words = f"tracked place went {spread * 1e3:.1f} mm within {config.steady_time:.1f} s"
             return Cause(Reason.TRACKER_JUMPED, f"{words}, allowed {allowed * 1e3:.1f} mm")
-        since = newest.stamp - self._reports[0].stamp
+        if any(is_other_way(report.pull, newest.pull) for report in reports):
+            words = f"tracked way of the pull turned within {config.steady_time:.1f} s"
+            allowed = float(np.degrees(SAME_WAY))
+            return Cause(Reason.TRACKER_JUMPED, f"{words}, allowed {allowed:.0f} deg")
+        since = newest.stamp - reports[0].stamp
         if since < config.steady_time - self._age:
             words = f"place tracked for {since:.2f} s, allowed from {config.steady_time:.2f} s on"
             return Cause(Reason.TRACKER_STALE, words)

@@ -36,7 +36,8 @@ class TrocarRegistrar(ContextRegistrar):
         return context.trocar
 
     def _other(self, context: TrocarContext) -> tuple[float, ...]:
-        return context.config.scene.grasp_point
+        scene = context.config.scene
+        return (*scene.grasp_point, *scene.pull_direction)
 
     def _note(self, origin: Origin) -> None:
         self._present.trocar_origin = origin

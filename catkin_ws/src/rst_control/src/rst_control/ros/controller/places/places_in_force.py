@@ -17,6 +17,7 @@ import rosgraph
 import rospy
 from geometry_msgs.msg import PointStamped
 
+from rst_control.config import SceneConfig
 from rst_control.errors import RstError
 from rst_control.registration.grasp_point import off_tissue
 from rst_control.registration.trocar_context import (
@@ -55,9 +56,9 @@ class PlacesInForce:
     def step(self) -> None:
         """Publish and keep what was set since the last time; any thread may call it."""
         with self._lock:
-            present, scene = self._present, self._present.current.config.scene
-            is_new = self._show(self._trocar, scene.trocar, present.trocar_origin)
-            if self._show(self._grasp, scene.grasp_point, present.grasp_origin) or is_new:
+            trocar, grasp, scene = self._in_force()
+            is_new = self._show(self._trocar, scene.trocar, trocar)
+            if self._show(self._grasp, scene.grasp_point, grasp) or is_new:
                 self._keep_at = -math.inf
             if time.monotonic() >= self._keep_at:
                 self._keep_at = self._keep()
@@ -69,13 +70,22 @@ class PlacesInForce:
         topic.publish(base_point(place))
         return True
 
+    def _in_force(self) -> tuple[Origin, Origin, SceneConfig]:
+        """Who set trocar and grasp point, and both.
+
+        The control loop replaces places first. So they are read last: a place is never older than
+        who set it, and one that is newer is shown again in the next step.
+        """
+        trocar, grasp = self._present.trocar_origin, self._present.grasp_origin
+        return trocar, grasp, self._present.current.config.scene
+
     def _keep(self) -> float:
         """Hand them to the master; gives when to do so again [s]: never, unless it failed."""
-        present, scene = self._present, self._present.current.config.scene
+        trocar, grasp, scene = self._in_force()
         kept: dict[str, Any] = {}
         for name, origin, numbers in (
-            ("trocar", present.trocar_origin, scene.trocar),
-            ("grasp", present.grasp_origin, (*scene.grasp_point, *scene.pull_direction)),
+            ("trocar", trocar, scene.trocar),
+            ("grasp", grasp, (*scene.grasp_point, *scene.pull_direction)),
         ):
             if origin.source != SCENE:
                 stamp = self._clock.stamp(origin.stamp).to_sec()
