@@ -49,6 +49,13 @@ def test_info_names_a_clock_that_was_set_back_and_publishers_without_end(tmp_pat
     assert "/t: more than 64 nodes published it" in out
 
 
+def test_info_names_what_the_recorder_dropped(tmp_path, capsys):
+    losses = {"/t from /p": "3 dropped, 1 missed"}
+    recording_of(tmp_path / "s.mcap", metadata={"losses": losses})
+    _, out, _ = run(capsys, "info", tmp_path / "s.mcap")
+    assert "lost on /t from /p: 3 dropped, 1 missed\n" in out and "complete" not in out
+
+
 def test_info_of_a_cut_file_says_what_is_lost(story, tmp_path, capsys):
     (tmp_path / "s.mcap").write_bytes(story[0].read_bytes()[:100_000])
     code, out, _ = run(capsys, "info", tmp_path / "s.mcap")
@@ -104,6 +111,22 @@ def test_export_gives_tables_and_the_sound(story, tmp_path, capsys):
 def test_export_of_a_topic_that_was_not_recorded_says_so(story, tmp_path, capsys):
     code, out, _ = run(capsys, "export", story[0], "--out", tmp_path, "--topic", "/none")
     assert code == 0 and "/none: nothing recorded" in out
+
+
+def test_exports_of_two_recordings_of_one_folder_are_kept_apart(story, tmp_path, capsys):
+    folders = {"session": "export", "session_2": "session_2/export"}
+    folders["session_2_recovered"] = "session_2_recovered/export"
+    for name in folders:
+        (tmp_path / f"{name}.mcap").write_bytes(story[0].read_bytes())
+    for name, folder in folders.items():
+        code, out, _ = run(capsys, "export", tmp_path / f"{name}.mcap")
+        assert code == 0 and f"{tmp_path / folder / 'voice_assist_utterance.csv'}: 13 rows" in out
+
+
+def test_the_export_of_a_recording_alone_is_beside_it(story, tmp_path, capsys):
+    (tmp_path / "pivot.mcap").write_bytes(story[0].read_bytes())
+    assert run(capsys, "export", tmp_path / "pivot.mcap")[0] == 0
+    assert (tmp_path / "export" / "voice_assist_utterance.csv").is_file()
 
 
 def test_report_is_written_beside_the_recording(story, tmp_path, capsys):

@@ -72,3 +72,17 @@ def test_recordings_of_one_folder_have_names_and_reports_of_their_own(tmp_path):
 def test_a_folder_without_a_recording_is_named(tmp_path):
     with pytest.raises(SessionMissing, match=r"a folder without session\.mcap"):
         SessionReader(tmp_path)
+
+
+def test_a_recovered_copy_has_a_report_of_its_own_beside_its_original(tmp_path):
+    copy = tmp_path / "session_recovered.mcap"
+    copy.write_bytes(b"a copy")
+    assert report_folder(copy) == tmp_path  # alone
+    (tmp_path / "session.mcap").write_bytes(b"the original")
+    assert report_folder(copy) == tmp_path / "session_recovered"
+    assert report_folder(tmp_path / "session.mcap") == tmp_path
+
+
+def test_a_recording_of_any_other_ending_has_a_place_for_its_report(tmp_path):
+    (tmp_path / "session.mcap.old").write_bytes(b"alone")
+    assert report_folder(tmp_path / "session.mcap.old") == tmp_path

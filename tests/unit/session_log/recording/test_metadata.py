@@ -24,8 +24,9 @@ def test_in_an_image_the_commit_is_the_one_it_was_built_of(tmp_path, monkeypatch
     assert metadata.code_facts(tmp_path) == {"commit": "abc123", "changed_files": ""}
 
 
-def test_outside_a_repository_the_commit_is_unknown(tmp_path):
-    assert metadata.code_facts(tmp_path)["commit"] == "unknown"
+def test_outside_a_repository_the_commit_and_its_changes_are_unknown(tmp_path, monkeypatch):
+    monkeypatch.delenv("VOICE_ASSIST_COMMIT", raising=False)
+    assert metadata.code_facts(tmp_path) == {"commit": "unknown", "changed_files": "unknown"}
 
 
 def test_a_named_file_gets_its_hash_beside_it(tmp_path):
@@ -46,3 +47,13 @@ def test_the_machine_is_described_without_empty_fields():
 
 def test_versions_leave_out_what_is_not_installed():
     assert list(metadata.version_facts(["mcap", "no-such-package-at-all"])) == ["mcap"]
+
+
+def test_changes_that_git_does_not_tell_in_time_are_unknown(tmp_path, monkeypatch):
+    def answer(words, **options):
+        if "status" in words:
+            raise subprocess.TimeoutExpired(words, options["timeout"])
+        return subprocess.CompletedProcess(words, 0, stdout="abc123")
+
+    monkeypatch.setattr(metadata.subprocess, "run", answer)
+    assert metadata.code_facts(tmp_path) == {"commit": "abc123", "changed_files": "unknown"}

@@ -150,6 +150,24 @@ def test_a_recovered_copy_without_its_original_counts(tmp_path):
     assert [p.name for p in recordings([tmp_path])] == ["session_recovered.mcap"]
 
 
+def test_recovered_copies_that_are_named_count_beside_their_originals(tmp_path):
+    for name in ("a", "a_recovered", "b", "b_recovered"):
+        recording_of(tmp_path / f"{name}.mcap")
+    copies = [tmp_path / "a_recovered.mcap", tmp_path / "b_recovered.mcap"]
+    assert recordings(copies) == copies
+    assert [p.stem for p in recordings([tmp_path])] == ["a", "b"]
+    assert [p.stem for p in recordings([tmp_path, copies[1]])] == ["a", "b", "b_recovered"]
+
+
+@pytest.mark.usefixtures("without_figures")
+def test_a_report_over_named_copies_reads_them(tmp_path, report_config):
+    for name in ("a", "a_recovered", "b", "b_recovered"):
+        recording_of(tmp_path / f"{name}.mcap")
+    copies = [tmp_path / "a_recovered.mcap", tmp_path / "b_recovered.mcap"]
+    report = write_folder_report(copies, tmp_path / "out", report_config, with_pages=False)
+    assert report.sessions == 2 and not report.unread
+
+
 def test_a_folder_without_recordings_is_named(tmp_path, report_config):
     with pytest.raises(SessionMissing, match=r"without any recording"):
         write_folder_report([tmp_path], tmp_path / "out", report_config)
@@ -231,3 +249,20 @@ def test_a_session_is_found_by_what_was_heard_asked_refused_and_noted(sessions, 
         assert phrase in noted
     assert sum("Wrong trocar" in heard for heard in words) == 1
     assert '<input type="search"' in text
+
+
+@pytest.mark.usefixtures("without_figures")
+def test_a_session_whose_folder_was_renamed_has_its_new_name(tmp_path, report_config):
+    (tmp_path / "first").mkdir()
+    recording_of(tmp_path / "first" / "session.mcap")
+
+    def names():
+        write_folder_report([tmp_path], tmp_path, report_config, beside=True)
+        text = (tmp_path / "report.html").read_text(encoding="utf-8")
+        return re.findall(r'<a href="[^"]+">(?:<span>)?([^<]+)', text)
+
+    assert names() == ["first"]
+    (tmp_path / "first").rename(tmp_path / "second")
+    assert names() == ["second"]
+    page = (tmp_path / "second" / "report.html").read_text(encoding="utf-8")
+    assert "Session second" in page and "Session first" not in page

@@ -14,7 +14,7 @@ from pathlib import Path
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed, SessionLogError
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.session_folder import RECOVERED
+from session_log.mcap_file.session_folder import RECOVERED, report_folder
 from session_log.mcap_file.summary import RecordingSummary, read_summary
 from session_log.recording.recorder import MANY_PUBLISHERS
 from session_log.replay.command import add_replay_options
@@ -69,7 +69,7 @@ def _export(arguments: argparse.Namespace) -> int:
     topics = config.topics
     wanted = arguments.topic or [topics.utterance, topics.event, topics.state, topics.mode]
     reader = SessionReader(arguments.session)
-    folder = arguments.out or reader.path.parent / "export"
+    folder = arguments.out or report_folder(reader.path) / "export"
     formats: tuple[Format, ...] = FORMATS[arguments.format]
     result = export_topics(reader, folder, wanted, topics.audio, formats)
     for path, rows in result.rows.items():
@@ -142,6 +142,7 @@ def _losses(result: RecordingSummary) -> list[str]:
         lines.append(f"lost {damage.length} bytes at {damage.offset}: {damage.what}")
     if result.missing:
         lines.append(f"{result.missing} messages were received but are not in the file")
+    lines += [f"lost on {name}: {loss}" for name, loss in result.losses.items()]
     lines += [str(step) for step in result.clock_steps]
     for name, topic in result.topics.items():
         if MANY_PUBLISHERS in topic.publishers:
@@ -179,7 +180,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     add_replay_options(replay)
     export = _command(commands, "export", _export, "topics to CSV or Parquet, sound to WAV")
-    export.add_argument("--out", type=Path, help="folder; default: export beside the recording")
+    where = "folder; default: export beside the recording, below its name where others lie there"
+    export.add_argument("--out", type=Path, help=where)
     export.add_argument("--format", choices=("csv", "parquet", "both"), default="csv")
     export.add_argument("--topic", action="append", help="a topic to write, instead of the usual")
     note = _command(commands, "note", _note, "write a note on a recording, for its report")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the figures show, read back from what was drawn."""
 
+import math
+from array import array
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.figures import POOL_FIGURES, SessionMaterial
+from session_log.report.figures.joints import JointsFigure
 from session_log.report.figures.rcm import RcmErrorFigure
 from session_log.report.figures.style import NARROW, WIDE
 from session_log.report.figures.tension import TensionFigure, tension_limit
@@ -18,7 +21,7 @@ from session_log.report.figures.timeline import TimelineFigure
 from session_log.report.pool.pool import Pool
 from session_log.report.session.analysis import command_rows
 from session_log.report.session.extract import extract
-from session_log.report.session.session_data import SessionData
+from session_log.report.session.session_data import SampledTable, SessionData, Span
 from session_log.report.session.shaft import rcm_from_joints
 from session_log.report.session.summary import GivenCommand, summarise
 from session_log.report.session.trials import NOTHING, PhraseTrial, trials
@@ -128,3 +131,37 @@ def test_the_axis_of_the_rcm_error_ends_where_rounding_begins(material):
     low, high = figure.axes[0].get_ylim()
     assert low == pytest.approx(0.01) and high == pytest.approx(100.0)  # µm
     assert min(figure.axes[0].lines[0].get_ydata()) == pytest.approx(0.01)
+
+
+SUM = "$50% off, only $60"  # as mathematics it cannot be read
+
+
+def test_recorded_text_with_dollar_signs_is_drawn_as_it_is(material):
+    row = replace(material.rows[0], command=SUM)
+    data = replace(
+        material.data,
+        phases=[Span(0.0, 20.0, SUM)],
+        joints=SampledTable(("time", SUM), array("d", [0.0, 0.1])),
+    )
+    odd = replace(material, data=data, rows=[row])
+    assert words_of(TimelineFigure().draw(odd, WIDE)).count(SUM) == 2
+    assert SUM in words_of(JointsFigure().draw(odd, WIDE))
+
+
+@pytest.mark.parametrize("name", sorted(POOLED))
+def test_a_command_with_dollar_signs_is_drawn_as_it_is(material, name):
+    given = (GivenCommand(SUM, 0.1, 0.2, "accepted", "", False),)
+    changes = {"given": given, "trials": (PhraseTrial(1.0, SUM, SUM, SUM),)}
+    assert SUM in words_of(POOLED[name].draw(pool_of(material, **changes), WIDE))
+
+
+def test_a_tension_of_the_controller_that_is_no_number_leaves_the_others_drawn(material):
+    table = SampledTable(material.data.controller.columns)
+    tension, target = np.array([1.0, math.nan, math.inf]), np.full(3, 2.0)
+    table.extend(np.arange(3.0), np.zeros(3), tension, target, np.zeros(3), np.zeros(3))
+    nothing = SampledTable(material.data.tension.columns)
+    odd = replace(material, data=replace(material.data, tension=nothing, controller=table))
+    figure = TensionFigure().draw(odd, WIDE)
+    assert list(figure.axes[0].lines[0].get_ydata()) == [1.0]
+    assert figure.axes[0].get_ylim()[1] == pytest.approx(2.5)
+    assert summarise("s", odd.data, [], odd.rcm, odd.config).tension == 1.0

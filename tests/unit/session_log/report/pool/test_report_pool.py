@@ -190,3 +190,22 @@ def test_a_pool_keeps_numbers_not_sessions(summary, report_config):
     pool = pool_of(report_config, summary, summary)
     assert not any(isinstance(v, tuple) and v for v in vars(pool.members[0]).values())
     assert len(pool.latencies().decision) == 22
+
+
+@pytest.mark.parametrize(
+    ("changes", "is_complete"),
+    [
+        ({}, True),
+        ({"checksum": "none"}, True),  # of another recorder
+        ({"checksum": "wrong"}, False),
+        ({"is_closed": False}, False),
+        ({"metadata": [("losses", {"/t from /p": "3 dropped, 0 missed"})]}, False),
+    ],
+)
+def test_a_session_is_complete_where_nothing_was_lost_or_changed(
+    data, report_config, changes, is_complete
+):
+    recording = replace(data.recording, condition=replace(data.recording.condition, **changes))
+    rcm = rcm_from_joints(data, report_config)
+    found = summarise("s", replace(data, recording=recording), [], rcm, report_config)
+    assert found.is_complete is is_complete

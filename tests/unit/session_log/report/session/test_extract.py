@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import math
 
 import numpy as np
 import pytest
 
 from session_log.report.session.extract import extract
+from support.message_classes import class_of
 from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, recording_of
 
 
@@ -103,3 +105,49 @@ def test_what_came_of_a_call_to_a_device_is_kept(tmp_path, report_config):
         ("refused", "light on", "/theatre/light, no answer in 1 s"),
     ]
     assert calls[1].time - calls[0].time == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("odd", [math.nan, math.inf, -math.inf])
+def test_a_force_that_is_no_number_is_left_out_and_the_others_kept(tmp_path, report_config, odd):
+    story = Story()
+    for k, pull in enumerate((1.0, odd, 2.0)):
+        wrench = class_of("geometry_msgs/WrenchStamped")().wrench
+        wrench.force.z = pull
+        story.say(1.0 + k, "/robot/tension", "geometry_msgs/WrenchStamped", wrench=wrench)
+    tension = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config).tension
+    assert list(tension["time"]) == pytest.approx([0.0, 2.0])
+    assert list(tension["tension"]) == [1.0, 2.0]
+
+
+ARM, BOTH = ["a", "b"], ["a", "b", "finger"]
+
+
+@pytest.mark.parametrize(
+    "others",
+    [
+        [(BOTH, [1.0, 1.0, 1.0])],
+        [(ARM, [1.0, 1.0, 1.0]), (ARM, [])],
+        [([], []), ([], [1.0, 1.0])],
+        [(["b", "a"], [1.0, 1.0])],
+    ],
+)
+def test_of_joint_states_of_several_lengths_those_of_the_first_names_are_kept(
+    tmp_path, report_config, others
+):
+    story = Story()
+    rows = [(ARM, [0.1, 0.2]), *others, (ARM, [0.3, 0.4])]
+    for k, (names, position) in enumerate(rows):
+        fields = {"name": names, "position": position}
+        story.say(1.0 + k, "/joint_states", "sensor_msgs/JointState", **fields)
+    found = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config)
+    assert found.joints.columns == ("time", "a", "b")
+    assert list(found.joints["time"]) == pytest.approx([0.0, len(rows) - 1.0])
+    assert list(found.joints["a"]) == [0.1, 0.3] and list(found.joints["b"]) == [0.2, 0.4]
+    assert not found.undecodable and not found.missing_fields
+
+
+def test_joint_states_without_positions_give_no_joints(tmp_path, report_config):
+    story = Story()
+    story.say(1.0, "/joint_states", "sensor_msgs/JointState", name=ARM)
+    found = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config)
+    assert found.joints is None and not found.missing_fields

@@ -89,3 +89,18 @@ def test_a_session_without_stops_has_no_rows():
         RecordedEvent(2.0, "refused", "tense", "busy"),
     ]
     assert stops(events, [Span(0.0, 9.0, "active")]) == []
+
+
+def test_a_second_stop_in_the_same_words_is_a_row_with_its_own_braking_time():
+    words = "nothing between the jaws"
+    events = [RecordedEvent(time, "at_rest", "tense", words) for time in (3.0, 9.0)]
+    states = [Span(2.9, 3.0, "stopping"), Span(3.0, 8.8, "active"), Span(8.8, 9.0, "stopping")]
+    found = stops(events, states)
+    assert [stop.time for stop in found] == [2.9, 8.8]
+    assert [stop.at_rest for stop in found] == pytest.approx([0.1, 0.2])
+
+
+def test_a_latch_belongs_to_the_newer_of_two_stops_in_the_same_words():
+    kinds = ((3.0, "at_rest"), (9.0, "at_rest"), (9.0, "halted"))
+    found = stops([RecordedEvent(time, kind, "tense", OVER) for time, kind in kinds], [])
+    assert [(stop.time, stop.is_latched) for stop in found] == [(3.0, False), (9.0, True)]

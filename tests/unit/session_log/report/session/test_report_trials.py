@@ -24,8 +24,8 @@ def heard(start, transcript, command=""):
     )
 
 
-def judge(config, intended, said):
-    data = SessionData(RecordingSummary(None), said, phrases=COMMANDS)
+def judge(config, intended, said, phrases=COMMANDS):
+    data = SessionData(RecordingSummary(None), said, phrases=phrases)
     data.intended = [IntendedPhrase(time, phrase) for time, phrase in intended]
     return [(t.intended, t.taken) for t in trials(data, config)]
 
@@ -104,3 +104,16 @@ def test_the_same_command_heard_twice_is_one_trial(report_config):
 
 def test_a_session_that_does_not_know_what_was_meant_has_no_trials(report_config):
     assert judge(report_config, [], [heard(1.1, "stop", "stop")]) == []
+
+
+@pytest.mark.parametrize(
+    ("phrase", "expected"), [("tirer plus", ("tirer plus", NOTHING)), ("", (NO_COMMAND, NOTHING))]
+)
+def test_where_nothing_was_heard_what_was_shown_was_meant_in_any_language(
+    report_config, phrase, expected
+):
+    assert judge(report_config, [(1.0, phrase)], [], phrases=()) == [expected]
+
+
+def test_where_the_commands_are_known_other_words_are_none(report_config):
+    assert judge(report_config, [(1.0, "tirer plus")], []) == [(NO_COMMAND, NOTHING)]

@@ -87,6 +87,16 @@ class Batch:
             whole[index] = part if whole.ndim == part.ndim else _objects(part)
         return whole[self.fit]
 
+    def lists(self, name: str) -> NDArray[Any]:
+        """An array of strings of the messages that fit, shape (m,), each a tuple of any length."""
+        whole = np.empty(self._size, object)
+        for table in self._tables:
+            fields = [f for f in table.rows.dtype.names or () if f.startswith(f"{name}[")]
+            columns = [_plain(table.rows[f]) for f in fields]
+            for row, place in enumerate(table.index):
+                whole[place] = tuple(column[row] for column in columns)
+        return whole[self.fit]
+
     def _sorted(self, payloads: Sequence[bytes]) -> Iterator[Table]:
         by_size: dict[int, list[int]] = {}
         for place, payload in enumerate(payloads):

@@ -49,7 +49,7 @@ def open_session(folder: Path, name: str, started: int, suffix: str = "") -> Ses
 def recordings(inputs: Iterable[Path]) -> list[Path]:
     """Every recording that is named or lies below a named folder, each once, in order of name.
 
-    A recovered copy is left out where its original lies beside it.
+    A recovered copy that a search finds is left out where its original lies beside it.
 
     Raises:
         SessionMissing: Something named is not there, or holds no recording.
@@ -58,12 +58,12 @@ def recordings(inputs: Iterable[Path]) -> list[Path]:
     for path in inputs:
         if not path.exists():
             raise SessionMissing(path, "no such file or folder")
-        below = [path] if path.is_file() else sorted(filter(Path.is_file, path.rglob("*.mcap")))
+        below = [path] if path.is_file() else _found_below(path)
         if not below:
             raise SessionMissing(path, "a folder without any recording (*.mcap) in or below it")
         for recording in below:
             found.setdefault(recording.resolve(), recording)
-    return [recording for recording in found.values() if not _is_copy(recording)]
+    return list(found.values())
 
 
 def session_name(recording: Path) -> str:
@@ -78,8 +78,16 @@ def session_name(recording: Path) -> str:
 def report_folder(recording: Path) -> Path:
     """Where the report of a recording goes: beside it, below its name where others lie there."""
     folder = recording.parent
-    is_alone = recording.name == RECORDING or len(recordings([folder])) < 2
-    return folder if is_alone else folder / recording.stem
+    if recording.name == RECORDING:
+        return folder
+    mine = recording.resolve()
+    has_others = _is_copy(recording) or any(r.resolve() != mine for r in _found_below(folder))
+    return folder / recording.stem if has_others else folder
+
+
+def _found_below(folder: Path) -> list[Path]:
+    files = sorted(filter(Path.is_file, folder.rglob("*.mcap")))
+    return [recording for recording in files if not _is_copy(recording)]
 
 
 def _is_copy(recording: Path) -> bool:

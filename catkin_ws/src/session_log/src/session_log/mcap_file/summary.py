@@ -46,6 +46,11 @@ class RecordingSummary:
         return sum(topic.missing for topic in self.topics.values())
 
     @property
+    def losses(self) -> dict[str, str]:
+        """What the recorder itself says was lost, by topic and publisher."""
+        return self.condition.latest("losses")
+
+    @property
     def start(self) -> int:
         """Time of the first message [ns]; zero for an empty file."""
         return min((t.first for t in self.topics.values()), default=0)

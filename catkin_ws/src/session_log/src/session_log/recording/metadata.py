@@ -23,12 +23,14 @@ def code_facts(folder: Path) -> dict[str, str]:
     """Name the git commit of the working tree that holds `folder`, and whether it was changed.
 
     Where there is none, as in the image, the commit is that of VOICE_ASSIST_COMMIT.
+    What is not known is "unknown".
     """
     commit = _git(folder, "rev-parse", "HEAD")
     if not commit:
-        return {"commit": os.environ.get("VOICE_ASSIST_COMMIT") or "unknown", "changed_files": ""}
+        built = os.environ.get("VOICE_ASSIST_COMMIT")
+        return {"commit": built or "unknown", "changed_files": "" if built else "unknown"}
     changed = _git(folder, "status", "--porcelain")
-    return {"commit": commit, "changed_files": changed}
+    return {"commit": commit, "changed_files": "unknown" if changed is None else changed}
 
 
 def machine_facts() -> dict[str, str]:
@@ -88,7 +90,8 @@ def file_hash(path: Path) -> str:
         return ""
 
 
-def _git(folder: Path, *words: str) -> str:
+def _git(folder: Path, *words: str) -> str | None:
+    """What git answers; None where it fails or takes too long."""
     try:
         done = subprocess.run(
             ["git", "-C", str(folder), *words],
@@ -98,7 +101,7 @@ def _git(folder: Path, *words: str) -> str:
             check=True,
         )
     except (OSError, subprocess.SubprocessError):
-        return ""
+        return None
     return done.stdout.strip()
 
 

@@ -122,6 +122,8 @@ class _VoiceReader:
         self._stream = StreamWatch()
         self._voice = RecordedVoice()
         self._early_notes: list[str] = []  # of a run whose first sound has not come yet
+        self._parameters: Mapping[str, str] = {}  # as of the newest sound
+        self._facts: Mapping[str, str] = {}  # as of the newest sound
         self._takers = {
             topics.audio: self._audio,
             topics.utterance: self._utterance,
@@ -143,6 +145,7 @@ class _VoiceReader:
                 voice.missing_fields.add(str(error))
             except (Undecodable, AttributeError):
                 voice.undecodable += 1
+        self._note_condition()  # nothing that came after the newest sound is of a further run
         self._end_run()
         return voice
 
@@ -152,6 +155,7 @@ class _VoiceReader:
             self._end_run()
             self._voice.runs.append(VoiceRun(notes=self._early_notes))
             self._early_notes = []
+        self._note_condition()
 
     def _utterance(self, m: Any, missing: int) -> None:
         self._voice.utterances.append(
@@ -181,12 +185,17 @@ class _VoiceReader:
         runs = self._voice.runs
         (runs[-1].notes if runs else self._early_notes).append(m.data)
 
+    def _note_condition(self) -> None:
+        """Keep what is known now: before its first sound, the next run records its own."""
+        condition = self._reader.condition
+        self._parameters = condition.latest(PARAMETERS)
+        self._facts = condition.latest(self._config.facts)
+
     def _end_run(self) -> None:
-        """Settings as last recorded before the run ended."""
         if self._voice.runs:
-            run, condition = self._voice.runs[-1], self._reader.condition
-            run.settings = _settings(condition.latest(PARAMETERS), self._config.settings)
-            run.facts = condition.latest(self._config.facts)
+            run = self._voice.runs[-1]
+            run.settings = _settings(self._parameters, self._config.settings)
+            run.facts = self._facts
 
 
 def sound_of(content: Any) -> RecordedSound:

@@ -101,7 +101,7 @@ def _losses(recording: RecordingSummary) -> tuple[list[str], list[str]]:
     """What was lost before the recorder: what is worth a warning, and a few messages of many."""
     warned: list[str] = []
     noted: list[str] = []
-    for name, loss in recording.condition.latest("losses").items():
+    for name, loss in recording.losses.items():
         lost = sum(map(int, re.findall(r"\d+", loss)))
         topic = recording.topics.get(name.split(" ", 1)[0])
         of = f" of {topic.messages + lost} messages" if topic else ""

@@ -64,7 +64,7 @@ class AccuracyFigure(PoolFigure):
         for y, (_, (hits, total, share), color) in enumerate(bars):
             _draw_bar(ax, y, share, color)
             write_at_right(ax, y, f"{hits}/{total}")
-        ax.set_yticks(range(len(bars)), [name for name, *_ in bars])
+        ax.set_yticks(range(len(bars)), [name for name, *_ in bars], parse_math=False)
         ax.set_ylim(len(bars) - 0.5, -0.5)
         ax.set_xlim(0.0, 100.0)
         ax.set_xlabel("taken as meant [%]")

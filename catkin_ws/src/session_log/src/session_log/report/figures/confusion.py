@@ -57,9 +57,9 @@ class ConfusionFigure(PoolFigure):
                     ax.text(x, y, str(count), ha="center", va="center", color=ink, fontsize=8)
         ax.set_xlim(-0.5, len(columns) - 0.5)
         ax.set_ylim(len(rows) - 0.5, -0.5)
-        ax.set_yticks(range(len(rows)), rows)
+        ax.set_yticks(range(len(rows)), rows, parse_math=False)
         turn = {"rotation": 30.0, "ha": "left"} if layout.is_wide else {"rotation": 90.0}
-        ax.set_xticks(range(len(columns)), columns, **turn)
+        ax.set_xticks(range(len(columns)), columns, parse_math=False, **turn)
         ax.xaxis.tick_top()
         ax.xaxis.set_label_position("top")
         ax.tick_params(length=0)

@@ -61,7 +61,8 @@ class JointsFigure(SessionFigure):
             words = "no limit" if margin is None else f"{math.degrees(margin):.1f}°"
             color = RED if margin is not None and margin < CLOSE else INK
             write_at_right(ax, y, words, color if margin is not None else QUIET)
-        ax.set_yticks(range(len(names)), [n.replace("joint_", "") for n in names])
+        shown = [n.replace("joint_", "") for n in names]
+        ax.set_yticks(range(len(names)), shown, parse_math=False)
         ax.set_ylim(len(names) - 0.5, -0.5)
         ax.set_ylabel("joint")
         ax.set_xlabel("position [°]   (right: smallest margin to a limit)")

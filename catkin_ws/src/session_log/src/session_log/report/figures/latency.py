@@ -84,7 +84,7 @@ def _label(ax: Axes, commands: Sequence[str], layout: Layout) -> None:
     ax.plot([], [], marker="o", ms=4.5, color=BLUE, ls="", label="action")
     ax.plot([], [], marker="|", ms=9, mew=1.4, color=INK, ls="", label="median of action")
     ax.plot([], [], marker="D", ms=5, mfc="none", color=RED, ls="", label="paper, mean")
-    ax.set_yticks(range(len(commands)), commands)
+    ax.set_yticks(range(len(commands)), commands, parse_math=False)
     ax.set_ylim(len(commands) - 0.5, -0.5)
     ax.set_xlim(left=min(0.0, ax.get_xlim()[0]))
     wide = "time from the end of speech to the robot's action [s]"

@@ -57,9 +57,10 @@ class TensionFigure(SessionFigure):
         ax = figure.subplots()
         shade_motion(ax, data.states)
         measured: SampledTable = data.tension if len(data.tension) else data.controller
-        time, tension = thin(measured["time"], measured["tension"])
+        is_known = np.isfinite(measured["tension"])
+        time, tension = thin(measured["time"][is_known], measured["tension"][is_known])
         ax.plot(time, tension, color=BLUE, lw=0.9, label="measured")
-        top = float(tension.max())
+        top = float(tension.max(initial=0.0))
         if len(data.controller):
             target = data.controller["target"]
             shown = np.where(target > 0, target, np.nan)

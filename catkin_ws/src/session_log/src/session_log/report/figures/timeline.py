@@ -185,6 +185,7 @@ def _draw_label(ax: Axes, label: TimelineLabel, left: float, y: float) -> None:
         fontsize=7,
         color=label.color,
         style=label.style,
+        parse_math=False,  # what was heard may hold dollar signs
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
         zorder=2,
     )
@@ -223,7 +224,13 @@ def _draw_bands(ax: Axes, material: SessionMaterial, row: TimelineRow) -> None:
         wide_enough = span.end - span.start > (len(span.word) + 0.5) * 0.75 * row.letter
         if span.word and wide_enough and row.start <= span.start and span.end <= row.end:
             middle = (span.start + span.end) / 2
-            ax.text(middle, 0.0, span.word, ha="center", va="center", fontsize=6.5)
+            ax.text(
+                *(middle, 0.0, span.word),
+                ha="center",
+                va="center",
+                fontsize=6.5,
+                parse_math=False,
+            )
     for kind, (shape, color, _) in MARKS.items():
         times = [e.time for e in data.events if e.kind == kind and row.start <= e.time < row.end]
         ones = [1.0] * len(times)

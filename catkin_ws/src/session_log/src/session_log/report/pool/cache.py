@@ -11,15 +11,16 @@ from hashlib import sha256
 from pathlib import Path
 
 from session_log.config import ReportConfig
+from session_log.mcap_file.session_folder import session_name
 from session_log.report.notes import Note
 from session_log.report.session.summary import SessionSummary, from_json
 
 FILE_NAME = "report_summary.json"
-VERSION = 4  # of what a summary holds and of how it is computed; raise it when either changes
+VERSION = 5  # of what a summary holds and of how it is computed; raise it when either changes
 
 
 def key_of(recording: Path, config: ReportConfig, notes: Sequence[Note] = ()) -> dict[str, object]:
-    """What a summary and its page depend on: file, notes, settings, and the code's version.
+    """What a summary and its page depend on: name, file, notes, settings, the code's version.
 
     Raises:
         OSError: There is no such recording.
@@ -28,6 +29,7 @@ def key_of(recording: Path, config: ReportConfig, notes: Sequence[Note] = ()) ->
     settings = json.dumps(asdict(config), sort_keys=True).encode()
     return {
         "version": VERSION,
+        "name": session_name(recording),
         "recording": recording.name,
         "size": state.st_size,
         "modified": state.st_mtime_ns,

@@ -221,20 +221,22 @@ class _Extractor:
 
     def _tension(self, batch: Batch, time: Track) -> None:
         force = np.column_stack([batch.column(f"wrench.force.{axis}") for axis in "xyz"])
-        self._data.tension.extend(time, np.linalg.norm(force, axis=1))
+        tension = np.linalg.norm(force, axis=1)
+        is_known = np.isfinite(tension)
+        self._data.tension.extend(time[is_known], tension[is_known])
 
     def _joints(self, batch: Batch, time: Track) -> None:
-        count = sum(name.startswith("name[") for name in batch.names)
-        if not count:
-            return
-        names = np.column_stack([batch.column(f"name[{k}]") for k in range(count)])
+        position = batch.column("position")  # of objects where the messages differ in length
+        rows = list(zip(batch.lists("name"), position, strict=True))
         if self._data.joints is None:
-            self._data.joints = SampledTable(("time", *names[0]))
-        columns = np.array(self._data.joints.columns[1:], object)
-        position = batch.column("position")
-        if names.shape[1] == len(columns) == position.shape[1]:
-            same = (names == columns).all(axis=1)
-            self._data.joints.extend(time[same], position[same])
+            named = next((names for names, q in rows if 0 < len(names) == len(q)), None)
+            if named is None:
+                return
+            self._data.joints = SampledTable(("time", *named))
+        columns = self._data.joints.columns[1:]
+        same = np.array([names == columns and len(q) == len(columns) for names, q in rows])
+        if same.any():
+            self._data.joints.extend(time[same], np.array(list(position[same])))
 
     def _audio(self, batch: Batch, time: Track) -> None:
         samples = [np.asarray(block, np.int16) for block in batch.column("samples")]

@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 
 from session_log.config import ReportConfig
+from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.session.analysis import (
     VOICE,
     CommandRow,
     loop_timing,
     rcm_while_moving,
+    statistics,
     tension_error,
     tension_with_target,
 )
@@ -92,7 +94,7 @@ class SessionSummary:
     name: str
     started: float  # [s] since 1970; zero if nothing was recorded
     duration: float  # [s]
-    is_complete: bool  # closed, undamaged, nothing missing
+    is_complete: bool  # closed, undamaged, unchanged, nothing missing, no losses recorded
     commit: str
     phrases: tuple[str, ...]
     knows_intent: bool  # whether it was recorded what was meant to be said
@@ -120,7 +122,7 @@ def summarise(
         name=name,
         started=recording.start * 1e-9,
         duration=recording.duration,
-        is_complete=condition.is_closed and not condition.damage and not recording.missing,
+        is_complete=_is_complete(recording),
         commit=condition.latest("code").get("commit", ""),
         phrases=data.phrases,
         knows_intent=bool(data.intended),
@@ -131,7 +133,7 @@ def summarise(
         rcm_joints=moments(rcm.while_moving),
         rcm_above=int(np.count_nonzero(moving > config.rcm_limit)),
         rcm_joints_above=int(np.count_nonzero(rcm.while_moving > config.rcm_limit)),
-        tension=float(pulled.max()) if len(pulled) else math.nan,
+        tension=statistics(pulled).largest,
         tension_error=moments(tension_error(data)),
         margin=min(joint_margins(data).values(), default=math.nan),
         loops=_loops(data, config),
@@ -164,6 +166,12 @@ def from_json(values: dict[str, Any]) -> SessionSummary:
             **{k: MomentSummary(**values[k]) for k in ("rcm", "rcm_joints", "tension_error")},
         }
     )
+
+
+def _is_complete(recording: RecordingSummary) -> bool:
+    condition = recording.condition
+    is_sound = condition.is_closed and not condition.damage and condition.checksum != "wrong"
+    return is_sound and not recording.missing and not recording.losses
 
 
 def _given(row: CommandRow) -> GivenCommand:

@@ -56,7 +56,9 @@ def trials(data: SessionData, config: ReportConfig) -> list[PhraseTrial]:
         elif heard.command:
             found.append(PhraseTrial(heard.speech_start, NOT_SAID, heard.command, heard.transcript))
     for phrase, said in zip(intended, mine, strict=True):
-        found += _judge(phrase, phrase.phrase if phrase.phrase in known else NO_COMMAND, said)
+        # without any utterance, the commands of the session's language are unknown
+        is_known = phrase.phrase in known or (phrase.phrase and not data.phrases)
+        found += _judge(phrase, phrase.phrase if is_known else NO_COMMAND, said)
     return sorted(found, key=lambda trial: trial.time)
 
 

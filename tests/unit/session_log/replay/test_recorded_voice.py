@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Each run of the voice node has the settings that it ran with."""
+
+import pytest
+import yaml
+
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.writer import SessionWriter
+from session_log.replay.command import REPLAY_CONFIG
+from session_log.replay.config import ReplayConfig
+from session_log.replay.recorded_voice import read_voice
+from support.story import Story
+from typed_config import load_file
+
+AUDIO = ("/voice_assist/audio", "voice_assist/AudioChunk")
+BLOCK = 512
+
+
+@pytest.fixture
+def models_of(tmp_path):
+    """The model of each run of a session: blocks of sound by first sample, and named models."""
+
+    def read(*parts):
+        story = Story()
+        with SessionWriter(tmp_path / "session.mcap") as writer:
+            for k, part in enumerate(parts):
+                if isinstance(part, str):
+                    settings = yaml.safe_dump({"model": part})
+                    writer.add_metadata("parameters", {"voice_assist": settings})
+                    writer.add_metadata("session/voice_assist", {"model": part})
+                else:
+                    fields = {"rate": 16_000, "first_sample": part, "samples": [1] * BLOCK}
+                    story.say(1.0 + k, *AUDIO, **fields)
+                    writer.add(story.messages[-1])
+                writer.commit()
+        config = load_file(ReplayConfig, REPLAY_CONFIG)
+        runs = read_voice(SessionReader(tmp_path / "session.mcap"), config).runs
+        found = [run.settings.get("model") for run in runs]
+        assert [run.facts.get("model") for run in runs] == found
+        return found
+
+    return read
+
+
+def test_what_the_next_run_records_before_its_sound_is_not_of_the_run_before(models_of):
+    assert models_of("a", 0, BLOCK, "b", 0, BLOCK) == ["a", "b"]
+
+
+def test_what_is_recorded_during_a_run_is_its_own(models_of):
+    assert models_of("a", 0, "b", BLOCK, "c", 0, "d", BLOCK) == ["b", "d"]
+
+
+def test_the_last_run_has_what_was_recorded_last(models_of):
+    assert models_of("a", 0, "b", 0, BLOCK, "c") == ["a", "c"]
+
+
+def test_a_run_that_ended_before_anything_was_recorded_has_no_settings(models_of):
+    assert models_of(0, "b", 0) == [None, "b"]
